@@ -1,0 +1,290 @@
+//! Ladder frame of a light off-road truck: two closed box rails with front and rear kick-ups, five cross members.
+//! Lengths in mm. The vehicle points to -x: front tips at x = 0, rear ends at x = `length`; y is across, z is up.
+//!
+//! Sizes, and why (light-duty ladder frame; no drawing of the published frame gives any):
+//! - Rails 120 mm deep and 70 mm wide, 4 m long, 780 mm apart inside: mid of the usual 100 to 140 mm of depth;
+//!   overall 920 mm, between the 0.75 m of a small jeep and the 1.0 m of a light truck.
+//! - The rails rise 110 mm over the front axle and 160 mm over the rear one; the kick-ups lie 2.4 m apart,
+//!   the wheelbase of a short jeep. The horns drop 50 mm towards the tips: bumper height, and a bend that starts folds.
+//! - The horns reach 480 mm ahead of the engine member. Folding eats some 0.73 of it: 0.35 m (README.md).
+//! - The engine member is as deep as the rails and 96 mm long, so its four corners meet the rails' corners and
+//!   its flanges lie in theirs. The others are small square tubes of 48 mm, 2.5 mm thick.
+//!
+//! Counting: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange) and 169 along.
+//! A cross member is a tube of n quads around and 36 along, whose end rings are nodes of the rails' inner walls;
+//! the walls run on through the rings. With n = 8 + 18 + 8 + 8 + 8 = 50:
+//! shells `2*16*169 + 36*50 = 7208`, nodes `2*16*170 + 35*50 = 7190`.
+//! `refine = 3` gives 64,872 shells and 64,818 nodes, the class of the 65,000-element car.
+
+use crate::builder::Builder;
+use crate::{Generator, OptionRow, Options};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+
+/// The row of this file in the table of generators.
+pub const GENERATOR: Generator = Generator { name: "jeep_frame", options: OPTIONS, build };
+
+const OPTIONS: &[OptionRow] = &[
+    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 6"),
+    ("length", 4000.0, "overall length [mm]"),
+    ("rail_depth", 120.0, "height of the rail section, mid-surface [mm]"),
+    ("rail_width", 70.0, "width of the rail section, mid-surface [mm]"),
+    ("rail_gap", 780.0, "distance between the inner walls of the rails [mm]"),
+    ("front_height", 110.0, "rise of the rails over the front axle [mm]"),
+    ("rear_height", 160.0, "rise of the rails over the rear axle [mm]"),
+    ("horn_length", 480.0, "front tips to the front of the engine member [mm]"),
+    ("horn_drop", 50.0, "front tips below the engine member [mm]"),
+    ("front_kick_from", 720.0, "x where the front kick-up starts [mm]"),
+    ("front_kick_to", 1220.0, "x where the front kick-up ends [mm]"),
+    ("rear_kick_from", 2650.0, "x where the rear kick-up starts [mm]"),
+    ("rear_kick_to", 3250.0, "x where the rear kick-up ends [mm]"),
+    ("front_beam_at", 72.0, "x of the middle of the front beam [mm]"),
+    ("gearbox_member_at", 1500.0, "x of the middle of the gearbox member [mm]"),
+    ("middle_member_at", 2550.0, "x of the middle of the middle member [mm]"),
+    ("rear_member_at", 3850.0, "x of the middle of the rear member [mm]"),
+    ("front_part_to", 700.0, "x where part rail-front ends [mm]"),
+    ("rear_part_from", 2450.0, "x where part rail-rear starts [mm]"),
+    ("engine_patch", 170.0, "width across of the patch that carries the engine [mm]"),
+    ("rear_patch", 250.0, "length of the rails' rear ends that carry the rear mass [mm]"),
+];
+
+/// Quads on a rail wall, on a rail flange, along a rail, along a cross member; each times `refine`.
+const WALL: usize = 5;
+const FLANGE: usize = 3;
+const ALONG_RAIL: usize = 169;
+const ALONG_MEMBER: usize = 36;
+
+/// Part ids: three of the rails, then the members from front to rear.
+const RAIL_FRONT: u32 = 1;
+const RAIL_MIDDLE: u32 = 2;
+const RAIL_REAR: u32 = 3;
+const FIRST_MEMBER: u32 = 4;
+
+/// A cross member: its end ring as a rectangle of the rail wall, in quads at `refine = 1`.
+struct Member {
+    /// First station of the ring.
+    first: usize,
+    /// Quads along the rail.
+    along: usize,
+    /// Lowest row of the ring, counted from the rail's bottom.
+    low: usize,
+    /// Quads over the rail's depth.
+    deep: usize,
+}
+
+/// Centre line of a rail in the x-z plane: steps of height joined by S-curves.
+struct Path {
+    /// Height at x = 0 [mm].
+    start: f64,
+    /// S-curves: from x, to x, rise [mm].
+    curves: [(f64, f64, f64); 3],
+    /// Overall length [mm].
+    length: f64,
+}
+
+impl Path {
+    /// Height [mm] and slope at x. The S-curve 10u^3 - 15u^4 + 6u^5 is smooth to the second derivative.
+    fn height(&self, x: f64) -> (f64, f64) {
+        self.curves.iter().fold((self.start, 0.0), |(z, slope), &(from, to, rise)| {
+            let u = ((x - from) / (to - from)).clamp(0.0, 1.0);
+            let w = u * (1.0 - u);
+            (z + rise * u * u * u * (10.0 + u * (6.0 * u - 15.0)), slope + rise / (to - from) * 30.0 * w * w)
+        })
+    }
+
+    /// x of `n + 1` stations that cut the line into `n` pieces of equal length.
+    fn stations(&self, n: usize) -> Vec<f64> {
+        let pieces = 64 * n;
+        let step = self.length / pieces as f64;
+        let mut arc = vec![0.0];
+        for i in 0..pieces {
+            let slope = self.height((i as f64 + 0.5) * step).1;
+            arc.push(arc[i] + step * (1.0 + slope * slope).sqrt());
+        }
+        let mut i = 0;
+        (0..=n)
+            .map(|k| {
+                let target = arc[pieces] * (k as f64 / n as f64);
+                while i + 1 < pieces && arc[i + 1] < target {
+                    i += 1;
+                }
+                step * (i as f64 + (target - arc[i]) / (arc[i + 1] - arc[i]))
+            })
+            .collect()
+    }
+}
+
+/// The options, checked and turned into what the mesh is built from.
+struct Plan {
+    refine: usize,
+    path: Path,
+    depth: f64,
+    width: f64,
+    gap: f64,
+    members: [Member; 5],
+    /// Stations at `refine = 1` where part rail-front ends and part rail-rear starts.
+    parts: [usize; 2],
+    /// Quads across of the engine patch, and along of the rear patch, at `refine = 1`.
+    engine: usize,
+    rear: usize,
+}
+
+impl Plan {
+    fn new(options: &Options) -> Result<Self, Vec<Problem>> {
+        let mut wrong = Vec::new();
+        let refine = options.count("refine", 1..=6, &mut wrong);
+        let length = options.real("length", 2000.0..=8000.0, &mut wrong);
+        let depth = options.real("rail_depth", 60.0..=250.0, &mut wrong);
+        let width = options.real("rail_width", 40.0..=160.0, &mut wrong);
+        let gap = options.real("rail_gap", 400.0..=1400.0, &mut wrong);
+        let front = options.real("front_height", 0.0..=300.0, &mut wrong);
+        let rear = options.real("rear_height", 0.0..=300.0, &mut wrong);
+        let drop = options.real("horn_drop", -200.0..=200.0, &mut wrong);
+        let horn = options.real("horn_length", 150.0..=1000.0, &mut wrong);
+        let mut place = |key| options.real(key, 0.0..=length, &mut wrong);
+        let front_kick = (place("front_kick_from"), place("front_kick_to"));
+        let rear_kick = (place("rear_kick_from"), place("rear_kick_to"));
+        let beam = place("front_beam_at");
+        let middles = [place("gearbox_member_at"), place("middle_member_at"), place("rear_member_at")];
+        let parts = [place("front_part_to"), place("rear_part_from")];
+        let engine_patch = options.real("engine_patch", 20.0..=gap, &mut wrong);
+        let rear_patch = options.real("rear_patch", 10.0..=1000.0, &mut wrong);
+
+        // The horn bends between a quarter and nine tenths of its length, clear of front beam and engine member.
+        let curves =
+            [(0.25 * horn, 0.9 * horn, drop), (front_kick.0, front_kick.1, -front), (rear_kick.0, rear_kick.1, rear)];
+        for ((from, to, rise), key) in curves.iter().zip(["horn_length", "front_kick_to", "rear_kick_to"]) {
+            // Largest curvature of the S-curve; a quad at the inner flange must keep two thirds of its length.
+            let needed = (0.5 * depth * 5.7735 * rise.abs() * 3.0).sqrt().max(1.0);
+            if to - from < needed {
+                wrong.push(Problem::error(
+                    format!("scene.{key}"),
+                    format!("an S-curve of height {rise} mm over {:.0} mm is too sharp for this rail", to - from),
+                    format!("make it at least {needed:.0} mm long, or lower"),
+                ));
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+
+        let path = Path { start: front - drop, curves, length };
+        let coarse = path.stations(ALONG_RAIL);
+        let station = |x: f64| (1..ALONG_RAIL).min_by(|&a, &b| (coarse[a] - x).abs().total_cmp(&(coarse[b] - x).abs()));
+        let station = |x: f64| station(x).unwrap_or(1);
+        let small = |x: f64, low| Member { first: station(x) - 1, along: 2, low, deep: 2 };
+        let members = [
+            small(beam, 2),
+            Member { first: station(horn), along: 4, low: 0, deep: WALL },
+            small(middles[0], 1),
+            small(middles[1], 1),
+            small(middles[2], 2),
+        ];
+        let keys = ["front_beam_at", "horn_length", "gearbox_member_at", "middle_member_at", "rear_member_at"];
+        for (pair, key) in members.windows(2).zip(&keys[1..]) {
+            if pair[1].first <= pair[0].first + pair[0].along {
+                wrong.push(Problem::error(
+                    format!("scene.{key}"),
+                    "this cross member touches, or lies ahead of, the one before it",
+                    format!("keep the order {} and a gap between them", keys.join(", ")),
+                ));
+            }
+        }
+        if parts[0] >= parts[1] {
+            wrong.push(Problem::error(
+                "scene.rear_part_from",
+                "part rail-rear starts ahead of the end of part rail-front",
+                "give an x behind front_part_to",
+            ));
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        // An even number of quads, so that the patch stays in the middle.
+        let engine = 2 * ((0.5 * engine_patch * ALONG_MEMBER as f64 / gap).round() as usize).max(1);
+        let parts = parts.map(station);
+        let rear = ALONG_RAIL - station(length - rear_patch);
+        Ok(Self { refine, path, depth, width, gap, members, parts, engine, rear })
+    }
+}
+
+/// Builds the frame.
+fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
+    let plan = Plan::new(options)?;
+    let mut mesh = Builder::default();
+    let rails = [1.0, -1.0].map(|side| add_rail(&mut mesh, &plan, side));
+    for (member, part) in plan.members.iter().zip(FIRST_MEMBER..) {
+        add_member(&mut mesh, &plan, &rails, member, part);
+    }
+    let rear = plan.rear * plan.refine;
+    for rail in &rails {
+        mesh.set("front", rail[0].iter().copied());
+        mesh.set("rear", rail[rail.len() - 1 - rear..].iter().flatten().copied());
+    }
+    Ok(mesh.finish(plan.path.length / (ALONG_RAIL * plan.refine) as f64))
+}
+
+/// Adds the rail on one side (y > 0 for 1.0, y < 0 for -1.0) and returns its rings of nodes from front to rear.
+/// A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that wall.
+fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
+    let (wall, flange) = (WALL * plan.refine, FLANGE * plan.refine);
+    let mut section = Vec::new(); // (outwards from the inner wall, up from the bottom) as fractions
+    section.extend((0..wall).map(|j| (0.0, j as f64 / wall as f64)));
+    section.extend((0..flange).map(|j| (j as f64 / flange as f64, 1.0)));
+    section.extend((0..wall).map(|j| (1.0, 1.0 - j as f64 / wall as f64)));
+    section.extend((0..flange).map(|j| (1.0 - j as f64 / flange as f64, 0.0)));
+
+    let mut rings: Vec<Vec<usize>> = Vec::new();
+    for x in plan.path.stations(ALONG_RAIL * plan.refine) {
+        let (z, slope) = plan.path.height(x);
+        let scale = 1.0 / (1.0 + slope * slope).sqrt();
+        let place = |&(out, up): &(f64, f64)| {
+            // Perpendicular to the centre line, so that no quad is skewed.
+            let d = (up - 0.5) * plan.depth;
+            [x - d * slope * scale, side * (0.5 * plan.gap + out * plan.width), z + d * scale]
+        };
+        rings.push(section.iter().map(|s| mesh.point(place(s))).collect());
+    }
+    for (i, pair) in rings.windows(2).enumerate() {
+        let part = match i / plan.refine {
+            k if k < plan.parts[0] => RAIL_FRONT,
+            k if k < plan.parts[1] => RAIL_MIDDLE,
+            _ => RAIL_REAR,
+        };
+        mesh.strip(part, &pair[0], &pair[1], true);
+    }
+    rings
+}
+
+/// Adds a cross member between the rails; its end rings are nodes of their inner walls.
+fn add_member(mesh: &mut Builder, plan: &Plan, rails: &[Vec<Vec<usize>>; 2], member: &Member, part: u32) {
+    let r = plan.refine;
+    let (i0, i1) = (member.first * r, (member.first + member.along) * r);
+    let (j0, j1) = (member.low * r, (member.low + member.deep) * r);
+    let mut rectangle: Vec<(usize, usize)> = (i0..i1).map(|i| (i, j0)).collect();
+    rectangle.extend((j0..j1).map(|j| (i1, j)));
+    rectangle.extend((i0 + 1..=i1).rev().map(|i| (i, j1)));
+    rectangle.extend((j0 + 1..=j1).rev().map(|j| (i0, j)));
+    let [left, right] = [0, 1].map(|side| rectangle.iter().map(|&(i, j)| rails[side][i][j]).collect::<Vec<_>>());
+
+    let n = ALONG_MEMBER * r;
+    let engine = n / 2 - plan.engine * r / 2..=n / 2 + plan.engine * r / 2;
+    let mut row = left.clone();
+    for k in 1..=n {
+        let next = if k == n {
+            right.clone()
+        } else {
+            let y = plan.gap * (0.5 - k as f64 / n as f64);
+            let beside = |&i: &usize| {
+                let [x, _, z] = mesh.at(i);
+                mesh.point([x, y, z])
+            };
+            left.iter().map(beside).collect()
+        };
+        mesh.strip(part, &row, &next, true);
+        if part == FIRST_MEMBER + 1 && engine.contains(&k) {
+            mesh.set("engine", next.iter().copied());
+        }
+        row = next;
+    }
+}

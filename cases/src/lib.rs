@@ -1,0 +1,59 @@
+//! The mesh generators that job files name, and nothing of how the scenes are solved.
+//!
+//! A scene is a folder beside `src`: its `job.toml`, and its `mesh.rs` if no other scene makes its mesh.
+//! A new generator is one such file and one row of [`GENERATORS`].
+
+mod builder;
+mod options;
+
+#[path = "../jeep-frame/mesh.rs"]
+mod jeep_frame;
+#[path = "../tumble/mesh.rs"]
+mod tumble;
+
+#[cfg(test)]
+mod tests;
+
+pub use options::Options;
+
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+
+/// One row of a generator's options: key in `[scene]`, default, meaning with its unit.
+pub type OptionRow = (&'static str, f64, &'static str);
+
+/// A mesh generator: what it is called, what it can be asked, how it builds.
+pub struct Generator {
+    /// Name in `mesh.generator`.
+    pub name: &'static str,
+    /// Every key that `[scene]` may hold.
+    pub options: &'static [OptionRow],
+    /// Builds the mesh, or says everything that is wrong with the options.
+    pub build: fn(&Options) -> Result<Mesh, Vec<Problem>>,
+}
+
+/// All generators.
+pub const GENERATORS: &[Generator] = &[jeep_frame::GENERATOR, tumble::GENERATOR];
+
+/// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
+///
+/// Keys that the table leaves out keep their defaults. Everything that is wrong comes back at once.
+pub fn generate(name: &str, scene: &toml::Table) -> Result<Mesh, Vec<Problem>> {
+    let Some(generator) = GENERATORS.iter().find(|g| g.name == name) else {
+        let names: Vec<&str> = GENERATORS.iter().map(|g| g.name).collect();
+        return Err(vec![Problem::error(
+            "mesh.generator",
+            format!("there is no mesh generator `{name}`"),
+            options::nearest(name, &names),
+        )]);
+    };
+    let (options, mut problems) = Options::read(generator, scene);
+    match (generator.build)(&options) {
+        Ok(mesh) if problems.is_empty() => Ok(mesh),
+        Ok(_) => Err(problems),
+        Err(more) => {
+            problems.extend(more);
+            Err(problems)
+        }
+    }
+}

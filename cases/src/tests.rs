@@ -1,0 +1,277 @@
+//! What every shipped scene must hold: files that read, meshes without flaws, numbers that the papers give.
+
+use crate::{GENERATORS, generate};
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::Job;
+use crumple_proto::mesh::Mesh;
+use crumple_proto::quality::quality;
+use std::collections::{BTreeMap, BTreeSet};
+
+const JEEP: &str = include_str!("../jeep-frame/job.toml");
+const FLIGHT: &str = include_str!("../flight/job.toml");
+const TUMBLE: &str = include_str!("../tumble/job.toml");
+
+fn job(text: &str) -> Job {
+    toml::from_str(text).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn mesh_of(job: &Job) -> Mesh {
+    let name = job.mesh.generator.as_deref().expect("a shipped scene names a generator");
+    generate(name, &job.scene).unwrap_or_else(|p| panic!("{p:?}"))
+}
+
+fn scene(text: &str) -> toml::Table {
+    text.parse().expect("a table")
+}
+
+fn made(name: &str, options: &str) -> Mesh {
+    generate(name, &scene(options)).unwrap_or_else(|p| panic!("{p:?}"))
+}
+
+/// Undirected edges and how many elements share each.
+fn edges(mesh: &Mesh) -> BTreeMap<(NodeId, NodeId), usize> {
+    let mut edges = BTreeMap::new();
+    for e in &mesh.elements {
+        let c = e.corners();
+        for i in 0..c.len() {
+            let (a, b) = (c[i], c[(i + 1) % c.len()]);
+            *edges.entry((a.min(b), a.max(b))).or_insert(0) += 1;
+        }
+    }
+    edges
+}
+
+/// How many pieces the elements form through shared nodes.
+fn pieces(mesh: &Mesh) -> usize {
+    let mut root: Vec<usize> = (0..=mesh.nodes.len()).collect();
+    fn find(root: &mut [usize], mut i: usize) -> usize {
+        while root[i] != i {
+            root[i] = root[root[i]];
+            i = root[i];
+        }
+        i
+    }
+    for e in &mesh.elements {
+        for pair in e.corners().windows(2) {
+            let (a, b) = (find(&mut root, pair[0].0 as usize), find(&mut root, pair[1].0 as usize));
+            root[a] = b;
+        }
+    }
+    (1..=mesh.nodes.len()).filter(|&i| find(&mut root, i) == i).count()
+}
+
+/// Ids run from 1; no free node, no two nodes in one place, no two elements on the same nodes, no bad element.
+fn assert_sound(mesh: &Mesh) {
+    assert!(mesh.nodes.iter().zip(1..).all(|(n, id)| n.id == NodeId(id)));
+    assert!(mesh.elements.iter().zip(1..).all(|(e, id)| e.id.0 == id));
+    let used: BTreeSet<NodeId> = mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
+    assert_eq!(used.len(), mesh.nodes.len(), "free nodes");
+    for (name, set) in &mesh.node_sets {
+        assert!(!set.is_empty() && set.iter().all(|id| used.contains(id)), "node set {name}");
+    }
+    let q = quality(mesh).unwrap();
+    assert!(q.zero_area.is_empty() && q.dangling.is_empty());
+    // Nodes in one place would differ by round-off only; a thousandth of a side tells them from neighbours.
+    let cell = 1e-3 * q.min_side.value;
+    let places: BTreeSet<[i64; 3]> = mesh.nodes.iter().map(|n| n.x.map(|c| (c / cell).round() as i64)).collect();
+    assert_eq!(places.len(), mesh.nodes.len(), "two nodes in one place");
+    let corners: BTreeSet<BTreeSet<NodeId>> =
+        mesh.elements.iter().map(|e| e.corners().iter().copied().collect()).collect();
+    assert_eq!(corners.len(), mesh.elements.len(), "two elements on the same nodes");
+    assert!(q.min_side.value > 0.5 * q.median_side, "short side {:?}, median {}", q.min_side, q.median_side);
+    assert!(q.max_aspect.value < 2.0, "{:?}", q.max_aspect);
+    assert!(q.max_warpage_deg.value < 0.01, "{:?}", q.max_warpage_deg);
+    assert!(q.min_jacobian.value > 0.6, "{:?}", q.min_jacobian);
+}
+
+/// Mass of the shells of a job [mass].
+fn shell_mass(job: &Job, mesh: &Mesh) -> f64 {
+    let at: BTreeMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let mut mass = 0.0;
+    for e in &mesh.elements {
+        let part = job.part.iter().find(|p| p.id == e.part).expect("every element has a part in the job");
+        let material = job.material.iter().find(|m| m.name == part.material).expect("every part has a material");
+        let x: Vec<_> = e.nodes.iter().map(|id| at[id]).collect();
+        let (d1, d2) = ([0, 1, 2].map(|i| x[2][i] - x[0][i]), [0, 1, 2].map(|i| x[3][i] - x[1][i]));
+        let cross = [0, 1, 2].map(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            d1[j] * d2[k] - d1[k] * d2[j]
+        });
+        mass += 0.5 * cross.iter().map(|c| c * c).sum::<f64>().sqrt() * part.thickness * material.density;
+    }
+    mass
+}
+
+#[test]
+fn jobs_fit_their_meshes() {
+    for text in [JEEP, FLIGHT, TUMBLE] {
+        assert!(text.starts_with("# Units"), "line one states units and what to see");
+        let job = job(text);
+        let mesh = mesh_of(&job);
+        assert_sound(&mesh);
+        assert!(shell_mass(&job, &mesh) > 0.0);
+        let sets =
+            job.mass.iter().map(|m| &m.nodes).chain(job.initial_velocity.iter().filter_map(|v| v.nodes.as_ref()));
+        for set in sets {
+            assert!(mesh.node_sets.contains_key(set), "no node set {set}");
+        }
+        for part in &job.part {
+            assert!(mesh.elements.iter().any(|e| e.part == part.id), "part {} has no elements", part.name);
+        }
+    }
+}
+
+/// Wang 2007, section 3: 7208 four-node shells and 35,950 degrees of freedom at five a node.
+#[test]
+fn jeep_frame_has_the_published_size() {
+    let mesh = made("jeep_frame", "");
+    assert_eq!((mesh.elements.len(), mesh.nodes.len()), (7208, 7190));
+    assert_eq!(5 * mesh.nodes.len(), 35_950);
+    let finer = made("jeep_frame", "refine = 3");
+    assert_eq!((finer.elements.len(), finer.nodes.len()), (64_872, 64_818));
+    assert_sound(&finer);
+}
+
+/// A weld ring's edges belong to the two wall quads and to one quad of the tube; the rails' ends are open.
+#[test]
+fn jeep_frame_is_welded_through_shared_nodes() {
+    for refine in 1..=2 {
+        let mesh = made("jeep_frame", &format!("refine = {refine}"));
+        assert_eq!(pieces(&mesh), 1);
+        let mut count = BTreeMap::new();
+        for n in edges(&mesh).into_values() {
+            *count.entry(n).or_insert(0) += 1;
+        }
+        assert_eq!(count[&1], 4 * 16 * refine, "open ends");
+        assert_eq!(count[&3], 2 * 50 * refine, "weld edges");
+        assert_eq!(count.keys().copied().collect::<Vec<_>>(), [1, 2, 3]);
+    }
+}
+
+#[test]
+fn jeep_frame_carries_masses_where_refinement_leaves_them() {
+    let centre = |mesh: &Mesh, set: &str| {
+        let nodes = &mesh.node_sets[set];
+        let sum = nodes
+            .iter()
+            .map(|id| mesh.nodes[id.0 as usize - 1].x)
+            .fold([0.0; 3], |s, x| [0, 1, 2].map(|i| s[i] + x[i]));
+        sum.map(|s| s / nodes.len() as f64)
+    };
+    let (coarse, fine) = (made("jeep_frame", ""), made("jeep_frame", "refine = 4"));
+    for set in ["engine", "rear", "front"] {
+        let (a, b) = (centre(&coarse, set), centre(&fine, set));
+        assert!(a[1].abs() < 1e-9, "{set} sits on the centre plane");
+        // The finer patch has more nodes inside the same outline: its rear end is an open edge, hence the 3 mm.
+        assert!((0..3).all(|i| (a[i] - b[i]).abs() < 3.0), "{set} {a:?} {b:?}");
+    }
+    let tip = coarse.nodes.iter().map(|n| n.x[0]).fold(f64::INFINITY, f64::min);
+    assert!(tip.abs() < 1e-9, "the front tips are at x = 0, behind the wall of job.toml");
+}
+
+/// The engine, the load and some 100 kg of steel.
+#[test]
+fn jeep_frame_weighs_what_its_notes_say() {
+    let job = job(JEEP);
+    let steel = shell_mass(&job, &mesh_of(&job));
+    let added: f64 = job.mass.iter().map(|m| m.mass).sum();
+    assert_eq!(added, 1300.0);
+    assert!((98.0..104.0).contains(&steel), "{steel} kg of steel");
+}
+
+#[test]
+fn neighbours_in_space_are_neighbours_in_number() {
+    let mesh = made("jeep_frame", "");
+    let widest = mesh.elements.iter().map(|e| e.nodes.iter().max().unwrap().0 - e.nodes.iter().min().unwrap().0);
+    // A slice holds up to 32 nodes of the rails and 35 * 8 of a member's end walls.
+    assert!(widest.max().unwrap() < 800);
+}
+
+#[test]
+fn all_that_is_wrong_with_a_scene_comes_back_at_once() {
+    let table = scene("refin = 2\nhorn_drop = \"deep\"\nrail_depth = 1.0\nrefine = 2.5");
+    let problems = generate("jeep_frame", &table).err().unwrap();
+    let paths: Vec<&str> = problems.iter().map(|p| p.path.as_str()).collect();
+    for path in ["scene.refin", "scene.horn_drop", "scene.rail_depth", "scene.refine"] {
+        assert!(paths.contains(&path), "{paths:?}");
+    }
+    assert!(problems.iter().find(|p| p.path == "scene.refin").unwrap().help.contains("did you mean `refine`?"));
+    let unknown = generate("jeep-fram", &toml::Table::new()).err().unwrap();
+    assert_eq!(unknown[0].path, "mesh.generator");
+    assert!(unknown[0].help.contains("`jeep_frame`"));
+}
+
+#[test]
+fn members_and_curves_that_do_not_fit_are_refused() {
+    let refused = |options: &str, path: &str| {
+        let problems = generate("jeep_frame", &scene(options)).err().unwrap_or_default();
+        assert!(problems.iter().any(|p| p.path == path), "{options}: {problems:?}");
+    };
+    refused("front_kick_to = 800", "scene.front_kick_to");
+    refused("front_height = 0\nfront_kick_to = 720", "scene.front_kick_to");
+    refused("gearbox_member_at = 2560", "scene.middle_member_at");
+    refused("rear_part_from = 100", "scene.rear_part_from");
+}
+
+#[test]
+fn defaults_are_the_values_of_the_job_file() {
+    let shown = job(JEEP).scene;
+    for (key, value) in &shown {
+        let row = GENERATORS[0].options.iter().find(|row| row.0 == key).expect(key);
+        assert_eq!(value.as_float().or(value.as_integer().map(|i| i as f64)), Some(row.1), "{key}");
+    }
+}
+
+/// Least distance between the nodes of different bodies when each moves on without touching [mm].
+fn least_gap(job: &Job, mesh: &Mesh, time: f64) -> f64 {
+    let bodies: Vec<Vec<[f64; 3]>> = job
+        .initial_velocity
+        .iter()
+        .map(|v| {
+            let spin = v.spin.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let (axis, (sin, cos)) = (v.spin.map(|c| c / spin), (spin * time).sin_cos());
+            let turned = |x: [f64; 3]| {
+                let r = [0, 1, 2].map(|i| x[i] - v.centre[i]);
+                let along: f64 = (0..3).map(|i| axis[i] * r[i]).sum();
+                [0, 1, 2].map(|i| {
+                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                    let across = axis[j] * r[k] - axis[k] * r[j];
+                    let turned = cos * r[i] + sin * across + (1.0 - cos) * along * axis[i];
+                    v.centre[i] + turned + time * v.velocity[i]
+                })
+            };
+            let set = &mesh.node_sets[v.nodes.as_ref().expect("a body's node set")];
+            set.iter().map(|id| turned(mesh.nodes[id.0 as usize - 1].x)).collect()
+        })
+        .collect();
+    let mut least = f64::INFINITY;
+    for (i, one) in bodies.iter().enumerate() {
+        for other in &bodies[i + 1..] {
+            for a in one {
+                for b in other {
+                    least = least.min((0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>());
+                }
+            }
+        }
+    }
+    least.sqrt()
+}
+
+/// Bodies start apart and would pass through each other soon. Nearest points of two surfaces lie at most half a
+/// diagonal, 2.1 mm for sides of 3 mm, from a node each; half the thicknesses, 1.5 mm at most, keep surfaces apart.
+#[test]
+fn tumble_starts_apart_and_collides_soon() {
+    let job = job(TUMBLE);
+    let mesh = made("tumble", "refine = 3");
+    let start = least_gap(&job, &mesh, 0.0);
+    assert!(start > 1.5 + 2.0 * 2.2, "{start} mm at the start");
+    let later = least_gap(&job, &mesh, 1.0);
+    assert!(later < 1.0, "{later} mm after 1 ms: the bodies miss each other");
+}
+
+#[test]
+fn tumble_is_small_and_of_seven_pieces() {
+    let mesh = made("tumble", "");
+    assert_eq!((mesh.elements.len(), mesh.nodes.len()), (1200, 1339));
+    assert_eq!(pieces(&mesh), 7);
+}

@@ -1,0 +1,112 @@
+//! Four open box tubes and three plates, turned every way around a common centre and a few mm apart.
+//! Lengths in mm. One node set a body; job.toml throws them at each other.
+//!
+//! A tube is 36 mm square and 108 mm long, a plate 108 mm square, quads 9 mm: 4*192 + 3*144 = 1200 shells,
+//! 4*208 + 3*169 = 1339 nodes. Turns are quaternions of whole numbers, so that no two edges are parallel and
+//! positions take no sines.
+
+use crate::builder::Builder;
+use crate::{Generator, OptionRow, Options};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+
+/// The row of this file in the table of generators.
+pub const GENERATOR: Generator = Generator { name: "tumble", options: OPTIONS, build };
+
+const OPTIONS: &[OptionRow] = &[
+    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 6"),
+    ("spread", 1.0, "distances of the bodies from the centre are this many times the default, 1 to 5"),
+];
+
+/// Side of a quad at `refine = 1` [mm].
+const SIDE: f64 = 9.0;
+/// Quads across a tube's wall, and along a tube or a plate, at `refine = 1`.
+const ACROSS: usize = 4;
+const ALONG: usize = 12;
+
+enum Shape {
+    /// Box tube along the body's own z, open at both ends.
+    Tube,
+    /// Square plate across the body's own z.
+    Plate,
+}
+
+struct Body {
+    name: &'static str,
+    shape: Shape,
+    /// Turn from the body's own axes: quaternion of any length.
+    turn: [f64; 4],
+    /// Centre [mm].
+    centre: [f64; 3],
+}
+
+/// The bodies; part ids count from 1 in this order.
+const BODIES: [Body; 7] = [
+    Body { name: "tube_1", shape: Shape::Tube, turn: [7.0, 1.0, 2.0, 0.0], centre: [0.0, 0.0, 0.0] },
+    Body { name: "tube_2", shape: Shape::Tube, turn: [5.0, 4.0, -1.0, 2.0], centre: [68.0, 6.0, 4.0] },
+    Body { name: "tube_3", shape: Shape::Tube, turn: [6.0, -2.0, 5.0, 1.0], centre: [-86.0, -8.0, 12.0] },
+    Body { name: "tube_4", shape: Shape::Tube, turn: [6.0, 1.0, -4.0, 3.0], centre: [6.0, 80.0, -10.0] },
+    Body { name: "plate_1", shape: Shape::Plate, turn: [5.0, 5.0, 1.0, -1.0], centre: [-6.0, -58.0, 8.0] },
+    Body { name: "plate_2", shape: Shape::Plate, turn: [9.0, 1.0, 2.0, 3.0], centre: [8.0, 4.0, 92.0] },
+    Body { name: "plate_3", shape: Shape::Plate, turn: [9.0, -2.0, 1.0, 1.0], centre: [-8.0, 8.0, -90.0] },
+];
+
+/// Builds the bodies.
+fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
+    let mut wrong = Vec::new();
+    let refine = options.count("refine", 1..=6, &mut wrong);
+    let spread = options.real("spread", 1.0..=5.0, &mut wrong);
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let mut mesh = Builder::default();
+    for (body, part) in BODIES.iter().zip(1..) {
+        let section = match body.shape {
+            Shape::Tube => square(ACROSS * refine),
+            Shape::Plate => (0..=ALONG * refine).map(|i| [i as f64 - 0.5 * (ALONG * refine) as f64, 0.0]).collect(),
+        };
+        let side = SIDE / refine as f64;
+        let turn = matrix(body.turn);
+        let mut rows: Vec<Vec<usize>> = Vec::new();
+        for k in 0..=ALONG * refine {
+            let along = k as f64 - 0.5 * (ALONG * refine) as f64;
+            let place = |&[a, b]: &[f64; 2]| {
+                let own = match body.shape {
+                    Shape::Tube => [a, b, along],
+                    Shape::Plate => [a, along, b],
+                };
+                let x = turn.map(|row| side * (row[0] * own[0] + row[1] * own[1] + row[2] * own[2]));
+                [0, 1, 2].map(|i| spread * body.centre[i] + x[i])
+            };
+            rows.push(section.iter().map(|s| mesh.point(place(s))).collect());
+        }
+        let closed = matches!(body.shape, Shape::Tube);
+        for pair in rows.windows(2) {
+            mesh.strip(part, &pair[0], &pair[1], closed);
+        }
+        mesh.set(body.name, rows.into_iter().flatten());
+    }
+    Ok(mesh.finish(SIDE / refine as f64))
+}
+
+/// Points around a square of `n` sides a wall, in sides from its middle.
+fn square(n: usize) -> Vec<[f64; 2]> {
+    let (n, half) = (n as i64, 0.5 * n as f64);
+    let wall = |i: i64| match i / n {
+        0 => [i, 0],
+        1 => [n, i - n],
+        2 => [3 * n - i, n],
+        _ => [0, 4 * n - i],
+    };
+    (0..4 * n).map(|i| wall(i).map(|c| c as f64 - half)).collect()
+}
+
+/// Rotation matrix of the quaternion (w, x, y, z), of any length.
+fn matrix([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
+    let s = 2.0 / (w * w + x * x + y * y + z * z);
+    [
+        [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
+        [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x)],
+        [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y)],
+    ]
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The whole gate, the same by hand and before a merge: format, lints, documentation, tests.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# shellcheck source=deploy/setup.sh
+source deploy/setup.sh
+
+cargo fmt --all --check
+cargo clippy --workspace --all-targets --all-features -- -D warnings
+RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --all-features
+deploy/test.sh "$@"

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Builds Crumple with MPI and runs a job with a master and its workers on this machine.
+#
+#   deploy/run.sh                                     the jeep frame, into out/jeep-frame
+#   deploy/run.sh cases/tumble --end-time 1           another job; the rest goes to `crumple run`
+#   WORKERS=4 deploy/run.sh                           four workers; otherwise one per core
+set -euo pipefail
+
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then
+    sed -n '2,6s/^# \{0,1\}//p' "$0"
+    exit 0
+fi
+
+caller=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+root=$PWD
+
+# A job that is given is meant from where the caller stands; from the repository's root if it is not there.
+job=$root/cases/jeep-frame
+if [[ $# -gt 0 && $1 != -* ]]; then
+    job=$1
+    shift
+    [[ $job != /* && -e $caller/$job ]] && job=$caller/$job
+fi
+name=$(basename "$job")
+[[ $name == job.toml ]] && name=$(basename "$(dirname "$job")")
+name=${name%.*}
+
+out=
+arguments=("$@")
+for ((i = 0; i < $#; i++)); do
+    case ${arguments[i]} in
+        --out) out=${arguments[i + 1]:-} ;;
+        --out=*) out=${arguments[i]#--out=} ;;
+    esac
+done
+if [[ -z $out ]]; then
+    out=out/$name
+    arguments+=(--out "$out")
+fi
+
+workers=${WORKERS:-$(nproc)}
+if ! [[ $workers =~ ^[1-9][0-9]*$ ]]; then
+    echo "run: WORKERS is '$workers'; it has to be a number from 1" >&2
+    exit 2
+fi
+
+# shellcheck source=deploy/setup.sh
+source deploy/setup.sh
+
+cargo build --release --features mpi -p crumple
+target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+
+echo "run: a master and $workers workers on $job"
+code=0
+mpirun -n $((workers + 1)) "$target/release/crumple" run "$job" "${arguments[@]}" || code=$?
+
+if [[ -f $out/summary.json ]]; then
+    cat <<END
+
+Results in $(cd "$out" && pwd):
+  summary.json      what came of it, in numbers
+  history.csv       energies, contact and wall force over time
+  fields/fields.pvd open it in ParaView; or: python3 deploy/read_fields.py $out
+END
+fi
+[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input, 3 numerical failure, 4 a worker lost, 130 stopped)" >&2
+exit "$code"

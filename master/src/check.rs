@@ -1,0 +1,235 @@
+//! `crumple check`: what a job is, told without running it.
+
+use crate::job::{Model, Report};
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::{ElementRecord, NodeRecord};
+use std::fmt::Write;
+
+/// Corner forces and moments, connectivity in groups and by record, and the list that nodes gather by [byte].
+const ELEMENT_BYTES: usize = 4 * 2 * 32 + 16 + 88 + 4 * 4;
+/// Eleven rows of four numbers, id, owner, fixed bits, mass and inertia [byte].
+const NODE_BYTES: usize = 11 * 32 + 8 + 4 + 8 + 16;
+/// A segment with its box and its points in the search grid [byte].
+const CONTACT_ELEMENT_BYTES: usize = 48 + 48 + 32;
+/// Candidates of a node, and what it remembers of its pairs [byte].
+const CONTACT_NODE_BYTES: usize = 8 + 8 * 8 + 96;
+
+/// Memory that a run takes [byte].
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// Mean over the elements.
+    pub per_element: f64,
+    /// For each node.
+    pub per_node: f64,
+    /// For the whole job, all workers together, with the master's copy.
+    pub total: f64,
+}
+
+/// Estimates the memory of a run from the columns that elements and nodes have.
+pub fn memory(model: &Model) -> Memory {
+    let contact = model.settings.contact.is_some();
+    let master = (size_of::<ElementRecord>(), size_of::<NodeRecord>());
+    let column_bytes = |i: usize| {
+        let element = model.blocks.element(model.elements.part[i] as usize, model.mesh.elements[i].shape);
+        element.map_or(0, |e| 8 * e.columns())
+    };
+    let elements = model.mesh.elements.len() as f64;
+    let columns: usize = (0..model.mesh.elements.len()).map(column_bytes).sum();
+    let fixed = ELEMENT_BYTES + master.0 + if contact { CONTACT_ELEMENT_BYTES } else { 0 };
+    let per_element = fixed as f64 + columns as f64 / elements;
+    let per_node = (NODE_BYTES + master.1 + if contact { CONTACT_NODE_BYTES } else { 0 }) as f64;
+    Memory { per_element, per_node, total: per_element * elements + per_node * model.mesh.nodes.len() as f64 }
+}
+
+/// Everything that `crumple check` prints for `workers` workers.
+pub fn describe(model: &Model, workers: usize) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write(model, workers, &mut out);
+    out
+}
+
+fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
+    let (job, mesh) = (&model.job, &model.mesh);
+    let or = |text: &str, none: &str| if text.is_empty() { none.to_string() } else { text.to_string() };
+    writeln!(out, "job          {}", model.path.display())?;
+    writeln!(out, "title        {}", or(&job.title, "(none)"))?;
+    writeln!(out, "units        {}", or(&job.units, "(not stated)"))?;
+    let count = |shape: Shape| mesh.elements.iter().filter(|e| e.shape == shape).count();
+    writeln!(out, "elements     {} quads, {} triangles", count(Shape::Quad4), count(Shape::Tri3))?;
+    writeln!(out, "nodes        {}", mesh.nodes.len())?;
+    let bound = |pick: fn(f64, f64) -> f64, start: f64| {
+        mesh.nodes.iter().fold([start; 3], |b, n| [0, 1, 2].map(|c| pick(b[c], n.x[c])))
+    };
+    let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+    let range = |c: usize| format!("{} .. {}", figure(low[c]), figure(high[c]));
+    writeln!(out, "box          x {}, y {}, z {}", range(0), range(1), range(2))?;
+    parts(model, out)?;
+    masses(model, out)?;
+    steps(model, out)?;
+    shapes(model, out)?;
+    loads(model, out)?;
+    let memory = memory(model);
+    writeln!(
+        out,
+        "memory       {:.0} bytes an element, {:.0} a node, {:.1} MB in all; {:.1} MB for each of {workers} workers",
+        memory.per_element,
+        memory.per_node,
+        memory.total / 1e6,
+        memory.total / 1e6 / workers as f64
+    )?;
+    writeln!(out)?;
+    if model.warnings.is_empty() {
+        return writeln!(out, "no warnings");
+    }
+    for warning in model.warnings.iter().take(crate::job::report::SHOWN) {
+        writeln!(out, "{}", model.show(warning))?;
+    }
+    match model.warnings.len() {
+        1 => writeln!(out, "1 warning"),
+        n => writeln!(out, "{n} warnings"),
+    }
+}
+
+fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
+    let parts = &model.settings.parts;
+    let mut figures = vec![(0usize, 0.0f64); parts.len()];
+    for (i, &part) in model.elements.part.iter().enumerate() {
+        let figure = &mut figures[part as usize];
+        figure.0 += 1;
+        figure.1 += model.elements.mass[i] * model.elements.mass_factor[i];
+    }
+    let mut rows = vec![["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from)];
+    for (part, (count, mass)) in parts.iter().zip(figures) {
+        rows.push([
+            part.id.to_string(),
+            part.name.clone(),
+            part.element.clone(),
+            part.material.clone(),
+            part.thickness.to_string(),
+            count.to_string(),
+            figure(mass),
+        ]);
+    }
+    writeln!(out)?;
+    let width: Vec<usize> =
+        (0..7).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
+    for row in rows {
+        let mut line = String::new();
+        for (c, cell) in row.iter().enumerate() {
+            let gap = " ".repeat(width[c] - cell.chars().count());
+            // Numbers to the right, names to the left.
+            if matches!(c, 0 | 4 | 5 | 6) { write!(line, "{gap}{cell}  ")? } else { write!(line, "{cell}{gap}  ")? }
+        }
+        writeln!(out, "  {}", line.trim_end())?;
+    }
+    writeln!(out)
+}
+
+fn masses(model: &Model, out: &mut String) -> std::fmt::Result {
+    let (structure, scaled, lumped) = (model.structure_mass(), model.scaled_mass(), model.lumped_mass());
+    let total = structure + scaled + lumped;
+    write!(out, "mass         {} = {} structure + {} lumped", figure(total), figure(structure), figure(lumped))?;
+    if scaled > 0.0 {
+        let percent = 100.0 * scaled / structure;
+        write!(out, " + {} by mass scaling ({} % of the structure)", figure(scaled), figure(percent))?;
+    }
+    writeln!(out)
+}
+
+fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
+    let (dt, at) = model.first_dt();
+    let cycles = (model.settings.end_time / dt).ceil();
+    let limit = match model.settings.max_cycles {
+        0 => String::new(),
+        n => format!(", limited to {n}"),
+    };
+    writeln!(
+        out,
+        "time step    {} (safety {} x {}), set by element {}",
+        figure(dt),
+        model.settings.safety,
+        figure(dt / model.settings.safety),
+        model.mesh.elements[at].id
+    )?;
+    writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)
+}
+
+fn shapes(model: &Model, out: &mut String) -> std::fmt::Result {
+    let q = &model.quality;
+    let (low, high) = (q.min_side, q.max_side);
+    writeln!(
+        out,
+        "sides        {} (element {}) to {} (element {}), median {}",
+        figure(low.value),
+        low.element,
+        figure(high.value),
+        high.element,
+        figure(q.median_side)
+    )?;
+    writeln!(out, "aspect       {} at most (element {})", figure(q.max_aspect.value), q.max_aspect.element)?;
+    writeln!(out, "warpage      {} degrees at most (element {})", figure(q.max_warpage_deg.value), q.max_warpage_deg.element)?;
+    let (worst, element) = (q.min_jacobian.value, q.min_jacobian.element);
+    writeln!(out, "jacobian     ratio {} at least (element {element})", figure(worst))
+}
+
+fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
+    let fixed = model.nodes.fixed.iter().filter(|&&bits| bits != 0).count();
+    let speed = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
+    writeln!(out, "start        fastest node at {}, {fixed} nodes held fixed, {} rigid walls", figure(fastest), model.settings.walls.len())?;
+    match &model.settings.contact {
+        None => writeln!(out, "contact      none"),
+        Some(c) => writeln!(out, "contact      {} with friction {}, search by {} with skin {}", c.law, c.friction, c.search, figure(c.skin)),
+    }?;
+    let fields = model.settings.field_times.len();
+    writeln!(out, "output       a history row every {}, {fields} field files", figure(model.settings.history_interval))
+}
+
+/// Five digits, without an exponent where a person would write none.
+fn figure(x: f64) -> String {
+    if x == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e7).contains(&x.abs()) {
+        return format!("{x:.4e}");
+    }
+    let digits = (4 - x.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// Runs `crumple check`: prints to standard output, or everything that is wrong to standard error.
+/// Gives the exit code.
+pub fn run(args: &crate::cli::JobArgs) -> u8 {
+    let read = || -> Result<String, Report> {
+        let model = crate::job::read(&args.job, &args.sets())?;
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let workers = model.workers(args.workers, cores)?;
+        Ok(describe(&model, workers))
+    };
+    match read() {
+        Ok(text) => {
+            print!("{text}");
+            0
+        }
+        Err(report) => {
+            eprint!("{report}");
+            Report::EXIT_CODE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figure;
+
+    #[test]
+    fn figures_are_short() {
+        let cases = [(0.0, "0"), (1.0, "1"), (1234.5678, "1234.6"), (0.0123456, "0.012346"), (7.85e-6, "7.8500e-6"), (-2.5, "-2.5")];
+        for (x, text) in cases {
+            assert_eq!(figure(x), text);
+        }
+        assert_eq!(figure(123_456.0), "123456");
+    }
+}

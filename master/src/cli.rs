@@ -1,0 +1,132 @@
+//! What can be said on the command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Parallel explicit finite element solver for crash and impact.
+#[derive(Debug, Parser)]
+#[command(name = "crumple", version, about, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 completed; 2 bad input; 3 numerical failure (last good state kept); \
+4 a worker was lost; 130 stopped by the user (state kept).";
+
+const SET_HELP: &str = "Change a key of the job: section.key=value, such as time.safety=0.8, scene.refine=2, \
+end_time=5, part.rail.thickness=3 (a part by name or id, a material or wall by name, others by position from 0). \
+Values are written as in the job; words need no quotes. Units are the job's. May be given many times";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a job.
+    ///
+    /// Workers are threads of this process; under mpirun, rank 0 is the master and all other ranks are workers.
+    Run(RunArgs),
+    /// Read and check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
+    Check(JobArgs),
+}
+
+/// What a job is and how it is changed.
+#[derive(Args, Clone, Debug)]
+pub struct JobArgs {
+    /// A .toml job file, or a folder that holds job.toml.
+    pub job: PathBuf,
+    /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core; under mpirun, ranks - 1].
+    #[arg(long, value_name = "N", value_parser = workers)]
+    pub workers: Option<usize>,
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
+    set: Vec<String>,
+}
+
+/// `crumple run`.
+#[derive(Args, Clone, Debug)]
+pub struct RunArgs {
+    /// The job.
+    #[command(flatten)]
+    pub job: JobArgs,
+    /// Folder for results [default: out/ and the job's name].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Simulated time to run to, in the job's units of time [default: end_time of the job].
+    #[arg(long, value_name = "T", value_parser = time, allow_negative_numbers = true)]
+    pub end_time: Option<f64>,
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl JobArgs {
+    /// All `key=value`, in order.
+    pub fn sets(&self) -> Vec<String> {
+        self.set.clone()
+    }
+}
+
+impl RunArgs {
+    /// All `key=value`, in order, `--end-time` as the last.
+    pub fn sets(&self) -> Vec<String> {
+        let end_time = self.end_time.map(|t| format!("end_time={t:?}"));
+        self.job.sets().into_iter().chain(end_time).collect()
+    }
+
+    /// The folder for results: as given, else `out/` and the name of the job's file or, for `job.toml`, of its folder.
+    pub fn out_dir(&self) -> PathBuf {
+        if let Some(out) = &self.out {
+            return out.clone();
+        }
+        let job = std::fs::canonicalize(&self.job.job).unwrap_or_else(|_| self.job.job.clone());
+        let named_by_folder = job.file_name().is_some_and(|name| name == "job.toml");
+        let name = match named_by_folder {
+            true => job.parent().and_then(|folder| folder.file_name()),
+            false if job.is_dir() => job.file_name(),
+            false => job.file_stem(),
+        };
+        PathBuf::from("out").join(name.unwrap_or("job".as_ref()))
+    }
+}
+
+fn workers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(0) => Err("0 workers cannot run anything; leave --workers out for one per core".into()),
+        Ok(n) => Ok(n),
+        Err(_) => Err("give a whole number from 1".into()),
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(t) if t.is_finite() && t > 0.0 => Ok(t),
+        _ => Err("give a time above 0 in the job's units".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sets_come_in_order_with_the_end_time_last() {
+        let line = "crumple run x.toml --set a=1 --end-time 1e-3 --set b=2 --workers 3";
+        let Command::Run(args) = Cli::parse_from(line.split(' ')).command else { panic!() };
+        assert_eq!(args.sets(), ["a=1", "b=2", "end_time=0.001"]);
+        assert_eq!((args.job.workers, args.out_dir()), (Some(3), PathBuf::from("out/x")));
+    }
+
+    #[test]
+    fn bad_numbers_are_refused_with_exit_code_2() {
+        for line in ["check x --workers 0", "check x --workers -1", "run x --end-time nan", "run x --end-time -1", "run x --end-time 0"] {
+            let error = Cli::try_parse_from(format!("crumple {line}").split(' ')).unwrap_err();
+            assert_eq!(error.exit_code(), 2, "{line}");
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! THE RUN, one page: deal out, listen, decide, write, stop.
+
+use crate::balance::{Balance, Due, Limits};
+use crate::decompose::{Centres, Workers, bisect, drifted};
+use crate::fields::Series;
+use crate::history::{Extras, History};
+use crate::job::Model;
+use crate::progress::{Progress, State};
+use crate::stop::StopFlag;
+use crate::summary::{self, Status, Summary};
+use crumple_proto::boxes::CutTree;
+use crumple_proto::ids::NodeId;
+use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::report::{Closing, Trouble};
+use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::wire::{poll_message, post};
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A master with nothing to do sleeps this long: it must not burn a core that workers want.
+const NAP: Duration = Duration::from_micros(500);
+
+/// Why a run has no summary.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A worker is gone.
+    #[error("a worker was lost: {0}; the results so far are in the output folder")]
+    Lost(#[from] Lost),
+    /// Results cannot be written.
+    #[error("{path}: {error}; choose another folder with --out", path = .path.display())]
+    Output {
+        /// What cannot be written.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+}
+
+/// A run as the master sees it.
+pub struct Control<'a> {
+    model: &'a Model,
+    wire: &'a mut dyn Transport,
+    workers: usize,
+    tree: CutTree,
+    balance: Balance,
+    history: History,
+    series: Series,
+    progress: Progress,
+    out: PathBuf,
+    orders: u64,
+    stop_ordered: bool,
+    /// Workers that have stopped for a low redecomposition, and when the first did.
+    ready: Vec<usize>,
+    ready_since: Option<Instant>,
+    /// Field pieces written, per output index.
+    pieces: BTreeMap<usize, usize>,
+    trouble: Option<Trouble>,
+    closings: Vec<Option<Closing>>,
+    states: Vec<NodeRecord>,
+}
+
+/// Runs a job with the workers at the other ends of `wire`; results go to the folder `out`.
+///
+/// # Errors
+/// A worker is gone, or results cannot be written.
+pub fn run(model: &Model, wire: &mut dyn Transport, out: &Path, quiet: bool, stop: &StopFlag) -> Result<Summary, RunError> {
+    let began = Instant::now();
+    let mut control = Control::new(model, wire, out, quiet)?;
+    control.deal_out()?;
+    while control.closings.iter().any(Option::is_none) {
+        let heard = control.listen()?;
+        if stop.is_raised() && !control.stop_ordered {
+            control.stop_ordered = true;
+            control.progress.say("stopping: the workers finish their cycle and write their state");
+            control.order(Action::Stop)?;
+        } else if let Some(due) = control.balance.due().filter(|_| !control.stop_ordered) {
+            control.redecompose(&due)?;
+        }
+        if control.ready.len() == control.workers {
+            control.recut()?;
+        }
+        control.show();
+        if !heard {
+            std::thread::sleep(NAP);
+        }
+    }
+    control.progress.finish();
+    control.close(began)
+}
+
+impl<'a> Control<'a> {
+    fn new(model: &'a Model, wire: &'a mut dyn Transport, out: &Path, quiet: bool) -> Result<Self, RunError> {
+        let workers = wire.size() - 1;
+        let (job, settings) = (&model.job, &model.settings);
+        let fields = out.join("fields");
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |error| RunError::Output { path, error }
+        };
+        std::fs::create_dir_all(out).map_err(failed(out))?;
+        if fields.exists() {
+            std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
+        }
+        let path = out.join("history.csv");
+        let name = |(i, w): (usize, &crumple_proto::job::Wall)| if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() };
+        let walls = settings.walls.iter().enumerate().map(name).collect();
+        let history = History::new(&path, workers, &job.units, walls).map_err(|e| failed(&path)(e.into()))?;
+        let limits = Limits {
+            imbalance: job.parallel.imbalance,
+            low_every_at_least: job.parallel.low_every_at_least,
+            forced: job.parallel.force_every > 0,
+        };
+        Ok(Self {
+            tree: CutTree::single(),
+            balance: Balance::new(workers, limits),
+            series: Series::new(&fields),
+            progress: Progress::new(settings.end_time, quiet),
+            out: out.to_owned(),
+            orders: 0,
+            stop_ordered: false,
+            ready: Vec::new(),
+            ready_since: None,
+            pieces: BTreeMap::new(),
+            trouble: None,
+            closings: vec![None; workers],
+            states: Vec::new(),
+            model,
+            wire,
+            workers,
+            history,
+        })
+    }
+
+    /// Cuts space into boxes and sends every worker what lies in its own.
+    fn deal_out(&mut self) -> Result<(), Lost> {
+        let (elements, nodes) = self.model.records();
+        let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
+        let centre = |e: &crumple_proto::partition::ElementRecord| {
+            let corners = &e.nodes[..e.shape.corners()];
+            std::array::from_fn(|c| corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64)
+        };
+        let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
+        self.tree = bisect(&mut Centres(centres.clone()), self.workers)?;
+        let mut shares = vec![Vec::new(); self.workers];
+        for (e, &c) in elements.iter().zip(&centres) {
+            shares[self.tree.worker_of(c)].push(*e);
+        }
+        let fields = self.series.dir().to_string_lossy().into_owned();
+        let settings = Settings { field_dir: fields, ..self.model.settings.clone() };
+        for (worker, elements) in shares.into_iter().enumerate() {
+            let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "dealt out");
+            let nodes = ids.iter().map(|id| *of_id[id]).collect();
+            let start = ToWorker::Start { settings: Box::new(settings.clone()), tree: self.tree.clone(), elements, nodes };
+            post(self.wire, worker + 1, Tag::Order, &start)?;
+        }
+        Ok(())
+    }
+
+    /// Takes in what has come from workers; false if nothing had.
+    fn listen(&mut self) -> Result<bool, RunError> {
+        let mut heard = false;
+        for worker in 0..self.workers {
+            while self.closings[worker].is_none() {
+                let Some(message) = poll_message(self.wire, worker + 1, Tag::Report)? else { break };
+                heard = true;
+                self.take(worker, message)?;
+            }
+        }
+        Ok(heard)
+    }
+
+    fn take(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
+        match message {
+            ToMaster::Report(report) => self.balance.take(worker, report),
+            ToMaster::History(part) => {
+                let b = &self.balance;
+                let extras = Extras { cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
+                let path = || self.out.join("history.csv");
+                self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
+            }
+            ToMaster::Fields { index, time } => {
+                let pieces = self.pieces.entry(index).or_default();
+                *pieces += 1;
+                if *pieces == self.workers {
+                    let path = self.series.dir().to_owned();
+                    self.series.add(index, time, self.workers).map_err(|error| RunError::Output { path, error })?;
+                    tracing::info!(index, time, "fields written");
+                }
+            }
+            ToMaster::Ready => {
+                self.ready.push(worker);
+                self.ready_since.get_or_insert_with(Instant::now);
+            }
+            ToMaster::Trouble(trouble) => {
+                tracing::error!(worker, ?trouble, "trouble");
+                self.trouble = Some(trouble);
+            }
+            ToMaster::Closing(closing, states) => {
+                self.closings[worker] = Some(*closing);
+                self.states.extend(states);
+            }
+            ToMaster::Extents(_) | ToMaster::Histograms(_) => tracing::warn!(worker, "answer to no question"),
+        }
+        Ok(())
+    }
+
+    fn order(&mut self, action: Action) -> Result<(), Lost> {
+        self.orders += 1;
+        for rank in 1..=self.workers {
+            post(self.wire, rank, Tag::Order, &ToWorker::Order { number: self.orders, action: action.clone() })?;
+        }
+        Ok(())
+    }
+
+    fn redecompose(&mut self, due: &Due) -> Result<(), Lost> {
+        let last = self.balance.last.iter().max_by_key(|r| r.cycle).cloned().unwrap_or_default();
+        let (kind, why) = match due {
+            Due::High { why } => ("high", why),
+            Due::Low { why } => ("low", why),
+        };
+        tracing::info!(kind, why, cycle = last.cycle, time = last.time, "redecomposition ordered");
+        match due {
+            Due::High { .. } => {
+                let drift: Vec<[f64; 3]> = self.balance.last.iter().map(|r| r.drift).collect();
+                let elements: Vec<u64> = self.balance.last.iter().map(|r| r.elements).collect();
+                self.tree = drifted(&self.tree, &drift, &elements);
+                self.order(Action::Renew(self.tree.clone()))?;
+            }
+            Due::Low { .. } => self.order(Action::Recut)?,
+        }
+        self.balance.ordered(self.orders, due);
+        if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
+            self.progress.say(&format!("{kind} redecomposition at T={:.4e}, cycle {}: {why}", last.time, last.cycle));
+        }
+        Ok(())
+    }
+
+    /// All workers wait: measure the load where it is, cut anew, let them migrate.
+    fn recut(&mut self) -> Result<(), RunError> {
+        let mut load = Workers { pair_weight: self.balance.pair_weight(), wire: self.wire, aside: Vec::new() };
+        self.tree = bisect(&mut load, self.workers)?;
+        let aside = load.aside;
+        for rank in 1..=self.workers {
+            post(self.wire, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
+        }
+        self.ready.clear();
+        if let Some(since) = self.ready_since.take() {
+            // Migration takes about as long again as asking and cutting.
+            self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
+        }
+        aside.into_iter().try_for_each(|(worker, message)| self.take(worker, message))
+    }
+
+    fn show(&mut self) {
+        let last = &self.balance.last[0];
+        let error = self.history.last.as_ref().map_or(0.0, |r| r.error);
+        let (pairs, imbalance) = (self.balance.pairs(), self.balance.mean_imbalance());
+        self.progress.show(&State { cycle: last.cycle, time: last.time, dt: last.dt, error, pairs, imbalance });
+    }
+
+    /// Everything has come: the summary.
+    fn close(mut self, began: Instant) -> Result<Summary, RunError> {
+        let wall_s = began.elapsed().as_secs_f64();
+        let closings: Vec<Closing> = self.closings.into_iter().flatten().collect();
+        let end = closings[0].clone();
+        let (status, reason) = match &self.trouble {
+            Some(t) => (Status::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why)),
+            None if end.stopped => (Status::Stopped, "stopped by the user".into()),
+            None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => (Status::Completed, "max_cycles".into()),
+            None => (Status::Completed, "end_time".into()),
+        };
+        let mut elements = BTreeMap::new();
+        for e in &self.model.mesh.elements {
+            *elements.entry(format!("{:?}", e.shape).to_lowercase()).or_insert(0) += 1;
+        }
+        let count = self.model.mesh.elements.len();
+        let mean = |f: fn(&Closing) -> u64| closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64;
+        let cycles = end.cycles.max(1) as f64;
+        let (first, last) = (self.history.first.unwrap_or_default().sum, self.history.last.unwrap_or_default());
+        let (e, i) = (last.sum.energies, first.energies);
+        let summary = Summary {
+            status,
+            reason,
+            end_time: end.time,
+            cycles: end.cycles,
+            nodes: self.model.mesh.nodes.len(),
+            elements,
+            workers: self.workers,
+            transport: self.wire.name().into(),
+            wall_s,
+            grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
+            phase_s: summary::phases(&closings),
+            cpu_s: summary::Cpu {
+                total: self.balance.total_s,
+                critical_path: self.balance.critical_s,
+                messages_per_cycle: mean(|c| c.messages) / cycles,
+                bytes_per_cycle: mean(|c| c.bytes) / cycles,
+            },
+            energy: summary::Energy {
+                kinetic: e.kinetic,
+                internal: e.internal,
+                contact: e.contact,
+                friction: e.friction,
+                wall: e.wall,
+                hourglass: e.hourglass,
+                external: e.external,
+                total_initial: i.kinetic + i.internal + i.hourglass,
+                error: last.error,
+                error_max: self.history.worst_error,
+            },
+            momentum: summary::Momentum {
+                start: first.momentum,
+                end: last.sum.momentum,
+                wall_impulse: std::array::from_fn(|c| last.sum.wall_impulse.iter().map(|p| p[c]).sum()),
+            },
+            dt: summary::Steps { first: end.dt[0], min: end.dt[1], last: end.dt[2] },
+            redecompositions: summary::Redecompositions { low: self.balance.low, high: self.balance.high },
+            imbalance: summary::MeanMax { mean: self.balance.mean_imbalance(), max: self.balance.worst },
+            contact: summary::ContactSummary {
+                pairs_max: self.history.pairs,
+                penetration_max: self.history.penetration,
+                searches: mean(|c| c.searches),
+                sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
+            },
+            state_digest: summary::state_digest(&mut self.states),
+        };
+        let path = self.out.join("summary.json");
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default();
+        std::fs::write(&path, text + "\n").map_err(|error| RunError::Output { path, error })?;
+        Ok(summary)
+    }
+}
+
+/// High redecompositions that are said aloud; all are in `log.jsonl`.
+const MOST_SAID: u64 = 10;

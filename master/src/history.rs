@@ -1,0 +1,181 @@
+//! `history.csv`: one row per history interval, added up from the workers' shares.
+
+use crumple_proto::report::{Energies, HistoryPart};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::Path;
+
+/// A whole row, added up over workers.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    /// The sums; penetration is the largest.
+    pub sum: HistoryPart,
+    /// Unexplained energy as a fraction of what came in.
+    pub error: f64,
+}
+
+/// What the master knows besides when a row is complete.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extras {
+    /// Sum over cycles and workers of CPU seconds so far.
+    pub cpu_total: f64,
+    /// Sum over cycles of the slowest worker's CPU seconds so far.
+    pub cpu_critical: f64,
+    /// Low and high redecompositions so far.
+    pub low: u64,
+    /// See `low`.
+    pub high: u64,
+}
+
+/// The history of a run.
+pub struct History {
+    file: csv::Writer<File>,
+    workers: usize,
+    walls: Vec<String>,
+    parts: BTreeMap<u64, Vec<HistoryPart>>,
+    /// First complete row.
+    pub first: Option<Row>,
+    /// Last complete row.
+    pub last: Option<Row>,
+    /// Largest |error| so far.
+    pub worst_error: f64,
+    /// Largest penetration so far as a fraction of the contact thickness.
+    pub penetration: f64,
+    /// Most pairs so far.
+    pub pairs: u64,
+}
+
+/// Names of derived units for a header.
+struct Labels {
+    time: String,
+    energy: String,
+    momentum: String,
+    force: String,
+}
+
+impl Labels {
+    /// From the first three words of the job's units (length, time, mass), or dimensions if it does not say.
+    fn of(units: &str) -> Self {
+        let words: Vec<&str> = units.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
+        let (l, t, m) = match words[..] {
+            [l, t, m, ..] => (l, t, m),
+            _ => ("length", "time", "mass"),
+        };
+        let (energy, force) = match (l, t, m) {
+            ("mm", "ms", "kg") => ("J".into(), "kN".into()),
+            ("mm", "s", "t" | "tonne") => ("mJ".into(), "N".into()),
+            ("m", "s", "kg") => ("J".into(), "N".into()),
+            _ => (format!("{m} {l}^2/{t}^2"), format!("{m} {l}/{t}^2")),
+        };
+        Self { time: t.into(), energy, force, momentum: format!("{m} {l}/{t}") }
+    }
+}
+
+impl History {
+    /// Begins the file.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn new(path: &Path, workers: usize, units: &str, walls: Vec<String>) -> csv::Result<Self> {
+        let mut file = csv::Writer::from_path(path)?;
+        let u = Labels::of(units);
+        let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
+        for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"] {
+            header.push(format!("{name} [{}]", u.energy));
+        }
+        header.push("energy error [-]".into());
+        header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
+        header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{} {}]", u.momentum, "length")));
+        header.extend(["pairs".into(), "penetration [fraction of contact thickness]".into(), "controlling element".into()]);
+        for wall in &walls {
+            header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
+            header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
+        }
+        let accounts = ["cpu of all workers [s]", "cpu of the critical path [s]", "low redecompositions", "high redecompositions"];
+        header.extend(accounts.map(String::from));
+        file.write_record(&header)?;
+        Ok(Self {
+            file,
+            workers,
+            walls,
+            parts: BTreeMap::new(),
+            first: None,
+            last: None,
+            worst_error: 0.0,
+            penetration: 0.0,
+            pairs: 0,
+        })
+    }
+
+    /// Takes in a worker's share; writes the row when all have come.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn take(&mut self, part: HistoryPart, extras: Extras) -> csv::Result<()> {
+        let number = part.row;
+        let parts = self.parts.entry(number).or_default();
+        parts.push(part);
+        if parts.len() < self.workers {
+            return Ok(());
+        }
+        let parts = self.parts.remove(&number).unwrap_or_default();
+        let sum = add_up(&parts);
+        let initial = self.first.as_ref().map_or_else(|| total(&sum.energies), |f| total(&f.sum.energies));
+        let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
+        let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
+        self.worst_error = self.worst_error.max(error.abs());
+        self.penetration = self.penetration.max(sum.penetration);
+        self.pairs = self.pairs.max(sum.pairs);
+        let row = Row { sum, error };
+        self.write(&row, extras)?;
+        self.first.get_or_insert_with(|| row.clone());
+        self.last = Some(row);
+        Ok(())
+    }
+
+    fn write(&mut self, row: &Row, extras: Extras) -> csv::Result<()> {
+        let s = &row.sum;
+        let e = &s.energies;
+        let number = |a: f64| format!("{a:.9e}");
+        let mut record = vec![number(s.time), s.cycle.to_string(), number(s.dt)];
+        let energies = [e.kinetic, e.internal, e.hourglass, e.contact, e.friction, e.wall, e.external, row.error];
+        record.extend(energies.into_iter().chain(s.momentum).chain(s.angular_momentum).map(number));
+        record.extend([s.pairs.to_string(), number(s.penetration)]);
+        record.push(s.controlling.map_or(String::new(), |id| id.to_string()));
+        for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {
+            let before = self.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
+            let dt = s.time - before.0;
+            record.extend(impulse.map(number));
+            // The wall's force on the model, mean since the last row.
+            record.extend((0..3).map(|c| number(if dt > 0.0 { (impulse[c] - before.1[c]) / dt } else { 0.0 })));
+        }
+        record.extend([number(extras.cpu_total), number(extras.cpu_critical), extras.low.to_string(), extras.high.to_string()]);
+        self.file.write_record(&record)?;
+        Ok(self.file.flush()?)
+    }
+}
+
+fn total(e: &Energies) -> f64 {
+    e.kinetic + e.internal + e.hourglass
+}
+
+/// Sums over workers; the controlling element is that of the worker with the smallest step, which all share.
+fn add_up(parts: &[HistoryPart]) -> HistoryPart {
+    let mut sum = parts[0].clone();
+    for p in &parts[1..] {
+        sum.energies.add(&p.energies);
+        for c in 0..3 {
+            sum.momentum[c] += p.momentum[c];
+            sum.angular_momentum[c] += p.angular_momentum[c];
+        }
+        for (a, b) in sum.wall_impulse.iter_mut().zip(&p.wall_impulse) {
+            (0..3).for_each(|c| a[c] += b[c]);
+        }
+        sum.pairs += p.pairs;
+        sum.penetration = sum.penetration.max(p.penetration);
+        if p.controlling_dt < sum.controlling_dt {
+            (sum.controlling, sum.controlling_dt) = (p.controlling, p.controlling_dt);
+        }
+    }
+    sum
+}

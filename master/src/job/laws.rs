@@ -1,0 +1,77 @@
+//! The master's way to the worker's tables: which laws and elements there are, and what they make of a job.
+//!
+//! Nothing here knows what a law computes; the worker checks its own parameters.
+
+use super::validate::Findings;
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::contact::search::SEARCHES;
+use crumple_worker::elements::{Element, build_block};
+use crumple_worker::materials;
+
+/// Names of the contact laws.
+pub fn contact_laws() -> Vec<&'static str> {
+    CONTACT_LAWS.iter().map(|law| law.name).collect()
+}
+
+/// Names of the global searches.
+pub fn searches() -> Vec<&'static str> {
+    SEARCHES.iter().map(|search| search.name).collect()
+}
+
+/// The elements of every part, as the worker will build them.
+pub struct Blocks {
+    parts: Vec<[Option<Box<dyn Element>>; 2]>,
+}
+
+impl Blocks {
+    /// Builds the elements of all parts for the shapes in use (`used` per part: quads, triangles), and of parts
+    /// without elements for quads, so that their numbers are checked too. `order[i]` is the place in the job of
+    /// the part that is the i-th of `settings`.
+    pub fn build(settings: &Settings, order: &[usize], used: &[[bool; 2]], findings: &mut Findings) -> Self {
+        let mut problems: Vec<Problem> = Vec::new();
+        let mut parts = Vec::with_capacity(order.len());
+        for (index, &place) in order.iter().enumerate() {
+            let mut build = |shape: Shape| match build_block(settings, index, shape) {
+                Ok(element) => Some(element),
+                Err(found) => {
+                    for mut problem in found {
+                        if let Some(rest) = problem.path.strip_prefix(&format!("part.{index}.")) {
+                            problem.path = format!("part.{place}.{rest}");
+                        }
+                        problems.push(problem);
+                    }
+                    None
+                }
+            };
+            let [quads, triangles] = used[index];
+            parts.push([
+                if quads || !triangles { build(Shape::Quad4) } else { None },
+                if triangles { build(Shape::Tri3) } else { None },
+            ]);
+        }
+        for (index, material) in settings.materials.iter().enumerate() {
+            for mut problem in materials::build(material).err().unwrap_or_default() {
+                problem.path = format!("material.{index}.{}", problem.path);
+                problems.push(problem);
+            }
+        }
+        // A material is looked at once for each part that has it.
+        let mut told: Vec<(String, String)> = Vec::new();
+        for problem in problems {
+            let key = (problem.path.clone(), problem.message.clone());
+            if !told.contains(&key) {
+                told.push(key);
+                findings.add(problem);
+            }
+        }
+        Blocks { parts }
+    }
+
+    /// The element of a part and shape, if the job has such.
+    pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
+        self.parts[part][usize::from(shape == Shape::Tri3)].as_deref()
+    }
+}

@@ -1,0 +1,296 @@
+//! The mesh of a job, from a generator, a file or the job itself, and everything that can be wrong with it.
+
+use super::validate::Findings;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use crumple_proto::problem::Problem;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Problems of one kind that are told one by one.
+const TOLD: usize = 20;
+/// Largest id that a float holds exactly.
+const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
+/// An element whose area is below this fraction of its longest side squared has none but round-off.
+const NO_AREA: f64 = 1e-12;
+
+/// A mesh, and where its entities are written.
+pub struct Read {
+    /// The mesh.
+    pub mesh: Mesh,
+    written: bool,
+}
+
+impl Read {
+    fn node_path(&self, index: usize) -> String {
+        if self.written { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
+    }
+
+    fn element_path(&self, index: usize) -> String {
+        if self.written { format!("mesh.shells.{index}") } else { "mesh.generator".into() }
+    }
+
+    fn set_path(&self, name: &str) -> String {
+        if self.written { format!("mesh.node_sets.{name}") } else { "mesh.generator".into() }
+    }
+}
+
+/// The mesh that a generator makes with the job's `[scene]`; `None` if it cannot.
+pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
+    match crumple_cases::generate(name, &job.scene) {
+        Ok(mesh) => Some(Read { mesh, written: false }),
+        Err(problems) => {
+            problems.into_iter().for_each(|p| findings.add(p));
+            None
+        }
+    }
+}
+
+/// The mesh that is written as rows of numbers.
+pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Read {
+    let mut few = Few::new(findings);
+    let mut mesh = Mesh::default();
+    let mut wrong_nodes = 0;
+    for (index, &[id, x, y, z]) in source.nodes.iter().enumerate() {
+        if id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id) {
+            mesh.nodes.push(MeshNode { id: NodeId(id as u64), x: [x, y, z] });
+        } else {
+            wrong_nodes += 1;
+            few.error("node id", format!("mesh.nodes.{index}"), format!("{id} is no id of a node"), "give a whole number from 0: a node is [id, x, y, z]");
+        }
+    }
+    for (index, row) in source.shells.iter().enumerate() {
+        let path = || format!("mesh.shells.{index}");
+        let (&[id, part, a, b, c], last) = match row.as_slice() {
+            [head @ .., last] if row.len() == 6 => (head.try_into().expect("five of six"), *last),
+            all if row.len() == 5 => (all.try_into().expect("five"), all[4]),
+            _ => {
+                let message = format!("a shell cannot be a list of {} numbers", row.len());
+                few.error("shell row", path(), message, "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle");
+                continue;
+            }
+        };
+        let Ok(part) = u32::try_from(part) else {
+            few.error("part id", path(), format!("element {id}: {part} is no id of a part"), "part ids go up to 4294967295");
+            continue;
+        };
+        let shape = if last == c { Shape::Tri3 } else { Shape::Quad4 };
+        mesh.elements.push(MeshElement { id: ElemId(id), part, shape, nodes: [a, b, c, last].map(NodeId) });
+    }
+    for (name, ids) in &source.node_sets {
+        mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
+    }
+    // Rows that were left out shift the rest: entities can then not be pointed at by their row.
+    let whole = wrong_nodes == 0 && mesh.elements.len() == source.shells.len();
+    Read { mesh, written: whole }
+}
+
+/// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything by id.
+///
+/// `parts` are the ids of the job's parts; `None` if those are faulty themselves.
+pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> Mesh {
+    let mut few = Few::new(findings);
+    let at = check_nodes(&read, &mut few);
+    check_elements(&read, &at, parts, &mut few);
+    for (name, ids) in &read.mesh.node_sets {
+        let unknown: Vec<NodeId> = ids.iter().copied().filter(|id| !at.contains_key(id)).collect();
+        if let Some(first) = unknown.first() {
+            let message = match unknown.len() {
+                1 => format!("node set `{name}`: there is no node {first}"),
+                n => format!("node set `{name}`: {n} of its nodes do not exist, the first is node {first}"),
+            };
+            few.error("set", read.set_path(name), message, "add the node or take it out of the set");
+        }
+    }
+    let used: HashSet<NodeId> = read.mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
+    let unused: Vec<(usize, NodeId)> =
+        read.mesh.nodes.iter().enumerate().filter(|(_, n)| !used.contains(&n.id)).map(|(i, n)| (i, n.id)).collect();
+    if let (Some(&(index, first)), false) = (unused.first(), read.mesh.elements.is_empty()) {
+        let message = match unused.len() {
+            1 => format!("node {first} belongs to no element and is left out"),
+            n => format!("{n} nodes belong to no element and are left out; the first is node {first}"),
+        };
+        few.findings.add(Problem::warning(read.node_path(index), message, "take them out of the mesh, or connect them"));
+    }
+    let mut mesh = read.mesh;
+    mesh.nodes.retain(|n| used.contains(&n.id));
+    mesh.nodes.sort_by_key(|n| n.id);
+    mesh.elements.sort_by_key(|e| e.id);
+    for ids in mesh.node_sets.values_mut() {
+        ids.sort_unstable();
+        ids.dedup();
+    }
+    mesh
+}
+
+fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
+    let mut at = HashMap::with_capacity(read.mesh.nodes.len());
+    for (index, node) in read.mesh.nodes.iter().enumerate() {
+        if !node.x.iter().all(|c| c.is_finite()) {
+            let message = format!("node {} is at {:?}", node.id, node.x);
+            few.error("not finite", read.node_path(index), message, "coordinates have to be finite numbers");
+        }
+        if at.insert(node.id, node.x).is_some() {
+            let message = format!("node {} is there twice", node.id);
+            few.error("node twice", read.node_path(index), message, "give each node an id of its own");
+        }
+    }
+    at
+}
+
+fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u32]>, few: &mut Few<'_>) {
+    let mesh = &read.mesh;
+    if mesh.elements.is_empty() {
+        let path = if read.written { "mesh" } else { "mesh.generator" };
+        few.error("empty", path.into(), "the mesh has no elements".into(), "add mesh.shells");
+    }
+    let mut seen = HashSet::with_capacity(mesh.elements.len());
+    let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+    let mut concave: Option<(usize, usize)> = None;
+    for (index, element) in mesh.elements.iter().enumerate() {
+        let (id, path) = (element.id, || read.element_path(index));
+        if !seen.insert(id) {
+            few.error("element twice", path(), format!("element {id} is there twice"), "give each element an id of its own");
+        }
+        if parts.is_some_and(|parts| !parts.contains(&element.part)) {
+            orphans.entry(element.part).or_insert((index, 0)).1 += 1;
+        }
+        let corners = element.corners();
+        if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
+            let message = format!("element {id} uses node {} twice", corners[twice]);
+            few.error("repeated", path(), message, "a triangle repeats its last node only; correct or remove the element");
+            continue;
+        }
+        let mut x = Vec::with_capacity(4);
+        for node in corners {
+            match at.get(node) {
+                Some(&position) => x.push(position),
+                None => {
+                    let message = format!("element {id}: there is no node {node}");
+                    few.error("no node", path(), message, "add the node or correct the element");
+                }
+            }
+        }
+        if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
+            continue;
+        }
+        match outline(&x) {
+            Outline::Good => {}
+            Outline::Concave => concave = Some((concave.map_or(index, |c| c.0), concave.map_or(1, |c| c.1 + 1))),
+            Outline::NoArea => {
+                let message = format!("element {id} has no area: its nodes stand on one line or in one place");
+                few.error("no area", path(), message, "move its nodes apart, or remove the element");
+            }
+            Outline::BowTie => {
+                let message = format!("element {id} is folded over: its sides cross (bow-tie)");
+                few.error("bow-tie", path(), message, "give its nodes in order around the element; two are exchanged");
+            }
+            Outline::Overflow => {
+                let message = format!("element {id} is too large or too small to compute with");
+                few.error("overflow", path(), message, "check the units of the coordinates");
+            }
+        }
+    }
+    for (part, (index, count)) in orphans {
+        let first = mesh.elements[index].id;
+        let message = match count {
+            1 => format!("element {first} belongs to part {part}, which the job does not have"),
+            n => format!("{n} elements belong to part {part}, which the job does not have; the first is element {first}"),
+        };
+        let known: Vec<String> = parts.unwrap_or_default().iter().map(u32::to_string).collect();
+        let help = format!("add a [[part]] with id = {part}; there are parts: {}", known.join(", "));
+        few.error("orphan", read.element_path(index), message, &help);
+    }
+    if let Some((index, count)) = concave {
+        let first = mesh.elements[index].id;
+        let message = format!("{count} quads have a re-entrant corner; the first is element {first}");
+        few.findings.add(Problem::warning(read.element_path(index), message, "results there are poor: mesh it anew"));
+    }
+}
+
+enum Outline {
+    Good,
+    Concave,
+    BowTie,
+    NoArea,
+    Overflow,
+}
+
+fn outline(x: &[[f64; 3]]) -> Outline {
+    let n = x.len();
+    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let side = |i: usize| sub(x[(i + 1) % n], x[i]);
+    let longest = (0..n).map(|i| dot(side(i), side(i))).fold(0.0, f64::max);
+    let area = if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(side(0), side(1)) };
+    let size = dot(area, area);
+    // Fourth powers of lengths are formed below and by the elements.
+    if !(longest * longest).is_finite() || longest > 0.0 && longest * longest < f64::MIN_POSITIVE {
+        return Outline::Overflow;
+    }
+    let corner = |i: usize| cross(side((i + n - 1) % n), side(i));
+    if 0.5 * size.sqrt() <= NO_AREA * longest {
+        let open = (0..n).any(|i| dot(corner(i), corner(i)).sqrt() > 1e-6 * longest);
+        return if open { Outline::BowTie } else { Outline::NoArea };
+    }
+    let turned = (0..n).filter(|&i| dot(corner(i), area) < 0.0).count();
+    match turned {
+        0 => Outline::Good,
+        1 => Outline::Concave,
+        _ => Outline::BowTie,
+    }
+}
+
+/// Tells the first problems of each kind one by one and counts the others.
+struct Few<'f> {
+    findings: &'f mut Findings,
+    told: BTreeMap<&'static str, (usize, String)>,
+}
+
+impl<'f> Few<'f> {
+    fn new(findings: &'f mut Findings) -> Self {
+        Few { findings, told: BTreeMap::new() }
+    }
+
+    fn error(&mut self, kind: &'static str, path: String, message: String, help: &str) {
+        let entry = self.told.entry(kind).or_insert((0, String::new()));
+        entry.0 += 1;
+        if entry.0 <= TOLD {
+            entry.1.clone_from(&path);
+            self.findings.add(Problem::error(path, message, help));
+        }
+    }
+}
+
+impl Drop for Few<'_> {
+    fn drop(&mut self) {
+        for (kind, (count, path)) in std::mem::take(&mut self.told) {
+            if count > TOLD {
+                let message = format!("{} more problems of this kind ({kind})", count - TOLD);
+                self.findings.add(Problem::error(path, message, ""));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(points: [[f64; 2]; 4]) -> Outline {
+        outline(&points.map(|[x, y]| [x, y, 0.0]))
+    }
+
+    #[test]
+    fn outlines() {
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), Outline::Good));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]]), Outline::Concave));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Outline::BowTie), "halves cancel");
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), Outline::BowTie));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Outline::NoArea));
+        assert!(matches!(shape([[0.0, 0.0], [1e200, 0.0], [1e200, 1e200], [0.0, 1e200]]), Outline::Overflow));
+    }
+}

@@ -1,0 +1,328 @@
+//! From a job as it is written to a [`Model`] that can be cut up and dealt out, or to everything that is wrong with it.
+//!
+//! 1. [`tree`]: TOML with the place of every value; [`sets`] puts in what the command line says
+//! 2. [`validate`]: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
+//! 3. [`mesh`]: the mesh and its faults
+//! 4. [`resolve`]: ranges and defaults; [`laws`]: what the worker says of materials and elements; [`units`]
+//! 5. [`state`]: what nodes and elements start with
+//!
+//! A stage that finds faults mends them as well as it can, so that the next one can look too:
+//! [`report`] shows all of them at once. Nothing here panics on any input; that would be our fault.
+
+mod laws;
+mod mesh;
+pub mod report;
+mod resolve;
+mod sets;
+pub mod state;
+pub mod tree;
+mod units;
+mod validate;
+
+pub use laws::Blocks;
+pub use report::{Located, Report, Sources, Spot};
+pub use state::{ElementStart, NodeStart};
+
+use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::problem::Problem;
+use crumple_proto::quality::{Quality, quality};
+use report::Source;
+use std::path::{Path, PathBuf};
+use tree::Node;
+use validate::Findings;
+
+/// Largest job or mesh file that is read [byte]: places in it are kept in 32 bits.
+const LARGEST_FILE: u64 = u32::MAX as u64;
+
+/// A job that is sound: read, checked, with its mesh and all defaults filled in.
+pub struct Model {
+    /// The job as written, with `--set`.
+    pub job: Job,
+    /// The mesh, sorted by id, without nodes that no element uses.
+    pub mesh: Mesh,
+    /// What every worker gets. `field_dir` is empty: the run fills it in.
+    pub settings: Settings,
+    /// What the nodes start with, in the order of the mesh.
+    pub nodes: NodeStart,
+    /// What the elements start with, in the order of the mesh.
+    pub elements: ElementStart,
+    /// Shape of the elements.
+    pub quality: Quality,
+    /// The formulations of all parts.
+    pub blocks: Blocks,
+    /// What the user should know of; [`Model::show`] adds the line in the job. The run may add its own.
+    pub warnings: Vec<Problem>,
+    /// The job file that was read.
+    pub path: PathBuf,
+    sources: Sources,
+}
+
+/// Reads and checks a job: a folder that holds `job.toml`, or a `.toml` file.
+/// `sets` are `key=value` of the command line.
+pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
+    let path = find(path).map_err(Report::from_problem)?;
+    let text = load(&path).map_err(Report::from_problem)?;
+    let (tree, errors) = match Node::parse(&text) {
+        Ok(tree) => (tree, Vec::new()),
+        Err(errors) => (Node::table(tree::Place::Whole), errors),
+    };
+    let job = Source { file: path.display().to_string(), text, tree };
+    let mut sources = Sources { job, mesh: None, sets: sets.to_vec() };
+    let mut findings = Findings::default();
+    for (message, place) in errors {
+        findings.add_faulty(Problem::error("", message, ""), Some(place));
+    }
+    if findings.any_error() {
+        return Err(Report::new(findings.list, &sources));
+    }
+    let built = build(&mut sources, &path, sets, &mut findings);
+    match built {
+        Some(built) if !findings.any_error() => {
+            let warnings = findings.list.into_iter().map(|f| f.problem).chain(built.warnings).collect();
+            Ok(Model {
+                job: built.job,
+                mesh: built.mesh,
+                settings: built.settings,
+                nodes: built.nodes,
+                elements: built.elements,
+                quality: built.quality,
+                blocks: built.blocks,
+                warnings,
+                path,
+                sources,
+            })
+        }
+        _ => Err(Report::new(findings.list, &sources)),
+    }
+}
+
+struct Built {
+    job: Job,
+    mesh: Mesh,
+    settings: Settings,
+    nodes: NodeStart,
+    elements: ElementStart,
+    quality: Quality,
+    blocks: Blocks,
+    warnings: Vec<Problem>,
+}
+
+/// All stages after parsing; `None` if there is too little to go on with.
+fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Findings) -> Option<Built> {
+    let mut tree = sources.job.tree.clone();
+    sets::apply(&mut tree, sets, findings);
+    // Problems are looked up in the tree as it is written, with `--set` but before mending.
+    sources.job.tree = tree.clone();
+    validate::job(&mut tree, findings);
+    let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
+    let job: Job = match tree.to_value().try_into() {
+        Ok(job) => job,
+        Err(error) => {
+            findings.add(Problem::error("", error.message(), "correct the job"));
+            return None;
+        }
+    };
+    let mesh = read_mesh(&job, path, sources, findings);
+    resolve::check(&job, workers_given, findings);
+
+    let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let parts_known = !findings.any_faulty_below("part");
+    let mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let figures = mesh.as_ref().and_then(quality);
+    let (settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
+    let used = match &mesh {
+        Some(mesh) => state::shapes_in_use(mesh, &settings),
+        None => vec![[false; 2]; order.len()],
+    };
+    let blocks = Blocks::build(&settings, &order, &used, findings);
+    let mesh = mesh?;
+    let nodes = state::nodes(&job, &mesh, findings);
+    if findings.any_error() {
+        return None;
+    }
+    let elements = state::elements(&job, &mesh, &settings, &blocks, findings);
+    if findings.any_error() {
+        return None;
+    }
+    let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
+    Some(Built { quality: figures?, job, mesh, settings, nodes, elements, blocks, warnings })
+}
+
+/// The mesh from wherever the job says; `None`, and why, if there is none to look at.
+fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
+    let MeshSource { generator, file, nodes, shells, node_sets } = &job.mesh;
+    let rows = !nodes.is_empty() || !shells.is_empty();
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    match (generator, file, rows) {
+        (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
+            let help = "a generator or a mesh file makes its own node sets; take these out";
+            findings.add(Problem::error("mesh.node_sets", "mesh.node_sets belongs to mesh.nodes", help));
+            None
+        }
+        (Some(generator), None, false) => mesh::generate(generator, job, findings),
+        (None, Some(file), false) => {
+            let file = path.parent().unwrap_or(Path::new("")).join(file);
+            read_mesh_file(&file, sources, findings)
+        }
+        (None, None, true) => Some(mesh::from_rows(&job.mesh, findings)),
+        (None, None, false) => {
+            let help = "give mesh.generator, mesh.file, or mesh.nodes with mesh.shells";
+            findings.add(Problem::error("mesh", "the job has no mesh", help));
+            None
+        }
+        _ => {
+            let help = "give one of mesh.generator, mesh.file, or mesh.nodes with mesh.shells";
+            findings.add(Problem::error("mesh", "the job has more than one mesh", help));
+            None
+        }
+    }
+}
+
+fn read_mesh_file(file: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
+    let text = match load(file) {
+        Ok(text) => text,
+        Err(problem) => {
+            findings.add(Problem { path: "mesh.file".into(), ..problem });
+            return None;
+        }
+    };
+    let parsed = Node::parse(&text);
+    let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(tree::Place::Whole));
+    sources.mesh = Some(Source { file: file.display().to_string(), text, tree });
+    let mut tree = match parsed {
+        Ok(tree) => tree,
+        Err(errors) => {
+            validate::mesh_file_syntax(errors, findings);
+            return None;
+        }
+    };
+    validate::mesh_file(&mut tree, findings);
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    match tree.to_value().try_into::<MeshSource>() {
+        Ok(source) => Some(mesh::from_rows(&source, findings)),
+        Err(error) => {
+            findings.add(Problem::error("mesh", error.message(), "correct the mesh file"));
+            None
+        }
+    }
+}
+
+/// The job file that a path on the command line means.
+fn find(path: &Path) -> Result<PathBuf, Problem> {
+    let shown = path.display();
+    if path.is_dir() {
+        let inside = path.join("job.toml");
+        if inside.is_file() {
+            return Ok(inside);
+        }
+        return Err(Problem::error("", format!("the folder {shown} holds no job.toml"), "name a job file, or a folder with one"));
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "k" | "key" | "dyn" => {
+            let help = "describe the job in a .toml file; cases/ has examples";
+            Err(Problem::error("", format!("{shown}: keyword decks are not supported yet"), help))
+        }
+        _ if !path.exists() => {
+            let help = "name a .toml job file, or a folder that holds job.toml";
+            Err(Problem::error("", format!("there is no file {shown}"), help))
+        }
+        "toml" => Ok(path.to_path_buf()),
+        _ => Err(Problem::error("", format!("{shown} is no .toml file"), "a job is a .toml file, or a folder that holds job.toml")),
+    }
+}
+
+fn load(path: &Path) -> Result<String, Problem> {
+    let shown = path.display();
+    let cannot = |error: std::io::Error| Problem::error("", format!("{shown} cannot be read: {error}"), "check its name and rights");
+    let length = std::fs::metadata(path).map_err(cannot)?.len();
+    if length > LARGEST_FILE {
+        return Err(Problem::error("", format!("{shown} is larger than 4 GiB"), "split the model"));
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..good].iter().filter(|&&b| b == b'\n').count();
+        Problem::error("", format!("{shown}:{line}: not UTF-8 text"), "save the file as UTF-8")
+    })
+}
+
+impl Model {
+    /// A problem with the line of the job that it is about.
+    pub fn show(&self, problem: &Problem) -> Located {
+        self.sources.locate(problem)
+    }
+
+    /// Everything as it is dealt out, elements and nodes in ascending id.
+    pub fn records(&self) -> (Vec<ElementRecord>, Vec<NodeRecord>) {
+        let element = |(i, e): (usize, &crumple_proto::mesh::MeshElement)| ElementRecord {
+            id: e.id,
+            part: self.elements.part[i],
+            shape: e.shape,
+            nodes: e.nodes,
+            mass_factor: self.elements.mass_factor[i],
+        };
+        let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {
+            id: n.id,
+            fixed: self.nodes.fixed[i],
+            x0: n.x,
+            x: n.x,
+            v: self.nodes.velocity[i],
+            w: self.nodes.spin[i],
+            mass: self.nodes.added_mass[i],
+            inertia: 0.0,
+        };
+        (self.mesh.elements.iter().enumerate().map(element).collect(), self.mesh.nodes.iter().enumerate().map(node).collect())
+    }
+
+    /// First time step: safety times the smallest stable step [time], and the index of the element that sets it.
+    pub fn first_dt(&self) -> (f64, usize) {
+        let (at, dt) = state::smallest(&self.elements.stable_dt).expect("a sound model has elements");
+        (self.settings.safety * dt, at)
+    }
+
+    /// Mass of all elements, without what scaling adds [mass].
+    pub fn structure_mass(&self) -> f64 {
+        self.elements.mass.iter().sum()
+    }
+
+    /// Mass that scaling to a given step adds [mass].
+    pub fn scaled_mass(&self) -> f64 {
+        state::scaled_mass(&self.elements)
+    }
+
+    /// Mass of all `[[mass]]` [mass].
+    pub fn lumped_mass(&self) -> f64 {
+        self.nodes.added_mass.iter().sum()
+    }
+
+    /// How many workers to run: as asked for (by the command line or mpirun), else as the job says, else `cores`
+    /// at most. An error if that is 0 or more than there are elements.
+    pub fn workers(&self, asked: Option<usize>, cores: usize) -> Result<usize, Report> {
+        let elements = self.mesh.elements.len();
+        let from_job = Some(self.job.parallel.workers).filter(|&n| n > 0);
+        let (count, path) = match (asked, from_job) {
+            (Some(n), _) => (n, ""),
+            (None, Some(n)) => (n, "parallel.workers"),
+            (None, None) => return Ok(cores.clamp(1, elements)),
+        };
+        let problem = match count {
+            0 => Problem::error(path, "0 workers cannot run anything", "give at least 1, or none for one per core"),
+            n if n > elements => {
+                let message = format!("{n} workers are more than the {elements} elements of the job");
+                Problem::error(path, message, format!("give at most {elements}"))
+            }
+            n => return Ok(n),
+        };
+        match path {
+            "" => Err(Report::from_problem(problem)),
+            _ => Err(Report { problems: vec![self.show(&problem)] }),
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! A job's numbers: what is out of range, and what a job leaves to a default is filled in.
+
+use super::laws;
+use super::validate::{Findings, nearest};
+use crumple_proto::job::{Contact, Job, Part};
+use crumple_proto::partition::{Material, Param, Settings};
+use crumple_proto::problem::Problem;
+use std::collections::HashMap;
+
+/// Field files of one run, at most.
+const MOST_FIELDS: f64 = 100_000.0;
+
+/// Checks everything of a job that is not its mesh. `workers_given` if the job names a number of workers.
+pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
+    let mut numbers = Numbers { findings };
+    numbers.need(job.end_time > 0.0, "end_time", job.end_time, "above 0");
+    let time = &job.time;
+    numbers.need(time.safety > 0.0, "time.safety", time.safety, "above 0; 0.9 is usual");
+    if time.safety > 1.0 {
+        let message = format!("safety = {} is above 1: the run will become unstable", time.safety);
+        numbers.findings.add(Problem::warning("time.safety", message, "0.9 is usual"));
+    }
+    numbers.need((0.0..1.0).contains(&time.dt_min_ratio), "time.dt_min_ratio", time.dt_min_ratio, "from 0 to below 1");
+    numbers.need(time.mass_scaling_dt >= 0.0, "time.mass_scaling_dt", time.mass_scaling_dt, "0 (none) or above");
+
+    let output = &job.output;
+    let interval = output.history_interval;
+    numbers.need(interval >= 0.0, "output.history_interval", interval, "0 (a two-hundredth of the run) or above");
+    for (index, &t) in output.field_times.iter().enumerate() {
+        let path = format!("output.field_times.{index}");
+        if t < 0.0 || t > job.end_time {
+            let message = format!("no field file can be written at {t}: the run goes from 0 to {}", job.end_time);
+            numbers.findings.add(Problem::warning(path, message, "take it out, or change end_time"));
+        }
+    }
+    let files = job.end_time / output.field_interval;
+    if output.field_interval > 0.0 && files > MOST_FIELDS {
+        let help = format!("take an interval of at least {:?}", job.end_time / MOST_FIELDS);
+        let message = format!("field_interval = {:?} gives {files:.0} field files", output.field_interval);
+        numbers.findings.add(Problem::error("output.field_interval", message, help));
+    }
+
+    let parallel = &job.parallel;
+    if workers_given && parallel.workers == 0 {
+        let help = "give at least 1, or leave `workers` out for one per core";
+        numbers.findings.add(Problem::error("parallel.workers", "0 workers cannot run anything", help));
+    }
+    numbers.need(parallel.buffer >= 0.0, "parallel.buffer", parallel.buffer, "0 (half the smallest side) or above");
+    numbers.need(parallel.imbalance >= 1.0, "parallel.imbalance", parallel.imbalance, "at least 1; 1.1 is usual");
+
+    parts_and_materials(job, numbers.findings);
+    loads(job, &mut Numbers { findings });
+    if let Some(contact) = &job.contact {
+        contact_numbers(contact, job, &mut Numbers { findings });
+    }
+    if job.mesh.generator.is_none() && !job.scene.is_empty() {
+        let message = "[scene] holds options of a mesh generator, and the job names none";
+        findings.add(Problem::warning("scene", message, "add mesh.generator or take [scene] out"));
+    }
+    if job.part.is_empty() {
+        findings.add(Problem::error("", "the job has no [[part]]", "add one for each part id of the elements"));
+    }
+    super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
+}
+
+fn parts_and_materials(job: &Job, findings: &mut Findings) {
+    let twice = |list: &str, key: &str, values: Vec<String>, findings: &mut Findings| {
+        let mut seen: HashMap<&str, usize> = HashMap::new();
+        for (index, value) in values.iter().enumerate() {
+            let path = format!("{list}.{index}.{key}");
+            if value.is_empty() || findings.is_faulty(&path) {
+                continue;
+            }
+            if let Some(first) = seen.insert(value, index) {
+                let message = format!("two entries of [[{list}]] have the {key} `{value}`: numbers {} and {}", first + 1, index + 1);
+                findings.add(Problem::error(path, message, format!("give each its own {key}")));
+            }
+        }
+    };
+    twice("part", "id", job.part.iter().map(|p| p.id.to_string()).collect(), findings);
+    twice("part", "name", job.part.iter().map(|p| p.name.clone()).collect(), findings);
+    twice("material", "name", job.material.iter().map(|m| m.name.clone()).collect(), findings);
+    twice("wall", "name", job.wall.iter().map(|w| w.name.clone()).collect(), findings);
+    for (index, material) in job.material.iter().enumerate() {
+        if material.name.is_empty() {
+            findings.add(Problem::error(format!("material.{index}.name"), "a material has no name", "parts refer to it by name"));
+        }
+    }
+}
+
+fn loads(job: &Job, numbers: &mut Numbers<'_>) {
+    for (index, wall) in job.wall.iter().enumerate() {
+        let length = wall.normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let path = format!("wall.{index}.normal");
+        if !(length > 0.0 && length.is_finite()) {
+            let message = format!("the normal {:?} of a wall has no direction", wall.normal);
+            numbers.findings.add(Problem::error(path, message, "it points from the wall to where the model is, such as [1, 0, 0]"));
+        }
+        numbers.need(wall.friction >= 0.0, &format!("wall.{index}.friction"), wall.friction, "0 or above");
+    }
+    for (index, mass) in job.mass.iter().enumerate() {
+        numbers.need(mass.mass > 0.0, &format!("mass.{index}.mass"), mass.mass, "above 0");
+    }
+    const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+    for (index, fix) in job.fix.iter().enumerate() {
+        for (place, dof) in fix.dofs.iter().enumerate() {
+            if !DOFS.contains(&dof.as_str()) {
+                let message = format!("`{dof}` is no degree of freedom");
+                numbers.findings.add(Problem::error(format!("fix.{index}.dofs.{place}"), message, nearest(dof, &DOFS)));
+            }
+        }
+        if fix.dofs.is_empty() {
+            let path = format!("fix.{index}.dofs");
+            numbers.findings.add(Problem::warning(path, "nothing is held fixed here", "name dofs, such as [\"x\", \"rz\"]"));
+        }
+    }
+}
+
+fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
+    numbers.word("contact.law", &contact.law, &laws::contact_laws());
+    numbers.word("contact.search", &contact.search, &laws::searches());
+    numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
+    numbers.need(contact.friction >= 0.0, "contact.friction", contact.friction, "0 or above");
+    numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (a quarter of the median side) or above");
+    numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");
+    numbers.need(contact.tolerance > 0.0, "contact.tolerance", contact.tolerance, "above 0; 1e-3 is usual");
+    numbers.need(contact.penalty_scale > 0.0, "contact.penalty_scale", contact.penalty_scale, "above 0; 0.1 is usual");
+    if numbers.findings.any_faulty_below("part") {
+        return;
+    }
+    for (index, id) in contact.parts.iter().enumerate() {
+        if !job.part.iter().any(|p| p.id == *id) {
+            let known: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let message = format!("contact: there is no part {id}");
+            numbers.findings.add(Problem::error(format!("contact.parts.{index}"), message, nearest(&id.to_string(), &known)));
+        }
+    }
+}
+
+struct Numbers<'f> {
+    findings: &'f mut Findings,
+}
+
+impl Numbers<'_> {
+    fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
+        if !right {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.findings.add(Problem::error(path, format!("`{key}` is {value:?}"), format!("it has to be {wanted}")));
+        }
+    }
+
+    fn word(&mut self, path: &str, word: &str, known: &[&str]) {
+        if !known.contains(&word) {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.findings.add(Problem::error(path, format!("there is no {key} `{word}`"), nearest(word, known)));
+        }
+    }
+}
+
+/// The settings that all workers get, defaults filled in; lengths come from the sides of the mesh's elements.
+/// Beside them, for each of their parts its place in the job.
+pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
+    let (smallest, median) = sides.unwrap_or((0.0, 0.0));
+    let mut order: Vec<usize> = (0..job.part.len()).collect();
+    order.sort_by_key(|&i| job.part[i].id);
+    let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
+    let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
+    let contact = job.contact.clone().map(|contact| Contact { skin: or(contact.skin, 0.25 * median), ..contact });
+    let mut walls = job.wall.clone();
+    for wall in &mut walls {
+        // Scaled by the largest component first, so that tiny and huge normals are unit vectors too.
+        let largest = wall.normal.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+        let scaled = wall.normal.map(|c| c / largest);
+        let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+        wall.normal = scaled.map(|c| c / length);
+    }
+    let settings = Settings {
+        end_time: job.end_time,
+        safety: job.time.safety,
+        max_cycles: job.time.max_cycles,
+        dt_min_ratio: job.time.dt_min_ratio,
+        history_interval: or(job.output.history_interval, job.end_time / 200.0),
+        field_times: field_times(job),
+        field_dir: String::new(),
+        materials: job.material.iter().map(material).collect(),
+        parts,
+        walls,
+        contact,
+        buffer: or(job.parallel.buffer, 0.5 * smallest),
+    };
+    (settings, order)
+}
+
+fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
+    let number = |v: &toml::Value| v.as_float().or(v.as_integer().map(|i| i as f64)).unwrap_or(0.0);
+    let list = |v: &toml::Value| v.as_array().map(|items| items.iter().map(number).collect::<Vec<f64>>());
+    // The schema has let numbers, lists and lists of lists through, nothing else.
+    let param = |v: &toml::Value| match v.as_array() {
+        None => Param::Number(number(v)),
+        Some(rows) if rows.first().is_some_and(toml::Value::is_array) => {
+            Param::Table(rows.iter().filter_map(list).collect())
+        }
+        Some(items) => Param::List(items.iter().map(number).collect()),
+    };
+    Material {
+        name: spec.name.clone(),
+        law: spec.law.clone(),
+        density: spec.density,
+        parameters: spec.parameters.iter().map(|(key, value)| (key.clone(), param(value))).collect(),
+    }
+}
+
+/// Start, end and every interval between, and the further times of the job; ascending, none twice.
+fn field_times(job: &Job) -> Vec<f64> {
+    let end = job.end_time;
+    let interval = match job.output.field_interval {
+        0.0 => end / 20.0,
+        given => given,
+    };
+    let count = end / interval;
+    let mut times: Vec<f64> = job.output.field_times.iter().copied().filter(|t| (0.0..=end).contains(t)).collect();
+    if interval > 0.0 && count <= MOST_FIELDS {
+        times.extend((0..=count.floor() as u64).map(|i| i as f64 * interval).filter(|&t| t <= end));
+        times.push(end);
+    }
+    times.sort_by(f64::total_cmp);
+    times.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * end);
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(text: &str) -> Job {
+        toml::from_str(&format!("end_time = 1.0\n[mesh]\n{text}")).unwrap()
+    }
+
+    #[test]
+    fn field_times_are_regular_and_end_with_the_run() {
+        assert_eq!(field_times(&job("[output]\nfield_interval = 0.4")), [0.0, 0.4, 0.8, 1.0]);
+        assert_eq!(field_times(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")), [0.0, 0.25, 0.5, 1.0]);
+        assert_eq!(field_times(&job("")).len(), 21);
+        assert_eq!(field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")), [0.3]);
+    }
+
+    #[test]
+    fn normals_become_unit_vectors() {
+        let job = job("[[wall]]\npoint = [0, 0, 0]\nnormal = [3e-200, 0, 4e-200]");
+        let normal = settings(&job, None).0.walls[0].normal;
+        assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
+    }
+}

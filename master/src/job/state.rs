@@ -1,0 +1,193 @@
+//! What nodes and elements start with: added mass, fixed degrees of freedom, velocities, steps and masses.
+
+use super::laws::Blocks;
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::Job;
+use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use std::collections::HashMap;
+
+/// Per node, in the order of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct NodeStart {
+    /// Lumped mass on top of the elements' [mass].
+    pub added_mass: Vec<f64>,
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    pub fixed: Vec<u64>,
+    /// Velocity [length/time].
+    pub velocity: Vec<[f64; 3]>,
+    /// Rotational velocity [1/time].
+    pub spin: Vec<[f64; 3]>,
+}
+
+/// Per element, in the order of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct ElementStart {
+    /// Index of its part in the settings.
+    pub part: Vec<u32>,
+    /// Mass without mass scaling [mass].
+    pub mass: Vec<f64>,
+    /// Factor on its density by mass scaling.
+    pub mass_factor: Vec<f64>,
+    /// Stable step with mass scaling, before the safety factor [time].
+    pub stable_dt: Vec<f64>,
+}
+
+/// What the job's `[[mass]]`, `[[fix]]` and `[[initial_velocity]]` give each node of the mesh.
+pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
+    let count = mesh.nodes.len();
+    let index: HashMap<NodeId, usize> = mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
+    let mut start = NodeStart {
+        added_mass: vec![0.0; count],
+        fixed: vec![0; count],
+        velocity: vec![[0.0; 3]; count],
+        spin: vec![[0.0; 3]; count],
+    };
+    // The nodes of a set that elements use, and whether there are others.
+    let set = |name: &str, path: String, findings: &mut Findings| -> Option<Vec<usize>> {
+        let Some(ids) = mesh.node_sets.get(name) else {
+            let known: Vec<&str> = mesh.node_sets.keys().map(String::as_str).collect();
+            findings.add(Problem::error(path, format!("there is no node set `{name}`"), nearest(name, &known)));
+            return None;
+        };
+        if ids.is_empty() {
+            findings.add(Problem::error(path, format!("node set `{name}` is empty"), "put nodes into it, or take this entry out"));
+            return None;
+        }
+        Some(ids.iter().filter_map(|id| index.get(id).copied()).collect())
+    };
+    for (i, mass) in job.mass.iter().enumerate() {
+        let path = format!("mass.{i}.nodes");
+        let Some(nodes) = set(&mass.nodes, path.clone(), findings) else { continue };
+        if nodes.len() < mesh.node_sets[&mass.nodes].len() {
+            let message = format!("node set `{}` has nodes that belong to no element and cannot carry mass", mass.nodes);
+            findings.add(Problem::error(path, message, "connect them, or take them out of the set"));
+        }
+        let each = mass.mass / nodes.len() as f64;
+        nodes.iter().for_each(|&n| start.added_mass[n] += each);
+    }
+    for (i, fix) in job.fix.iter().enumerate() {
+        let Some(nodes) = set(&fix.nodes, format!("fix.{i}.nodes"), findings) else { continue };
+        let bit = |dof: &String| match dof.as_str() {
+            "x" => 1,
+            "y" => 2,
+            "z" => 4,
+            "rx" => 8,
+            "ry" => 16,
+            "rz" => 32,
+            _ => 0,
+        };
+        let bits: u64 = fix.dofs.iter().map(bit).fold(0, |all, bit| all | bit);
+        nodes.iter().for_each(|&n| start.fixed[n] |= bits);
+    }
+    for (i, initial) in job.initial_velocity.iter().enumerate() {
+        let nodes = match &initial.nodes {
+            None => (0..count).collect(),
+            Some(name) => match set(name, format!("initial_velocity.{i}.nodes"), findings) {
+                Some(nodes) => nodes,
+                None => continue,
+            },
+        };
+        let w = initial.spin;
+        for n in nodes {
+            let r = [0, 1, 2].map(|c| mesh.nodes[n].x[c] - initial.centre[c]);
+            let turn = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+            start.velocity[n] = [0, 1, 2].map(|c| initial.velocity[c] + turn[c]);
+            start.spin[n] = w;
+        }
+    }
+    if let Some(n) = start.velocity.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+        let message = format!("the initial velocity of node {} is too large to compute with", mesh.nodes[n].id);
+        findings.add(Problem::error("initial_velocity", message, "check velocity, spin and centre"));
+    }
+    start
+}
+
+/// Masses and stable steps of all elements, with the mass that scaling to a given step adds.
+pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, findings: &mut Findings) -> ElementStart {
+    let at: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
+    let mut start = ElementStart::default();
+    let mut unsound = (0, None);
+    for element in &mesh.elements {
+        let part = part_of[&element.part];
+        let Some(formulation) = blocks.element(part, element.shape) else { continue };
+        let x = element.nodes.map(|id| at[&id]);
+        let mass = formulation.corner_mass(&x).0 * element.shape.corners() as f64;
+        let dt = formulation.stable_dt(&x);
+        if !(dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0) {
+            unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));
+        }
+        let wanted = job.time.mass_scaling_dt;
+        // The stable step goes with the root of the density.
+        let factor = if wanted > dt { (wanted / dt).powi(2) } else { 1.0 };
+        start.part.push(part as u32);
+        start.mass.push(mass);
+        start.mass_factor.push(factor);
+        start.stable_dt.push(dt * factor.sqrt());
+    }
+    if let (count, Some(first)) = unsound {
+        let message = match count {
+            1 => format!("element {first} has no stable time step"),
+            n => format!("{n} elements have no stable time step; the first is element {first}"),
+        };
+        findings.add(Problem::error("mesh", message, "it is inverted, or its size, density or stiffness is out of all range"));
+    }
+    start
+}
+
+/// Warnings of what the numbers of a sound model show.
+pub fn warnings(job: &Job, mesh: &Mesh, settings: &Settings, elements: &ElementStart, nodes: &NodeStart) -> Vec<Problem> {
+    let mut warnings = Vec::new();
+    let still = nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
+    if still {
+        let message = "nothing moves: no node has an initial velocity";
+        warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]]"));
+    }
+    for (index, part) in settings.parts.iter().enumerate() {
+        if !elements.part.contains(&(index as u32)) {
+            let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
+            let message = format!("part {} `{}` has no elements", part.id, part.name);
+            warnings.push(Problem::warning(format!("part.{place}.id"), message, "take it out, or check the part ids of the mesh"));
+        }
+    }
+    let structure: f64 = elements.mass.iter().sum();
+    let added = scaled_mass(elements);
+    if added > 0.05 * structure {
+        let message = format!("mass scaling adds {:.1} % of the structure's mass", 100.0 * added / structure);
+        warnings.push(Problem::warning("time.mass_scaling_dt", message, "take a smaller step, or a mesh without tiny elements"));
+    }
+    let mut steps = elements.stable_dt.clone();
+    let middle = steps.len() / 2;
+    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
+        let message = format!("element {} alone sets the time step: it is {:.0} times below the median", mesh.elements[at].id, median / dt);
+        let help = "mesh it anew, or see time.mass_scaling_dt";
+        warnings.push(Problem::warning("", message, help));
+    }
+    warnings
+}
+
+/// Mass that scaling adds to all elements [mass].
+pub fn scaled_mass(elements: &ElementStart) -> f64 {
+    elements.mass.iter().zip(&elements.mass_factor).map(|(m, f)| m * (f - 1.0)).sum()
+}
+
+/// The first of the smallest values, and its place.
+pub fn smallest(values: &[f64]) -> Option<(usize, f64)> {
+    values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Which shapes each part of the settings has elements of: quads, triangles.
+pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<[bool; 2]> {
+    let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
+    let mut used = vec![[false; 2]; settings.parts.len()];
+    for element in &mesh.elements {
+        if let Some(&part) = part_of.get(&element.part) {
+            used[part][usize::from(element.shape == Shape::Tri3)] = true;
+        }
+    }
+    used
+}

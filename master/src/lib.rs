@@ -1,0 +1,21 @@
+//! The master of Crumple as a library; `main.rs` is the `crumple` binary.
+//!
+//! - [`cli`]: what can be said on the command line
+//! - [`job`]: from a job file to a sound model, or to everything that is wrong with it
+//! - [`check`]: `crumple check`
+//! - [`launch`]: `crumple run`, on threads or under MPI
+//! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
+//! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
+
+pub mod balance;
+pub mod check;
+pub mod cli;
+pub mod control;
+pub mod decompose;
+pub mod fields;
+pub mod history;
+pub mod job;
+pub mod launch;
+pub mod progress;
+pub mod stop;
+pub mod summary;

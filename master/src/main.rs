@@ -1,0 +1,12 @@
+//! The `crumple` binary.
+
+use clap::Parser;
+use crumple::cli::{Cli, Command};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(match Cli::parse().command {
+        Command::Check(args) => crumple::check::run(&args),
+        Command::Run(args) => crumple::launch::run(&args),
+    })
+}

@@ -1,0 +1,189 @@
+//! `summary.json`: how a run went.
+
+use crumple_proto::partition::NodeRecord;
+use crumple_proto::report::{Closing, PHASES};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// It reached its end.
+    Completed,
+    /// The user stopped it; the state is kept.
+    Stopped,
+    /// It could not go on.
+    Failed,
+}
+
+/// Mean and largest over workers [s].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct MeanMax {
+    /// Mean.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Energies at the end [energy].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Energy {
+    /// Kinetic.
+    pub kinetic: f64,
+    /// Internal.
+    pub internal: f64,
+    /// Work of contact on the nodes, friction included.
+    pub contact: f64,
+    /// Part of `contact` that friction did.
+    pub friction: f64,
+    /// Work of rigid walls on the nodes, friction included.
+    pub wall: f64,
+    /// Hourglass and drilling.
+    pub hourglass: f64,
+    /// Work of external loads.
+    pub external: f64,
+    /// Kinetic, internal and hourglass at the start.
+    pub total_initial: f64,
+    /// Unexplained at the end, a fraction.
+    pub error: f64,
+    /// Largest |error| of all history rows.
+    pub error_max: f64,
+}
+
+/// Linear momentum [mass length/time].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Momentum {
+    /// At the start.
+    pub start: [f64; 3],
+    /// At the end.
+    pub end: [f64; 3],
+    /// Impulse of all rigid walls.
+    pub wall_impulse: [f64; 3],
+}
+
+/// Steps [time].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Steps {
+    /// First.
+    pub first: f64,
+    /// Smallest.
+    pub min: f64,
+    /// Last.
+    pub last: f64,
+}
+
+/// Redecompositions.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Redecompositions {
+    /// Boxes recomputed.
+    pub low: u64,
+    /// Membership renewed.
+    pub high: u64,
+}
+
+/// Contact.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct ContactSummary {
+    /// Most active pairs in a history row.
+    pub pairs_max: u64,
+    /// Largest penetration as a fraction of the pair's contact thickness.
+    pub penetration_max: f64,
+    /// Global searches, mean over workers.
+    pub searches: f64,
+    /// Sweeps per cycle, mean over workers.
+    pub sweeps_per_cycle: f64,
+}
+
+/// CPU accounting of the workers, waiting left out [s].
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Cpu {
+    /// Sum over workers.
+    pub total: f64,
+    /// Sum over cycles of the slowest worker.
+    pub critical_path: f64,
+    /// Messages sent per worker and cycle.
+    pub messages_per_cycle: f64,
+    /// Bytes sent per worker and cycle.
+    pub bytes_per_cycle: f64,
+}
+
+/// The whole file.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// How it ended.
+    pub status: Status,
+    /// Why.
+    pub reason: String,
+    /// Simulated time reached [time].
+    pub end_time: f64,
+    /// Cycles done.
+    pub cycles: u64,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of elements per type.
+    pub elements: BTreeMap<String, usize>,
+    /// Number of workers.
+    pub workers: usize,
+    /// `threads` or `mpi`.
+    pub transport: String,
+    /// Wall time of the run [s].
+    pub wall_s: f64,
+    /// Nanoseconds of wall time x workers per element per cycle.
+    pub grind_ns: f64,
+    /// Wall time per phase [s].
+    pub phase_s: BTreeMap<String, MeanMax>,
+    /// CPU accounting.
+    pub cpu_s: Cpu,
+    /// Energies.
+    pub energy: Energy,
+    /// Momentum.
+    pub momentum: Momentum,
+    /// Steps.
+    pub dt: Steps,
+    /// Redecompositions.
+    pub redecompositions: Redecompositions,
+    /// max/mean step cost over workers.
+    pub imbalance: MeanMax,
+    /// Contact.
+    pub contact: ContactSummary,
+    /// blake3 of the state; see [`state_digest`].
+    pub state_digest: String,
+}
+
+/// blake3 (hex) of the little-endian f64 bits of, per node in ascending id, position, velocity and rotational velocity.
+/// A node without rotational inertia has no rotational velocity.
+pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
+    nodes.sort_unstable_by_key(|n| n.id);
+    let mut hasher = blake3::Hasher::new();
+    for n in nodes {
+        let turning: &[f64] = if n.inertia > 0.0 { &n.w } else { &[] };
+        for a in n.x.iter().chain(&n.v).chain(turning) {
+            hasher.update(&a.to_le_bytes());
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Seconds per phase over workers.
+pub fn phases(closings: &[Closing]) -> BTreeMap<String, MeanMax> {
+    let of = |p: usize| {
+        let seconds = closings.iter().map(|c| c.phases[p]);
+        MeanMax { mean: seconds.clone().sum::<f64>() / closings.len().max(1) as f64, max: seconds.fold(0.0, f64::max) }
+    };
+    PHASES.iter().enumerate().map(|(p, name)| (name.to_string(), of(p))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::NodeId;
+
+    #[test]
+    fn the_digest_does_not_depend_on_the_order_and_feels_every_bit() {
+        let node = |id, x: f64| NodeRecord { id: NodeId(id), x: [x, 0.0, 0.0], inertia: 1.0, ..Default::default() };
+        let a = state_digest(&mut [node(1, 1.0), node(2, 2.0)]);
+        assert_eq!(a, state_digest(&mut [node(2, 2.0), node(1, 1.0)]));
+        assert_ne!(a, state_digest(&mut [node(1, 1.0), node(2, 2.0 + 4e-16)]));
+    }
+}

@@ -1,0 +1,246 @@
+//! Bad jobs give everything that is wrong with them, each with its line and a remedy; nothing panics.
+//!
+//! A file in `tests/bad` begins with what its report has to say: one `#: text` for each piece of text.
+
+use crumple::job::{Model, Report, read};
+use std::path::{Path, PathBuf};
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
+}
+
+fn plate() -> PathBuf {
+    folder("good/plate.toml")
+}
+
+fn good(sets: &[&str]) -> Model {
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    read(&plate(), &sets).unwrap_or_else(|report| panic!("{report}"))
+}
+
+fn report_of(path: &Path, sets: &[&str]) -> Report {
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    match read(path, &sets) {
+        Ok(_) => panic!("{} passes with {sets:?}", path.display()),
+        Err(report) => report,
+    }
+}
+
+#[test]
+fn every_bad_job_says_all_that_is_wrong_with_it() {
+    let mut count = 0;
+    let mut failures = String::new();
+    for entry in std::fs::read_dir(folder("bad")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "toml") {
+            continue;
+        }
+        count += 1;
+        let text = std::fs::read_to_string(&path).unwrap();
+        let wanted: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("#: ")).collect();
+        assert!(!wanted.is_empty(), "{} wants nothing", path.display());
+        let report = report_of(&path, &[]).to_string();
+        for want in wanted.iter().filter(|want| !report.contains(**want)) {
+            failures += &format!("--- {}: not said: {want}\n{report}\n", path.display());
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+    assert!(count >= 25, "{count} bad jobs");
+}
+
+/// The whole text of a report, once: file, line, column, the line itself, the key underlined, the remedy.
+#[test]
+fn a_report_shows_the_line_and_underlines_the_key() {
+    let report = report_of(&folder("bad/wrong_section.toml"), &[]).to_string();
+    let (head, rest) = report.split_once(" --> ").unwrap();
+    assert_eq!(head, "error: unknown key `safety`\n");
+    let (_, rest) = rest.split_once("bad/wrong_section.toml").unwrap();
+    let keys = "contact, end_time, fix, initial_velocity, mass, material, mesh, output, parallel, part, scene, time, title, units, wall";
+    let expected = format!(
+        ":8:1\n  |\n8 | safety = 0.8\n  | ^^^^^^\n  = help: `safety` belongs into [time]; keys here: {keys}\n\n\
+         1 error: nothing was run\n"
+    );
+    assert_eq!(rest, expected);
+}
+
+#[test]
+fn what_the_command_line_sets_is_checked_and_blamed() {
+    for (sets, said) in [
+        (&["part.lower.thicknes=3"][..], &["unknown key `thicknes`", "did you mean `thickness`", "--> --set part.lower.thicknes=3"][..]),
+        (&["tme.safety=0.8"], &["unknown key `tme`", "did you mean `time`", "--set tme.safety=0.8"]),
+        (&["part.lower.thickness=-3"], &["thickness is -3", "--> --set part.lower.thickness=-3"]),
+        (&["part.lowre.thickness=3"], &["no entry with the name or id `lowre`", "did you mean `lower`"]),
+        (&["wall.5.friction=0.1"], &["no entry with the name or position `5`", "there is: floor, 0"]),
+        (&["time.safety=fast"], &["`safety` has to be a finite number, not the text \"fast\"", "--set time.safety=fast"]),
+        (&["time.safety"], &["has no value", "write --set section.key=value"]),
+        (&["contact.law=penalti", "time.safety=0"], &["did you mean `penalty`", "`safety` is 0.0", "2 errors"]),
+        (&["parallel.workers=0"], &["0 workers cannot run anything", "--set parallel.workers=0"]),
+        (&["end_time=inf"], &["`end_time` has to be a finite number, not inf"]),
+        (&["mesh.generator=tumble"], &["more than one mesh"]),
+    ] {
+        let report = report_of(&plate(), sets).to_string();
+        for text in said {
+            assert!(report.contains(text), "{sets:?}: not said: {text}\n{report}");
+        }
+    }
+}
+
+#[test]
+fn files_that_are_no_jobs_are_refused() {
+    let there = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = there.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    for (path, said) in [
+        (folder("nowhere.toml"), "there is no file"),
+        (folder("good"), "holds no job.toml"),
+        (write("deck.k", b"*KEYWORD"), "keyword decks are not supported yet"),
+        (write("job.txt", b"end_time = 1"), "is no .toml file"),
+        (write("latin.toml", b"end_time = 1\ntitle = \"\xe9\""), "latin.toml:2: not UTF-8"),
+        (write("empty.toml", b""), "the job has no `end_time`"),
+    ] {
+        let report = report_of(&path, &[]).to_string();
+        assert!(report.contains(said), "{report}");
+    }
+}
+
+#[test]
+fn long_reports_are_cut() {
+    let rows: String = (0..300).map(|i| format!("[{i}, 0.0, 0.0, nan], ")).collect();
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("long.toml");
+    std::fs::write(&path, format!("end_time = 1.0\n[mesh]\nnodes = [{rows}]\n")).unwrap();
+    let report = report_of(&path, &[]).to_string();
+    assert!(report.contains("... and 251 more"), "{report}");
+    assert!(report.lines().all(|line| line.len() < 200), "{report}");
+}
+
+#[test]
+fn a_good_job_becomes_a_model() {
+    let model = good(&[]);
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    let (elements, nodes) = model.records();
+    assert_eq!((elements.len(), nodes.len()), (4, 9));
+    assert_eq!((elements[3].nodes[2], elements[3].part), (elements[3].nodes[3], 1));
+    assert_eq!((nodes[0].fixed, nodes[8].mass, nodes[7].mass), (0b1100, 0.5, 0.0));
+    // Ten mm from the centre in x and y, turning at 0.5 about z.
+    assert_eq!((nodes[8].v, nodes[8].w), ([-5.0, -5.0, 0.0], [0.0, 0.0, 0.5]));
+    assert_eq!(nodes[0].v, [0.0, -10.0, 0.0]);
+    assert_eq!(model.settings.walls[0].normal, [0.0, 1.0, 0.0]);
+    assert_eq!(model.settings.field_times, [0.0, 0.02, 0.05, 0.1]);
+    // Sides: ten everywhere but the triangle's diagonal.
+    assert_eq!((model.settings.buffer, model.settings.contact.as_ref().unwrap().skin), (5.0, 2.5));
+    let area = 100.0;
+    let mass = 7.85e-6 * area * (1.0 + 1.0 + 2.0 + 0.5 * 2.0);
+    assert!((model.structure_mass() - mass).abs() < 1e-12 * mass, "round-off of four sums");
+    assert_eq!(model.lumped_mass(), 0.5);
+}
+
+#[test]
+fn sets_change_the_model() {
+    let model = good(&["part.lower.thickness=3", "end_time=1", "material.steel.density=8e-6", "wall.floor.friction=0.3"]);
+    assert_eq!(model.settings.parts[0].thickness, 3.0);
+    assert_eq!(model.settings.materials[0].density, 8e-6);
+    assert_eq!((model.settings.end_time, model.settings.walls[0].friction), (1.0, 0.3));
+}
+
+#[test]
+fn mass_scaling_reaches_the_step_asked_for() {
+    let (plain, scaled) = (good(&[]), good(&["time.mass_scaling_dt=0.003"]));
+    let step = |m: &Model| m.elements.stable_dt.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(step(&plain) < 0.003);
+    assert!((step(&scaled) / 0.003 - 1.0).abs() < 1e-12, "round-off of a root and a square");
+    assert!(scaled.scaled_mass() > 0.0 && plain.scaled_mass() == 0.0);
+    assert!(scaled.warnings.iter().any(|w| w.message.contains("mass scaling adds")), "{:?}", scaled.warnings);
+}
+
+#[test]
+fn warnings_do_not_stop_a_run() {
+    for (set, said) in [
+        ("time.safety=1.5", "safety = 1.5 is above 1: the run will become unstable"),
+        ("material.steel.density=7.85", "its density is 7.850e9 kg/m3"),
+        ("material.steel.youngs_modulus=207000", "its waves run at"),
+        ("output.field_times=[5.0]", "no field file can be written at 5"),
+        ("initial_velocity=[]", "nothing moves"),
+        ("scene.refine=2", "[scene] holds options of a mesh generator"),
+    ] {
+        let model = good(&[set]);
+        let all: String = model.warnings.iter().map(|w| model.show(w).to_string()).collect();
+        assert!(all.contains(said), "{set}: {all}");
+        assert!(crumple::check::describe(&model, 2).contains(said));
+    }
+}
+
+#[test]
+fn numbers_of_workers_are_checked() {
+    let model = good(&[]);
+    assert_eq!(model.workers(None, 64).unwrap(), 2, "as the job says");
+    assert_eq!(model.workers(Some(3), 64).unwrap(), 3);
+    assert!(model.workers(Some(0), 64).unwrap_err().to_string().contains("0 workers"));
+    let report = model.workers(Some(5), 64).unwrap_err().to_string();
+    assert!(report.contains("5 workers are more than the 4 elements") && report.contains("give at most 4"), "{report}");
+    let report = good(&["parallel.workers=9"]).workers(None, 64).unwrap_err().to_string();
+    assert!(report.contains("--set parallel.workers=9"), "{report}");
+}
+
+#[test]
+fn check_describes_the_job() {
+    let text = crumple::check::describe(&good(&[]), 2);
+    for said in ["Small plate", "mm, ms, kg", "3 quads, 1 triangles", "x 0 .. 20, y 0 .. 20, z 0 .. 0", "lower", "time step", "no warnings"] {
+        assert!(text.contains(said), "not said: {said}\n{text}");
+    }
+}
+
+/// Whatever stands in a file, reading it ends in a model or a report.
+#[test]
+fn damaged_jobs_do_not_panic() {
+    let text = std::fs::read(plate()).unwrap();
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("job.toml");
+    let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let mut random = |below: usize| {
+        // xorshift64 (Marsaglia 2003): the same damage on every machine.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    const PIECES: [&[u8]; 16] = [
+        b"nan", b"-inf", b"1e999", b"-1", b"0", b"\"", b"]", b"[", b"\n", b"[[part]]\n", b"99999999999999999999", b"\xc3\xa9",
+        b"true", b"1e-300", b"{}", b"\xff",
+    ];
+    let (mut sound, mut faulty) = (0, 0);
+    for round in 0..1500 {
+        let mut bytes = text.clone();
+        for _ in 0..1 + random(3) {
+            let at = random(bytes.len());
+            match random(5) {
+                0 => bytes.truncate(at.max(1)),
+                1 => bytes[at] = PIECES[random(PIECES.len())][0],
+                2 => drop(bytes.remove(at)),
+                3 => drop(bytes.splice(at..at, PIECES[random(PIECES.len())].iter().copied())),
+                // A whole number or word is replaced, so that the job often stays well formed.
+                _ => {
+                    let word = |b: &u8| b.is_ascii_alphanumeric() || b".-".contains(b);
+                    let start = bytes[..at].iter().rposition(|b| !word(b)).map_or(0, |i| i + 1);
+                    let end = at + bytes[at..].iter().position(|b| !word(b)).unwrap_or(0);
+                    drop(bytes.splice(start..end.max(start), PIECES[random(PIECES.len())].iter().copied()));
+                }
+            }
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        match read(&path, &[]) {
+            Ok(model) => {
+                sound += 1;
+                let _ = (crumple::check::describe(&model, 1), model.records());
+            }
+            Err(report) => {
+                faulty += 1;
+                assert!(report.errors() > 0 && report.to_string().contains("error"), "round {round}");
+            }
+        }
+    }
+    assert!(sound > 20 && faulty > 200, "{sound} sound, {faulty} faulty: the damage is too small or too great");
+}

@@ -1,0 +1,314 @@
+//! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A whole job file.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    /// What the scene is, one line.
+    #[serde(default)]
+    pub title: String,
+    /// The consistent set of units, for people (the engine is unit-free).
+    #[serde(default)]
+    pub units: String,
+    /// Simulated time to run to [time].
+    pub end_time: f64,
+    /// Where the mesh comes from.
+    pub mesh: MeshSource,
+    /// Options of the mesh generator.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub scene: toml::Table,
+    /// Time step.
+    #[serde(default)]
+    pub time: Time,
+    /// What is written, how often.
+    #[serde(default)]
+    pub output: Output,
+    /// Decomposition and redecomposition.
+    #[serde(default)]
+    pub parallel: Parallel,
+    /// Materials.
+    #[serde(default)]
+    pub material: Vec<MaterialSpec>,
+    /// Parts.
+    #[serde(default)]
+    pub part: Vec<Part>,
+    /// Lumped masses.
+    #[serde(default)]
+    pub mass: Vec<LumpedMass>,
+    /// Rigid walls.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// Initial velocities; later entries win.
+    #[serde(default)]
+    pub initial_velocity: Vec<InitialVelocity>,
+    /// Fixed degrees of freedom.
+    #[serde(default)]
+    pub fix: Vec<Fix>,
+    /// Contact; without this table nothing touches anything but rigid walls.
+    #[serde(default)]
+    pub contact: Option<Contact>,
+}
+
+impl Job {
+    /// The JSON Schema of a job: every key, its type, default and meaning. The reader checks files against it.
+    pub fn schema() -> serde_json::Value {
+        schemars::schema_for!(Job).to_value()
+    }
+}
+
+/// Where the mesh comes from: exactly one of generator, file, or nodes with shells.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshSource {
+    /// Name of a generator of the `cases` crate; its options are in `[scene]`.
+    #[serde(default)]
+    pub generator: Option<String>,
+    /// A TOML file beside the job with `nodes`, `shells` and `node_sets` as below.
+    #[serde(default)]
+    pub file: Option<String>,
+    /// Nodes as `[id, x, y, z]` [length].
+    #[serde(default)]
+    pub nodes: Vec<[f64; 4]>,
+    /// Shells as `[id, part id, n1, n2, n3, n4]`, or three nodes for a triangle.
+    #[serde(default)]
+    pub shells: Vec<Vec<u64>>,
+    /// Named sets of node ids.
+    #[serde(default)]
+    pub node_sets: BTreeMap<String, Vec<u64>>,
+}
+
+/// Time step settings.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Time {
+    /// Fraction of the smallest element step that is used.
+    pub safety: f64,
+    /// Stop after this many cycles, 0 for no limit.
+    pub max_cycles: u64,
+    /// The run stops as failed when the step falls below this fraction of the first one.
+    pub dt_min_ratio: f64,
+    /// Add mass to elements so that none has a stable step, before `safety`, below this at the start [time]; 0 for none.
+    pub mass_scaling_dt: f64,
+}
+
+impl Default for Time {
+    fn default() -> Self {
+        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0 }
+    }
+}
+
+/// What is written, how often.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Time between rows of `history.csv` [time]; 0 for a two-hundredth of the run.
+    pub history_interval: f64,
+    /// Time between field files [time]; 0 for a twentieth of the run, negative for none.
+    pub field_interval: f64,
+    /// Further times of field files [time].
+    pub field_times: Vec<f64>,
+}
+
+/// Decomposition and redecomposition.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Parallel {
+    /// Workers when run as threads; one per core if left out. `--workers` and mpirun go before it.
+    pub workers: usize,
+    /// Width b of the buffer that straddles each box face [length]; 0 for half the smallest element side.
+    pub buffer: f64,
+    /// Boxes are recomputed when max/mean step cost stays above this.
+    pub imbalance: f64,
+    /// Least cycles between two recomputations of the boxes.
+    pub low_every_at_least: u64,
+    /// Force a redecomposition of alternating kind every so many cycles, 0 for never (for tests).
+    pub force_every: u64,
+}
+
+impl Default for Parallel {
+    fn default() -> Self {
+        Self { workers: 0, buffer: 0.0, imbalance: 1.1, low_every_at_least: 500, force_every: 0 }
+    }
+}
+
+/// A material as written: a law's name and its numbers. Laws are known to the worker only.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MaterialSpec {
+    /// Name that parts refer to.
+    pub name: String,
+    /// Name of the law in the worker's table.
+    pub law: String,
+    /// Mass density [mass/length^3].
+    pub density: f64,
+    /// Parameters of the law: a number, a list, or a list of lists.
+    #[serde(flatten)]
+    #[schemars(schema_with = "any_parameters")]
+    pub parameters: BTreeMap<String, toml::Value>,
+}
+
+/// Any key, with a number, a list, or a list of lists: the job file alone does not tell a law's parameters.
+fn any_parameters(_: &mut SchemaGenerator) -> Schema {
+    let list = json_schema!({ "type": "array", "items": { "type": "number" } });
+    json_schema!({ "type": "object", "additionalProperties": { "anyOf": [
+        { "type": "number" }, list, { "type": "array", "items": list }
+    ] } })
+}
+
+/// A part: elements of one formulation, material and section.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// Id that elements refer to.
+    pub id: u32,
+    /// Name for people and for `--set part.NAME.key`.
+    #[serde(default)]
+    pub name: String,
+    /// Name of the material.
+    pub material: String,
+    /// Shell thickness [length].
+    pub thickness: f64,
+    /// Formulation of the four-node shells.
+    #[serde(default = "belytschko_tsay")]
+    pub element: String,
+    /// Integration points through the thickness, 1 to 10.
+    #[serde(default = "five")]
+    pub points: usize,
+    /// Hourglass control: `stiffness` or `viscous`.
+    #[serde(default)]
+    pub hourglass: HourglassForm,
+    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping).
+    #[serde(default = "hourglass_coefficient")]
+    pub hourglass_coefficient: f64,
+    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads.
+    #[serde(default)]
+    pub warping: bool,
+    /// Update the thickness from the strain through it.
+    #[serde(default)]
+    pub thinning: bool,
+    /// Drilling stiffness as a fraction of the shear stiffness G h A / 4.
+    #[serde(default = "drilling")]
+    pub drilling: f64,
+}
+
+fn belytschko_tsay() -> String {
+    "belytschko_tsay".into()
+}
+fn five() -> usize {
+    5
+}
+fn hourglass_coefficient() -> f64 {
+    0.03
+}
+fn drilling() -> f64 {
+    0.01
+}
+
+/// Hourglass control of one-point shells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HourglassForm {
+    /// Elastic resistance that remembers the mode's deformation.
+    #[default]
+    Stiffness,
+    /// Resistance to the mode's rate.
+    Viscous,
+}
+
+/// Mass added to nodes, shared equally over a node set.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LumpedMass {
+    /// Node set.
+    pub nodes: String,
+    /// Mass of the whole set [mass].
+    pub mass: f64,
+}
+
+/// A fixed planar rigid wall.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Name for histories.
+    #[serde(default)]
+    pub name: String,
+    /// A point of the wall [length].
+    pub point: [f64; 3],
+    /// Normal towards the side where the model is (made a unit vector).
+    pub normal: [f64; 3],
+    /// Coulomb friction coefficient.
+    #[serde(default)]
+    pub friction: f64,
+}
+
+/// Initial velocity of a node set, or of all nodes: rigid motion about a centre.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InitialVelocity {
+    /// Node set; all nodes without it.
+    #[serde(default)]
+    pub nodes: Option<String>,
+    /// Translation [length/time].
+    pub velocity: [f64; 3],
+    /// Spin [1/time].
+    #[serde(default)]
+    pub spin: [f64; 3],
+    /// Centre of the spin [length].
+    #[serde(default)]
+    pub centre: [f64; 3],
+}
+
+/// Degrees of freedom of a node set that do not move.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fix {
+    /// Node set.
+    pub nodes: String,
+    /// Any of x, y, z (displacements) and rx, ry, rz (rotations).
+    pub dofs: Vec<String>,
+}
+
+/// Automatic single-surface contact.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Contact {
+    /// Name of the law in the worker's table: `lagrange` or `penalty`.
+    pub law: String,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Global search: `cells` (linked cells) or `boxes` (point in box by sorted lists).
+    pub search: String,
+    /// Distance that candidates reach beyond contact, so that the search need not run every step [length];
+    /// 0 for a quarter of the median element side.
+    pub skin: f64,
+    /// Most sweeps over all pairs within a step (Lagrange).
+    pub sweeps: usize,
+    /// Relative change below which a pair's force is left as it is (Lagrange).
+    pub tolerance: f64,
+    /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7).
+    pub weighting: String,
+    /// Scale of the penalty stiffness (penalty).
+    pub penalty_scale: f64,
+    /// Parts that take part; all if empty.
+    pub parts: Vec<u32>,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Self {
+            law: "lagrange".into(),
+            friction: 0.0,
+            search: "cells".into(),
+            skin: 0.0,
+            sweeps: 20,
+            tolerance: 1e-3,
+            weighting: "shape".into(),
+            penalty_scale: 0.1,
+            parts: Vec::new(),
+        }
+    }
+}

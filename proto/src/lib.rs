@@ -1,0 +1,20 @@
+//! Plain data shared by master and workers, and how it travels. No physics here.
+//!
+//! - [`ids`], [`mesh`], [`job`], [`problem`]: what the user brings and what is wrong with it
+//! - [`quality`]: how good the elements' shapes are
+//! - [`partition`]: what one worker receives
+//! - [`boxes`]: the boxes that tile space
+//! - [`message`], [`report`], [`wire`]: the conversation between master and workers
+//! - [`transport`]: the wires, threads or MPI
+
+pub mod boxes;
+pub mod ids;
+pub mod job;
+pub mod mesh;
+pub mod message;
+pub mod partition;
+pub mod problem;
+pub mod quality;
+pub mod report;
+pub mod transport;
+pub mod wire;

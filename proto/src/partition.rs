@@ -1,0 +1,99 @@
+//! What a worker receives: settings for all, records of its elements and nodes.
+//! The same records travel at start-up and from worker to worker when boxes are renewed.
+
+use crate::ids::{ElemId, NodeId};
+use crate::job::{Contact, Part, Wall};
+use crate::mesh::Shape;
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What every worker knows of the job; nothing in it grows with the mesh.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Settings {
+    /// Simulated time to run to [time].
+    pub end_time: f64,
+    /// Fraction of the smallest element step that is used.
+    pub safety: f64,
+    /// Stop after this many cycles, 0 for no limit.
+    pub max_cycles: u64,
+    /// Stop as failed below this fraction of the first step.
+    pub dt_min_ratio: f64,
+    /// Time between history rows [time].
+    pub history_interval: f64,
+    /// Times of field files, ascending [time].
+    pub field_times: Vec<f64>,
+    /// Folder for field files.
+    pub field_dir: String,
+    /// Materials, in the job's order.
+    pub materials: Vec<Material>,
+    /// Parts in ascending id; a record's `part` is an index into this.
+    pub parts: Vec<Part>,
+    /// Rigid walls.
+    pub walls: Vec<Wall>,
+    /// Contact, if the scene has any; lengths that the job left to a default are filled in.
+    pub contact: Option<Contact>,
+    /// Width b of the box buffer [length].
+    pub buffer: f64,
+}
+
+/// A material as a worker sees it: a law's name and a table of numbers.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Material {
+    /// Name that parts refer to.
+    pub name: String,
+    /// Name of the law in the worker's table.
+    pub law: String,
+    /// Mass density [mass/length^3].
+    pub density: f64,
+    /// Parameters of the law.
+    pub parameters: BTreeMap<String, Param>,
+}
+
+/// A material parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Param {
+    /// One number.
+    Number(f64),
+    /// A list of numbers.
+    List(Vec<f64>),
+    /// A list of rows.
+    Table(Vec<Vec<f64>>),
+}
+
+/// A node with its whole state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct NodeRecord {
+    /// Global id.
+    pub id: NodeId,
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    pub fixed: u64,
+    /// Initial coordinates [length].
+    pub x0: [f64; 3],
+    /// Coordinates [length].
+    pub x: [f64; 3],
+    /// Velocity at mid-step [length/time].
+    pub v: [f64; 3],
+    /// Rotational velocity at mid-step [1/time].
+    pub w: [f64; 3],
+    /// Lumped mass, elements and added mass together [mass]; before the first assembly, added mass only.
+    pub mass: f64,
+    /// Lumped rotational inertia [mass length^2].
+    pub inertia: f64,
+}
+
+/// An element; its history columns travel beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ElementRecord {
+    /// Global id.
+    pub id: ElemId,
+    /// Index into [`Settings::parts`].
+    pub part: u32,
+    /// Shape.
+    pub shape: Shape,
+    /// Corner nodes (a triangle repeats its third).
+    pub nodes: [NodeId; 4],
+    /// Factor on the part's density, above 1 where mass scaling adds mass.
+    pub mass_factor: f64,
+}

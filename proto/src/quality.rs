@@ -1,0 +1,223 @@
+//! Shape of the elements of a mesh: pure geometry, for `crumple check` and for the tests of generators.
+
+use crate::ids::{ElemId, NodeId};
+use crate::mesh::{Mesh, MeshElement, Shape};
+use std::collections::HashMap;
+
+type V3 = [f64; 3];
+
+/// A figure and the element where it is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// The figure, in the unit of the field that holds it.
+    pub value: f64,
+    /// The element; the lowest id of several alike.
+    pub element: ElemId,
+}
+
+/// How good or bad the elements of a mesh are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// Shortest side [length].
+    pub min_side: Worst,
+    /// Middle of all sides in order of length, a side that elements share counted for each [length].
+    pub median_side: f64,
+    /// Longest side [length].
+    pub max_side: Worst,
+    /// Largest ratio of longest to shortest side within an element; 1 at best.
+    pub max_aspect: Worst,
+    /// Largest warpage of a quad: angle between the normals of the halves on either side of a diagonal [degree].
+    pub max_warpage_deg: Worst,
+    /// Smallest ratio of the smallest to the largest Jacobian at an element's corners: 1 for a parallelogram,
+    /// 0 for a quad that has become a triangle, negative for one that is concave or folded over.
+    pub min_jacobian: Worst,
+    /// Smallest area [length^2].
+    pub min_area: Worst,
+    /// Elements whose area is zero to round-off, or that name a node twice: no run can start with them.
+    pub zero_area: Vec<ElemId>,
+    /// Elements that name a node that is not in the mesh; they are left out of all other figures.
+    pub dangling: Vec<ElemId>,
+}
+
+/// Figures of one element.
+struct Figures {
+    sides: Vec<f64>,
+    aspect: f64,
+    warpage_deg: f64,
+    jacobian: f64,
+    area: f64,
+    degenerate: bool,
+}
+
+/// Measures every element; `None` if there is none whose nodes exist.
+pub fn quality(mesh: &Mesh) -> Option<Quality> {
+    let at: HashMap<NodeId, V3> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let mut order: Vec<&MeshElement> = mesh.elements.iter().collect();
+    order.sort_by_key(|e| e.id);
+
+    let mut q: Option<Quality> = None;
+    let mut sides = Vec::new();
+    let (mut zero_area, mut dangling) = (Vec::new(), Vec::new());
+    for element in order {
+        let corners: Option<Vec<V3>> = element.corners().iter().map(|id| at.get(id).copied()).collect();
+        let Some(corners) = corners else {
+            dangling.push(element.id);
+            continue;
+        };
+        let f = measure(element, &corners);
+        if f.degenerate {
+            zero_area.push(element.id);
+        }
+        let here = |value| Worst { value, element: element.id };
+        let shortest = f.sides.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = f.sides.iter().copied().fold(0.0, f64::max);
+        let q = q.get_or_insert_with(|| Quality {
+            min_side: here(f64::INFINITY),
+            median_side: 0.0,
+            max_side: here(0.0),
+            max_aspect: here(0.0),
+            max_warpage_deg: here(0.0),
+            min_jacobian: here(f64::INFINITY),
+            min_area: here(f64::INFINITY),
+            zero_area: Vec::new(),
+            dangling: Vec::new(),
+        });
+        for (worst, value) in
+            [(&mut q.min_side, shortest), (&mut q.min_jacobian, f.jacobian), (&mut q.min_area, f.area)]
+        {
+            if value < worst.value {
+                *worst = here(value);
+            }
+        }
+        for (worst, value) in
+            [(&mut q.max_side, longest), (&mut q.max_aspect, f.aspect), (&mut q.max_warpage_deg, f.warpage_deg)]
+        {
+            if value > worst.value {
+                *worst = here(value);
+            }
+        }
+        sides.extend(f.sides);
+    }
+    let mut q = q?;
+    let middle = sides.len() / 2;
+    q.median_side = *sides.select_nth_unstable_by(middle, f64::total_cmp).1;
+    q.zero_area = zero_area;
+    q.dangling = dangling;
+    Some(q)
+}
+
+fn measure(element: &MeshElement, x: &[V3]) -> Figures {
+    let n = x.len();
+    let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
+    let longest = sides.iter().copied().fold(0.0, f64::max);
+    let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
+    // Twice the area vector: the diagonals' cross product for a quad, two sides' for a triangle.
+    let twice = match element.shape {
+        Shape::Quad4 => cross(sub(x[2], x[0]), sub(x[3], x[1])),
+        Shape::Tri3 => cross(sub(x[1], x[0]), sub(x[2], x[0])),
+    };
+    let area = 0.5 * norm(twice);
+    let ids = element.corners();
+    let repeats = (1..n).any(|i| ids[..i].contains(&ids[i]));
+    // 1e-12: some thousand times the round-off of products of coordinates.
+    let degenerate = repeats || area <= 1e-12 * longest * longest;
+    let corner = |i: usize| cross(sub(x[(i + 1) % n], x[i]), sub(x[(i + n - 1) % n], x[i]));
+    let (jacobian, warpage_deg) = match element.shape {
+        Shape::Tri3 => (1.0, 0.0),
+        Shape::Quad4 if degenerate => (0.0, 0.0),
+        Shape::Quad4 => {
+            let j = [0, 1, 2, 3].map(|i| dot(corner(i), twice));
+            let largest = j.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let smallest = j.into_iter().fold(f64::INFINITY, f64::min);
+            // The halves beside the diagonal 0-2 are the corners 1 and 3; beside 1-3, 0 and 2.
+            let warp = angle_deg(corner(1), corner(3)).max(angle_deg(corner(0), corner(2)));
+            (smallest / largest, warp)
+        }
+    };
+    let aspect = if shortest > 0.0 { longest / shortest } else { f64::INFINITY };
+    Figures { sides, aspect, warpage_deg, jacobian, area, degenerate }
+}
+
+fn sub(a: V3, b: V3) -> V3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: V3, b: V3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: V3, b: V3) -> V3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn norm(a: V3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Angle between two vectors [degree], accurate near zero too.
+fn angle_deg(a: V3, b: V3) -> f64 {
+    norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshNode;
+
+    fn mesh(points: &[V3], elements: &[(Shape, [u64; 4])]) -> Mesh {
+        Mesh {
+            nodes: points.iter().zip(1..).map(|(&x, id)| MeshNode { id: NodeId(id), x }).collect(),
+            elements: elements
+                .iter()
+                .zip(1..)
+                .map(|(&(shape, n), id)| MeshElement { id: ElemId(id), part: 1, shape, nodes: n.map(NodeId) })
+                .collect(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn a_rectangle_is_good() {
+        let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let q = quality(&mesh(&points, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
+        assert_eq!((q.min_side.value, q.max_side.value, q.max_aspect.value), (1.0, 2.0, 2.0));
+        assert_eq!((q.max_warpage_deg.value, q.min_jacobian.value, q.min_area.value), (0.0, 1.0, 2.0));
+        assert!(q.zero_area.is_empty() && q.dangling.is_empty());
+    }
+
+    /// One corner of a unit square lifted by h. Along the diagonal that leaves it out the halves meet at
+    /// atan(h sqrt 2); along its own, the planes z = h y and z = h x at the slightly larger acos(1/(1 + h^2)).
+    #[test]
+    fn a_lifted_corner_is_warpage() {
+        let h = 0.1;
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, h], [0.0, 1.0, 0.0]];
+        let q = quality(&mesh(&points, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
+        let expected = (1.0 / (1.0 + h * h)).acos().to_degrees();
+        assert!((q.max_warpage_deg.value - expected).abs() < 1e-12, "{} {expected}", q.max_warpage_deg.value);
+    }
+
+    #[test]
+    fn folded_flat_and_dangling_elements_are_named() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+        let q = quality(&mesh(
+            &points,
+            &[
+                (Shape::Quad4, [1, 2, 3, 4]),  // concave
+                (Shape::Tri3, [1, 2, 5, 5]),   // on one line
+                (Shape::Tri3, [1, 2, 4, 4]),   // good
+                (Shape::Quad4, [1, 2, 4, 1]),  // a node twice
+                (Shape::Quad4, [1, 2, 4, 99]), // no such node
+            ],
+        ))
+        .unwrap();
+        assert!(q.min_jacobian.value < 0.0);
+        assert_eq!(q.min_jacobian.element, ElemId(1));
+        assert_eq!(q.zero_area, [ElemId(2), ElemId(4)]);
+        assert_eq!(q.dangling, [ElemId(5)]);
+    }
+
+    #[test]
+    fn an_empty_mesh_has_no_quality() {
+        assert_eq!(quality(&Mesh::default()), None);
+    }
+}

@@ -1,0 +1,140 @@
+//! What workers tell the master while they run.
+
+use crate::ids::ElemId;
+use serde::{Deserialize, Serialize};
+
+/// Sent every few cycles, without waiting for an answer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReport {
+    /// Cycles done.
+    pub cycle: u64,
+    /// Simulated time [time].
+    pub time: f64,
+    /// Step in use [time].
+    pub dt: f64,
+    /// CPU seconds of each cycle since the last report, waiting left out.
+    pub cpu: Vec<f32>,
+    /// Relative motion since the boxes were last renewed, as a fraction of what the exterior copies cover.
+    pub urgency: f64,
+    /// Active contact pairs that this worker owns.
+    pub pairs: u64,
+    /// Elements that this worker owns.
+    pub elements: u64,
+    /// Mean displacement of the worker's elements since the boxes were last renewed [length].
+    pub drift: [f64; 3],
+    /// Seconds of contact work and of element work since the last report.
+    pub contact_s: f64,
+    /// See `contact_s`.
+    pub element_s: f64,
+    /// Last order carried out.
+    pub order: u64,
+}
+
+/// Energies of one worker's share [energy]; the work of contact and walls is positive when it drives the nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Energies {
+    /// Kinetic, from mid-step velocities averaged over the step before and after.
+    pub kinetic: f64,
+    /// Internal: elastic stored and plastically dissipated.
+    pub internal: f64,
+    /// Hourglass and drilling.
+    pub hourglass: f64,
+    /// Work of contact between bodies, friction included.
+    pub contact: f64,
+    /// Part of `contact` that friction did.
+    pub friction: f64,
+    /// Work of rigid walls, friction included.
+    pub wall: f64,
+    /// Work of external loads.
+    pub external: f64,
+}
+
+impl Energies {
+    /// Adds another worker's share.
+    pub fn add(&mut self, o: &Self) {
+        self.kinetic += o.kinetic;
+        self.internal += o.internal;
+        self.hourglass += o.hourglass;
+        self.contact += o.contact;
+        self.friction += o.friction;
+        self.wall += o.wall;
+        self.external += o.external;
+    }
+
+    /// What is left unexplained of the change since `initial` kinetic energy [energy].
+    pub fn balance(&self, initial: f64) -> f64 {
+        self.kinetic + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
+    }
+}
+
+/// One worker's share of a history row.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HistoryPart {
+    /// Number of the row.
+    pub row: u64,
+    /// Cycles done.
+    pub cycle: u64,
+    /// Simulated time [time].
+    pub time: f64,
+    /// Step in use [time].
+    pub dt: f64,
+    /// Energies.
+    pub energies: Energies,
+    /// Linear momentum [mass length/time].
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin [mass length^2/time].
+    pub angular_momentum: [f64; 3],
+    /// Impulse that each wall has given to this worker's nodes so far [force time].
+    pub wall_impulse: Vec<[f64; 3]>,
+    /// Active contact pairs.
+    pub pairs: u64,
+    /// Largest penetration since the last row as a fraction of the pair's contact thickness.
+    pub penetration: f64,
+    /// Smallest stable step of the worker's elements, safety factor not applied [time].
+    pub controlling_dt: f64,
+    /// Element that has it.
+    pub controlling: Option<ElemId>,
+}
+
+/// Why a worker cannot go on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trouble {
+    /// Element at fault.
+    pub elem: Option<ElemId>,
+    /// Cycle in which it was seen.
+    pub cycle: u64,
+    /// Simulated time [time].
+    pub time: f64,
+    /// What is wrong and what to try.
+    pub why: String,
+}
+
+/// The stages of a step that are timed, in the order in which they run.
+pub const PHASES: [&str; 9] =
+    ["elements", "assemble", "halo", "search", "local", "contact", "advance", "output", "renewal"];
+
+/// Seconds of one worker in each of [`PHASES`], wall clock; `halo` includes waiting for others.
+pub type PhaseSeconds = [f64; PHASES.len()];
+
+/// How a worker's run went, sent at its end.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Closing {
+    /// Cycles done.
+    pub cycles: u64,
+    /// Simulated time reached [time].
+    pub time: f64,
+    /// Seconds per phase.
+    pub phases: PhaseSeconds,
+    /// First, smallest and last step [time].
+    pub dt: [f64; 3],
+    /// Messages sent to other ranks.
+    pub messages: u64,
+    /// Bytes sent to other ranks.
+    pub bytes: u64,
+    /// Global searches done.
+    pub searches: u64,
+    /// Contact sweeps done.
+    pub sweeps: u64,
+    /// Whether the run was stopped by an order.
+    pub stopped: bool,
+}

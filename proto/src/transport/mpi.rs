@@ -1,0 +1,135 @@
+//! Ranks as MPI processes. All calls come from the thread that started MPI.
+
+use super::{Lost, Tag, Traffic, Transport, thread_cpu};
+use ::mpi::environment::Universe;
+use ::mpi::request::{Request, StaticScope};
+use ::mpi::topology::SimpleCommunicator;
+use ::mpi::traits::*;
+use std::time::Duration;
+
+/// A message on its way: MPI reads the buffer until the request is complete.
+struct Flying {
+    request: Request<'static, [u64], StaticScope>,
+    buffer: *mut [u64],
+}
+
+/// This process's end of MPI_COMM_WORLD.
+pub struct Mpi {
+    world: SimpleCommunicator,
+    _universe: Universe,
+    flying: Vec<Flying>,
+    wait_cpu: Duration,
+    traffic: Traffic,
+}
+
+/// Tries before a waiting rank begins to yield its core.
+const SPINS: u32 = 100;
+
+impl Mpi {
+    /// Starts MPI, or `None` when it was started already. From here on a panic ends all ranks:
+    /// MPI would otherwise leave the others waiting for ever.
+    pub fn start() -> Option<Self> {
+        let (universe, _) = ::mpi::initialize_with_threading(::mpi::Threading::Funneled)?;
+        let world = universe.world();
+        let rank = world.rank();
+        let default = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            eprintln!("crumple: rank {rank} panicked; ending all ranks");
+            default(info);
+            SimpleCommunicator::world().abort(4);
+        }));
+        Some(Self { world, _universe: universe, flying: Vec::new(), wait_cpu: Duration::ZERO, traffic: Traffic::default() })
+    }
+
+    /// Ends every rank of the job at once.
+    pub fn abort(&self, code: i32) -> ! {
+        self.world.abort(code)
+    }
+
+    fn land(&mut self) {
+        let mut still = Vec::with_capacity(self.flying.len());
+        for f in self.flying.drain(..) {
+            match f.request.test() {
+                // SAFETY: the buffer came from Box::into_raw in `send` and MPI is done with it.
+                Ok(_) => drop(unsafe { Box::from_raw(f.buffer) }),
+                Err(request) => still.push(Flying { request, buffer: f.buffer }),
+            }
+        }
+        self.flying = still;
+    }
+}
+
+impl Drop for Mpi {
+    fn drop(&mut self) {
+        for f in self.flying.drain(..) {
+            f.request.wait();
+            // SAFETY: as in `land`.
+            drop(unsafe { Box::from_raw(f.buffer) });
+        }
+    }
+}
+
+impl Transport for Mpi {
+    fn rank(&self) -> usize {
+        self.world.rank() as usize
+    }
+
+    fn size(&self) -> usize {
+        self.world.size() as usize
+    }
+
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+        if self.flying.len() >= 32 {
+            self.land();
+        }
+        let buffer: *mut [u64] = Box::into_raw(words.to_vec().into_boxed_slice());
+        // SAFETY: the buffer lives until `land` or `drop` sees the request complete.
+        let view: &'static [u64] = unsafe { &*buffer };
+        let to = self.world.process_at_rank(to as i32);
+        let request = to.immediate_send_with_tag(StaticScope, view, tag as i32);
+        self.flying.push(Flying { request, buffer });
+        self.traffic.messages += 1;
+        self.traffic.bytes += 8 * words.len() as u64;
+        Ok(())
+    }
+
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+        let from = self.world.process_at_rank(from as i32);
+        let Some(status) = from.immediate_probe_with_tag(tag as i32) else {
+            return Ok(false);
+        };
+        words.resize(status.count(u64::equivalent_datatype()) as usize, 0);
+        from.receive_into_with_tag(&mut words[..], tag as i32);
+        Ok(true)
+    }
+
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+        if self.try_recv(from, tag, words)? {
+            return Ok(());
+        }
+        let before = thread_cpu();
+        let mut tries = 0u32;
+        while !self.try_recv(from, tag, words)? {
+            tries += 1;
+            if tries > SPINS {
+                std::thread::yield_now();
+            } else {
+                std::hint::spin_loop();
+            }
+        }
+        self.wait_cpu += thread_cpu().saturating_sub(before);
+        Ok(())
+    }
+
+    fn wait_cpu(&self) -> Duration {
+        self.wait_cpu
+    }
+
+    fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    fn name(&self) -> &'static str {
+        "mpi"
+    }
+}

@@ -1,0 +1,145 @@
+//! Ranks as threads of one process: a channel for every ordered pair of ranks.
+
+use super::{Lost, Tag, Traffic, Transport, thread_cpu};
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::time::Duration;
+
+type Parcel = (Tag, Vec<u64>);
+
+/// One rank's end. Buffers of received messages are used again for sending.
+pub struct Threads {
+    rank: usize,
+    to: Vec<Sender<Parcel>>,
+    from: Vec<Receiver<Parcel>>,
+    early: Vec<VecDeque<Parcel>>,
+    pool: Vec<Vec<u64>>,
+    wait_cpu: Duration,
+    traffic: Traffic,
+}
+
+/// Most buffers kept for further use.
+const POOL: usize = 64;
+
+/// Connected ends for `size` ranks.
+pub fn connect(size: usize) -> Vec<Threads> {
+    let mut senders: Vec<Vec<Sender<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
+    let mut receivers: Vec<Vec<Receiver<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
+    for sender in &mut senders {
+        for receiver in &mut receivers {
+            let (tx, rx) = channel();
+            sender.push(tx);
+            receiver.push(rx);
+        }
+    }
+    let ends = senders.into_iter().zip(receivers).enumerate();
+    ends.map(|(rank, (to, from))| Threads {
+        rank,
+        to,
+        from,
+        early: vec![VecDeque::new(); size],
+        pool: Vec::new(),
+        wait_cpu: Duration::ZERO,
+        traffic: Traffic::default(),
+    })
+    .collect()
+}
+
+impl Threads {
+    fn deliver(&mut self, parcel: Vec<u64>, words: &mut Vec<u64>) {
+        let old = std::mem::replace(words, parcel);
+        if old.capacity() > 0 && self.pool.len() < POOL {
+            self.pool.push(old);
+        }
+    }
+}
+
+impl Transport for Threads {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.to.len()
+    }
+
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+        let mut parcel = self.pool.pop().unwrap_or_default();
+        parcel.clear();
+        parcel.extend_from_slice(words);
+        self.traffic.messages += 1;
+        self.traffic.bytes += 8 * words.len() as u64;
+        self.to[to].send((tag, parcel)).map_err(|_| Lost { rank: to })
+    }
+
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+        if let Some(i) = self.early[from].iter().position(|p| p.0 == tag) {
+            let parcel = self.early[from].remove(i).map_or_else(Vec::new, |p| p.1);
+            self.deliver(parcel, words);
+            return Ok(true);
+        }
+        loop {
+            match self.from[from].try_recv() {
+                Ok((t, parcel)) if t == tag => {
+                    self.deliver(parcel, words);
+                    return Ok(true);
+                }
+                Ok(other) => self.early[from].push_back(other),
+                Err(TryRecvError::Empty) => return Ok(false),
+                Err(TryRecvError::Disconnected) => return Err(Lost { rank: from }),
+            }
+        }
+    }
+
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+        if self.try_recv(from, tag, words)? {
+            return Ok(());
+        }
+        let before = thread_cpu();
+        let parcel = loop {
+            match self.from[from].recv() {
+                Ok((t, parcel)) if t == tag => break Ok(parcel),
+                Ok(other) => self.early[from].push_back(other),
+                Err(_) => break Err(Lost { rank: from }),
+            }
+        };
+        self.wait_cpu += thread_cpu().saturating_sub(before);
+        self.deliver(parcel?, words);
+        Ok(())
+    }
+
+    fn wait_cpu(&self) -> Duration {
+        self.wait_cpu
+    }
+
+    fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    fn name(&self) -> &'static str {
+        "threads"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_keep_their_own_order_and_a_lost_rank_is_an_error() {
+        let mut ends = connect(2);
+        let (mut b, mut a) = (ends.pop().unwrap(), ends.pop().unwrap());
+        a.send(1, Tag::Order, &[1]).unwrap();
+        a.send(1, Tag::Sweep, &[2, 2]).unwrap();
+        a.send(1, Tag::Order, &[3]).unwrap();
+        drop(a);
+        let mut w = Vec::new();
+        b.recv(0, Tag::Sweep, &mut w).unwrap();
+        assert_eq!(w, [2, 2]);
+        b.recv(0, Tag::Order, &mut w).unwrap();
+        assert_eq!(w, [1]);
+        b.recv(0, Tag::Order, &mut w).unwrap();
+        assert_eq!(w, [3]);
+        assert_eq!(b.recv(0, Tag::Order, &mut w), Err(Lost { rank: 0 }));
+    }
+}

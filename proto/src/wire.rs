@@ -1,0 +1,83 @@
+//! Control messages as bytes: bincode, framed by its length, padded to whole words.
+//! Columns of numbers do not pass here; they travel as words.
+
+use crate::transport::{Lost, Tag, Transport};
+use serde::{Serialize, de::DeserializeOwned};
+
+/// Encodes a message as words; the first word is its length in bytes.
+pub fn encode<T: Serialize>(message: &T) -> Vec<u64> {
+    let bytes = bincode::serde::encode_to_vec(message, bincode::config::standard()).unwrap_or_default();
+    let mut words = vec![0u64; 1 + bytes.len().div_ceil(8)];
+    words[0] = bytes.len() as u64;
+    bytemuck::cast_slice_mut::<u64, u8>(&mut words[1..])[..bytes.len()].copy_from_slice(&bytes);
+    words
+}
+
+/// Decodes what [`encode`] made; `None` if the words are not such a message.
+pub fn decode<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
+    let (&len, body) = words.split_first()?;
+    let bytes = bytemuck::cast_slice::<u64, u8>(body).get(..len as usize)?;
+    bincode::serde::decode_from_slice(bytes, bincode::config::standard()).ok().map(|(m, _)| m)
+}
+
+/// Sends a control message.
+///
+/// # Errors
+/// The receiver is gone.
+pub fn post<T: Serialize>(wire: &mut dyn Transport, to: usize, tag: Tag, message: &T) -> Result<(), Lost> {
+    wire.send(to, tag, &encode(message))
+}
+
+/// Waits for a control message.
+///
+/// # Errors
+/// The sender is gone, or speaks another language.
+pub fn await_message<T: DeserializeOwned>(wire: &mut dyn Transport, from: usize, tag: Tag) -> Result<T, Lost> {
+    let mut words = Vec::new();
+    wire.recv(from, tag, &mut words)?;
+    decode(&words).ok_or(Lost { rank: from })
+}
+
+/// Takes a control message if one has come.
+///
+/// # Errors
+/// The sender is gone, or speaks another language.
+pub fn poll_message<T: DeserializeOwned>(wire: &mut dyn Transport, from: usize, tag: Tag) -> Result<Option<T>, Lost> {
+    let mut words = Vec::new();
+    if !wire.try_recv(from, tag, &mut words)? {
+        return Ok(None);
+    }
+    decode(&words).map(Some).ok_or(Lost { rank: from })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boxes::CutTree;
+    use crate::message::{Action, ToMaster, ToWorker};
+    use crate::report::{Closing, StepReport, Trouble};
+
+    #[test]
+    fn messages_make_the_round_trip() {
+        let orders = [Action::Renew(CutTree::single()), Action::Recut, Action::Stop];
+        for (number, action) in (1..).zip(orders) {
+            let back = decode(&encode(&ToWorker::Order { number, action: action.clone() }));
+            assert!(matches!(back, Some(ToWorker::Order { number: n, action: a }) if n == number && a == action));
+        }
+        let report = StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };
+        let back = decode(&encode(&ToMaster::Report(report.clone())));
+        assert!(matches!(back, Some(ToMaster::Report(r)) if r == report));
+        let trouble = Trouble { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
+        let back = decode(&encode(&ToMaster::Trouble(trouble.clone())));
+        assert!(matches!(back, Some(ToMaster::Trouble(t)) if t == trouble));
+        let closing = ToMaster::Closing(Box::new(Closing { cycles: 5, ..Default::default() }), vec![Default::default()]);
+        let back = decode(&encode(&closing));
+        assert!(matches!(back, Some(ToMaster::Closing(c, n)) if c.cycles == 5 && n.len() == 1));
+    }
+
+    #[test]
+    fn broken_words_are_refused() {
+        assert!(decode::<ToMaster>(&[]).is_none());
+        assert!(decode::<ToMaster>(&[99, 0]).is_none());
+    }
+}

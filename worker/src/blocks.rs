@@ -1,0 +1,277 @@
+//! Elements in blocks of one part and shape, their history columns, and the corner forces that nodes gather.
+//!
+//! A node adds its corners in ascending global element id, own and received ones alike:
+//! the sum has the same bits whoever computes it.
+
+use crate::elements::{CornerForces, Element, GroupNodes, PassTotals, build_block};
+use crate::lanes::{LANES, Lane};
+use crate::nodes::{Nodes, Row};
+use crumple_proto::ids::ElemId;
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::{ElementRecord, Settings};
+use std::ops::Range;
+
+/// An own element, with local node numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalElement {
+    /// The element as it travels.
+    pub record: ElementRecord,
+    /// Local nodes (a triangle repeats its third).
+    pub nodes: [u32; 4],
+    /// Whether one of its nodes is held by another worker too.
+    pub shared: bool,
+}
+
+/// Elements of one part and shape.
+pub struct Block {
+    /// Formulation with its parameters.
+    pub element: Box<dyn Element>,
+    /// First of its elements in [`Blocks::elements`].
+    pub first: usize,
+    /// Number of elements.
+    pub count: usize,
+    /// Groups that hold all the shared elements; these are computed first.
+    pub front: usize,
+    /// Local nodes per group.
+    groups: Vec<GroupNodes>,
+    /// History columns, group by group.
+    history: Vec<Lane>,
+}
+
+/// All own elements.
+#[derive(Default)]
+pub struct Blocks {
+    /// Elements, block after block, shared ones first in each.
+    pub elements: Vec<LocalElement>,
+    /// The blocks.
+    pub blocks: Vec<Block>,
+    /// Internal forces of corners, own then received ones [force].
+    pub force: Vec<Row>,
+    /// Internal moments of corners [force length].
+    pub moment: Vec<Row>,
+    gather_start: Vec<u32>,
+    gather: Vec<u32>,
+}
+
+/// A corner of another worker's element at a held node.
+#[derive(Clone, Copy, Debug)]
+pub struct ForeignCorner {
+    /// Local node.
+    pub node: u32,
+    /// The element.
+    pub elem: ElemId,
+}
+
+impl Block {
+    fn lane_history(&self, index: usize) -> (&[Lane], usize) {
+        let columns = self.element.columns();
+        let group = index / LANES;
+        (&self.history[group * columns..(group + 1) * columns], index % LANES)
+    }
+
+    /// History columns of one element.
+    pub fn history_of(&self, index: usize) -> Vec<f64> {
+        let (columns, lane) = self.lane_history(index);
+        columns.iter().map(|c| c.as_array()[lane]).collect()
+    }
+
+    /// History columns of the group that holds an element, and the element's lane.
+    pub fn fields_source(&self, index: usize) -> (&[Lane], usize) {
+        self.lane_history(index)
+    }
+}
+
+impl Blocks {
+    /// Sorts elements into blocks. `history[i]` are the columns of `elements[i]`, empty for a fresh element.
+    ///
+    /// # Panics
+    /// When a part cannot be built; the master checks parts before it deals out work.
+    pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
+        let mut elements = elements;
+        let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8);
+        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
+        let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
+        let mut blocks = Vec::new();
+        let mut first = 0;
+        for run in elements.chunk_by(|a, b| block_of(a) == block_of(b)) {
+            blocks.push(Block::new(settings, run, &histories[first..first + run.len()], first));
+            first += run.len();
+        }
+        let mut all = Self {
+            elements,
+            blocks,
+            force: Vec::new(),
+            moment: Vec::new(),
+            gather_start: Vec::new(),
+            gather: Vec::new(),
+        };
+        all.force = vec![[0.0; 4]; all.own_slots()];
+        all.moment = all.force.clone();
+        all
+    }
+
+    /// Corner slots of own elements.
+    pub fn own_slots(&self) -> usize {
+        self.blocks.iter().map(|b| b.groups.len() * LANES * 4).sum()
+    }
+
+    /// First corner slot of each element, in the order of `elements`.
+    pub fn first_slots(&self) -> Vec<usize> {
+        let mut base = 0;
+        let mut slots = Vec::with_capacity(self.elements.len());
+        for b in &self.blocks {
+            slots.extend((0..b.count).map(|i| base + 4 * i));
+            base += b.groups.len() * LANES * 4;
+        }
+        slots
+    }
+
+    /// Lays down in which order each held node gathers corners; received corners take the slots after the own ones.
+    pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner]) {
+        let mut corners: Vec<(u32, ElemId, u32)> = Vec::new();
+        for (e, slot) in self.elements.iter().zip(self.first_slots()) {
+            let used = e.record.shape.corners();
+            corners.extend((0..used).map(|c| (e.nodes[c], e.record.id, (slot + c) as u32)));
+        }
+        let own = self.own_slots();
+        corners.extend(foreign.iter().enumerate().map(|(i, f)| (f.node, f.elem, (own + i) as u32)));
+        corners.sort_unstable();
+        self.gather = corners.iter().map(|c| c.2).collect();
+        self.gather_start = vec![0; held + 1];
+        corners.iter().for_each(|c| self.gather_start[c.0 as usize + 1] += 1);
+        for i in 0..held {
+            self.gather_start[i + 1] += self.gather_start[i];
+        }
+        self.force.resize(own + foreign.len(), [0.0; 4]);
+        self.moment.resize(own + foreign.len(), [0.0; 4]);
+    }
+
+    /// Internal forces; `front` selects the groups that other workers wait for, or the rest.
+    pub fn add_internal_forces(&mut self, nodes: &Nodes, dt: f64, front: bool) -> PassTotals {
+        let mut totals = PassTotals::NONE;
+        let mut base = 0;
+        for b in &mut self.blocks {
+            let slots = base..base + b.groups.len() * LANES * 4;
+            base = slots.end;
+            let range = if front { 0..b.front } else { b.front..b.groups.len() };
+            if range.is_empty() {
+                continue;
+            }
+            let out = CornerForces { force: &mut self.force[slots.clone()], moment: &mut self.moment[slots] };
+            totals.add(&b.forces(range, nodes, dt, out));
+        }
+        totals
+    }
+
+    /// Gives each held node minus the sum of its corners, in ascending element id.
+    pub fn assemble(&self, nodes: &mut Nodes) {
+        for i in 0..nodes.held {
+            let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
+            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+                let (sf, sm) = (&self.force[slot as usize], &self.moment[slot as usize]);
+                for c in 0..4 {
+                    f[c] -= sf[c];
+                    m[c] -= sm[c];
+                }
+            }
+            (nodes.force[i], nodes.moment[i]) = (f, m);
+        }
+    }
+
+    /// Puts the corner masses and inertias of own elements at initial coordinates into the corner slots.
+    pub fn lay_masses(&mut self, nodes: &Nodes) {
+        let slots = self.first_slots();
+        for b in &self.blocks {
+            for i in b.first..b.first + b.count {
+                let e = &self.elements[i];
+                let (m, j) = b.element.corner_mass(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x0[n as usize])));
+                for c in 0..e.record.shape.corners() {
+                    self.force[slots[i] + c] = [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
+                }
+            }
+        }
+    }
+
+    /// Adds the gathered corner masses to the nodes, in ascending element id.
+    pub fn gather_masses(&self, nodes: &mut Nodes) {
+        for i in 0..nodes.held {
+            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+                nodes.mass[i] += self.force[slot as usize][0];
+                nodes.inertia[i] += self.force[slot as usize][1];
+            }
+            nodes.invert_mass(i);
+        }
+    }
+
+    /// Smallest stable step at the present coordinates and the element that has it (lowest id among equals).
+    /// An element whose step is not a number comes first, with a step of 0.
+    pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
+        let step = |b: &Block, e: &LocalElement| {
+            let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
+            (if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() }, e.record.id)
+        };
+        let of_block = |b: &Block| self.elements[b.first..b.first + b.count].iter().map(|e| step(b, e)).collect::<Vec<_>>();
+        self.blocks.iter().flat_map(of_block).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    }
+
+    /// What is wrong with an own element, and what to try; `None` for another worker's.
+    pub fn diagnose(&self, nodes: &Nodes, id: ElemId, safety: f64, first_dt: f64) -> Option<String> {
+        let i = self.elements.iter().position(|e| e.record.id == id)?;
+        let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
+        let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
+        let what = if dt.is_nan() {
+            "is inverted or its coordinates are no numbers".to_string()
+        } else if safety * dt < 0.5 * first_dt {
+            format!("needs a step of {:.3e}, against {first_dt:.3e} at the start", safety * dt)
+        } else {
+            "was strained by more than a half in one step".to_string()
+        };
+        let try_this = if safety > 1.0 {
+            format!("time.safety = {safety} is above the stability limit: use 0.9 or less")
+        } else {
+            "look at the last fields around it; a finer mesh, a lower time.safety or another hourglass form may help".into()
+        };
+        Some(format!("element {id} {what}; {try_this}"))
+    }
+
+    /// The element to blame when an element is in trouble or the step has collapsed.
+    pub fn culprit(&self, nodes: &Nodes) -> Option<ElemId> {
+        self.smallest_step(nodes).map(|s| s.1)
+    }
+}
+
+impl Block {
+    fn new(settings: &Settings, run: &[LocalElement], histories: &[Vec<f64>], first: usize) -> Self {
+        let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
+        let element = build_block(settings, part, shape)
+            .unwrap_or_else(|problems| panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so"));
+        let (columns, groups) = (element.columns(), run.len().div_ceil(LANES));
+        let mut b = Self {
+            groups: vec![[[0; LANES]; 4]; groups],
+            history: vec![Lane::from([0.0; LANES]); groups * columns],
+            front: run.iter().filter(|e| e.shared).count().div_ceil(LANES),
+            count: run.len(),
+            first,
+            element,
+        };
+        for g in 0..groups {
+            let history = &mut b.history[g * columns..(g + 1) * columns];
+            b.element.start(history);
+            for lane in 0..LANES {
+                // Padding repeats the last element, so that it computes nothing unusual.
+                let i = (g * LANES + lane).min(run.len() - 1);
+                (0..4).for_each(|c| b.groups[g][c][lane] = run[i].nodes[c]);
+                for (column, &h) in history.iter_mut().zip(&histories[i]) {
+                    let mut lanes = column.to_array();
+                    lanes[lane] = h;
+                    *column = Lane::from(lanes);
+                }
+            }
+        }
+        b
+    }
+
+    fn forces(&mut self, range: Range<usize>, nodes: &Nodes, dt: f64, out: CornerForces<'_>) -> PassTotals {
+        self.element.forces(range, self.count, &self.groups, &mut self.history, nodes.view(), dt, out)
+    }
+}

@@ -1,0 +1,256 @@
+//! Contact: search, then enforce. Pairs and their history.
+//!
+//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search?
+//! 2. local search (`local.rs`), every step: which of them does it meet in this step?
+//! 3. enforcement (`enforce/`): forces, iterated over all pairs, those of other workers included (`pairs.rs`)
+
+pub mod enforce;
+pub mod geometry;
+pub mod local;
+pub mod pairs;
+pub mod search;
+pub mod surface;
+
+use crate::halo::Halo;
+use crate::motion::Motion;
+use crate::nodes::{Nodes, Row, xyz};
+use crate::wall::Walls;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::Contact as ContactJob;
+use crumple_proto::transport::{Lost, Transport};
+use enforce::{CONTACT_LAWS, ContactLaw, Steps};
+use pairs::{Memory, PairTable, push};
+use search::{SEARCHES, Search};
+use surface::Surface;
+
+/// Automatic single-surface contact of one worker.
+pub struct Contact {
+    law: Box<dyn ContactLaw>,
+    find: Search,
+    skin: f64,
+    by_mass: bool,
+    /// What can touch.
+    pub surface: Surface,
+    /// Candidate segments per slave: start of each slave's run, and segments ascending.
+    candidate_start: Vec<u32>,
+    candidates: Vec<u32>,
+    since_search: Motion,
+    /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
+    memory_start: Vec<u32>,
+    memories: Vec<Memory>,
+    table: PairTable,
+    /// Velocities of touched nodes without contact, in the order of the table's `touched`.
+    free: Vec<Row>,
+    /// Global searches so far.
+    pub searches: u64,
+    /// Sweeps so far.
+    pub sweeps: u64,
+    /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
+    pub penetration: f64,
+}
+
+/// Work of contact forces in a step [energy].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactWork {
+    /// All of it.
+    pub total: f64,
+    /// The part that friction did.
+    pub friction: f64,
+}
+
+/// How far beyond their own box segments must be known for a search with the local search's reach [length].
+pub fn reach(segment_half: f64, largest_half: f64) -> f64 {
+    local::REACH * (segment_half + largest_half)
+}
+
+impl Contact {
+    /// Contact with an empty surface.
+    ///
+    /// # Panics
+    /// On a law or search that is not in the tables; the master checks names before it deals out work.
+    pub fn new(job: &ContactJob) -> Self {
+        let law = CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
+        let method = SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
+        Self {
+            law: (law.build)(job),
+            find: method.find,
+            skin: job.skin,
+            by_mass: job.weighting == "mass",
+            surface: Surface::default(),
+            candidate_start: Vec::new(),
+            candidates: Vec::new(),
+            since_search: Motion::since(&[]),
+            memory_start: Vec::new(),
+            memories: Vec::new(),
+            table: PairTable::default(),
+            free: Vec::new(),
+            searches: 0,
+            sweeps: 0,
+            penetration: 0.0,
+        }
+    }
+
+    /// Takes a new surface and what its slaves remember; candidates must be searched again.
+    pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
+        self.surface = surface;
+        (self.memories.clear(), self.memory_start.clear(), self.candidate_start.clear());
+        for &s in &self.surface.slaves {
+            self.memory_start.push(self.memories.len() as u32);
+            self.memories.extend(memory_of(nodes.id[s as usize]));
+        }
+        self.memory_start.push(self.memories.len() as u32);
+    }
+
+    /// What each slave remembers.
+    pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
+        let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
+    }
+
+    /// Active pairs of owned nodes after the last local search, as (node, segment) ids.
+    pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, ElemId)> + '_ {
+        self.table.pairs.iter().filter(|p| p.own).map(|p| (p.slave, p.segment))
+    }
+
+    /// Local nodes of the slaves of own pairs, for the load.
+    pub fn own_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.table.pairs.iter().filter(|p| p.own).map(|p| p.nodes[0])
+    }
+
+    /// Refreshes candidates if nodes may have used up the skin.
+    pub fn refresh_candidates(&mut self, nodes: &Nodes) {
+        let fresh = !self.candidate_start.is_empty();
+        if fresh && 2.0 * self.since_search.update(&nodes.x).residual <= self.skin {
+            return;
+        }
+        self.since_search.restart(&nodes.x);
+        self.searches += 1;
+        let s = &self.surface;
+        let largest = s.largest_half();
+        let boxes: Vec<_> =
+            s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.half, largest) + self.skin)).collect();
+        let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
+        let mut found = (self.find)(&boxes, &points);
+        found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));
+        // By slave; segments stay ascending.
+        self.candidate_start.clear();
+        self.candidate_start.resize(s.slaves.len() + 1, 0);
+        found.iter().for_each(|&(_, p)| self.candidate_start[p as usize + 1] += 1);
+        for i in 0..s.slaves.len() {
+            self.candidate_start[i + 1] += self.candidate_start[i];
+        }
+        let mut next = self.candidate_start.clone();
+        self.candidates.clear();
+        self.candidates.resize(found.len(), 0);
+        for (g, p) in found {
+            self.candidates[next[p as usize] as usize] = g;
+            next[p as usize] += 1;
+        }
+    }
+
+    /// Which pairs are active in this step, here and in other workers.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn find_pairs(&mut self, wire: &mut dyn Transport, nodes: &Nodes, halo: &Halo, steps: Steps) -> Result<(), Lost> {
+        let mut pairs = std::mem::take(&mut self.table.pairs);
+        pairs.clear();
+        for (i, &slave) in self.surface.slaves.iter().enumerate() {
+            let candidates = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+            if !candidates.is_empty() {
+                let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+                local::find_pairs(nodes, &self.surface, slave, candidates, memory, steps.dt, &mut pairs);
+            }
+        }
+        for p in &mut pairs {
+            p.force = self.law.start(p, steps);
+            self.penetration = self.penetration.max(p.depth / p.thickness);
+        }
+        self.table.pairs = pairs;
+        if self.by_mass {
+            self.table.weigh_by_mass(nodes);
+        }
+        self.table.share(wire, nodes, halo)
+    }
+
+    /// Contact forces; brings the velocities of the nodes that pairs touch to those with contact and walls.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn enforce(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, walls: &Walls, steps: Steps) -> Result<(), Lost> {
+        let t = &mut self.table;
+        self.free.clear();
+        self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
+        if t.pairs.is_empty() {
+            return Ok(());
+        }
+        t.soften(nodes, self.law.splits_mass());
+        feel(t, &self.free, nodes, walls, steps);
+        let workers = (wire.size() - 1) as u64;
+        let mut quiet = 0;
+        for _ in 0..self.law.sweeps() {
+            self.sweeps += 1;
+            let mut changed = false;
+            for p in t.pairs.iter_mut().filter(|p| p.own) {
+                if let Some(force) = self.law.update(p, &p.relative_velocity(&nodes.next_v), steps) {
+                    p.force = force;
+                    changed = true;
+                }
+            }
+            quiet = if changed { 0 } else { quiet + 1 };
+            if t.is_common() {
+                quiet = t.swap_forces(wire, quiet)?;
+            }
+            feel(t, &self.free, nodes, walls, steps);
+            // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
+            if quiet >= if t.is_common() { workers } else { 1 } {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Nodes that pairs touch, ascending, with their velocities after contact but before walls [length/time].
+    pub fn pushed<'a>(&'a self, nodes: &'a Nodes, steps: Steps) -> impl Iterator<Item = (u32, Row)> + 'a {
+        let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free);
+        touched.map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.mid)))
+    }
+
+    /// Books the work done with the velocities at hand and lets the slaves remember their pairs.
+    pub fn close(&mut self, nodes: &Nodes, steps: Steps) -> ContactWork {
+        let t = &mut self.table;
+        let mut work = ContactWork::default();
+        for p in t.pairs.iter_mut().filter(|p| p.own) {
+            let velocity = p.relative_velocity(&nodes.next_v);
+            let sheared = p.force - p.normal * p.force.dot(&p.normal);
+            work.friction += steps.mid * sheared.dot(&velocity);
+            p.slip = self.law.slip(p, &velocity, steps);
+        }
+        for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
+            let (a, b) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
+            work.total += 0.5 * steps.mid * (f.x * (a[0] + b[0]) + f.y * (a[1] + b[1]) + f.z * (a[2] + b[2]));
+        }
+        self.memories.clear();
+        let mut own = t.pairs.iter().filter(|p| p.own).peekable();
+        for (start, &s) in self.memory_start.iter_mut().zip(&self.surface.slaves) {
+            *start = self.memories.len() as u32;
+            while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
+                self.memories.push(p.memory());
+            }
+        }
+        if let Some(end) = self.memory_start.last_mut() {
+            *end = self.memories.len() as u32;
+        }
+        work
+    }
+}
+
+/// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
+fn feel(t: &mut PairTable, free: &[Row], nodes: &mut Nodes, walls: &Walls, steps: Steps) {
+    t.add_up();
+    for (k, &n) in t.touched.iter().enumerate() {
+        let n = n as usize;
+        let v = push(&free[k], &t.total[k], &nodes.inv_mass[n], steps.mid);
+        nodes.next_v[n] = walls.stop(&nodes.x[n], v, &nodes.inv_mass[n], steps.dt);
+    }
+}

@@ -1,0 +1,150 @@
+//! Global search: which points lie in which boxes. It knows nothing of workers.
+//!
+//! Two methods that must agree: linked cells (Wang, Cheng & Yao 2000), O(N), and point in box by
+//! three one-dimensional sorts (Heinstein et al., PRONTO3D).
+
+use crumple_proto::boxes::Aabb;
+
+/// A global search: gives all (box, point) with the point in the closed box, in ascending order.
+pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)>;
+
+/// A method by its name in the job.
+pub struct Method {
+    /// Name in the job.
+    pub name: &'static str,
+    /// The method.
+    pub find: Search,
+}
+
+/// All methods.
+pub const SEARCHES: &[Method] = &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
+
+/// Points go to the cells of a grid whose cells are as large as the average box; each box looks into the cells it covers.
+pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
+    let bounds = Aabb::around(points.iter().copied());
+    if boxes.is_empty() || bounds.is_empty() {
+        return Vec::new();
+    }
+    let grid = Grid::new(&bounds, boxes, points.len());
+    let (start, members) = grid.fill(points);
+    let mut found = Vec::new();
+    for (b, bx) in boxes.iter().enumerate() {
+        let common = bx.common(&bounds);
+        if common.is_empty() {
+            continue;
+        }
+        let (lo, hi) = (grid.place(common.min), grid.place(common.max));
+        let from = found.len();
+        for k in lo[2]..=hi[2] {
+            for j in lo[1]..=hi[1] {
+                let line = (k * grid.count[1] + j) * grid.count[0];
+                let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
+                let inside = members[cells].iter().filter(|&&p| bx.holds(points[p as usize]));
+                found.extend(inside.map(|&p| (b as u32, p)));
+            }
+        }
+        found[from..].sort_unstable();
+    }
+    found
+}
+
+struct Grid {
+    origin: [f64; 3],
+    per_length: [f64; 3],
+    count: [usize; 3],
+}
+
+impl Grid {
+    fn new(bounds: &Aabb, boxes: &[Aabb], points: usize) -> Self {
+        let size = |b: &Aabb| (0..3).map(|c| b.max[c] - b.min[c]).fold(0.0, f64::max);
+        let cell = boxes.iter().map(size).sum::<f64>() / boxes.len() as f64;
+        let mut grid = Self { origin: bounds.min, per_length: [0.0; 3], count: [1; 3] };
+        // Not many more cells than points, however thin the boxes are.
+        let mut cell = cell.max(f64::MIN_POSITIVE);
+        loop {
+            for c in 0..3 {
+                grid.count[c] = (((bounds.max[c] - bounds.min[c]) / cell).min(1e6) as usize) + 1;
+                grid.per_length[c] = 1.0 / cell;
+            }
+            if grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0 {
+                return grid;
+            }
+            cell *= 1.5;
+        }
+    }
+
+    fn place(&self, p: [f64; 3]) -> [usize; 3] {
+        std::array::from_fn(|c| (((p[c] - self.origin[c]) * self.per_length[c]) as usize).min(self.count[c] - 1))
+    }
+
+    /// Counting sort of points by cell.
+    fn fill(&self, points: &[[f64; 3]]) -> (Vec<u32>, Vec<u32>) {
+        let cell = |p: &[f64; 3]| {
+            let [i, j, k] = self.place(*p);
+            (k * self.count[1] + j) * self.count[0] + i
+        };
+        let mut start = vec![0u32; self.count.iter().product::<usize>() + 1];
+        points.iter().for_each(|p| start[cell(p) + 1] += 1);
+        for i in 1..start.len() {
+            start[i] += start[i - 1];
+        }
+        let mut next = start.clone();
+        let mut members = vec![0u32; points.len()];
+        for (i, p) in points.iter().enumerate() {
+            let at = &mut next[cell(p)];
+            members[*at as usize] = i as u32;
+            *at += 1;
+        }
+        (start, members)
+    }
+}
+
+/// Points are sorted along each axis; a box takes the axis on which the fewest lie within it and tests the other two.
+pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
+    let sorted: [Vec<(f64, u32)>; 3] = std::array::from_fn(|c| {
+        let mut list: Vec<(f64, u32)> = points.iter().enumerate().map(|(i, p)| (p[c], i as u32)).collect();
+        list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        list
+    });
+    let mut found = Vec::new();
+    for (b, bx) in boxes.iter().enumerate() {
+        let within = |c: usize| {
+            let from = sorted[c].partition_point(|p| p.0 < bx.min[c]);
+            from..sorted[c].partition_point(|p| p.0 <= bx.max[c]).max(from)
+        };
+        let ranges: [_; 3] = std::array::from_fn(within);
+        let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
+        let from = found.len();
+        let inside = sorted[fewest][ranges[fewest].clone()].iter().filter(|p| bx.holds(points[p.1 as usize]));
+        found.extend(inside.map(|p| (b as u32, p.1)));
+        found[from..].sort_unstable();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn brute(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
+        let all = (0..boxes.len()).flat_map(|b| (0..points.len()).map(move |p| (b, p)));
+        all.filter(|&(b, p)| boxes[b].holds(points[p])).map(|(b, p)| (b as u32, p as u32)).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn both_methods_find_what_looking_at_all_pairs_finds(
+            points in prop::collection::vec(prop::array::uniform3(-50.0..50.0f64), 0..200),
+            boxes in prop::collection::vec((prop::array::uniform3(-60.0..60.0f64), prop::array::uniform3(0.0..30.0f64)), 0..60),
+            flat in any::<bool>(),
+        ) {
+            let points: Vec<[f64; 3]> = points.into_iter().map(|p| if flat { [p[0], p[1], 1.0] } else { p }).collect();
+            let boxes: Vec<Aabb> = boxes.into_iter().map(|(a, d)| Aabb { min: a, max: std::array::from_fn(|c| a[c] + d[c]) }).collect();
+            let expected = brute(&boxes, &points);
+            for method in SEARCHES {
+                prop_assert_eq!(&(method.find)(&boxes, &points), &expected, "{}", method.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What can touch: both sides of shells with thickness. Nodes of these shells against their segments.
+
+use crate::blocks::LocalElement;
+use crate::contact::geometry::V3;
+use crate::nodes::{Nodes, Row};
+use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::ElemId;
+
+/// A face that nodes can touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// The element that it belongs to.
+    pub id: ElemId,
+    /// Local nodes (a triangle repeats its third).
+    pub nodes: [u32; 4],
+    /// Half the shell's thickness [length].
+    pub half: f64,
+    /// Index of its part.
+    pub part: u32,
+    /// Whether the element is this worker's own.
+    pub own: bool,
+}
+
+/// Segments and nodes of the contact surface that a worker knows.
+#[derive(Debug, Default)]
+pub struct Surface {
+    /// Segments of own and exterior elements, in ascending element id.
+    pub segments: Vec<Segment>,
+    /// Owned nodes that may touch segments, ascending.
+    pub slaves: Vec<u32>,
+    /// Half thickness per held node, the largest of its shells; 0 off the surface [length].
+    pub node_half: Vec<f64>,
+}
+
+impl Segment {
+    /// The segment of an element.
+    pub fn of(e: &LocalElement, half: f64) -> Self {
+        Self { id: e.record.id, nodes: e.nodes, half, part: e.record.part, own: true }
+    }
+
+    /// Whether the segment is a triangle.
+    pub fn is_triangle(&self) -> bool {
+        self.nodes[2] == self.nodes[3]
+    }
+
+    /// Corner coordinates.
+    pub fn corners(&self, x: &[Row]) -> [V3; 4] {
+        self.nodes.map(|n| {
+            let r = &x[n as usize];
+            V3::new(r[0], r[1], r[2])
+        })
+    }
+
+    /// Box around the corners, grown by `reach`.
+    pub fn bounds(&self, x: &[Row], reach: f64) -> Aabb {
+        Aabb::around(self.nodes.map(|n| crate::nodes::xyz(&x[n as usize]))).grown(reach)
+    }
+}
+
+impl Surface {
+    /// Largest half thickness of a node [length].
+    pub fn largest_half(&self) -> f64 {
+        self.node_half.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Finds the slaves: owned nodes that lie on the surface.
+    pub fn collect_slaves(&mut self, nodes: &Nodes) {
+        let on_surface = |i: &u32| nodes.is_own(*i as usize) && self.node_half[*i as usize] > 0.0;
+        self.slaves = (0..nodes.held as u32).filter(on_surface).collect();
+    }
+}

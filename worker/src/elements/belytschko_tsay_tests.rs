@@ -1,0 +1,222 @@
+//! What is particular to the four-node shell.
+
+use super::super::testing::*;
+use super::*;
+use crate::materials;
+use crumple_proto::partition::{Material, Param};
+
+const E: f64 = 210.0;
+const NU: f64 = 0.3;
+
+fn quad(part: Part, material: Material, nodes: [[f64; 3]; 4]) -> Patch {
+    Patch::new(part, material, &nodes, &[[0, 1, 2, 3]])
+}
+
+/// A distorted flat quad.
+const SKEW: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.1, 0.1, 0.0], [1.3, 0.9, 0.0], [-0.1, 1.2, 0.0]];
+
+#[test]
+fn bending_patch_is_exact_on_rectangles() {
+    // w = 1e-3 (x^2 + xy + y^2)/2 and its slopes, at a millionth so that squared slopes do not count.
+    let (nodes, quads) = grid(2, 2, 0.24, 0.12);
+    let mut patch = Patch::new(part(0.001), elastic(1e12, 0.25, 1.0), &nodes, &quads);
+    for (x, (v, w)) in patch.x.iter().zip(patch.v.iter_mut().zip(&mut patch.w)) {
+        let (x, y) = (x[0], x[1]);
+        // tx = w,y and ty = -w,x.
+        *v = [0.0, 0.0, 0.5e-9 * (x * x + x * y + y * y), 0.0];
+        *w = [1e-9 * (0.5 * x + y), -1e-9 * (x + 0.5 * y), 0.0, 0.0];
+    }
+    patch.step(1.0);
+    for element in 0..4 {
+        let at = |c: usize| patch.history[3 + 4 * 3 + c].as_array()[element];
+        // At the outermost of five Gauss points, 0.906 of the face.
+        let face = 0.906179845938664;
+        let why = "slopes of 2e-10 squared, at a stiffness of 1e12";
+        assert_close(at(0) / face, -2.0 / 3.0, 1e-6, why);
+        assert_close(at(1) / face, -2.0 / 3.0, 1e-6, why);
+        assert_close(at(2) / face, -0.2, 1e-6, why);
+        let stress = patch.fields(element).stress;
+        assert!(stress[4].abs() < 1e-4 && stress[5].abs() < 1e-4, "round-off of rotations, no shear: {stress:?}");
+    }
+}
+
+#[test]
+fn hourglass_forces_vanish_in_linear_fields() {
+    for form in [HourglassForm::Stiffness, HourglassForm::Viscous] {
+        for warp in [0.0, 0.05, 0.2] {
+            let mut nodes = SKEW;
+            nodes[1][2] = warp;
+            let part = Part { hourglass: form, hourglass_coefficient: 0.1, ..part(0.01) };
+            let mut noise = Noise(17);
+            for _ in 0..20 {
+                let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
+                let g = Geometry::new(&coordinate_modes(&nodes));
+                let l: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| 1e-9 * noise.next()));
+                for node in 0..4 {
+                    // Linear in the coordinates of the plane; off the plane, the rotation that goes with it.
+                    let x = g.local(nodes[node]);
+                    let v: [f64; 3] = std::array::from_fn(|i| l[i][0] * x[0] + l[i][1] * x[1]);
+                    let v = [v[0] - l[2][0] * x[2], v[1] - l[2][1] * x[2], v[2]];
+                    let w: [f64; 3] = std::array::from_fn(|i| l[2][i] * x[0] + l[i][2] * x[1]);
+                    patch.v[node][..3].copy_from_slice(&g.global(v));
+                    patch.w[node][..3].copy_from_slice(&g.global([w[0], w[1], 0.0]));
+                }
+                patch.forces(1.0);
+                let columns = patch.element.columns();
+                for column in columns - HOURGLASS - DRILLING..columns - DRILLING {
+                    let value = patch.history[column].as_array()[0];
+                    assert!(value.abs() < 1e-12 * 1e-9 * E, "round-off: warp {warp}, column {column}: {value:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Each of the five modes alone is resisted with its stiffness.
+#[test]
+fn hourglass_modes_have_their_stiffness() {
+    let (t, l, r, size) = (0.1, 2.0, 0.05, 1e-9);
+    let square = [[0.0, 0.0, 0.0], [l, 0.0, 0.0], [l, l, 0.0], [0.0, l, 0.0]];
+    let bb = 2.0 / (l * l);
+    let g = 0.5 * E / (1.0 + NU);
+    let membrane = r * E * t * l * l * bb / 8.0;
+    let w = r * SHEAR_CORRECTION * g * t * t * t * bb / 12.0;
+    let theta = r * E * t * t * t * l * l * bb / 192.0;
+    for (mode, stiffness) in [(0, membrane), (1, membrane), (2, w), (3, theta), (4, theta)] {
+        let part = Part { hourglass_coefficient: r, ..part(t) };
+        let mut patch = quad(part, elastic(E, NU, 1.0), square);
+        for (node, h) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {
+            if mode < 3 { patch.v[node][mode] = size * h } else { patch.w[node][mode - 3] = size * h }
+        }
+        patch.forces(1.0);
+        let (force, moment) = patch.corner(0, 0);
+        let value = if mode < 3 { force[mode] } else { moment[mode - 3] };
+        assert_close(value, 4.0 * stiffness * size, 1e-7 * stiffness * size, "strains of 1e-9 squared");
+    }
+}
+
+/// Verification C16: large simple shear gives the same stress and force from whichever corner one counts.
+#[test]
+fn numbering_does_not_matter() {
+    let mut noise = Noise(31);
+    let spins: [[f64; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| 0.01 * noise.next()));
+    let mut first = None;
+    for turn in 0..4 {
+        let corner = |c: usize| (c + turn) % 4;
+        let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.02], [0.0, 1.0, 0.0]];
+        let part = Part { warping: true, drilling: 0.1, hourglass_coefficient: 0.1, ..part(0.05) };
+        let order: [u32; 4] = std::array::from_fn(|c| corner(c) as u32);
+        let mut patch = Patch::new(part, elastic(E, NU, 1.0), &nodes, &[order]);
+        for node in 0..4 {
+            patch.w[node][..3].copy_from_slice(&spins[node]);
+        }
+        for _ in 0..200 {
+            (0..4).for_each(|node| patch.v[node] = [0.01 * nodes[node][1] + 1e-3 * spins[node][0], 0.0, 0.0, 0.0]);
+            patch.step(1.0);
+        }
+        let stress = patch.fields(0).stress;
+        let mut forces = [([0.0; 3], [0.0; 3]); 4];
+        (0..4).for_each(|c| forces[corner(c)] = patch.corner(0, c));
+        let (stress0, forces0) = *first.get_or_insert((stress, forces));
+        for c in 0..6 {
+            assert_close(stress[c], stress0[c], 1e-11 * E, "round-off over 200 steps");
+        }
+        for node in 0..4 {
+            for i in 0..3 {
+                assert_close(forces[node].0[i], forces0[node].0[i], 1e-11 * E * 0.05, "round-off over 200 steps");
+                assert_close(forces[node].1[i], forces0[node].1[i], 1e-12 * E * 0.05, "round-off over 200 steps");
+            }
+        }
+    }
+    // Axes that follow one edge or the other give 2 G and 1.159 G.
+    let shear = first.unwrap().0[3] / (0.5 * E / (1.0 + NU));
+    assert!(shear > 1.159 && shear < 2.0, "the bisector is between the edges: {shear}");
+}
+
+/// The one kernel, run on single numbers and on lanes.
+#[test]
+fn lanes_are_the_scalar_kernel() {
+    let mut noise = Noise(41);
+    let rate = ("cowper_symonds".to_string(), Param::List(vec![0.04, 5.0]));
+    let mut steel = material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
+    steel.parameters.extend([rate]);
+    for hourglass in [HourglassForm::Stiffness, HourglassForm::Viscous] {
+        let part = Part { warping: true, thinning: true, hourglass, ..part(0.05) };
+        let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
+        let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
+        let shell = BelytschkoTsay {
+            section: section(),
+            hourglass,
+            hourglass_coefficient: 0.05,
+            warping: true,
+            drilling: 0.01,
+        };
+        let mut wide = vec![Lane::splat(0.0); shell.columns()];
+        shell.start(&mut wide);
+        let mut alone: Vec<Vec<f64>> = (0..LANES).map(|l| wide.iter().map(|c| c.as_array()[l]).collect()).collect();
+        for _ in 0..40 {
+            let mut random = |size: f64| -> [f64; LANES] {
+                let sizes = [0.0, 0.01, 1.0, 10.0];
+                std::array::from_fn(|lane| size * sizes[lane] * noise.next())
+            };
+            let shape = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.1, 0.05]];
+            let x: [[[f64; LANES]; 3]; 3] = shape.map(|row| row.map(|c| random(0.002).map(|r| c + r)));
+            let v: [[[f64; LANES]; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+            let w: [[[f64; LANES]; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+            let to = |v: [f64; LANES]| Lane::new(v);
+            let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+            let lanes = shell.respond::<Lane, 5>(&modes, &mut wide, 0.5);
+            for (lane, history) in alone.iter_mut().enumerate() {
+                let to = |v: [f64; LANES]| v[lane];
+                let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+                let one = shell.respond::<f64, 5>(&modes, history, 0.5);
+                let pairs = lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));
+                for (many, one) in pairs.flat_map(|(many, one)| many.iter().zip(one)) {
+                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+                }
+                for (many, one) in wide.iter().zip(history) {
+                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+                }
+                assert_eq!(lanes.stable_dt.as_array()[lane].to_bits(), one.stable_dt.to_bits());
+                assert_eq!(lanes.internal.as_array()[lane].to_bits(), one.internal.to_bits());
+                assert_eq!(lanes.hourglass.as_array()[lane].to_bits(), one.hourglass.to_bits());
+            }
+        }
+        let plastic = (0..LANES).map(|lane| shell.fields(&wide, lane, &SKEW).plastic_strain);
+        let plastic: Vec<_> = plastic.collect();
+        assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");
+    }
+}
+
+#[test]
+fn stable_step_is_area_over_longest_side_over_wave_speed() {
+    let c = (E / (7.8e-6 * (1.0 - NU * NU))).sqrt();
+    let step = |nodes: [[f64; 3]; 4]| {
+        let mut patch = quad(part(1.0), elastic(E, NU, 7.8e-6), nodes);
+        let dt = patch.element.stable_dt(&nodes);
+        assert_close(patch.forces(1.0).stable_dt, dt, 1e-15 * dt, "the kernel and the single call are one code");
+        dt * c
+    };
+    let square = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 0.0], [0.0, 5.0, 0.0]];
+    assert_close(step(square), 5.0, 1e-12, "round-off");
+    assert_close(step(square.map(|x| [3.0 * x[0], x[1], 0.0])), 5.0, 1e-12, "round-off");
+    let trapezoid = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [3.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
+    assert_close(step(trapezoid), 6.0 / 4.0, 1e-12, "round-off");
+    let (mass, inertia) = quad(part(1.0), elastic(E, NU, 7.8e-6), square).element.corner_mass(&square);
+    assert_close(mass, 7.8e-6 * 25.0 / 4.0, 1e-18, "round-off");
+    assert_close(inertia, mass * 25.0 / 8.0, 1e-18, "round-off; a thin section takes A/8");
+}
+
+#[test]
+fn thinning_keeps_the_volume_of_plastic_flow() {
+    let steel = material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
+    let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut patch = quad(Part { thinning: true, ..part(0.1) }, steel, nodes);
+    for _ in 0..2000 {
+        patch.aim(1.0, |x| [x[0] * 1.0001, x[1] * 1.00005, x[2]], [0.0; 3]);
+        patch.step(1.0);
+    }
+    let area = patch.x[2][0] * patch.x[2][1];
+    let elastic = 3.0 * 0.25 * (1.0 - 2.0 * NU) / E;
+    assert_close(patch.fields(0).thickness * area / 0.1, 1.0, elastic, "the elastic bulk strain is all that is left");
+}

@@ -1,0 +1,383 @@
+//! Three-node C0 shell of Belytschko, Stolarski & Carpenter 1984 with one point in its plane.
+//!
+//! Frame at x(t): normal along `r21 x r31`, and e1 along `sqrt(3) s1 + n x (s3 - s2)` with s1, s2, s3 the sides from
+//! corner 1 on. That is the polar rotation of the map from the equilateral triangle, so it turns with the material
+//! and numbering an element from another corner only turns its axes by 120 degrees.
+//!
+//! Membrane strains are constant, finite and logarithmic as in the four-node shell; so are curvatures,
+//! `kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]`. Transverse shear is that of the three edges, tangential at each, at
+//! the centroid. With b = (ty, -tx), its mean bm, `b21 = b2 - b1` and so on:
+//! ```text
+//! gamma = grad w + bm + grad applied to the edge values
+//!         ([b21 (x21 - x31) - b31 x21] / 6,  [b31 (x31 - x21) - b21 x31] / 6)
+//! ```
+//! This is the matrix of the 1984 paper, and MITC3 (Lee & Bathe 2004) at its centroid: a test compares them.
+//!
+//! Of nine bending unknowns, one is then free: `c = (b31 x21 - b21 x31)/2`, a spin of the fibres about the centroid.
+//! In MITC3 it carries the shear strain `c/2A (y, -x)` with stiffness `5/6 G t (sum of squared sides)/(144 A)`;
+//! `hourglass_coefficient` is the fraction of that which is kept, always in stiffness form. It is nought for rigid
+//! motion and for any constant curvature.
+//!
+//! Drilling: stiffness `alpha G t A/3` a node on its spin about n against that of the element.
+//!
+//! The stable step is 2/omega of the free element in its membrane modes, exactly: with nodal mass m/3 and
+//! `b = B B'` (2 x 2), `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
+//! side is up to 1/0.82 of it and would not be safe.
+
+use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
+use super::{
+    CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, with_points,
+};
+use crate::lanes::{LANES, Lane, Real, cross, dot};
+use crate::materials::{PlaneStress, PointReal};
+use crumple_proto::job::Part;
+use crumple_proto::mesh::Shape;
+use crumple_proto::problem::Problem;
+use std::ops::Range;
+
+/// The row of this element.
+pub const ROW: ElementRow = ElementRow { name: "c0_triangle", shape: Shape::Tri3, build };
+
+/// Own columns, after those of the section: drilling moments of the corners [force length], resultant of c [force].
+const OWN: usize = 4;
+
+/// Parameters of the three-node shell.
+pub struct C0Triangle {
+    section: Section,
+    /// Fraction of the stiffness of c that is kept.
+    hourglass_coefficient: f64,
+    /// alpha.
+    drilling: f64,
+}
+
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> Result<Box<dyn Element>, Vec<Problem>> {
+    let section = Section::new(part, law)?;
+    let hourglass_coefficient = part.hourglass_coefficient;
+    Ok(Box::new(C0Triangle { section, hourglass_coefficient, drilling: part.drilling }))
+}
+
+/// Corner vectors of an element: what 2 and 3 have beyond 1, and for rotations the sum too.
+pub struct Corners<R> {
+    /// Coordinates [length].
+    pub x: [[R; 3]; 2],
+    /// Velocities [length/time].
+    pub v: [[R; 3]; 2],
+    /// Rotational velocities [1/time].
+    pub w: [[R; 3]; 3],
+}
+
+/// What one pass gives, in global axes.
+pub struct Response<R: Real> {
+    /// Forces of corners 2 and 3; corner 1 has the negative of their sum [force].
+    pub force: [[R; 3]; 2],
+    /// Moments of corners 1, 2, 3 [force length].
+    pub moment: [[R; 3]; 3],
+    internal: R,
+    hourglass: R,
+    stable_dt: R,
+    sound: R::Mask,
+}
+
+/// Frame and shape of an element.
+struct Geometry<R: Real> {
+    e1: [R; 3],
+    e2: [R; 3],
+    n: [R; 3],
+    area: R,
+    /// Sides 1-2 and 1-3 in the plane [length].
+    x: [[R; 2]; 2],
+    /// B1, B2 of corners 2 and 3 [1/length].
+    b: [[R; 2]; 2],
+}
+
+impl<R: Real> Geometry<R> {
+    #[inline(always)]
+    fn new([r21, r31]: [[R; 3]; 2]) -> Self {
+        let one = R::splat(1.0);
+        let raw = cross(r21, r31);
+        let two_a = dot(raw, raw).sqrt();
+        let inv_2a = one / two_a;
+        let n = raw.map(|c| c * inv_2a);
+        let [root, two] = [3.0_f64.sqrt(), 2.0].map(R::splat);
+        let turned = cross(n, std::array::from_fn(|i| two.neg_mul_add(r31[i], r21[i])));
+        let e1: [R; 3] = std::array::from_fn(|i| root.mul_add(r21[i], turned[i]));
+        let inv = one / dot(e1, e1).sqrt();
+        let e1 = e1.map(|c| c * inv);
+        let e2 = cross(n, e1);
+        let x = [r21, r31].map(|r| [dot(e1, r), dot(e2, r)]);
+        let b = [[x[1][1] * inv_2a, -(x[1][0] * inv_2a)], [-(x[0][1] * inv_2a), x[0][0] * inv_2a]];
+        Self { e1, e2, n, area: R::splat(0.5) * two_a, x, b }
+    }
+
+    /// Components of a vector in the element's axes.
+    #[inline(always)]
+    fn local(&self, v: [R; 3]) -> [R; 3] {
+        [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
+    }
+
+    /// The vector with these components in the element's axes.
+    #[inline(always)]
+    fn global(&self, v: [R; 3]) -> [R; 3] {
+        std::array::from_fn(|i| v[0].mul_add(self.e1[i], v[1].mul_add(self.e2[i], v[2] * self.n[i])))
+    }
+
+    /// Gradient of a column from what corners 2 and 3 have beyond 1.
+    #[inline(always)]
+    fn gradient(&self, u21: R, u31: R) -> [R; 2] {
+        std::array::from_fn(|j| self.b[0][j].mul_add(u21, self.b[1][j] * u31))
+    }
+
+    /// What a stress-like vector gives to corners 2 and 3.
+    #[inline(always)]
+    fn spread(&self, s1: R, s2: R) -> [R; 2] {
+        std::array::from_fn(|c| self.b[c][0].mul_add(s1, self.b[c][1] * s2))
+    }
+
+    /// Half the sum of squared sides [length^2].
+    #[inline(always)]
+    fn half_sides2(&self) -> R {
+        let [a, b] = self.x;
+        // |x31 - x21|^2 + |x21|^2 + |x31|^2, halved.
+        plane_dot(a, a) + plane_dot(b, b) - plane_dot(a, b)
+    }
+
+    /// Stable step times the plate wave speed [length].
+    #[inline(always)]
+    fn stable_length(&self, poisson: f64) -> R {
+        // tr b = (sum of squared sides)/4A^2; det b = 3/4A^2 for any triangle.
+        let inv_4a2 = R::splat(0.25) / (self.area * self.area);
+        let trace = R::splat(2.0) * self.half_sides2() * inv_4a2;
+        let four_det = R::splat(12.0 * (1.0 - poisson * poisson)) * inv_4a2;
+        let root = Real::max(four_det.neg_mul_add(R::splat(1.0), trace * trace), R::zero()).sqrt();
+        (R::splat(8.0 / 3.0) / (trace + root)).sqrt()
+    }
+}
+
+#[inline(always)]
+fn plane_dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    a[0].mul_add(b[0], a[1] * b[1])
+}
+
+impl C0Triangle {
+    /// One element in each lane.
+    #[inline(always)]
+    pub fn respond<R: PointReal, const N: usize>(&self, corners: &Corners<R>, history: &mut [R], dt: f64) -> Response<R> {
+        let (section, own) = history.split_at_mut(self.section.columns());
+        let own = &mut own[..OWN];
+        let step = R::splat(dt);
+        let [half, third, sixth] = [0.5, 1.0 / 3.0, 1.0 / 6.0].map(R::splat);
+
+        // 1. Frame, and everything that moves as seen in it, as increments of the step.
+        let g = Geometry::new(corners.x);
+        let u = corners.v.map(|v| g.local(v).map(|c| c * step));
+        let t = corners.w.map(|w| g.local(w).map(|c| c * step));
+
+        // 2. Gradients.
+        let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
+        let tx = g.gradient(t[0][0], t[1][0]);
+        let ty = g.gradient(t[0][1], t[1][1]);
+
+        // 3. Strains, as in the four-node shell.
+        let product = |i: usize, j: usize| k[0][i].mul_add(k[0][j], k[1][i].mul_add(k[1][j], k[2][i] * k[2][j]));
+        let e_xx = half.neg_mul_add(product(0, 0), k[0][0]);
+        let e_yy = half.neg_mul_add(product(1, 1), k[1][1]);
+        let e_xy = half * (k[0][1] + k[1][0] - product(0, 1));
+        let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
+        let xy2 = e_xy * e_xy;
+        let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
+        let kappa = [ty[0], -tx[1], ty[1] - tx[0]];
+        let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
+        let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
+        let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
+        let angle = angle_by_sine(dot(sine, sine));
+
+        // 4. Transverse shear from the edges.
+        let [x21, x31] = g.x;
+        let x23: [R; 2] = std::array::from_fn(|i| x21[i] - x31[i]);
+        let [b21, b31] = [[t[0][1], -t[0][0]], [t[1][1], -t[1][0]]];
+        let edge = g.gradient(
+            sixth * (plane_dot(b21, x23) - plane_dot(b31, x21)),
+            sixth * -(plane_dot(b31, x23) + plane_dot(b21, x31)),
+        );
+        let gamma = [
+            angle.mul_add(sine[0], third.mul_add(t[2][1], edge[0])),
+            angle.mul_add(sine[1], third.neg_mul_add(t[2][0], edge[1])),
+        ];
+
+        // 5. Stress.
+        let strains = Strains { eps, kappa, gamma };
+        let sound = self.section.healthy(&strains, self.section.current_thickness(section));
+        let resultants = self.section.update::<R, N>(section, &strains, dt);
+        let thickness = resultants.thickness;
+        let [nx, ny, nxy] = resultants.n.map(|n| n * g.area);
+        let [mx, my, mxy] = resultants.m.map(|m| m * g.area);
+        let [qx, qy] = resultants.q.map(|q| q * g.area);
+
+        // 6. Drilling at each corner, and the free spin of fibres.
+        let mut energy = R::zero();
+        let mut advance = |column: &mut R, stiffness: R, rate: R| {
+            let old = *column;
+            *column = stiffness.mul_add(rate, old);
+            energy = (old + *column).mul_add(rate, energy);
+            *column
+        };
+        let shear_modulus = self.section.elastic.shear_modulus();
+        let stiff = R::splat(self.drilling * shear_modulus / 3.0) * thickness * g.area;
+        let first = third * (t[2][2] - t[0][2] - t[1][2]) - angle * sine[2];
+        let drill = [
+            advance(&mut own[0], stiff, first),
+            advance(&mut own[1], stiff, first + t[0][2]),
+            advance(&mut own[2], stiff, first + t[1][2]),
+        ];
+        let fraction = self.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
+        let stiff = R::splat(fraction) * thickness * g.half_sides2() / g.area;
+        let free = half * advance(&mut own[3], stiff, half * (plane_dot(b31, x21) - plane_dot(b21, x31)));
+
+        // 7. Corner forces.
+        let couple = half * (drill[0] + drill[1] + drill[2]);
+        let fx = g.spread(nx, nxy + couple);
+        let fy = g.spread(nxy - couple, ny);
+        let fz = g.spread(qx, qy);
+        let force = std::array::from_fn(|c| g.global([fx[c], fy[c], fz[c]]));
+        // Work-conjugate to b21 and b31: curvature, edge shear, free spin; then the share of the mean.
+        let [on_r, on_s] = fz.map(|f| f * sixth);
+        let by = g.spread(mx, mxy);
+        let bx = g.spread(mxy, my);
+        let to2: [R; 2] = std::array::from_fn(|i| {
+            on_r.mul_add(x23[i], (-(on_s + free)).mul_add(x31[i], if i == 0 { by[0] } else { bx[0] }))
+        });
+        let to3: [R; 2] = std::array::from_fn(|i| {
+            (free - on_r).mul_add(x21[i], (-on_s).mul_add(x23[i], if i == 0 { by[1] } else { bx[1] }))
+        });
+        let mean = [third * qx, third * qy];
+        let corner = |b: [R; 2], drill: R| g.global([-(mean[1] + b[1]), mean[0] + b[0], drill]);
+        let to1 = [-(to2[0] + to3[0]), -(to2[1] + to3[1])];
+        let moment = [corner(to1, drill[0]), corner(to2, drill[1]), corner(to3, drill[2])];
+
+        // 8. Health. A sum tells of what is not finite wherever it is.
+        let mut total = R::zero();
+        for c in 0..3 {
+            total += force[0][c].abs() + force[1][c].abs();
+            total += moment[0][c].abs() + moment[1][c].abs() + moment[2][c].abs();
+        }
+        let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(f64::MAX)));
+        let elastic = &self.section.elastic;
+        Response {
+            force,
+            moment,
+            internal: resultants.work * g.area,
+            hourglass: half * energy,
+            stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
+            sound,
+        }
+    }
+
+    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
+        let dt = pass.dt;
+        pass.run(self.columns(), |group, nodes, history, force, moment| {
+            let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
+            scatter(&response, force, moment);
+            GroupTotals {
+                stable_dt: response.stable_dt,
+                internal: response.internal,
+                hourglass: response.hourglass,
+                sound: response.sound,
+            }
+        })
+    }
+}
+
+/// Corner vectors of a group. Differences are taken row by row, before the rows become lanes.
+#[inline(always)]
+fn gather(group: &GroupNodes, nodes: &NodeView<'_>) -> Corners<Lane> {
+    let n = nodes.x.len();
+    let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
+    let mut rows = [[Lane::splat(0.0); LANES]; 7];
+    for lane in 0..LANES {
+        let corner: [usize; 3] = std::array::from_fn(|c| group[c][lane] as usize);
+        for (block, column) in [x, v, w].into_iter().enumerate() {
+            let [a, b, c] = corner.map(|node| Lane::new(column[node]));
+            rows[2 * block][lane] = b - a;
+            rows[2 * block + 1][lane] = c - a;
+            if block == 2 {
+                rows[6][lane] = a + b + c;
+            }
+        }
+    }
+    let [x2, x3, v2, v3, w2, w3, ws] = rows.map(|rows| {
+        let [x, y, z, _] = Lane::transpose(rows);
+        [x, y, z]
+    });
+    Corners { x: [x2, x3], v: [v2, v3], w: [w2, w3, ws] }
+}
+
+/// Lanes to rows; the fourth corner is the third again and gets nothing.
+#[inline(always)]
+fn scatter(response: &Response<Lane>, force: &mut [[f64; 4]; LANES * 4], moment: &mut [[f64; 4]; LANES * 4]) {
+    let rows = |v: [Lane; 3]| Lane::transpose([v[0], v[1], v[2], Lane::splat(0.0)]);
+    let [f2, f3] = response.force.map(rows);
+    let m = response.moment.map(rows);
+    for lane in 0..LANES {
+        let slot = 4 * lane;
+        force[slot] = (-(f2[lane] + f3[lane])).to_array();
+        force[slot + 1] = f2[lane].to_array();
+        force[slot + 2] = f3[lane].to_array();
+        force[slot + 3] = [0.0; 4];
+        for (c, m) in m.iter().enumerate() {
+            moment[slot + c] = m[lane].to_array();
+        }
+        moment[slot + 3] = [0.0; 4];
+    }
+}
+
+fn sides(x: &[[f64; 3]; 4]) -> [[f64; 3]; 2] {
+    [1, 2].map(|c: usize| std::array::from_fn(|i| x[c][i] - x[0][i]))
+}
+
+impl Element for C0Triangle {
+    fn columns(&self) -> usize {
+        self.section.columns() + OWN
+    }
+
+    fn start(&self, history: &mut [Lane]) {
+        self.section.start(history);
+    }
+
+    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
+        let area = Geometry::new(sides(x)).area;
+        let mass = self.section.elastic.density * self.section.thickness * area / 3.0;
+        // Per area, a triangle has twice the corners of a quad: with its A/8 shear would govern the step where nu is small.
+        (mass, mass * self.section.inertia_per_mass(2.0 * area))
+    }
+
+    fn forces(
+        &self,
+        range: Range<usize>,
+        count: usize,
+        groups: &[GroupNodes],
+        history: &mut [Lane],
+        nodes: NodeView<'_>,
+        dt: f64,
+        out: CornerForces<'_>,
+    ) -> PassTotals {
+        let pass = Pass { range, count, groups, history, nodes, dt, out };
+        with_points!(self.section.points, N => self.pass::<N>(pass))
+    }
+
+    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
+        let geometry = Geometry::new(sides(x));
+        if !Real::gt(geometry.area, 0.0) {
+            return f64::NAN;
+        }
+        geometry.stable_length(self.section.elastic.poisson) / self.section.elastic.plate_wave_speed()
+    }
+
+    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]; 4]) -> ElementFields {
+        let Geometry { e1, e2, n, .. } = Geometry::new(sides(x));
+        self.section.fields(history, lane, &[e1, e2, n])
+    }
+}
+
+#[cfg(test)]
+#[path = "c0_triangle_tests.rs"]
+mod tests;

@@ -1,0 +1,285 @@
+//! What holds for every shell: patch tests, rigid motion, balance of forces, energy, lanes.
+
+use super::testing::*;
+use super::{CornerForces, NodeView};
+use crate::lanes::{LANES, Lane};
+use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::partition::{Material, Param};
+
+const E: f64 = 1e6;
+const NU: f64 = 0.25;
+
+/// MacNeal & Harder 1985: the distorted patch of five quads, or ten triangles.
+fn patch(part: Part, triangular: bool) -> Patch {
+    let inner = [[0.04, 0.02], [0.18, 0.03], [0.16, 0.08], [0.08, 0.08]];
+    let outer = [[0.0, 0.0], [0.24, 0.0], [0.24, 0.12], [0.0, 0.12]];
+    let nodes: Vec<[f64; 3]> = outer.iter().chain(&inner).map(|p| [p[0], p[1], 0.0]).collect();
+    let quads = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7]];
+    let cells = if triangular { triangles(&quads) } else { quads.to_vec() };
+    Patch::new(part, elastic(E, NU, 1.0), &nodes, &cells)
+}
+
+/// All shells of this crate, plain and with every option on, on the distorted patch bent out of its plane.
+fn shells() -> Vec<(&'static str, Patch)> {
+    let plain = part(0.01);
+    let mut all = Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
+    all.hourglass = HourglassForm::Viscous;
+    let rows = [("quads", plain.clone(), false), ("quads, all options", all, false), ("triangles", plain, true)];
+    rows.map(|(name, part, triangular)| {
+        let mut patch = patch(part, triangular);
+        let mut noise = Noise(3);
+        patch.x.iter_mut().for_each(|x| x[2] = 0.02 * noise.next());
+        (name, patch)
+    })
+    .into()
+}
+
+fn shake(patch: &mut Patch, noise: &mut Noise, size: f64) {
+    for (v, w) in patch.v.iter_mut().zip(&mut patch.w) {
+        (0..3).for_each(|i| v[i] = size * noise.next());
+        (0..3).for_each(|i| w[i] = 10.0 * size * noise.next());
+    }
+}
+
+/// Verification A21: u = 1e-3 (x + y/2), v = 1e-3 (y + x/2) give 4000/3, 4000/3 and 400 in every element.
+#[test]
+fn membrane_patch_is_exact() {
+    for triangular in [false, true] {
+        // In one step of a strain so small that its square is round-off.
+        let mut patch = patch(part(0.001), triangular);
+        stretch(&mut patch, 1e-12);
+        patch.forces(1.0);
+        check_membrane(&patch, 1e-9, 1e-9, "strain of 1e-12, and round-off");
+
+        // In many steps to the full strain. Its logarithm differs by half its square, and the axes of differently
+        // shaped elements turn apart by a fraction of it.
+        let mut patch = self::patch(part(0.001), triangular);
+        stretch(&mut patch, 1e-6);
+        (0..1000).for_each(|_| _ = patch.step(1.0));
+        check_membrane(&patch, 1e-3, 1e-3, "strain of 1.5e-3");
+    }
+}
+
+fn stretch(patch: &mut Patch, size: f64) {
+    for (v, x) in patch.v.iter_mut().zip(&patch.x) {
+        *v = [size * (x[0] + 0.5 * x[1]), size * (x[1] + 0.5 * x[0]), 0.0, 0.0];
+    }
+}
+
+/// Stresses of the patch over their largest, whatever the size, and the balance of its inner nodes.
+fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
+    let unit = if size < 1e-6 { 1e9 } else { 1.0 };
+    for element in 0..patch.quads.len() {
+        let stress = patch.fields(element).stress.map(|s| unit * s);
+        for (c, wanted) in [(0, 4000.0 / 3.0), (1, 4000.0 / 3.0), (3, 400.0)] {
+            assert_close(stress[c], wanted, tolerance * wanted, why);
+        }
+    }
+    for node in 4..8 {
+        let mut sum = [0.0; 3];
+        for (e, quad) in patch.quads.iter().enumerate() {
+            // The fourth corner of a triangle is its third once more, with no force on it.
+            for c in (0..4).filter(|&c| quad[c] == node) {
+                (0..3).for_each(|i| sum[i] += patch.corner(e, c).0[i]);
+            }
+        }
+        let largest = patch.largest().0;
+        assert!(sum.iter().all(|f| f.abs() < tolerance * largest), "inner node: {sum:?} of {largest} ({why})");
+    }
+}
+
+#[test]
+fn rigid_rotation_leaves_no_stress() {
+    let turn = std::f64::consts::TAU / 100.0;
+    let axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.48, -0.64, 0.6]];
+    for (name, start) in shells() {
+        for axis in axes {
+            let mut patch = Patch { history: start.history.clone(), x: start.x.clone(), ..patch_like(&start, name) };
+            let angle = axis.map(|c: f64| c * turn);
+            for step in 1..=100 {
+                let drift = [0.01, -0.02, 0.03];
+                // About the origin of the moment, which drifts along.
+                let centre = drift.map(|d| d * f64::from(step - 1));
+                let target = |x: [f64; 3]| {
+                    let x = rotate(angle, std::array::from_fn(|i| x[i] - centre[i]));
+                    std::array::from_fn(|i| x[i] + centre[i] + drift[i])
+                };
+                patch.aim(1.0, target, angle);
+                patch.step(1.0);
+                if [25, 50, 100].contains(&step) {
+                    for element in 0..patch.quads.len() {
+                        let fields = patch.fields(element);
+                        let largest = fields.stress.iter().fold(fields.von_mises, |m, s| m.max(s.abs()));
+                        let why = "asin to seventh order at 3.6 degrees a step";
+                        assert!(largest < 1e-10 * E, "{name}, axis {axis:?}, step {step}: {largest} ({why})");
+                    }
+                    let (force, moment) = patch.largest();
+                    assert!(force < 1e-10 * E * 0.01 * 0.1, "{name}, axis {axis:?}, step {step}: force {force}");
+                    assert!(moment < 1e-10 * E * 0.01 * 0.01, "{name}, axis {axis:?}, step {step}: moment {moment}");
+                }
+            }
+        }
+    }
+}
+
+/// A patch of the same elements, for its element and connectivity.
+fn patch_like(other: &Patch, name: &str) -> Patch {
+    let again = shells().into_iter().find(|(n, _)| *n == name).expect("it came from this list").1;
+    assert_eq!(again.quads, other.quads);
+    again
+}
+
+#[test]
+fn forces_and_moments_balance_in_any_motion() {
+    for (name, mut patch) in shells() {
+        let mut noise = Noise(11);
+        for step in 0..50 {
+            shake(&mut patch, &mut noise, 1e-3);
+            patch.step(1.0);
+            let (force, moment) = patch.sums();
+            let (largest_force, largest_moment) = patch.largest();
+            let couple = largest_moment.max(largest_force * 0.1);
+            assert!(force.iter().all(|f| f.abs() < 1e-13 * 40.0 * largest_force), "{name}, step {step}: {force:?}");
+            // Corner forces lie in axes known to round-off, on arms of the patch's size.
+            assert!(moment.iter().all(|m| m.abs() < 1e-13 * 40.0 * couple), "{name}, step {step}: {moment:?} {couple}");
+        }
+    }
+}
+
+#[test]
+fn reported_energy_is_the_work_of_corner_forces() {
+    for (name, start) in shells() {
+        let off = |steps: usize| {
+            let mut patch = patch_like(&start, name);
+            let mut noise = Noise(23);
+            shake(&mut patch, &mut noise, 1.0);
+            let (shape_v, shape_w) = (patch.v.clone(), patch.w.clone());
+            let (mut work, mut reported) = (0.0, 0.0);
+            let dt = 1.0 / steps as f64;
+            for step in 0..steps {
+                // There and half way back, with strains of a few per cent and rotations of several degrees.
+                let rate = 2e-3 * (4.0 * (step as f64 + 0.5) * dt).sin();
+                let scale = |rows: &[[f64; 4]]| rows.iter().map(|r| r.map(|c| rate * c)).collect::<Vec<_>>();
+                (patch.v, patch.w) = (scale(&shape_v), scale(&shape_w));
+                work += 0.5 * dt * patch.power();
+                let totals = patch.step(dt);
+                work += 0.5 * dt * patch.power();
+                reported += totals.internal + totals.hourglass;
+                assert!(!totals.trouble);
+            }
+            (work - reported).abs() / work.abs()
+        };
+        let (coarse, fine) = (off(200), off(800));
+        assert!(coarse < 5e-3, "{name}: finite strain and rotation of a step: {coarse:e}");
+        assert!(fine < 0.3 * coarse, "{name}: of first order in the step at least: {coarse:e} then {fine:e}");
+    }
+}
+
+#[test]
+fn lanes_do_not_see_their_neighbours() {
+    let table = [[0.0, 0.25], [0.01, 0.3], [0.05, 0.35]];
+    let rate = Param::List(vec![0.04, 5.0]);
+    for triangular in [false, true] {
+        let (nodes, quads) = grid(4, 1, 4.0, 1.0);
+        let mut noise = Noise(5);
+        let nodes: Vec<_> = nodes.iter().map(|x| x.map(|c| c + 0.05 * noise.next())).collect();
+        let quads = if triangular { triangles(&quads).into_iter().step_by(2).collect() } else { quads };
+        let mut material: Material = material("j2", 7.8e-6, &[("youngs_modulus", 210.0), ("poisson", 0.3)]);
+        material.parameters.insert("hardening".into(), Param::Table(table.map(|row| row.to_vec()).into()));
+        material.parameters.insert("cowper_symonds".into(), rate.clone());
+        let part = Part { warping: true, thinning: true, ..part(0.1) };
+        let orders = [[0, 1, 2, 3], [2, 3, 1, 0], [1, 1, 1, 1], [3, 0, 3, 2]];
+        let runs = orders.map(|order| {
+            let quads = order.map(|element: usize| quads[element]);
+            let mut patch = Patch::new(part.clone(), material.clone(), &nodes, &quads);
+            let mut noise = Noise(9);
+            for _ in 0..30 {
+                // Nodes to the right move more: some elements stay elastic, some flow.
+                for node in 0..patch.x.len() {
+                    let size = 1e-3 * 10.0_f64.powf(patch.x[node][0] - 3.0);
+                    (0..3).for_each(|i| patch.v[node][i] = size * noise.next());
+                    (0..3).for_each(|i| patch.w[node][i] = size * noise.next());
+                }
+                patch.step(1.0);
+            }
+            patch
+        });
+        for (run, order) in runs.iter().zip(orders) {
+            for (lane, element) in order.into_iter().enumerate() {
+                let bits = |patch: &Patch, lane: usize| -> Vec<u64> {
+                    let forces = patch.force[lane * 4..][..4].iter().chain(&patch.moment[lane * 4..][..4]);
+                    let history = patch.history.iter().map(|column| column.as_array()[lane]);
+                    forces.flatten().copied().chain(history).map(f64::to_bits).collect()
+                };
+                assert!(bits(run, lane) == bits(&runs[0], element), "element {element} in lane {lane} of {order:?}");
+            }
+        }
+        let strains: Vec<_> = (0..LANES).map(|element| runs[0].fields(element).plastic_strain).collect();
+        assert!(strains.contains(&0.0) && strains.iter().any(|&e| e > 0.005), "both kinds are there: {strains:?}");
+    }
+}
+
+#[test]
+fn padding_adds_nothing_and_ranges_add_up() {
+    for triangular in [false, true] {
+        let (nodes, quads) = grid(5, 2, 5.0, 2.0);
+        let cells = if triangular { triangles(&quads)[..10].to_vec() } else { quads };
+        let mut patch = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells);
+        shake(&mut patch, &mut Noise(2), 1e-4);
+        let (history, x) = (patch.history.clone(), patch.x.clone());
+        let whole = patch.step(1.0);
+        let force = patch.force.clone();
+        let single: f64 = (0..10)
+            .map(|element| {
+                let mut one = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells[element..=element]);
+                (one.v, one.w) = (patch.v.clone(), patch.w.clone());
+                one.step(1.0).internal
+            })
+            .sum();
+        assert_close(whole.internal, single, 1e-13 * single, "round-off of a sum of ten");
+
+        (patch.history, patch.x) = (history, x);
+        for (x, v) in patch.x.iter_mut().zip(&patch.v) {
+            (0..3).for_each(|i| x[i] += v[i]);
+        }
+        let mut internal = 0.0;
+        patch.force.fill([0.0; 4]);
+        for range in [2..3, 0..2] {
+            let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
+            let out = CornerForces { force: &mut patch.force, moment: &mut patch.moment };
+            let history: &mut [Lane] = &mut patch.history;
+            internal += patch.element.forces(range, 10, &patch.groups, history, nodes, 1.0, out).internal;
+        }
+        assert_close(whole.internal, internal, 1e-14 * internal, "round-off of two sums");
+        assert!(force[..40] == patch.force[..40], "the same bits in whatever pieces");
+    }
+}
+
+#[test]
+fn trouble_is_told() {
+    for triangular in [false, true] {
+        let (nodes, quads) = grid(4, 1, 4.0, 1.0);
+        let cells = if triangular { triangles(&quads) } else { quads };
+        let fresh = || Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells);
+        assert!(!fresh().step(1.0).trouble);
+        for spoil in [
+            // Not a number, stretched by more than half, and (quads) a corner pushed across the diagonal.
+            &(|patch: &mut Patch| patch.v[3][1] = f64::NAN) as &dyn Fn(&mut Patch),
+            &|patch| patch.w[3][1] = f64::NAN,
+            &|patch| patch.v[3][2] = f64::INFINITY,
+            &|patch| patch.aim(1.0, |x| [3.0 * x[0], x[1], x[2]], [0.0; 3]),
+            &|patch| patch.w[2][1] = 50.0,
+        ] {
+            let mut patch = fresh();
+            spoil(&mut patch);
+            assert!(patch.step(1.0).trouble);
+        }
+    }
+    let (nodes, quads) = grid(4, 1, 4.0, 1.0);
+    let mut patch = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &quads);
+    let element = &patch.element;
+    let dent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0]];
+    assert!(element.stable_dt(&dent).is_nan(), "a re-entrant corner has a negative Jacobian");
+    patch.x[0] = [0.9, 0.9, 0.0, 0.0];
+    assert!(patch.forces(1.0).trouble, "a re-entrant corner is trouble in the step too");
+}

@@ -1,0 +1,304 @@
+//! What every shell does through its thickness: Gauss points, resultants, transverse shear, thinning, stable step.
+//!
+//! Over the thickness t, with Gauss-Legendre points `zeta_k` of weights `W_k` (1 to 10 of them),
+//! ```text
+//! eps(z) = eps_m + z kappa,  z = zeta t/2,   N = sum sig w,  M = sum sig z w,  w = W t/2,   Q = t tau
+//! tau <- tau + 5/6 G gamma   (elastic, constant over the thickness, not part of the yield condition)
+//! ```
+//! Gauss points are as few as the accuracy needs (5 give linear bending exactly and the plastic hinge within 2 %);
+//! the outer fibres themselves carry none.
+
+use crate::lanes::{Lane, Real};
+use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
+use crumple_proto::job::Part;
+use crumple_proto::problem::Problem;
+
+use super::ElementFields;
+
+/// Shear correction of a homogeneous section.
+pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
+/// Largest strain increment of a healthy step.
+const STRAIN_LIMIT: f64 = 0.5;
+
+/// First columns of every shell: thickness [length], transverse shear stress xz and yz [force/length^2].
+const THICKNESS: usize = 0;
+const SHEAR: usize = 1;
+const POINTS: usize = 3;
+
+/// Section of a part: material and points through the thickness.
+pub struct Section {
+    law: Box<dyn PlaneStress>,
+    /// Elastic constants of the law.
+    pub elastic: Elastic,
+    /// Initial thickness [length].
+    pub thickness: f64,
+    /// Points through the thickness.
+    pub points: usize,
+    zeta: [f64; MAX_POINTS],
+    weight: [f64; MAX_POINTS],
+    /// Columns of a point: stress xx, yy, xy and the law's own.
+    stride: usize,
+    thinning: bool,
+    /// Where a point keeps its effective plastic strain, if its law has any.
+    plastic_strain: Option<usize>,
+}
+
+/// Strain increments of a step, in the element's axes.
+#[derive(Clone, Copy)]
+pub struct Strains<R> {
+    /// Membrane xx, yy, and twice xy.
+    pub eps: [R; 3],
+    /// Curvature xx, yy, and twice xy [1/length].
+    pub kappa: [R; 3],
+    /// Twice the transverse shear xz and yz.
+    pub gamma: [R; 2],
+}
+
+/// Stress resultants, in the element's axes.
+#[derive(Clone, Copy)]
+pub struct Resultants<R> {
+    /// Membrane forces xx, yy, xy [force/length].
+    pub n: [R; 3],
+    /// Moments xx, yy, xy [force].
+    pub m: [R; 3],
+    /// Shear forces xz and yz [force/length].
+    pub q: [R; 2],
+    /// Increase of internal energy per area [force/length].
+    pub work: R,
+    /// Thickness that the resultants were taken with [length].
+    pub thickness: R,
+}
+
+impl Section {
+    /// Section of a part; notes all that is wrong with it, with paths relative to the part.
+    pub fn new(part: &Part, law: Box<dyn PlaneStress>) -> Result<Self, Vec<Problem>> {
+        let mut problems = Vec::new();
+        let mut check = |right: bool, key: &str, value: &dyn std::fmt::Display, wanted: &str| {
+            if !right {
+                let message = format!("part {}: {key} is {value}", label(part));
+                problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
+            }
+        };
+        let r = part.hourglass_coefficient;
+        check(part.thickness.is_finite() && part.thickness > 0.0, "thickness", &part.thickness, "above 0");
+        check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
+        check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
+        check((0.0..=1.0).contains(&part.drilling), "drilling", &part.drilling, "from 0 to 1 (0.01 is usual)");
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let (zeta, weight) = gauss_legendre(part.points);
+        let elastic = law.elastic();
+        let history = law.history();
+        Ok(Self {
+            elastic,
+            thickness: part.thickness,
+            points: part.points,
+            zeta,
+            weight,
+            stride: 3 + history.len(),
+            thinning: part.thinning,
+            plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| 3 + column),
+            law,
+        })
+    }
+
+    /// Columns that the section needs of an element's history; an element's own come after them.
+    pub fn columns(&self) -> usize {
+        POINTS + self.points * self.stride
+    }
+
+    /// Thickness, and nought for all else.
+    pub fn start(&self, history: &mut [Lane]) {
+        history.fill(Lane::splat(0.0));
+        history[THICKNESS] = Lane::splat(self.thickness);
+    }
+
+    /// Current thickness [length].
+    #[inline(always)]
+    pub fn current_thickness<R: Real>(&self, history: &[R]) -> R {
+        history[THICKNESS]
+    }
+
+    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but never so small against the
+    /// area that rotation, not membrane waves, would govern the step (Hughes, Cohen & Haroun 1978).
+    pub fn inertia_per_mass(&self, area: f64) -> f64 {
+        (self.thickness * self.thickness / 12.0).max(area / 8.0)
+    }
+
+    /// Stress at all points over a step, and its resultants. N is the number of points.
+    #[inline(always)]
+    pub fn update<R: PointReal, const N: usize>(
+        &self,
+        history: &mut [R],
+        strains: &Strains<R>,
+        dt: f64,
+    ) -> Resultants<R> {
+        let half = R::splat(0.5);
+        let (front, points) = history.split_at_mut(POINTS);
+        let points = &mut points[..N * self.stride];
+        let thickness = front[THICKNESS];
+        let half_t = half * thickness;
+
+        let mut eps = [[R::zero(); 3]; N];
+        let mut work = R::zero();
+        for k in 0..N {
+            let z = R::splat(self.zeta[k]) * half_t;
+            for (c, e) in eps[k].iter_mut().enumerate() {
+                *e = z.mul_add(strains.kappa[c], strains.eps[c]);
+            }
+            work = R::splat(self.weight[k]).mul_add(power(&points[k * self.stride..], &eps[k]), work);
+        }
+
+        let mut eps_z = [R::zero(); N];
+        R::update(&*self.law, Points { state: points, strain: &eps, thickness_strain: &mut eps_z }, dt);
+
+        let mut n = [R::zero(); 3];
+        let mut m = [R::zero(); 3];
+        for k in 0..N {
+            let sig = &points[k * self.stride..];
+            let weight = R::splat(self.weight[k]);
+            let moment = R::splat(self.weight[k] * self.zeta[k]);
+            work = weight.mul_add(power(sig, &eps[k]), work);
+            for c in 0..3 {
+                n[c] = weight.mul_add(sig[c], n[c]);
+                m[c] = moment.mul_add(sig[c], m[c]);
+            }
+        }
+        // The two passes over stress made the sum of old and new: half of it is the trapezoid, half the weight.
+        work = half * half_t * work;
+        let to_moment = half_t * half_t;
+
+        let shear = R::splat(SHEAR_CORRECTION * self.elastic.shear_modulus());
+        let mut q = [R::zero(); 2];
+        for c in 0..2 {
+            let old = front[SHEAR + c];
+            let new = shear.mul_add(strains.gamma[c], old);
+            front[SHEAR + c] = new;
+            work = (half_t * (old + new)).mul_add(strains.gamma[c], work);
+            q[c] = thickness * new;
+        }
+
+        if self.thinning {
+            // Mean over the thickness (weights sum to two), and exp() to second order.
+            let mut mean = R::zero();
+            for k in 0..N {
+                mean = R::splat(0.5 * self.weight[k]).mul_add(eps_z[k], mean);
+            }
+            front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
+        }
+        Resultants {
+            n: n.map(|n| n * half_t),
+            m: m.map(|m| m * to_moment),
+            q,
+            work,
+            thickness,
+        }
+    }
+
+    /// Whether the strain increments at both faces are those of a healthy step (false if not a number).
+    #[inline(always)]
+    pub fn healthy<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
+        let half_t = R::splat(0.5) * thickness;
+        let face = |c: usize| half_t.mul_add(strains.kappa[c].abs(), strains.eps[c].abs());
+        // Twice the shear is compared with twice the limit. Maxima swallow what is not a number, sums do not.
+        let direct = Real::max(face(0), face(1)) + R::zero() * (face(0) + face(1));
+        let shear = half_of(face(2)) + R::zero() * (strains.gamma[0] + strains.gamma[1]);
+        R::both(direct.le(R::splat(STRAIN_LIMIT)), shear.le(R::splat(STRAIN_LIMIT)))
+    }
+
+    /// Fields of one element; `axes` are its e1, e2 and normal.
+    pub fn fields(&self, history: &[Lane], lane: usize, axes: &[[f64; 3]; 3]) -> ElementFields {
+        let at = |column: usize| history[column].lane(lane);
+        let point = |k: usize, c: usize| at(POINTS + k * self.stride + c);
+        let (mut von_mises, mut plastic_strain) = (0.0_f64, 0.0_f64);
+        for k in 0..self.points {
+            let [x, y, t] = [0, 1, 2].map(|c| point(k, c));
+            von_mises = von_mises.max((x * x + y * y - x * y + 3.0 * t * t).sqrt());
+            plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, |c| point(k, c)));
+        }
+        // The middle point, or the mean of the two beside the middle.
+        let (below, above) = ((self.points - 1) / 2, self.points / 2);
+        let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (point(below, c) + point(above, c)));
+        let (xz, yz) = (at(SHEAR), at(SHEAR + 1));
+        let local = [[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]];
+        let global = |i: usize, j: usize| -> f64 {
+            (0..3).map(|a| (0..3).map(|b| axes[a][i] * local[a][b] * axes[b][j]).sum::<f64>()).sum()
+        };
+        ElementFields {
+            plastic_strain,
+            stress: [global(0, 0), global(1, 1), global(2, 2), global(0, 1), global(1, 2), global(2, 0)],
+            von_mises,
+            thickness: at(THICKNESS),
+        }
+    }
+}
+
+/// Stress times strain increment at one point.
+#[inline(always)]
+fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
+    sig[0].mul_add(eps[0], sig[1].mul_add(eps[1], sig[2] * eps[2]))
+}
+
+#[inline(always)]
+fn half_of<R: Real>(value: R) -> R {
+    R::splat(0.5) * value
+}
+
+/// How a message calls a part: by name if it has one.
+pub fn label(part: &Part) -> String {
+    if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
+}
+
+/// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh order,
+/// off by 1e-12 at a rotation of 4 degrees a step.
+#[inline(always)]
+pub fn angle_by_sine<R: Real>(sine_squared: R) -> R {
+    let s = sine_squared;
+    let [a, b, c] = [15.0 / 336.0, 3.0 / 40.0, 1.0 / 6.0].map(R::splat);
+    s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
+}
+
+/// Points and weights on (-1, 1), ascending, by Newton on the Legendre polynomial.
+fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
+    let (mut zeta, mut weight) = ([0.0; MAX_POINTS], [0.0; MAX_POINTS]);
+    for k in 0..n {
+        let mut z = -(std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        let mut slope = 0.0;
+        for _ in 0..50 {
+            let (mut p0, mut p1) = (1.0, z);
+            for j in 2..=n {
+                let j = j as f64;
+                (p0, p1) = (p1, ((2.0 * j - 1.0) * z * p1 - (j - 1.0) * p0) / j);
+            }
+            slope = n as f64 * (z * p1 - p0) / (z * z - 1.0);
+            z -= p1 / slope;
+        }
+        // Odd rules have a point in the middle, where round-off must not make the section lopsided.
+        zeta[k] = if 2 * k + 1 == n { 0.0 } else { z };
+        weight[k] = 2.0 / ((1.0 - z * z) * slope * slope);
+    }
+    for k in 0..n / 2 {
+        zeta[n - 1 - k] = -zeta[k];
+        weight[n - 1 - k] = weight[k];
+    }
+    (zeta, weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// n Gauss points integrate polynomials of degree 2n - 1 exactly (Abramowitz & Stegun 25.4.29).
+    #[test]
+    fn gauss_points_integrate_what_they_should() {
+        for n in 1..=MAX_POINTS {
+            let (zeta, weight) = gauss_legendre(n);
+            for degree in 0..2 * n {
+                let sum: f64 = (0..n).map(|k| weight[k] * zeta[k].powi(degree as i32)).sum();
+                let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-14, "round-off: {n} points, degree {degree}: {sum} for {exact}");
+            }
+        }
+    }
+}

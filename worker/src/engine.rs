@@ -1,0 +1,238 @@
+//! The serial engine of one worker: builds mesh, state and laws from its share, then owns them.
+
+use crate::agreement::Agreement;
+pub use crate::agreement::Agreed;
+use crate::blocks::Blocks;
+use crate::contact::Contact;
+use crate::energy::{Ledger, momentum};
+use crate::halo::Halo;
+use crate::membership::{Local, Share, settle};
+use crate::migrate::{centre, migrate};
+use crate::motion::Motion;
+use crate::nodes::Nodes;
+use crate::time::Clock;
+use crate::wall::Walls;
+use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::message::ToMaster;
+use crumple_proto::partition::Settings;
+use crumple_proto::report::{HistoryPart, PHASES, PhaseSeconds};
+use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::wire::post;
+use std::time::Instant;
+
+/// Timed stages of a step; indices into [`PHASES`].
+#[derive(Clone, Copy, Debug)]
+#[repr(usize)]
+pub enum Phase {
+    /// Internal forces.
+    Elements,
+    /// Nodal sums.
+    Assemble,
+    /// Messages, waiting included.
+    Halo,
+    /// Global search and how far nodes have moved.
+    Search,
+    /// Local search.
+    Local,
+    /// Contact forces.
+    Contact,
+    /// Walls, velocities, positions.
+    Advance,
+    /// History and field files.
+    Output,
+    /// Migration and new membership.
+    Renewal,
+}
+
+/// Seconds per phase.
+#[derive(Debug)]
+pub struct Timer {
+    /// Seconds so far.
+    pub seconds: PhaseSeconds,
+    last: Instant,
+}
+
+impl Timer {
+    fn new() -> Self {
+        Self { seconds: [0.0; PHASES.len()], last: Instant::now() }
+    }
+
+    /// Books the time since the last lap under `phase`.
+    pub fn lap(&mut self, phase: Phase) {
+        let now = Instant::now();
+        self.seconds[phase as usize] += (now - self.last).as_secs_f64();
+        self.last = now;
+    }
+}
+
+/// One worker's engine.
+pub struct Engine {
+    /// What all workers know.
+    pub settings: Settings,
+    /// Boxes of all workers.
+    pub tree: CutTree,
+    /// Time.
+    pub clock: Clock,
+    /// Nodal columns.
+    pub nodes: Nodes,
+    /// Own elements.
+    pub blocks: Blocks,
+    /// Connections.
+    pub halo: Halo,
+    /// Contact, if the scene has any.
+    pub contact: Option<Contact>,
+    /// Rigid walls.
+    pub walls: Walls,
+    /// Energies.
+    pub ledger: Ledger,
+    /// How held nodes have moved since the boxes were last renewed.
+    pub motion: Motion,
+    /// What workers agree on.
+    pub agreement: Agreement,
+    /// Time per phase.
+    pub timer: Timer,
+    /// Mean element centre when the boxes were last renewed.
+    centre: [f64; 3],
+}
+
+impl Engine {
+    /// An engine for a fresh share at time 0. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn new(wire: &mut dyn Transport, settings: Settings, tree: CutTree, share: Share) -> Result<Self, Lost> {
+        let local = settle(wire, &settings, share, true)?;
+        let mut agreement = Agreement::new();
+        let own = local.blocks.smallest_step(&local.nodes).map_or(f64::INFINITY, |s| s.0);
+        let stable_dt = agreement.first_step(wire, own)?;
+        let mut engine = Self {
+            clock: Clock::start(&settings, stable_dt),
+            walls: Walls::new(&settings.walls),
+            contact: settings.contact.as_ref().map(Contact::new),
+            motion: Motion::since(&[]),
+            ledger: Ledger::default(),
+            timer: Timer::new(),
+            centre: [0.0; 3],
+            nodes: local.nodes,
+            blocks: local.blocks,
+            halo: local.halo,
+            settings,
+            tree,
+            agreement,
+        };
+        engine.begin_membership(local.surface, |_| Vec::new());
+        Ok(engine)
+    }
+
+    /// Moves elements to the workers whose boxes hold them now. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn renew(&mut self, wire: &mut dyn Transport, tree: CutTree) -> Result<(), Lost> {
+        self.tree = tree;
+        let local = Local {
+            nodes: std::mem::take(&mut self.nodes),
+            blocks: std::mem::take(&mut self.blocks),
+            halo: std::mem::take(&mut self.halo),
+            surface: None,
+        };
+        let mut share = migrate(wire, &self.tree, &local, self.contact.as_ref())?;
+        drop(local);
+        let memories = std::mem::take(&mut share.memories);
+        let local = settle(wire, &self.settings, share, false)?;
+        (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
+        self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
+        self.timer.lap(Phase::Renewal);
+        Ok(())
+    }
+
+    fn begin_membership(
+        &mut self,
+        surface: Option<crate::contact::surface::Surface>,
+        memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::Memory>,
+    ) {
+        if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
+            contact.renew(surface, &self.nodes, memory_of);
+            self.motion.restart(&self.nodes.x[..self.nodes.held]);
+        }
+        self.agreement.urgency = 0.0;
+        self.centre = self.mean_centre();
+    }
+
+    /// This worker's box.
+    pub fn own_box(&self) -> Aabb {
+        self.tree.boxes()[self.nodes.me as usize]
+    }
+
+    /// Mean displacement of own elements since the boxes were last renewed [length].
+    pub fn drift(&self) -> [f64; 3] {
+        let now = self.mean_centre();
+        std::array::from_fn(|c| now[c] - self.centre[c])
+    }
+
+    fn mean_centre(&self) -> [f64; 3] {
+        let n = self.blocks.elements.len().max(1) as f64;
+        let mut sum = [0.0; 3];
+        for e in &self.blocks.elements {
+            let c = self.centre_of(e.nodes, e.record.shape);
+            (0..3).for_each(|k| sum[k] += c[k] / n);
+        }
+        sum
+    }
+
+    /// Centre of an own element [length].
+    pub fn centre_of(&self, nodes: [u32; 4], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
+        centre(&self.nodes, nodes, shape)
+    }
+
+    /// Calls `f` with the centre and the load of every own element; a contact pair weighs `pair_weight` elements.
+    pub fn for_each_load(&self, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
+        let mut pairs = vec![0u32; self.nodes.held];
+        for n in self.contact.iter().flat_map(|c| c.own_pair_nodes()) {
+            pairs[n as usize] += 1;
+        }
+        for e in &self.blocks.elements {
+            // In a regular mesh a node is the first corner of one element; that one carries the node's pairs.
+            let own = pairs[e.nodes[0] as usize];
+            f(self.centre_of(e.nodes, e.record.shape), 1.0 + pair_weight * f64::from(own));
+        }
+    }
+
+    /// Sends a history row if one is due; velocities before and after the present time must both be known.
+    ///
+    /// # Errors
+    /// The master is gone.
+    pub fn at_present_time(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        if self.clock.row_due(&self.settings) {
+            self.timer.lap(Phase::Advance);
+            self.send_row(wire)?;
+            self.timer.lap(Phase::Output);
+        }
+        Ok(())
+    }
+
+    /// Sends a history row.
+    ///
+    /// # Errors
+    /// The master is gone.
+    pub fn send_row(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let (momentum, angular_momentum) = momentum(&self.nodes);
+        let smallest = self.blocks.smallest_step(&self.nodes);
+        let row = HistoryPart {
+            row: self.clock.rows,
+            cycle: self.clock.cycle,
+            time: self.clock.time,
+            dt: self.clock.dt,
+            energies: self.ledger.energies(&self.nodes),
+            momentum,
+            angular_momentum,
+            wall_impulse: self.walls.impulse.clone(),
+            pairs: self.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
+            penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
+            controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
+            controlling: smallest.map(|s| s.1),
+        };
+        self.clock.rows += 1;
+        post(wire, 0, Tag::Report, &ToMaster::History(Box::new(row)))
+    }
+}

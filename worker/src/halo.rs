@@ -1,0 +1,113 @@
+//! What a worker exchanges with others in every step, over any transport.
+
+use crate::blocks::Blocks;
+use crate::motion::Drift;
+use crate::nodes::Nodes;
+use crumple_proto::boxes::Aabb;
+use crumple_proto::transport::{Lost, Tag, Transport};
+
+/// The connection to one other worker.
+#[derive(Debug, Default)]
+pub struct Link {
+    /// The other worker (0-based).
+    pub worker: usize,
+    /// Own corner slots at shared nodes, in the order of (element, corner).
+    pub corners_out: Vec<u32>,
+    /// First received corner slot and their number.
+    pub corners_in: (usize, usize),
+    /// Owned nodes of which the other has exterior copies.
+    pub export: Vec<u32>,
+    /// Exterior copies here of nodes that the other owns.
+    pub import: Vec<u32>,
+    /// Whether some node is local on both sides, so that contact pairs may concern both.
+    pub meets: bool,
+    /// Where own contact nodes could come near the other's elements.
+    pub region: Option<Aabb>,
+    /// Relative motion since the last renewal that the exterior copies cover [length].
+    pub margin: f64,
+}
+
+/// All connections of a worker.
+#[derive(Debug, Default)]
+pub struct Halo {
+    /// One link per other worker, ascending.
+    pub links: Vec<Link>,
+    /// For each local node, where its entry in `users` starts.
+    pub user_start: Vec<u32>,
+    /// Other workers that have a node local, ascending, node after node.
+    pub users: Vec<u32>,
+    /// Message under construction.
+    pub words: Vec<u64>,
+}
+
+impl Halo {
+    /// Other workers that have local node `i`, held or exterior.
+    pub fn users_of(&self, i: u32) -> &[u32] {
+        &self.users[self.user_start[i as usize] as usize..self.user_start[i as usize + 1] as usize]
+    }
+
+    /// Sends corner forces of own elements at shared nodes.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn send_corners(&mut self, wire: &mut dyn Transport, blocks: &Blocks) -> Result<(), Lost> {
+        for link in self.links.iter().filter(|l| !l.corners_out.is_empty()) {
+            self.words.clear();
+            for &slot in &link.corners_out {
+                let (f, m) = (&blocks.force[slot as usize], &blocks.moment[slot as usize]);
+                self.words.extend(f[..3].iter().chain(&m[..3]).map(|a| a.to_bits()));
+            }
+            wire.send(link.worker + 1, Tag::Corners, &self.words)?;
+        }
+        Ok(())
+    }
+
+    /// Receives corner forces of others' elements at shared nodes.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn recv_corners(&mut self, wire: &mut dyn Transport, blocks: &mut Blocks) -> Result<(), Lost> {
+        for link in self.links.iter().filter(|l| l.corners_in.1 > 0) {
+            wire.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
+            let (first, count) = link.corners_in;
+            for (i, six) in self.words.chunks_exact(6).take(count).enumerate() {
+                let at = |c: usize| f64::from_bits(six[c]);
+                blocks.force[first + i] = [at(0), at(1), at(2), 0.0];
+                blocks.moment[first + i] = [at(3), at(4), at(5), 0.0];
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings exterior nodes up to date: coordinates, and velocities without contact at the next mid-step.
+    /// Every worker also tells every other how its nodes have moved since the last renewal.
+    /// Returns the largest relative motion as a fraction of what the exterior copies cover.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn swap_exterior(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, drift: &Drift) -> Result<f64, Lost> {
+        for link in &self.links {
+            self.words.clear();
+            self.words.extend(drift.to_words().map(f64::to_bits));
+            for &i in &link.export {
+                let (x, v) = (&nodes.x[i as usize], &nodes.next_v[i as usize]);
+                self.words.extend(x[..3].iter().chain(&v[..3]).map(|a| a.to_bits()));
+            }
+            wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
+        }
+        let mut urgency = 0.0f64;
+        for link in &self.links {
+            wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
+            let words: &[f64] = bytemuck::cast_slice(&self.words);
+            let (head, body) = words.split_at(13);
+            for (&i, six) in link.import.iter().zip(body.chunks_exact(6)) {
+                nodes.x[i as usize][..3].copy_from_slice(&six[..3]);
+                nodes.next_v[i as usize][..3].copy_from_slice(&six[3..]);
+            }
+            if let Some(region) = &link.region {
+                urgency = urgency.max(drift.apart(&Drift::from_words(head), region) / link.margin);
+            }
+        }
+        Ok(urgency)
+    }
+}

@@ -1,0 +1,290 @@
+//! The scalar of the kernels: one `f64`, or [`LANES`] of them side by side.
+//!
+//! Kernels are written once over [`Real`]. What one lane holds never depends on its place or on its neighbours:
+//! a kernel may branch on data only to skip work that would leave every lane as it is, so loops that stop lane by
+//! lane keep finished lanes frozen with [`Real::select`].
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// Elements that are worked on side by side.
+pub const LANES: usize = 4;
+
+/// One number of each of [`LANES`] elements.
+pub type Lane = wide::f64x4;
+
+/// What kernels compute with.
+///
+/// `f64` and [`Lane`] give the same bits lane by lane, whatever the operation.
+pub trait Real:
+    Copy
+    + Debug
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// Yes or no for each lane.
+    type Mask: Copy;
+
+    /// The same number in every lane.
+    fn splat(value: f64) -> Self;
+    /// The number in lane `index`.
+    fn lane(self, index: usize) -> f64;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Magnitude.
+    fn abs(self) -> Self;
+    /// `self` if it is less than `other`, else `other` (so `other` if either is not a number).
+    fn min(self, other: Self) -> Self;
+    /// `self` if it is greater than `other`, else `other` (so `other` if either is not a number).
+    fn max(self, other: Self) -> Self;
+    /// `self * factor + term`, rounded once where the machine can.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// `term - self * factor`, rounded once where the machine can.
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self;
+    /// `self` to the power `exponent` in the lanes of `mask`, one elsewhere. Lanes outside cost nothing.
+    fn powf_where(self, exponent: f64, mask: Self::Mask) -> Self;
+
+    /// `self < other`; false for what is not a number, as are the others.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self > other`.
+    fn gt(self, other: Self) -> Self::Mask;
+    /// `self >= other`.
+    fn ge(self, other: Self) -> Self::Mask;
+    /// `yes` in the lanes of `mask`, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Lanes that are in both.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Whether any lane is in `mask`. Use it only to skip work that would change nothing.
+    fn any(mask: Self::Mask) -> bool;
+
+    /// Nought in every lane.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+}
+
+impl Real for f64 {
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // Without the instruction, a fused product is a slow library call, and lanes round twice too.
+        if cfg!(target_feature = "fma") { self.mul_add(factor, term) } else { self * factor + term }
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        Real::mul_add(-self, factor, term)
+    }
+    #[inline(always)]
+    fn powf_where(self, exponent: f64, mask: bool) -> Self {
+        if mask { self.powf(exponent) } else { 1.0 }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> bool {
+        self > other
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> bool {
+        self >= other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn both(a: bool, b: bool) -> bool {
+        a && b
+    }
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
+    }
+}
+
+impl Real for Lane {
+    /// All bits of a lane set, or none.
+    type Mask = Lane;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Lane::splat(value)
+    }
+    #[inline(always)]
+    fn lane(self, index: usize) -> f64 {
+        self.as_array()[index]
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.fast_min(other)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.fast_max(other)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_neg_add(factor, term)
+    }
+    #[inline]
+    fn powf_where(self, exponent: f64, mask: Self) -> Self {
+        let needed = mask.to_bitmask();
+        let base = self.to_array();
+        let mut power = [1.0; LANES];
+        for lane in 0..LANES {
+            if needed >> lane & 1 != 0 {
+                power[lane] = base[lane].powf(exponent);
+            }
+        }
+        Lane::new(power)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self {
+        self.simd_lt(other)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self {
+        self.simd_le(other)
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self {
+        self.simd_gt(other)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self {
+        self.simd_ge(other)
+    }
+    #[inline(always)]
+    fn select(mask: Self, yes: Self, no: Self) -> Self {
+        mask.select(yes, no)
+    }
+    #[inline(always)]
+    fn both(a: Self, b: Self) -> Self {
+        a & b
+    }
+    #[inline(always)]
+    fn any(mask: Self) -> bool {
+        mask.any()
+    }
+}
+
+/// Scalar product.
+#[inline(always)]
+pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// Vector product.
+#[inline(always)]
+pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [
+        a[1].mul_add(b[2], -(a[2] * b[1])),
+        a[2].mul_add(b[0], -(a[0] * b[2])),
+        a[0].mul_add(b[1], -(a[1] * b[0])),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pairs that cover signs, zeros, what is infinite and what is not a number.
+    const NUMBERS: [f64; 9] = [0.0, -0.0, 1.0, -2.5, 1e-300, 3e200, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+
+    fn all<R: Real>(a: R, b: R, c: R) -> Vec<R> {
+        let mask = a.gt(b);
+        vec![
+            a + b,
+            a - b,
+            a * b,
+            a / b,
+            -a,
+            a.sqrt(),
+            a.abs(),
+            a.min(b),
+            a.max(b),
+            a.mul_add(b, c),
+            a.neg_mul_add(b, c),
+            R::select(mask, a, b),
+            R::select(a.lt(b), a, c),
+            R::select(a.le(b), a, c),
+            R::select(a.ge(b), a, c),
+            R::select(R::both(mask, c.ge(b)), a, c),
+            a.powf_where(0.3, mask),
+        ]
+    }
+
+    #[test]
+    fn lanes_round_as_one_number_does() {
+        for shift in 0..NUMBERS.len() {
+            for other in 0..NUMBERS.len() {
+                let pick = |offset: usize| -> [f64; LANES] {
+                    std::array::from_fn(|lane| NUMBERS[(lane + offset) % NUMBERS.len()])
+                };
+                let (a, b, c) = (pick(shift), pick(other), pick(shift + other));
+                let wide = all(Lane::new(a), Lane::new(b), Lane::new(c));
+                for lane in 0..LANES {
+                    for (index, (w, s)) in wide.iter().zip(all(a[lane], b[lane], c[lane])).enumerate() {
+                        let w = w.lane(lane);
+                        // The sign of what is not a number is nobody's business.
+                        assert!(w.to_bits() == s.to_bits() || w.is_nan() && s.is_nan(), "operation {index}: {w} {s}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The serial engine of Crumple: it runs without MPI, and its search and elements do not know that there are others.
+//!
+//! - [`step`]: THE TIME STEP, start there; [`serve`]: one worker from first order to last report
+//! - [`engine`]: owns everything; [`nodes`], [`blocks`]: columns of nodes and elements
+//! - [`elements`], [`materials`]: formulations and laws, one file each; [`lanes`]: numbers they are written in
+//! - [`contact`]: search, then enforce; [`wall`]: rigid walls
+//! - [`membership`], [`migrate`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
+//!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
+//! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files
+
+pub mod agreement;
+pub mod blocks;
+pub mod contact;
+pub mod elements;
+pub mod energy;
+pub mod engine;
+pub mod halo;
+pub mod lanes;
+pub mod materials;
+pub mod membership;
+pub mod migrate;
+pub mod motion;
+pub mod nodes;
+pub mod output;
+pub mod serve;
+pub mod step;
+#[cfg(test)]
+mod testing;
+pub mod time;
+pub mod vtu;
+pub mod wall;

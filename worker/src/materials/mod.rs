@@ -1,0 +1,126 @@
+//! Material laws. One file per law, one row in [`LAWS`].
+//!
+//! A law sees integration points only: stress and history in, strain increments in, stress and history out, all in
+//! axes that turn with the material. Rotation, thickness and integration are the element's business.
+
+mod elastic;
+mod j2;
+mod parameters;
+
+pub(crate) use parameters::unknown_name;
+
+use crate::lanes::{Lane, Real};
+use crumple_proto::partition::Material;
+use crumple_proto::problem::Problem;
+
+/// Integration points through the thickness, at most.
+pub const MAX_POINTS: usize = 10;
+
+/// Elastic constants of a law, for the stable step, shear, hourglass and drilling forces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    /// Young's modulus E [force/length^2].
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Mass density [mass/length^3].
+    pub density: f64,
+}
+
+impl Elastic {
+    /// Shear modulus G [force/length^2].
+    pub fn shear_modulus(&self) -> f64 {
+        0.5 * self.youngs_modulus / (1.0 + self.poisson)
+    }
+
+    /// Speed of the longitudinal wave in a plate, `sqrt(E/(rho (1-nu^2)))` [length/time].
+    pub fn plate_wave_speed(&self) -> f64 {
+        (self.youngs_modulus / (self.density * (1.0 - self.poisson * self.poisson))).sqrt()
+    }
+
+    /// Plane-stress stiffness: of a direct strain on its own stress, on the other, of engineering shear
+    /// [force/length^2].
+    pub fn plane_stress(&self) -> [f64; 3] {
+        let c11 = self.youngs_modulus / (1.0 - self.poisson * self.poisson);
+        [c11, self.poisson * c11, self.shear_modulus()]
+    }
+
+    /// Factor k in `eps_z = k d(sig_x + sig_y) - (eps_x + eps_y)`, which holds wherever plastic flow keeps volume:
+    /// elastic bulk strain is `(1-2nu)/E` times the sum of stresses [length^2/force].
+    pub fn thinning(&self) -> f64 {
+        (1.0 - 2.0 * self.poisson) / self.youngs_modulus
+    }
+}
+
+/// The integration points of a group of elements, as a law sees them.
+pub struct Points<'a, R> {
+    /// For each point stress xx, yy, xy [force/length^2], then the law's history columns. Updated in place.
+    pub state: &'a mut [R],
+    /// For each point the strain increment xx, yy, and twice xy.
+    pub strain: &'a [[R; 3]],
+    /// For each point the increment of strain through the thickness. Written.
+    pub thickness_strain: &'a mut [R],
+}
+
+/// A law in plane stress. Must give each lane what it would give it alone, bit for bit.
+pub trait PlaneStress: Send + Sync {
+    /// History columns per point, by name. All start at nought.
+    fn history(&self) -> &'static [&'static str];
+
+    /// Elastic constants and density.
+    fn elastic(&self) -> Elastic;
+
+    /// Stress and history over a step `dt` [time] at all points of a group, at most [`MAX_POINTS`] of them.
+    fn update(&self, points: Points<'_, Lane>, dt: f64);
+
+    /// The same for one element, by the same code.
+    fn update_one(&self, points: Points<'_, f64>, dt: f64);
+}
+
+/// A scalar that laws have an entry for, so that element kernels can be generic over it.
+pub trait PointReal: Real {
+    /// Calls the entry for this scalar.
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64);
+}
+
+impl PointReal for Lane {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update(points, dt);
+    }
+}
+
+impl PointReal for f64 {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update_one(points, dt);
+    }
+}
+
+/// A row of [`LAWS`].
+pub struct Law {
+    /// Name in jobs.
+    pub name: &'static str,
+    /// Reads the parameters; returns everything that is wrong with them, with paths relative to the material.
+    pub build: fn(&Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>>,
+}
+
+/// Every law.
+pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW];
+
+/// The law of a material, or everything that is wrong with the material, with paths relative to it.
+pub fn build(material: &Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>> {
+    match LAWS.iter().find(|law| law.name == material.law) {
+        Some(law) => (law.build)(material),
+        None => {
+            let names: Vec<_> = LAWS.iter().map(|law| law.name).collect();
+            let what = format!("material '{}': there is no law '{}'", material.name, material.law);
+            Err(vec![unknown_name("law", what, &material.law, &names)])
+        }
+    }
+}
+
+/// A law to check a part with when its own cannot be built.
+pub(crate) fn stand_in() -> Box<dyn PlaneStress> {
+    elastic::law(Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 })
+}

@@ -1,0 +1,305 @@
+//! Who has what: from a worker's elements to its local mesh, its connections and its exterior copies.
+//!
+//! The same path is taken at the start and whenever boxes are renewed. Workers talk to each other only.
+
+use crate::blocks::{Blocks, ForeignCorner, LocalElement};
+use crate::contact::pairs::Memory;
+use crate::contact::surface::{Segment, Surface};
+use crate::contact::{self};
+use crate::halo::{Halo, Link};
+use crate::nodes::{Nodes, xyz};
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::transport::{Lost, Transport, exchange_all};
+use std::collections::BTreeMap;
+
+/// What belongs to one worker, as it is dealt out or as it travels.
+#[derive(Default)]
+pub struct Share {
+    /// Elements with their history columns (empty if fresh).
+    pub elements: Vec<(ElementRecord, Vec<f64>)>,
+    /// All nodes of these elements, possibly several times.
+    pub nodes: Vec<NodeRecord>,
+    /// What nodes remember of contact, possibly several times.
+    pub memories: BTreeMap<NodeId, Vec<Memory>>,
+}
+
+/// A worker's local mesh and connections.
+pub struct Local {
+    /// Nodal columns.
+    pub nodes: Nodes,
+    /// Own elements.
+    pub blocks: Blocks,
+    /// Connections.
+    pub halo: Halo,
+    /// Contact surface, if the scene has contact.
+    pub surface: Option<Surface>,
+}
+
+/// A corner at a shared node, as the other worker needs to know it.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireCorner {
+    node: NodeId,
+    elem: ElemId,
+    half: f64,
+}
+
+/// A segment of an exterior element.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireSegment {
+    id: ElemId,
+    nodes: [NodeId; 4],
+    half: f64,
+    part: u64,
+}
+
+/// A node of an exterior element.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireNode {
+    record: NodeRecord,
+    owner: u64,
+}
+
+/// Items as words.
+fn words<T: Pod>(items: &[T]) -> Vec<u64> {
+    bytemuck::cast_slice(items).to_vec()
+}
+
+/// Words as items.
+fn items<T: Pod>(words: &[u64]) -> &[T] {
+    bytemuck::cast_slice(words)
+}
+
+/// Works out a worker's local mesh from its share. With `fresh`, nodal masses are assembled from the elements.
+/// All workers call this together.
+///
+/// # Errors
+/// A worker is gone.
+pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh: bool) -> Result<Local, Lost> {
+    let me = wire.rank() - 1;
+    let mut records = share.nodes;
+    records.sort_unstable_by_key(|r| r.id);
+    records.dedup_by_key(|r| r.id);
+    let mut nodes = Nodes::new(&records, me as u32);
+    let bounds = Aabb::around(records.iter().map(|r| r.x));
+    let all_bounds = share_boxes(wire, &bounds)?;
+    let shared = find_shared(wire, &nodes, &all_bounds)?;
+    for (worker, list) in shared.iter().enumerate() {
+        list.iter().for_each(|&i| nodes.owner[i as usize] = nodes.owner[i as usize].min(worker as u32));
+    }
+    let mut is_shared = vec![false; nodes.held];
+    shared.iter().flatten().for_each(|&i| is_shared[i as usize] = true);
+    let elements = share.elements.into_iter().map(|(record, history)| {
+        let local = record.nodes.map(|n| nodes.held_number(n).expect("a share holds all nodes of its elements"));
+        (LocalElement { record, nodes: local, shared: local.iter().any(|&n| is_shared[n as usize]) }, history)
+    });
+    let elements = elements.collect();
+    let mut blocks = Blocks::new(settings, elements);
+    let half_of = contact_half(settings);
+    let mut surface = settings.contact.as_ref().map(|_| own_surface(&blocks, &nodes, &half_of));
+    let mut halo = link_corners(wire, &mut blocks, &nodes, &shared, &half_of, surface.as_mut())?;
+    if fresh {
+        blocks.lay_masses(&nodes);
+        halo.send_corners(wire, &blocks)?;
+        halo.recv_corners(wire, &mut blocks)?;
+        blocks.gather_masses(&mut nodes);
+    }
+    if let Some(surface) = &mut surface {
+        surface.collect_slaves(&nodes);
+        copy_exterior(wire, settings, &mut nodes, &mut halo, surface, &all_bounds)?;
+        tell_users(wire, &nodes, &mut halo, &shared)?;
+    }
+    Ok(Local { nodes, blocks, halo, surface })
+}
+
+/// Half thickness per part that takes part in contact, 0 for the others [length].
+fn contact_half(settings: &Settings) -> Vec<f64> {
+    let takes_part = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+    settings.parts.iter().map(|p| if takes_part(p.id) { 0.5 * p.thickness } else { 0.0 }).collect()
+}
+
+/// Everyone's box.
+fn share_boxes(wire: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, Lost> {
+    let corners = [mine.min, mine.max];
+    let parcels = vec![words(&corners); wire.size() - 1];
+    let boxes = exchange_all(wire, parcels)?;
+    Ok(boxes.iter().map(|w| items::<[f64; 3]>(w)).map(|b| Aabb { min: b[0], max: b[1] }).collect())
+}
+
+/// Held nodes that each other worker holds too, ascending.
+fn find_shared(wire: &mut dyn Transport, nodes: &Nodes, bounds: &[Aabb]) -> Result<Vec<Vec<u32>>, Lost> {
+    let me = nodes.me as usize;
+    // A node that both hold lies in both boxes.
+    let offered = |b: &Aabb| (0..nodes.held).filter(|&i| b.holds(xyz(&nodes.x[i]))).map(|i| nodes.id[i].0).collect();
+    let others = exchange_all(wire, bounds.iter().map(offered).collect())?;
+    let common = |w: &Vec<u64>| w.iter().filter_map(|&id| nodes.held_number(NodeId(id))).collect();
+    Ok(others.iter().enumerate().map(|(w, ids)| if w == me { Vec::new() } else { common(ids) }).collect())
+}
+
+/// Links with the corner forces that they carry; lays down the order in which nodes gather.
+fn link_corners(
+    wire: &mut dyn Transport,
+    blocks: &mut Blocks,
+    nodes: &Nodes,
+    shared: &[Vec<u32>],
+    half_of: &[f64],
+    surface: Option<&mut Surface>,
+) -> Result<Halo, Lost> {
+    let me = nodes.me as usize;
+    let slots = blocks.first_slots();
+    let mut corners: Vec<(ElemId, usize, u32, u32, f64)> = Vec::new();
+    for (e, slot) in blocks.elements.iter().zip(slots).filter(|(e, _)| e.shared) {
+        let half = half_of[e.record.part as usize];
+        corners.extend((0..e.record.shape.corners()).map(|c| (e.record.id, c, e.nodes[c], (slot + c) as u32, half)));
+    }
+    corners.sort_unstable_by_key(|c| (c.0, c.1));
+    let mut links = Vec::new();
+    let mut parcels = Vec::new();
+    for (worker, list) in shared.iter().enumerate() {
+        let at_shared: Vec<_> = corners.iter().filter(|c| list.binary_search(&c.2).is_ok()).collect();
+        let wired: Vec<WireCorner> =
+            at_shared.iter().map(|c| WireCorner { node: nodes.id[c.2 as usize], elem: c.0, half: c.4 }).collect();
+        parcels.push(words(&wired));
+        links.push(Link { worker, corners_out: at_shared.iter().map(|c| c.3).collect(), ..Link::default() });
+    }
+    let others = exchange_all(wire, parcels)?;
+    let mut foreign = Vec::new();
+    let mut halves = Vec::new();
+    for (link, parcel) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
+        let theirs: &[WireCorner] = items(parcel);
+        link.corners_in = (blocks.own_slots() + foreign.len(), theirs.len());
+        for c in theirs {
+            let node = nodes.held_number(c.node).expect("shared nodes are held");
+            foreign.push(ForeignCorner { node, elem: c.elem });
+            halves.push((node, c.half));
+        }
+    }
+    if let Some(s) = surface {
+        halves.into_iter().for_each(|(n, h)| s.node_half[n as usize] = s.node_half[n as usize].max(h));
+    }
+    blocks.lay_gather(nodes.held, &foreign);
+    links.retain(|l| l.worker != me);
+    Ok(Halo { links, ..Halo::default() })
+}
+
+/// Segments of own elements and what they make of the held nodes.
+fn own_surface(blocks: &Blocks, nodes: &Nodes, half_of: &[f64]) -> Surface {
+    let mut s = Surface { node_half: vec![0.0; nodes.held], ..Surface::default() };
+    for e in &blocks.elements {
+        let half = half_of[e.record.part as usize];
+        if half > 0.0 {
+            s.segments.push(Segment::of(e, half));
+            e.nodes.iter().for_each(|&n| s.node_half[n as usize] = s.node_half[n as usize].max(half));
+        }
+    }
+    s
+}
+
+/// Copies the segments of other workers that own slaves could meet before the next renewal, with their nodes.
+fn copy_exterior(
+    wire: &mut dyn Transport,
+    settings: &Settings,
+    nodes: &mut Nodes,
+    halo: &mut Halo,
+    surface: &mut Surface,
+    held_bounds: &[Aabb],
+) -> Result<(), Lost> {
+    let workers = held_bounds.len();
+    let me = nodes.me as usize;
+    let thickest = 0.5 * settings.parts.iter().map(|p| p.thickness).fold(0.0, f64::max);
+    let grow = contact::reach(thickest, thickest) + settings.buffer;
+    let slave_box = Aabb::around(surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])));
+    let slave_boxes = share_boxes(wire, &slave_box)?;
+    for link in &mut halo.links {
+        let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
+        if !slave_boxes[me].is_empty() && !theirs.is_empty() {
+            let near = slave_boxes[me].common(&theirs.grown(grow));
+            link.region = Some(if near.is_empty() { slave_boxes[me] } else { near });
+            link.margin = settings.buffer + mine.distance(theirs);
+        }
+    }
+    let offer = |(w, b): (usize, &Aabb)| {
+        if w == me || b.is_empty() {
+            return (Vec::new(), Vec::new());
+        }
+        let b = b.grown(grow);
+        let near = surface.segments.iter().filter(|s| b.touches(&s.bounds(&nodes.x, 0.0)));
+        let wire = |s: &Segment| {
+            let ids = s.nodes.map(|n| nodes.id[n as usize]);
+            WireSegment { id: s.id, nodes: ids, half: s.half, part: u64::from(s.part) }
+        };
+        let wired: Vec<WireSegment> = near.clone().map(wire).collect();
+        let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let node = |&i: &u32| WireNode { record: nodes.record(i as usize), owner: u64::from(nodes.owner[i as usize]) };
+        (words(&wired), words(&corners.iter().map(node).collect::<Vec<_>>()))
+    };
+    let (segments, corners): (Vec<_>, Vec<_>) = slave_boxes.iter().enumerate().map(offer).unzip();
+    let segments = exchange_all(wire, segments)?;
+    let corners = exchange_all(wire, corners)?;
+    let mut copies: Vec<WireNode> = corners.iter().flat_map(|w| items::<WireNode>(w)).copied().collect();
+    copies.retain(|c| nodes.held_number(c.record.id).is_none());
+    copies.sort_unstable_by_key(|c| c.record.id);
+    copies.dedup_by_key(|c| c.record.id);
+    copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
+    for s in segments.iter().flat_map(|w| items::<WireSegment>(w)) {
+        let local = s.nodes.map(|n| nodes.number(n).expect("a segment comes with its nodes"));
+        surface.segments.push(Segment { id: s.id, nodes: local, half: s.half, part: s.part as u32, own: false });
+    }
+    surface.segments.sort_unstable_by_key(|s| s.id);
+    // Owners keep the copies up to date.
+    let wanted = |w: usize| copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>();
+    let requests = exchange_all(wire, (0..workers).map(wanted).collect())?;
+    for link in &mut halo.links {
+        let number = |id: &u64| nodes.number(NodeId(*id)).expect("requests name local nodes");
+        link.export = requests[link.worker].iter().map(number).collect();
+        link.import = wanted(link.worker).iter().map(number).collect();
+    }
+    Ok(())
+}
+
+/// Owners tell every worker that has one of their nodes local who else has it.
+fn tell_users(wire: &mut dyn Transport, nodes: &Nodes, halo: &mut Halo, shared: &[Vec<u32>]) -> Result<(), Lost> {
+    let me = nodes.me;
+    let mut users: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
+    for link in &halo.links {
+        let own = |i: &&u32| nodes.is_own(**i as usize);
+        let with = shared[link.worker].iter().filter(own).chain(&link.export);
+        with.for_each(|&i| users[i as usize].push(link.worker as u32));
+    }
+    let mut parcels = vec![Vec::new(); wire.size() - 1];
+    for (i, list) in users.iter_mut().enumerate() {
+        list.sort_unstable();
+        list.dedup();
+        for &to in list.iter() {
+            let others = list.iter().filter(|&&u| u != to).chain(std::iter::once(&me));
+            let message = [nodes.id[i].0, list.len() as u64].into_iter().chain(others.map(|&u| u64::from(u)));
+            parcels[to as usize].extend(message);
+        }
+    }
+    for (from, parcel) in exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me as usize) {
+        let mut rest = &parcel[..];
+        while let [id, count, tail @ ..] = rest {
+            let (list, after) = tail.split_at(*count as usize);
+            let i = nodes.number(NodeId(*id)).unwrap_or_else(|| panic!("worker {from} speaks of a node not local here"));
+            users[i as usize] = list.iter().map(|&u| u as u32).collect();
+            users[i as usize].sort_unstable();
+            rest = after;
+        }
+    }
+    halo.user_start = vec![0];
+    for list in &users {
+        halo.users.extend(list);
+        halo.user_start.push(halo.users.len() as u32);
+    }
+    for link in &mut halo.links {
+        link.meets = users.iter().any(|l| l.contains(&(link.worker as u32)));
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! Elements change workers when boxes are renewed, with their history and the state of their nodes.
+//! Worker to worker; the master only says where the boxes are.
+
+use crate::contact::Contact;
+use crate::contact::pairs::Memory;
+use crate::membership::{Local, Share};
+use crate::nodes::Nodes;
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::boxes::CutTree;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::{ElementRecord, NodeRecord};
+use crumple_proto::transport::{Lost, Transport, exchange_all};
+use std::collections::BTreeMap;
+
+/// An element on its way; `columns` history numbers follow it.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireElement {
+    id: ElemId,
+    part: u32,
+    shape: u32,
+    nodes: [NodeId; 4],
+    mass_factor: f64,
+    columns: u64,
+}
+const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
+const NODE_WORDS: usize = size_of::<NodeRecord>() / 8;
+
+/// What goes to one worker: three runs of words, each led by its length.
+#[derive(Default)]
+struct Parcel {
+    elements: Vec<u64>,
+    nodes: Vec<u64>,
+    memories: Vec<u64>,
+}
+
+/// Takes the local mesh apart and sends every element to the worker whose box holds its centre.
+/// Returns what belongs here from now on. All workers call this together.
+///
+/// # Errors
+/// A worker is gone.
+pub fn migrate(wire: &mut dyn Transport, tree: &CutTree, local: &Local, contact: Option<&Contact>) -> Result<Share, Lost> {
+    let memories = gather_memories(wire, local, contact)?;
+    let mut parcels: Vec<Parcel> = (0..wire.size() - 1).map(|_| Parcel::default()).collect();
+    let mut goes: Vec<(u32, usize)> = Vec::new();
+    for b in &local.blocks.blocks {
+        for (i, e) in local.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            let to = tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
+            put_element(&mut parcels[to].elements, &e.record, &b.history_of(i));
+            goes.extend(e.nodes.map(|n| (n, to)));
+        }
+    }
+    goes.sort_unstable();
+    goes.dedup();
+    for (n, to) in goes {
+        let record = local.nodes.record(n as usize);
+        parcels[to].nodes.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&record)));
+        if let Some(list) = memories.get(&record.id) {
+            put_memories(&mut parcels[to].memories, record.id, list);
+        }
+    }
+    let packed = parcels.into_iter().map(|p| pack(&[p.elements, p.nodes, p.memories])).collect();
+    let mut share = Share::default();
+    for parcel in exchange_all(wire, packed)? {
+        let [elements, nodes, memories] = unpack(&parcel);
+        take_elements(elements, &mut share.elements);
+        share.nodes.extend(nodes.chunks_exact(NODE_WORDS).map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))));
+        take_memories(memories, &mut share.memories);
+    }
+    Ok(share)
+}
+
+/// Centre of an element [length].
+pub fn centre(columns: &Nodes, nodes: [u32; 4], shape: Shape) -> [f64; 3] {
+    let used = shape.corners();
+    std::array::from_fn(|c| nodes[..used].iter().map(|&n| columns.x[n as usize][c]).sum::<f64>() / used as f64)
+}
+
+/// What held nodes remember: owners know it and tell the others that hold the node.
+fn gather_memories(wire: &mut dyn Transport, local: &Local, contact: Option<&Contact>) -> Result<BTreeMap<NodeId, Vec<Memory>>, Lost> {
+    let mut all = BTreeMap::new();
+    let Some(contact) = contact else { return Ok(all) };
+    let mut parcels = vec![Vec::new(); wire.size() - 1];
+    for (slave, list) in contact.memories().filter(|(_, l)| !l.is_empty()) {
+        let id = local.nodes.id[slave as usize];
+        for &user in local.halo.users_of(slave) {
+            put_memories(&mut parcels[user as usize], id, list);
+        }
+        all.insert(id, list.to_vec());
+    }
+    let me = wire.rank() - 1;
+    for (_, parcel) in exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
+        take_memories(parcel, &mut all);
+    }
+    Ok(all)
+}
+
+fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
+    let wire = WireElement {
+        id: e.id,
+        part: e.part,
+        shape: e.shape as u32,
+        nodes: e.nodes,
+        mass_factor: e.mass_factor,
+        columns: history.len() as u64,
+    };
+    words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&wire)));
+    words.extend(history.iter().map(|h| h.to_bits()));
+}
+
+fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
+    while words.len() >= ELEMENT_WORDS {
+        let (head, rest) = words.split_at(ELEMENT_WORDS);
+        let e: WireElement = bytemuck::pod_read_unaligned(bytemuck::cast_slice(head));
+        let (history, after) = rest.split_at(e.columns as usize);
+        let shape = if e.shape == Shape::Tri3 as u32 { Shape::Tri3 } else { Shape::Quad4 };
+        let record = ElementRecord { id: e.id, part: e.part, shape, nodes: e.nodes, mass_factor: e.mass_factor };
+        into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
+        words = after;
+    }
+}
+
+fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[Memory]) {
+    words.extend([node.0, list.len() as u64]);
+    list.iter().for_each(|m| words.extend(m.to_words()));
+}
+
+fn take_memories(mut words: &[u64], into: &mut BTreeMap<NodeId, Vec<Memory>>) {
+    while let [id, count, tail @ ..] = words {
+        let (list, after) = tail.split_at(*count as usize * Memory::WORDS);
+        into.insert(NodeId(*id), list.chunks_exact(Memory::WORDS).map(Memory::from_words).collect());
+        words = after;
+    }
+}
+
+fn pack(runs: &[Vec<u64>; 3]) -> Vec<u64> {
+    runs.iter().flat_map(|r| std::iter::once(r.len() as u64).chain(r.iter().copied())).collect()
+}
+
+fn unpack(mut words: &[u64]) -> [&[u64]; 3] {
+    std::array::from_fn(|_| match words {
+        [len, rest @ ..] => {
+            let (run, after) = rest.split_at(*len as usize);
+            words = after;
+            run
+        }
+        [] => &[],
+    })
+}

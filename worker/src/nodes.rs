@@ -1,0 +1,162 @@
+//! Nodal columns. The first `held` nodes carry own elements and are integrated here, also when other workers
+//! hold them too: all compute the same bits. The rest are exterior: copies that contact needs.
+
+use crate::elements::NodeView;
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::NodeRecord;
+
+/// Three components and padding, so that a row is one vector register.
+pub type Row = [f64; 4];
+
+/// A row from three components.
+pub fn row(a: [f64; 3]) -> Row {
+    [a[0], a[1], a[2], 0.0]
+}
+
+/// The three components of a row.
+pub fn xyz(r: &Row) -> [f64; 3] {
+    [r[0], r[1], r[2]]
+}
+
+/// Columns over local nodes; held nodes in ascending id, then exterior nodes in ascending id.
+#[derive(Debug, Default)]
+pub struct Nodes {
+    /// This worker (0-based).
+    pub me: u32,
+    /// Number of held nodes.
+    pub held: usize,
+    /// Global ids.
+    pub id: Vec<NodeId>,
+    /// Worker that owns the node: the lowest that holds it.
+    pub owner: Vec<u32>,
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    pub fixed: Vec<u64>,
+    /// Initial coordinates [length].
+    pub x0: Vec<Row>,
+    /// Coordinates [length].
+    pub x: Vec<Row>,
+    /// Velocities at the last mid-step [length/time].
+    pub v: Vec<Row>,
+    /// Rotational velocities at the last mid-step [1/time].
+    pub w: Vec<Row>,
+    /// Velocities at the next mid-step; before contact is enforced, those without contact [length/time].
+    pub next_v: Vec<Row>,
+    /// Rotational velocities at the next mid-step [1/time]; held nodes only.
+    pub next_w: Vec<Row>,
+    /// Force without contact [force]; held nodes only.
+    pub force: Vec<Row>,
+    /// Moment [force length]; held nodes only.
+    pub moment: Vec<Row>,
+    /// Lumped mass [mass].
+    pub mass: Vec<f64>,
+    /// Lumped rotational inertia [mass length^2].
+    pub inertia: Vec<f64>,
+    /// Inverse mass per component, zero where fixed.
+    pub inv_mass: Vec<Row>,
+    /// Inverse rotational inertia per component, zero where fixed.
+    pub inv_inertia: Vec<Row>,
+}
+
+impl Nodes {
+    /// Held nodes of worker `me` from records sorted by id; they are its own until others are found to hold them.
+    pub fn new(records: &[NodeRecord], me: u32) -> Self {
+        let mut n = Self { me, held: records.len(), ..Self::default() };
+        records.iter().for_each(|r| n.push(r, me));
+        n.next_w = n.w.clone();
+        n.force = vec![[0.0; 4]; n.held];
+        n.moment = vec![[0.0; 4]; n.held];
+        n
+    }
+
+    /// Appends one node.
+    pub fn push(&mut self, r: &NodeRecord, owner: u32) {
+        self.id.push(r.id);
+        self.owner.push(owner);
+        self.fixed.push(r.fixed);
+        self.x0.push(row(r.x0));
+        self.x.push(row(r.x));
+        self.v.push(row(r.v));
+        self.w.push(row(r.w));
+        self.next_v.push(row(r.v));
+        self.mass.push(r.mass);
+        self.inertia.push(r.inertia);
+        self.inv_mass.push([0.0; 4]);
+        self.inv_inertia.push([0.0; 4]);
+        self.invert_mass(self.id.len() - 1);
+    }
+
+    /// Brings the inverse masses of node `i` up to date.
+    pub fn invert_mass(&mut self, i: usize) {
+        let inverse = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
+        let free = |bit: usize, a: f64| if self.fixed[i] >> bit & 1 == 1 { 0.0 } else { a };
+        let (im, ii) = (inverse(self.mass[i]), inverse(self.inertia[i]));
+        self.inv_mass[i] = [free(0, im), free(1, im), free(2, im), 0.0];
+        self.inv_inertia[i] = [free(3, ii), free(4, ii), free(5, ii), 0.0];
+    }
+
+    /// The whole state of node `i`.
+    pub fn record(&self, i: usize) -> NodeRecord {
+        NodeRecord {
+            id: self.id[i],
+            fixed: self.fixed[i],
+            x0: xyz(&self.x0[i]),
+            x: xyz(&self.x[i]),
+            v: xyz(&self.v[i]),
+            w: xyz(&self.w[i]),
+            mass: self.mass[i],
+            inertia: self.inertia[i],
+        }
+    }
+
+    /// Velocities at the next mid-step from forces and moments, contact and walls not yet felt.
+    pub fn accelerate(&mut self, mid: f64) {
+        for i in 0..self.held {
+            for c in 0..4 {
+                self.next_v[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
+                self.next_w[i][c] = self.w[i][c] + mid * self.moment[i][c] * self.inv_inertia[i][c];
+            }
+        }
+    }
+
+    /// Moves held nodes to the next time.
+    pub fn advance(&mut self, dt: f64) {
+        for i in 0..self.held {
+            self.v[i] = self.next_v[i];
+            self.w[i] = self.next_w[i];
+            for c in 0..4 {
+                self.x[i][c] += dt * self.v[i][c];
+            }
+        }
+    }
+
+    /// What elements see.
+    pub fn view(&self) -> NodeView<'_> {
+        NodeView { x: &self.x, v: &self.v, w: &self.w }
+    }
+
+    /// Number of local nodes, exterior ones included.
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Whether this worker owns node `i`.
+    pub fn is_own(&self, i: usize) -> bool {
+        i < self.held && self.owner[i] == self.me
+    }
+
+    /// Whether there are no nodes.
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Local number of a held node.
+    pub fn held_number(&self, id: NodeId) -> Option<u32> {
+        self.id[..self.held].binary_search(&id).ok().map(|i| i as u32)
+    }
+
+    /// Local number of a node, held or exterior.
+    pub fn number(&self, id: NodeId) -> Option<u32> {
+        let exterior = || self.id[self.held..].binary_search(&id).ok().map(|i| (self.held + i) as u32);
+        self.held_number(id).or_else(exterior)
+    }
+}

@@ -1,0 +1,116 @@
+//! What a worker writes: its piece of the fields at one time, and the exterior copies that it holds.
+
+use crate::engine::Engine;
+use crate::nodes::{Row, xyz};
+use crate::vtu::{self, Cells, Piece};
+use crumple_proto::boxes::Aabb;
+use std::io;
+use std::path::Path;
+
+/// Columns of a piece, cell by cell.
+#[derive(Default)]
+struct CellColumns {
+    cells: Cells,
+    plastic_strain: Vec<f32>,
+    von_mises: Vec<f32>,
+    stress: Vec<[f32; 6]>,
+    thickness: Vec<f32>,
+    part: Vec<u32>,
+    worker: Vec<u32>,
+    class: Vec<u8>,
+    element_id: Vec<i64>,
+}
+
+/// Writes the fields of own elements, and those of exterior copies where there can be any.
+///
+/// # Errors
+/// The files cannot be written.
+pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<()> {
+    let me = engine.nodes.me as usize;
+    let folder = Path::new(&engine.settings.field_dir).join(vtu::step_folder(index));
+    write_piece(engine, &folder.join(vtu::piece_name(me)), engine.nodes.held, &own_cells(engine))?;
+    if several {
+        write_piece(engine, &folder.join(vtu::exterior_name(me)), engine.nodes.len(), &exterior_cells(engine))?;
+    }
+    Ok(())
+}
+
+fn own_cells(engine: &Engine) -> CellColumns {
+    let mut c = CellColumns::default();
+    let inner = engine.own_box().grown(-0.5 * engine.settings.buffer);
+    for b in &engine.blocks.blocks {
+        for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
+            let (history, lane) = b.fields_source(i);
+            let f = b.element.fields(history, lane, &x);
+            c.cells.push(e.record.shape, &e.nodes);
+            c.plastic_strain.push(f.plastic_strain as f32);
+            c.von_mises.push(f.von_mises as f32);
+            c.stress.push(f.stress.map(|s| s as f32));
+            c.thickness.push(f.thickness as f32);
+            // Wang's classes: interior lies wholly in the internal box. What shares a node with another worker is
+            // interface wherever its own corners are.
+            let interior = !e.shared && inner.holds_box(&Aabb::around(x));
+            c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
+            c.name(engine, e.record.part, e.record.id.0);
+        }
+    }
+    c
+}
+
+fn exterior_cells(engine: &Engine) -> CellColumns {
+    let mut c = CellColumns::default();
+    let segments = engine.contact.iter().flat_map(|k| &k.surface.segments);
+    for s in segments.filter(|s| !s.own) {
+        let shape = if s.is_triangle() { crumple_proto::mesh::Shape::Tri3 } else { crumple_proto::mesh::Shape::Quad4 };
+        c.cells.push(shape, &s.nodes);
+        // A copy has its place and its thickness only; its stress is with its owner.
+        c.plastic_strain.push(0.0);
+        c.von_mises.push(0.0);
+        c.stress.push([0.0; 6]);
+        c.thickness.push(2.0 * s.half as f32);
+        c.class.push(vtu::EXTERIOR);
+        c.name(engine, s.part, s.id.0);
+    }
+    c
+}
+
+impl CellColumns {
+    fn name(&mut self, engine: &Engine, part: u32, id: u64) {
+        self.part.push(engine.settings.parts[part as usize].id);
+        self.worker.push(engine.nodes.me);
+        self.element_id.push(id as i64);
+    }
+}
+
+fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> io::Result<()> {
+    let n = &engine.nodes;
+    let single = |r: &Row| xyz(r).map(|a| a as f32);
+    let rows = |rows: &[Row]| rows[..points].iter().map(single).collect::<Vec<_>>();
+    let moved: Vec<[f32; 3]> =
+        (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
+    let (velocity, spin) = (rows(&n.v), rows(&n.w));
+    let ids: Vec<i64> = n.id[..points].iter().map(|i| i.0 as i64).collect();
+    let piece = Piece {
+        time: engine.clock.time,
+        points: &rows(&n.x),
+        point_arrays: &[
+            vtu::DISPLACEMENT.with(&moved),
+            vtu::VELOCITY.with(&velocity),
+            vtu::ROTATIONAL_VELOCITY.with(&spin),
+            vtu::NODE_ID.with(&ids),
+        ],
+        cells: &c.cells,
+        cell_arrays: &[
+            vtu::PLASTIC_STRAIN.with(&c.plastic_strain),
+            vtu::VON_MISES.with(&c.von_mises),
+            vtu::STRESS.with(&c.stress),
+            vtu::THICKNESS.with(&c.thickness),
+            vtu::PART.with(&c.part),
+            vtu::WORKER.with(&c.worker),
+            vtu::CLASS.with(&c.class),
+            vtu::ELEMENT_ID.with(&c.element_id),
+        ],
+    };
+    piece.write(path)
+}

@@ -1,0 +1,212 @@
+//! One worker: takes orders, runs the engine, reports.
+
+use crate::engine::{Agreed, Engine, Phase};
+use crate::membership::Share;
+use crate::{output, step::step};
+use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::ids::ElemId;
+use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::report::{Closing, StepReport, Trouble};
+use crumple_proto::transport::{Lost, Tag, Transport, thread_cpu};
+use crumple_proto::wire::{await_message, poll_message, post};
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// Cycles between two reports to the master.
+const REPORT_EVERY: u64 = 10;
+
+/// A worker that runs.
+pub struct Worker {
+    engine: Engine,
+    /// Orders that have arrived and wait for the cycle before which all carry them out.
+    orders: VecDeque<(u64, Action)>,
+    done: u64,
+    report: StepReport,
+    cpu_before: Duration,
+    stopped: bool,
+}
+
+/// Serves from start to end.
+///
+/// # Errors
+/// Another rank is gone.
+pub fn serve(wire: &mut dyn Transport) -> Result<(), Lost> {
+    let ToWorker::Start { settings, tree, elements, nodes } = await_message(wire, 0, Tag::Order)? else {
+        return Ok(()); // the job is bad; the master says why
+    };
+    let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
+    let share = Share { elements, nodes, ..Share::default() };
+    let engine = Engine::new(wire, *settings, tree, share)?;
+    let mut worker = Worker::new(engine);
+    worker.run(wire)?;
+    worker.close(wire)
+}
+
+impl Worker {
+    /// A worker around an engine at time 0.
+    pub fn new(engine: Engine) -> Self {
+        let report = StepReport::default();
+        Self { engine, orders: VecDeque::new(), done: 0, report, cpu_before: Duration::ZERO, stopped: false }
+    }
+
+    /// Cycles until the end, an order to stop, or trouble.
+    ///
+    /// # Errors
+    /// Another rank is gone.
+    pub fn run(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        while !self.engine.clock.is_over(&self.engine.settings) && !self.stopped {
+            self.write_fields_if_due(wire, false)?;
+            self.cpu_before = thread_cpu().saturating_sub(wire.wait_cpu());
+            let agreed = step(&mut self.engine, wire)?;
+            if let Some(elem) = agreed.trouble {
+                self.tell_trouble(wire, elem)?;
+                break;
+            }
+            self.book_step(wire, &agreed)?;
+            self.take_orders(wire, &agreed)?;
+        }
+        Ok(())
+    }
+
+    fn write_fields_if_due(&mut self, wire: &mut dyn Transport, last: bool) -> Result<(), Lost> {
+        let e = &mut self.engine;
+        if !(e.clock.fields_due(&e.settings) || last && !e.settings.field_times.is_empty()) {
+            return Ok(());
+        }
+        let (index, time) = (e.clock.fields, e.clock.time);
+        e.clock.fields += 1;
+        match output::write_fields(e, index, wire.size() > 2) {
+            Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
+            Err(error) => tracing::error!(folder = e.settings.field_dir, %error, "field files could not be written"),
+        }
+        e.timer.lap(Phase::Output);
+        Ok(())
+    }
+
+    /// The worker that owns the element tells the master what is wrong with it.
+    fn tell_trouble(&mut self, wire: &mut dyn Transport, elem: ElemId) -> Result<(), Lost> {
+        let e = &self.engine;
+        let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt) else { return Ok(()) };
+        let trouble = Trouble { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
+        post(wire, 0, Tag::Report, &ToMaster::Trouble(trouble))
+    }
+
+    fn book_step(&mut self, wire: &mut dyn Transport, agreed: &Agreed) -> Result<(), Lost> {
+        let e = &mut self.engine;
+        let cpu = thread_cpu().saturating_sub(wire.wait_cpu()).saturating_sub(self.cpu_before);
+        self.report.cpu.push(cpu.as_secs_f32());
+        self.report.urgency = self.report.urgency.max(agreed.urgency);
+        if e.clock.cycle % REPORT_EVERY == 0 || agreed.urgency >= 1.0 {
+            let seconds = &e.timer.seconds;
+            let contact_s = [Phase::Search, Phase::Local, Phase::Contact].iter().map(|&p| seconds[p as usize]).sum();
+            let report = StepReport {
+                cycle: e.clock.cycle,
+                time: e.clock.time,
+                dt: e.clock.dt,
+                pairs: e.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
+                elements: e.blocks.elements.len() as u64,
+                drift: e.drift(),
+                contact_s,
+                element_s: seconds[Phase::Elements as usize],
+                order: self.done,
+                ..std::mem::take(&mut self.report)
+            };
+            post(wire, 0, Tag::Report, &ToMaster::Report(report))?;
+        }
+        Ok(())
+    }
+
+    /// Carries out the orders that all workers have agreed to have seen. When exterior copies no longer cover the
+    /// motion, nothing may move on before the master has renewed the boxes.
+    fn take_orders(&mut self, wire: &mut dyn Transport, agreed: &Agreed) -> Result<(), Lost> {
+        while let Some(order) = poll_message(wire, 0, Tag::Order)? {
+            self.enqueue(order);
+        }
+        let must = if agreed.urgency >= 1.0 && agreed.order == self.done { self.done + 1 } else { agreed.order };
+        while self.done < must {
+            if self.orders.is_empty() {
+                let order = await_message(wire, 0, Tag::Order)?;
+                self.enqueue(order);
+            }
+            if let Some((number, action)) = self.orders.pop_front() {
+                self.carry_out(wire, action)?;
+                self.done = number;
+            }
+        }
+        self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
+        Ok(())
+    }
+
+    fn enqueue(&mut self, message: ToWorker) {
+        if let ToWorker::Order { number, action } = message {
+            self.orders.push_back((number, action));
+        }
+    }
+
+    fn carry_out(&mut self, wire: &mut dyn Transport, action: Action) -> Result<(), Lost> {
+        match action {
+            Action::Stop => self.stopped = true,
+            Action::Renew(tree) => self.engine.renew(wire, tree)?,
+            Action::Recut => {
+                post(wire, 0, Tag::Report, &ToMaster::Ready)?;
+                let tree = self.answer_questions(wire)?;
+                self.engine.renew(wire, tree)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Answers the master's questions about the load until it names the new boxes.
+    fn answer_questions(&mut self, wire: &mut dyn Transport) -> Result<CutTree, Lost> {
+        loop {
+            match await_message(wire, 0, Tag::Order)? {
+                ToWorker::Extents { tree, entries } => {
+                    let mut extents = vec![Aabb::EMPTY; entries.len()];
+                    self.engine.for_each_load(0.0, |centre, _| {
+                        if let Some(i) = entries.iter().position(|&e| e == tree.entry_of(centre)) {
+                            extents[i].include(centre);
+                        }
+                    });
+                    post(wire, 0, Tag::Report, &ToMaster::Extents(extents))?;
+                }
+                ToWorker::Histograms { tree, of, bins, pair_weight } => {
+                    let mut histograms = vec![vec![0.0; bins]; of.len()];
+                    self.engine.for_each_load(pair_weight, |centre, load| {
+                        let entry = tree.entry_of(centre);
+                        for (h, &(_, axis, lo, hi)) in histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry) {
+                            let place = (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
+                            h[(place.max(0.0) as usize).min(bins - 1)] += load;
+                        }
+                    });
+                    post(wire, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
+                }
+                ToWorker::Cuts(tree) => return Ok(tree),
+                other => self.enqueue(other),
+            }
+        }
+    }
+
+    /// Last outputs and the states of owned nodes.
+    ///
+    /// # Errors
+    /// Another rank is gone.
+    pub fn close(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        self.engine.send_row(wire)?;
+        self.write_fields_if_due(wire, true)?;
+        let e = &self.engine;
+        let traffic = wire.traffic();
+        let closing = Closing {
+            cycles: e.clock.cycle,
+            time: e.clock.time,
+            phases: e.timer.seconds,
+            dt: [e.clock.first_dt, e.clock.min_dt, e.clock.last_dt],
+            messages: traffic.messages,
+            bytes: traffic.bytes,
+            searches: e.contact.as_ref().map_or(0, |c| c.searches),
+            sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
+            stopped: self.stopped,
+        };
+        let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
+        post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
+    }
+}

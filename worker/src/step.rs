@@ -1,0 +1,59 @@
+//! THE TIME STEP. Start reading here.
+
+use crate::engine::{Agreed, Engine, Phase};
+use crumple_proto::transport::{Lost, Transport};
+
+/// One central-difference step from t to t + dt; the same dt on every worker.
+/// Stops before anything moves if the workers agree that one is in trouble: the last good state is kept.
+///
+/// # Errors
+/// A worker is gone.
+pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
+    let steps = engine.clock.steps();
+    let Engine { settings, clock, nodes, blocks, halo, contact, walls, ledger, motion, timer, .. } = engine;
+
+    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, true); // elements at shared nodes first
+    halo.send_corners(wire, blocks)?;
+    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, false)); // the others while the forces travel
+    ledger.book_elements(&totals);
+    timer.lap(Phase::Elements);
+    engine.agreement.begin(wire, blocks, nodes, &totals, clock, settings)?;
+    halo.recv_corners(wire, blocks)?;
+    timer.lap(Phase::Halo);
+    blocks.assemble(nodes); // in ascending global element id: same bits for any worker count
+    nodes.accelerate(steps.mid); // contact and walls not yet felt
+    timer.lap(Phase::Assemble);
+
+    if let Some(contact) = contact {
+        let drift = motion.update(&nodes.x[..nodes.held]);
+        timer.lap(Phase::Search);
+        engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
+        timer.lap(Phase::Halo);
+        contact.refresh_candidates(nodes);
+        timer.lap(Phase::Search);
+        contact.find_pairs(wire, nodes, halo, steps)?;
+        timer.lap(Phase::Local);
+        contact.enforce(wire, nodes, walls, steps)?; // gap(t + dt) >= 0
+        timer.lap(Phase::Contact);
+    }
+    if !walls.is_empty() {
+        let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
+        ledger.book_wall(walls.keep_out(nodes, &pushed, steps.dt));
+        timer.lap(Phase::Advance);
+    }
+    if let Some(contact) = contact {
+        ledger.book_contact(contact.close(nodes, steps)); // with the velocities that walls leave
+        timer.lap(Phase::Contact);
+    }
+
+    let agreed = engine.agreement.finish(wire)?;
+    timer.lap(Phase::Halo);
+    if agreed.trouble.is_none() {
+        engine.at_present_time(wire)?; // history, while velocities before and after are both known
+        engine.nodes.advance(steps.dt);
+        engine.clock.tick();
+        engine.clock.choose(&engine.settings, agreed.stable_dt);
+        engine.timer.lap(Phase::Advance);
+    }
+    Ok(agreed)
+}

@@ -1,0 +1,21 @@
+//! Small scenes for tests of this crate.
+
+use crumple_proto::partition::Settings;
+
+/// Settings without parts that run to time 1.
+pub fn settings() -> Settings {
+    Settings {
+        end_time: 1.0,
+        safety: 0.9,
+        max_cycles: 0,
+        dt_min_ratio: 1e-3,
+        history_interval: 0.1,
+        field_times: Vec::new(),
+        field_dir: String::new(),
+        materials: Vec::new(),
+        parts: Vec::new(),
+        walls: Vec::new(),
+        contact: None,
+        buffer: 1.0,
+    }
+}

@@ -1,0 +1,501 @@
+//! One worker's fields of one time step, as a `.vtu` file that ParaView reads
+//! (VTK XML, unstructured grid, raw appended data).
+//!
+//! Names and types of the arrays are declared here once, in [`POINT_ARRAYS`] and [`CELL_ARRAYS`]: a piece that does not
+//! bring exactly these is refused, and the master writes its `.pvtu` files from the same tables.
+//! A file is written under another name and then renamed, so that a run that is killed leaves no torn file.
+
+use crumple_proto::mesh::Shape;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Number type of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// 32-bit float.
+    F32,
+    /// 32-bit unsigned integer.
+    U32,
+    /// 64-bit integer.
+    I64,
+    /// Byte.
+    U8,
+}
+
+impl Kind {
+    /// VTK's name of the type.
+    pub fn vtk_name(self) -> &'static str {
+        match self {
+            Kind::F32 => "Float32",
+            Kind::U32 => "UInt32",
+            Kind::I64 => "Int64",
+            Kind::U8 => "UInt8",
+        }
+    }
+}
+
+/// Declaration of an array: what pieces write and what the master announces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Array {
+    /// Name, as ParaView lists it.
+    pub name: &'static str,
+    /// Numbers per point or cell.
+    pub components: usize,
+    /// Number type.
+    pub kind: Kind,
+}
+
+impl Array {
+    /// This array with its values, point by point (or cell by cell), components side by side.
+    pub fn with<'a>(&self, values: impl Into<Values<'a>>) -> Column<'a> {
+        Column { array: *self, values: values.into() }
+    }
+}
+
+const fn array(name: &'static str, components: usize, kind: Kind) -> Array {
+    Array { name, components, kind }
+}
+
+/// Current coordinates [length].
+pub const POINTS: Array = array("Points", 3, Kind::F32);
+
+/// Displacement since the start [length].
+pub const DISPLACEMENT: Array = array("displacement", 3, Kind::F32);
+/// Velocity at mid-step [length/time].
+pub const VELOCITY: Array = array("velocity", 3, Kind::F32);
+/// Rotational velocity at mid-step [1/time].
+pub const ROTATIONAL_VELOCITY: Array = array("rotational_velocity", 3, Kind::F32);
+/// Global node id.
+pub const NODE_ID: Array = array("node_id", 1, Kind::I64);
+
+/// Largest effective plastic strain over the thickness.
+pub const PLASTIC_STRAIN: Array = array("plastic_strain", 1, Kind::F32);
+/// Largest von Mises stress over the thickness [force/length^2].
+pub const VON_MISES: Array = array("von_mises", 1, Kind::F32);
+/// Global stress at mid-surface: xx, yy, zz, xy, yz, zx, which is VTK's own order [force/length^2].
+pub const STRESS: Array = array("stress", 6, Kind::F32);
+/// Current thickness [length].
+pub const THICKNESS: Array = array("thickness", 1, Kind::F32);
+/// Id of the part.
+pub const PART: Array = array("part", 1, Kind::U32);
+/// The worker that wrote the piece, counted from 0.
+pub const WORKER: Array = array("worker", 1, Kind::U32);
+/// Class of the element on that worker: [`INTERIOR`], [`INTERFACE`] or [`EXTERIOR`].
+pub const CLASS: Array = array("class", 1, Kind::U8);
+/// Global element id.
+pub const ELEMENT_ID: Array = array("element_id", 1, Kind::I64);
+
+/// [`CLASS`] of an element wholly in the worker's internal box.
+pub const INTERIOR: u8 = 0;
+/// [`CLASS`] of an element of the worker that touches the buffer.
+pub const INTERFACE: u8 = 1;
+/// [`CLASS`] of a copy of another worker's element.
+pub const EXTERIOR: u8 = 2;
+
+/// Arrays on points, in the order of the file.
+pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY, NODE_ID];
+/// Arrays on cells, in the order of the file.
+pub const CELL_ARRAYS: &[Array] = &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
+
+/// Folder of an output step inside the fields folder.
+pub fn step_folder(step: usize) -> String {
+    format!("step_{step:06}")
+}
+
+/// File of a worker's own elements inside the step's folder.
+pub fn piece_name(worker: usize) -> String {
+    format!("piece_{worker:03}.vtu")
+}
+
+/// File of a worker's exterior copies inside the step's folder.
+pub fn exterior_name(worker: usize) -> String {
+    format!("exterior_{worker:03}.vtu")
+}
+
+/// Byte order of the numbers, in VTK's words.
+pub const BYTE_ORDER: &str = if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
+
+/// Numbers of one column.
+#[derive(Clone, Copy, Debug)]
+pub enum Values<'a> {
+    /// 32-bit floats.
+    F32(&'a [f32]),
+    /// 32-bit unsigned integers.
+    U32(&'a [u32]),
+    /// 64-bit integers.
+    I64(&'a [i64]),
+    /// Bytes.
+    U8(&'a [u8]),
+}
+
+impl<'a> Values<'a> {
+    fn kind(&self) -> Kind {
+        match self {
+            Values::F32(_) => Kind::F32,
+            Values::U32(_) => Kind::U32,
+            Values::I64(_) => Kind::I64,
+            Values::U8(_) => Kind::U8,
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Values::F32(v) => v.len(),
+            Values::U32(v) => v.len(),
+            Values::I64(v) => v.len(),
+            Values::U8(v) => v.len(),
+        }
+    }
+
+    fn bytes(&self) -> &'a [u8] {
+        match self {
+            Values::F32(v) => bytemuck::cast_slice(v),
+            Values::U32(v) => bytemuck::cast_slice(v),
+            Values::I64(v) => bytemuck::cast_slice(v),
+            Values::U8(v) => v,
+        }
+    }
+}
+
+macro_rules! values_from {
+    ($($number:ty => $variant:ident),*) => {$(
+        impl<'a> From<&'a [$number]> for Values<'a> {
+            fn from(values: &'a [$number]) -> Self {
+                Values::$variant(values)
+            }
+        }
+        impl<'a> From<&'a Vec<$number>> for Values<'a> {
+            fn from(values: &'a Vec<$number>) -> Self {
+                Values::$variant(values)
+            }
+        }
+    )*};
+}
+values_from!(f32 => F32, u32 => U32, i64 => I64, u8 => U8);
+
+impl<'a, const N: usize> From<&'a [[f32; N]]> for Values<'a> {
+    fn from(values: &'a [[f32; N]]) -> Self {
+        Values::F32(values.as_flattened())
+    }
+}
+impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for Values<'a> {
+    fn from(values: &'a Vec<[f32; N]>) -> Self {
+        Values::F32(values.as_flattened())
+    }
+}
+
+/// An array with its values; made by [`Array::with`].
+#[derive(Clone, Copy, Debug)]
+pub struct Column<'a> {
+    array: Array,
+    values: Values<'a>,
+}
+
+/// Cells as VTK numbers them: corners are indices into the points of the piece.
+#[derive(Clone, Debug, Default)]
+pub struct Cells {
+    connectivity: Vec<i64>,
+    offsets: Vec<i64>,
+    types: Vec<u8>,
+}
+
+impl Cells {
+    /// Adds an element; corners beyond those of its shape are ignored (a triangle repeats its third).
+    pub fn push(&mut self, shape: Shape, corners: &[u32]) {
+        self.connectivity.extend(corners[..shape.corners()].iter().map(|&corner| i64::from(corner)));
+        self.offsets.push(self.connectivity.len() as i64);
+        self.types.push(match shape {
+            Shape::Tri3 => 5,
+            Shape::Quad4 => 9,
+        });
+    }
+
+    /// Number of cells.
+    pub fn len(&self) -> usize {
+        self.types.len()
+    }
+
+    /// True without any cell.
+    pub fn is_empty(&self) -> bool {
+        self.types.is_empty()
+    }
+
+    /// Forgets all cells and keeps the memory.
+    pub fn clear(&mut self) {
+        self.connectivity.clear();
+        self.offsets.clear();
+        self.types.clear();
+    }
+}
+
+/// What one worker shows of one time step.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    /// Simulated time [time].
+    pub time: f64,
+    /// Current coordinates of the points [length].
+    pub points: &'a [[f32; 3]],
+    /// One column for each of [`POINT_ARRAYS`], in that order.
+    pub point_arrays: &'a [Column<'a>],
+    /// Cells.
+    pub cells: &'a Cells,
+    /// One column for each of [`CELL_ARRAYS`], in that order.
+    pub cell_arrays: &'a [Column<'a>],
+}
+
+impl Piece<'_> {
+    /// Writes the piece; makes the folder if it is not there.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        self.check()
+            .map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {why}", path.display())))?;
+        write_whole(path, |file| self.write_to(file))
+    }
+
+    fn check(&self) -> Result<(), String> {
+        check_columns("point", POINT_ARRAYS, self.point_arrays, self.points.len())?;
+        check_columns("cell", CELL_ARRAYS, self.cell_arrays, self.cells.len())?;
+        let points = self.points.len() as i64;
+        match self.cells.connectivity.iter().find(|&&corner| corner >= points) {
+            Some(corner) => Err(format!("a cell names point {corner} of {points}")),
+            None => Ok(()),
+        }
+    }
+
+    fn write_to(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut appended = Appended::default();
+        writeln!(out, r#"<?xml version="1.0"?>"#)?;
+        writeln!(
+            out,
+            r#"<VTKFile type="UnstructuredGrid" version="1.0" byte_order="{BYTE_ORDER}" header_type="UInt64">"#
+        )?;
+        writeln!(out, "<UnstructuredGrid>")?;
+        writeln!(
+            out,
+            r#"<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray></FieldData>"#,
+            self.time
+        )?;
+        writeln!(out, r#"<Piece NumberOfPoints="{}" NumberOfCells="{}">"#, self.points.len(), self.cells.len())?;
+        writeln!(out, "<Points>")?;
+        appended.declare(out, &POINTS.with(self.points))?;
+        writeln!(out, "</Points>\n<Cells>")?;
+        appended.declare(out, &array("connectivity", 1, Kind::I64).with(&self.cells.connectivity))?;
+        appended.declare(out, &array("offsets", 1, Kind::I64).with(&self.cells.offsets))?;
+        appended.declare(out, &array("types", 1, Kind::U8).with(&self.cells.types))?;
+        writeln!(out, "</Cells>\n<PointData>")?;
+        for column in self.point_arrays {
+            appended.declare(out, column)?;
+        }
+        writeln!(out, "</PointData>\n<CellData>")?;
+        for column in self.cell_arrays {
+            appended.declare(out, column)?;
+        }
+        writeln!(out, "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">")?;
+        appended.write_to(out)?;
+        writeln!(out, "\n</AppendedData>\n</VTKFile>")
+    }
+}
+
+fn check_columns(place: &str, declared: &[Array], columns: &[Column<'_>], count: usize) -> Result<(), String> {
+    if !columns.iter().map(|column| &column.array).eq(declared) {
+        let names: Vec<_> = columns.iter().map(|column| column.array.name).collect();
+        return Err(format!("{place} arrays {names:?} are not the declared ones, in their order"));
+    }
+    for Column { array, values } in columns {
+        if values.kind() != array.kind {
+            return Err(format!(
+                "{place} array {}: {:?} values where {:?} is declared",
+                array.name,
+                values.kind(),
+                array.kind
+            ));
+        }
+        if values.len() != count * array.components {
+            let (have, need) = (values.len(), count * array.components);
+            return Err(format!("{place} array {}: {have} numbers where {need} are due", array.name));
+        }
+    }
+    Ok(())
+}
+
+/// The blocks behind the XML: each is its length in bytes, then its numbers.
+#[derive(Default)]
+struct Appended<'a> {
+    blocks: Vec<&'a [u8]>,
+    offset: usize,
+}
+
+impl<'a> Appended<'a> {
+    fn declare(&mut self, out: &mut dyn Write, column: &Column<'a>) -> io::Result<()> {
+        let Column { array, values } = column;
+        writeln!(
+            out,
+            r#"<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="appended" offset="{}"/>"#,
+            array.kind.vtk_name(),
+            array.name,
+            array.components,
+            self.offset
+        )?;
+        let bytes = values.bytes();
+        self.offset += size_of::<u64>() + bytes.len();
+        self.blocks.push(bytes);
+        Ok(())
+    }
+
+    fn write_to(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(b"_")?;
+        for block in &self.blocks {
+            out.write_all(&(block.len() as u64).to_ne_bytes())?;
+            out.write_all(block)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes a file under the name `PATH.partial` and renames it when it is whole. Makes the folder if it is not there.
+/// Errors name the file.
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let partial = PathBuf::from(format!("{}.partial", path.display()));
+    let write = || {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let mut file = BufWriter::with_capacity(1 << 20, File::create(&partial)?);
+        fill(&mut file)?;
+        file.into_inner().map_err(|e| e.into_error())?;
+        fs::rename(&partial, path)
+    };
+    write().map_err(|error| {
+        let _ = fs::remove_file(&partial); // the first error is the one to tell
+        io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quad and a triangle, with values that differ from place to place.
+    fn write_two_cells(path: &Path) -> io::Result<()> {
+        let points: Vec<[f32; 3]> =
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0], [2.0, 0.5, 0.25]];
+        let mut cells = Cells::default();
+        cells.push(Shape::Quad4, &[0, 1, 2, 3]);
+        cells.push(Shape::Tri3, &[1, 4, 2, 2]);
+        let vectors: Vec<[f32; 3]> = (0..5).map(|i| [i as f32, -0.5, 0.1]).collect();
+        let stress: Vec<[f32; 6]> = vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [-1.0; 6]];
+        let node_id: Vec<i64> = vec![11, 12, 13, 14, 1 << 40];
+        Piece {
+            time: 65.8,
+            points: &points,
+            point_arrays: &[
+                DISPLACEMENT.with(&vectors),
+                VELOCITY.with(&vectors),
+                ROTATIONAL_VELOCITY.with(&vectors),
+                NODE_ID.with(&node_id),
+            ],
+            cells: &cells,
+            cell_arrays: &[
+                PLASTIC_STRAIN.with(&vec![0.0_f32, 0.25]),
+                VON_MISES.with(&vec![0.1_f32, 0.2]),
+                STRESS.with(&stress),
+                THICKNESS.with(&vec![2.5_f32, 2.5]),
+                PART.with(&vec![1_u32, 2]),
+                WORKER.with(&vec![3_u32, 3]),
+                CLASS.with(&vec![INTERIOR, INTERFACE]),
+                ELEMENT_ID.with(&vec![7_i64, 9]),
+            ],
+        }
+        .write(path)
+    }
+
+    fn attribute<'a>(element: &'a str, name: &str) -> &'a str {
+        let start = element.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("no {name} in {element}"));
+        element[start..].split('"').nth(1).unwrap()
+    }
+
+    /// Type and bytes of the array of this name, by way of its offset.
+    fn read_array(file: &[u8], name: &str) -> (String, Vec<u8>) {
+        let marker = b"<AppendedData encoding=\"raw\">\n_";
+        let end = file.windows(marker.len()).position(|window| window == marker).unwrap();
+        let header = std::str::from_utf8(&file[..end]).unwrap();
+        let element = header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
+        let start = end + marker.len() + attribute(element, "offset").parse::<usize>().unwrap();
+        let length = u64::from_ne_bytes(file[start..start + 8].try_into().unwrap()) as usize;
+        (attribute(element, "type").to_owned(), file[start + 8..start + 8 + length].to_vec())
+    }
+
+    #[test]
+    fn a_piece_reads_back() {
+        let dir = scratch("reads-back");
+        let path = dir.join("step_000001").join(piece_name(3));
+        write_two_cells(&path).unwrap();
+        let file = fs::read(&path).unwrap();
+        let text = String::from_utf8_lossy(&file);
+        assert!(text.contains(r#"<Piece NumberOfPoints="5" NumberOfCells="2">"#));
+        assert!(text.contains(r#"format="ascii">65.8</DataArray>"#));
+        assert!(text.ends_with("\n</AppendedData>\n</VTKFile>\n"));
+
+        let longs = |name| {
+            let (kind, bytes) = read_array(&file, name);
+            assert_eq!(kind, "Int64");
+            bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned::<i64>).collect::<Vec<_>>()
+        };
+        assert_eq!(longs("connectivity"), [0, 1, 2, 3, 1, 4, 2]);
+        assert_eq!(longs("offsets"), [4, 7]);
+        assert_eq!(longs("node_id"), [11, 12, 13, 14, 1 << 40]);
+        assert_eq!(longs("element_id"), [7, 9]);
+        assert_eq!(read_array(&file, "types"), ("UInt8".into(), vec![9, 5]));
+        assert_eq!(read_array(&file, "class"), ("UInt8".into(), vec![0, 1]));
+        let (kind, bytes) = read_array(&file, "stress");
+        assert_eq!(kind, "Float32");
+        let stress: Vec<f32> = bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
+        assert_eq!(stress[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        for array in POINT_ARRAYS.iter().chain(CELL_ARRAYS) {
+            assert_eq!(read_array(&file, array.name).0, array.kind.vtk_name());
+        }
+        let names: Vec<_> = fs::read_dir(path.parent().unwrap()).unwrap().map(|f| f.unwrap().file_name()).collect();
+        assert_eq!(names, ["piece_003.vtu"], "the partial file is gone");
+        fs::remove_dir_all(dir).unwrap();
+    }
+
+    #[test]
+    fn what_was_not_declared_is_refused() {
+        let dir = scratch("refused");
+        let path = dir.join(piece_name(0));
+        let cells = Cells::default();
+        let none: &[f32] = &[];
+        let columns = [DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY].map(|array| array.with(none));
+        let piece = Piece { time: 0.0, points: &[], point_arrays: &columns, cells: &cells, cell_arrays: &[] };
+        let error = piece.write(&path).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+        assert!(error.to_string().contains("not the declared ones"), "{error}");
+
+        let long = check_columns("cell", &[PART], &[PART.with(&vec![1_u32, 2])], 3).unwrap_err();
+        assert!(long.contains("part: 2 numbers where 3"), "{long}");
+        let kind = check_columns("cell", &[PART], &[PART.with(&vec![1_i64])], 1).unwrap_err();
+        assert!(kind.contains("I64 values where U32"), "{kind}");
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file() {
+        let dir = scratch("old-file");
+        let path = dir.join(piece_name(0));
+        write_two_cells(&path).unwrap();
+        let before = fs::read(&path).unwrap();
+        let error = write_whole(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::Error::other("disk full"))
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("piece_000.vtu: disk full"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), before);
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        fs::remove_dir_all(dir).unwrap();
+    }
+
+    fn scratch(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("crumple-vtu-{name}-{}", std::process::id()))
+    }
+}

@@ -1,0 +1,123 @@
+//! Fixed planar rigid walls: a node may not end a step behind one. Coulomb friction on the wall.
+
+use crate::nodes::{Nodes, Row};
+use crumple_proto::job::Wall as WallJob;
+use nalgebra::Vector3;
+
+/// One wall.
+#[derive(Clone, Debug)]
+struct Wall {
+    normal: Vector3<f64>,
+    /// n . point [length].
+    offset: f64,
+    friction: f64,
+}
+
+/// All walls of the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Walls {
+    walls: Vec<Wall>,
+    /// Impulse that each wall has given to owned nodes so far [force time].
+    pub impulse: Vec<[f64; 3]>,
+}
+
+impl Walls {
+    /// From the job; normals are made unit vectors.
+    pub fn new(jobs: &[WallJob]) -> Self {
+        let walls: Vec<Wall> = jobs
+            .iter()
+            .map(|w| {
+                let normal = Vector3::from(w.normal).normalize();
+                Wall { normal, offset: normal.dot(&Vector3::from(w.point)), friction: w.friction }
+            })
+            .collect();
+        Self { impulse: vec![[0.0; 3]; walls.len()], walls }
+    }
+
+    /// Whether the scene has none.
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty()
+    }
+
+    /// The velocity with which a free node at `x` that wants to move with `v` ends the step outside of all walls.
+    /// Depends on nothing else, so every holder of a node computes the same.
+    #[inline]
+    pub fn stop(&self, x: &Row, mut v: Row, inv_mass: &Row, dt: f64) -> Row {
+        for w in &self.walls {
+            if let Some(change) = w.change(x, &v, dt) {
+                for c in 0..3 {
+                    v[c] += if inv_mass[c] > 0.0 { change[c] } else { 0.0 };
+                }
+            }
+        }
+        v
+    }
+
+    /// Keeps all held nodes out, starting from their velocities in `next_v`, or from those in `pushed`
+    /// for nodes that contact pairs touch (ascending). Returns the work done on owned nodes [energy].
+    pub fn keep_out(&mut self, nodes: &mut Nodes, pushed: &[(u32, Row)], dt: f64) -> f64 {
+        let mut pushed = pushed.iter().peekable();
+        let mut work = 0.0;
+        for i in 0..nodes.held {
+            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
+            nodes.next_v[i] = self.stop(&nodes.x[i], free, &nodes.inv_mass[i], dt);
+            if nodes.is_own(i) && nodes.next_v[i] != free {
+                work += self.book(nodes, i, free, dt);
+            }
+        }
+        work
+    }
+
+    /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the work [energy].
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, dt: f64) -> f64 {
+        let mut work = 0.0;
+        for (w, impulse) in self.walls.iter().zip(&mut self.impulse) {
+            let Some(change) = w.change(&nodes.x[i], &v, dt) else { continue };
+            for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
+                v[c] += change[c];
+                let p = nodes.mass[i] * change[c];
+                impulse[c] += p;
+                work += p * 0.5 * (nodes.v[i][c] + nodes.next_v[i][c]);
+            }
+        }
+        work
+    }
+}
+
+impl Wall {
+    /// Change of velocity that keeps the node out, friction included.
+    #[inline]
+    fn change(&self, x: &Row, v: &Row, dt: f64) -> Option<Vector3<f64>> {
+        let (x, v) = (Vector3::new(x[0], x[1], x[2]), Vector3::new(v[0], v[1], v[2]));
+        let gap = self.normal.dot(&x) - self.offset + dt * self.normal.dot(&v);
+        if gap >= 0.0 {
+            return None;
+        }
+        let normal = -gap / dt;
+        let sliding = v - self.normal * self.normal.dot(&v);
+        let speed = sliding.norm();
+        let held = if speed > self.friction * normal { self.friction * normal / speed } else { 1.0 };
+        Some(self.normal * normal - sliding * held)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wall(friction: f64) -> Walls {
+        let point = [0.0, 0.0, 1.0];
+        Walls::new(&[WallJob { name: String::new(), point, normal: [0.0, 0.0, 2.0], friction }])
+    }
+
+    #[test]
+    fn node_ends_on_the_wall_and_friction_obeys_the_cone() {
+        let v = wall(0.1).stop(&[0.0, 0.0, 1.5, 0.0], [10.0, 0.0, -10.0, 0.0], &[1.0; 4], 0.1);
+        assert!((v[2] + 5.0).abs() < 1e-12, "stops at the plane: {v:?}");
+        assert!((v[0] - 9.5).abs() < 1e-12, "slowed by mu times the normal change of 5: {v:?}");
+        let v = wall(10.0).stop(&[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, -1.0, 0.0], &[1.0; 4], 0.1);
+        assert_eq!([v[0], v[2]], [0.0, 0.0], "sticks");
+        let v = wall(0.1).stop(&[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.1, 0.0], &[1.0; 4], 0.1);
+        assert_eq!(v, [1.0, 0.0, 0.1, 0.0], "leaves freely");
+    }
+}
