@@ -112,8 +112,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         ]);
     }
     writeln!(out)?;
-    let width: Vec<usize> =
-        (0..7).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
+    let width: Vec<usize> = (0..7).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
     for row in rows {
         let mut line = String::new();
         for (c, cell) in row.iter().enumerate() {
@@ -168,7 +167,12 @@ fn shapes(model: &Model, out: &mut String) -> std::fmt::Result {
         figure(q.median_side)
     )?;
     writeln!(out, "aspect       {} at most (element {})", figure(q.max_aspect.value), q.max_aspect.element)?;
-    writeln!(out, "warpage      {} degrees at most (element {})", figure(q.max_warpage_deg.value), q.max_warpage_deg.element)?;
+    writeln!(
+        out,
+        "warpage      {} degrees at most (element {})",
+        figure(q.max_warpage_deg.value),
+        q.max_warpage_deg.element
+    )?;
     let (worst, element) = (q.min_jacobian.value, q.min_jacobian.element);
     writeln!(out, "jacobian     ratio {} at least (element {element})", figure(worst))
 }
@@ -177,10 +181,22 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let fixed = model.nodes.fixed.iter().filter(|&&bits| bits != 0).count();
     let speed = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
     let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
-    writeln!(out, "start        fastest node at {}, {fixed} nodes held fixed, {} rigid walls", figure(fastest), model.settings.walls.len())?;
+    writeln!(
+        out,
+        "start        fastest node at {}, {fixed} nodes held fixed, {} rigid walls",
+        figure(fastest),
+        model.settings.walls.len()
+    )?;
     match &model.settings.contact {
         None => writeln!(out, "contact      none"),
-        Some(c) => writeln!(out, "contact      {} with friction {}, search by {} with skin {}", c.law, c.friction, c.search, figure(c.skin)),
+        Some(c) => writeln!(
+            out,
+            "contact      {} with friction {}, search by {} with skin {}",
+            c.law,
+            c.friction,
+            c.search,
+            figure(c.skin)
+        ),
     }?;
     let fields = model.settings.field_times.len();
     writeln!(out, "output       a history row every {}, {fields} field files", figure(model.settings.history_interval))
@@ -226,7 +242,14 @@ mod tests {
 
     #[test]
     fn figures_are_short() {
-        let cases = [(0.0, "0"), (1.0, "1"), (1234.5678, "1234.6"), (0.0123456, "0.012346"), (7.85e-6, "7.8500e-6"), (-2.5, "-2.5")];
+        let cases = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (1234.5678, "1234.6"),
+            (0.0123456, "0.012346"),
+            (7.85e-6, "7.8500e-6"),
+            (-2.5, "-2.5"),
+        ];
         for (x, text) in cases {
             assert_eq!(figure(x), text);
         }

@@ -124,7 +124,13 @@ mod tests {
 
     #[test]
     fn bad_numbers_are_refused_with_exit_code_2() {
-        for line in ["check x --workers 0", "check x --workers -1", "run x --end-time nan", "run x --end-time -1", "run x --end-time 0"] {
+        for line in [
+            "check x --workers 0",
+            "check x --workers -1",
+            "run x --end-time nan",
+            "run x --end-time -1",
+            "run x --end-time 0",
+        ] {
             let error = Cli::try_parse_from(format!("crumple {line}").split(' ')).unwrap_err();
             assert_eq!(error.exit_code(), 2, "{line}");
         }

@@ -74,9 +74,9 @@ pub fn run(model: &Model, wire: &mut dyn Transport, out: &Path, quiet: bool, sto
         if stop.is_raised() && !control.stop_ordered {
             control.stop_ordered = true;
             control.progress.say("stopping: the workers finish their cycle and write their state");
-            control.order(Action::Stop)?;
+            control.order(Action::Stop);
         } else if let Some(due) = control.balance.due().filter(|_| !control.stop_ordered) {
-            control.redecompose(&due)?;
+            control.redecompose(&due);
         }
         if control.ready.len() == control.workers {
             control.recut()?;
@@ -209,15 +209,15 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    fn order(&mut self, action: Action) -> Result<(), Lost> {
+    fn order(&mut self, action: Action) {
         self.orders += 1;
         for rank in 1..=self.workers {
-            post(self.wire, rank, Tag::Order, &ToWorker::Order { number: self.orders, action: action.clone() })?;
+            // A worker that cannot be reached has just ended, or is lost; listening tells which.
+            let _ = post(self.wire, rank, Tag::Order, &ToWorker::Order { number: self.orders, action: action.clone() });
         }
-        Ok(())
     }
 
-    fn redecompose(&mut self, due: &Due) -> Result<(), Lost> {
+    fn redecompose(&mut self, due: &Due) {
         let last = self.balance.last.iter().max_by_key(|r| r.cycle).cloned().unwrap_or_default();
         let (kind, why) = match due {
             Due::High { why } => ("high", why),
@@ -229,15 +229,14 @@ impl<'a> Control<'a> {
                 let drift: Vec<[f64; 3]> = self.balance.last.iter().map(|r| r.drift).collect();
                 let elements: Vec<u64> = self.balance.last.iter().map(|r| r.elements).collect();
                 self.tree = drifted(&self.tree, &drift, &elements);
-                self.order(Action::Renew(self.tree.clone()))?;
+                self.order(Action::Renew(self.tree.clone()));
             }
-            Due::Low { .. } => self.order(Action::Recut)?,
+            Due::Low { .. } => self.order(Action::Recut),
         }
         self.balance.ordered(self.orders, due);
         if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
             self.progress.say(&format!("{kind} redecomposition at T={:.4e}, cycle {}: {why}", last.time, last.cycle));
         }
-        Ok(())
     }
 
     /// All workers wait: measure the load where it is, cut anew, let them migrate.

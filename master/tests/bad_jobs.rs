@@ -39,7 +39,9 @@ fn every_bad_job_says_all_that_is_wrong_with_it() {
         let text = std::fs::read_to_string(&path).unwrap();
         let wanted: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("#: ")).collect();
         assert!(!wanted.is_empty(), "{} wants nothing", path.display());
-        let report = report_of(&path, &[]).to_string();
+        let report = report_of(&path, &[]);
+        assert!(report.problems.iter().all(|p| p.spot.is_some() && !p.problem.help.is_empty()), "no remedy: {report}");
+        let report = report.to_string();
         for want in wanted.iter().filter(|want| !report.contains(**want)) {
             failures += &format!("--- {}: not said: {want}\n{report}\n", path.display());
         }
@@ -66,12 +68,18 @@ fn a_report_shows_the_line_and_underlines_the_key() {
 #[test]
 fn what_the_command_line_sets_is_checked_and_blamed() {
     for (sets, said) in [
-        (&["part.lower.thicknes=3"][..], &["unknown key `thicknes`", "did you mean `thickness`", "--> --set part.lower.thicknes=3"][..]),
+        (
+            &["part.lower.thicknes=3"][..],
+            &["unknown key `thicknes`", "did you mean `thickness`", "--> --set part.lower.thicknes=3"][..],
+        ),
         (&["tme.safety=0.8"], &["unknown key `tme`", "did you mean `time`", "--set tme.safety=0.8"]),
         (&["part.lower.thickness=-3"], &["thickness is -3", "--> --set part.lower.thickness=-3"]),
         (&["part.lowre.thickness=3"], &["no entry with the name or id `lowre`", "did you mean `lower`"]),
-        (&["wall.5.friction=0.1"], &["no entry with the name or position `5`", "there is: floor, 0"]),
-        (&["time.safety=fast"], &["`safety` has to be a finite number, not the text \"fast\"", "--set time.safety=fast"]),
+        (&["wall.5.friction=0.1"], &["no entry with the name or position `5`", "known: floor, 0"]),
+        (
+            &["time.safety=fast"],
+            &["`safety` has to be a finite number, not the text \"fast\"", "--set time.safety=fast"],
+        ),
         (&["time.safety"], &["has no value", "write --set section.key=value"]),
         (&["contact.law=penalti", "time.safety=0"], &["did you mean `penalty`", "`safety` is 0.0", "2 errors"]),
         (&["parallel.workers=0"], &["0 workers cannot run anything", "--set parallel.workers=0"]),
@@ -140,7 +148,8 @@ fn a_good_job_becomes_a_model() {
 
 #[test]
 fn sets_change_the_model() {
-    let model = good(&["part.lower.thickness=3", "end_time=1", "material.steel.density=8e-6", "wall.floor.friction=0.3"]);
+    let model =
+        good(&["part.lower.thickness=3", "end_time=1", "material.steel.density=8e-6", "wall.floor.friction=0.3"]);
     assert_eq!(model.settings.parts[0].thickness, 3.0);
     assert_eq!(model.settings.materials[0].density, 8e-6);
     assert_eq!((model.settings.end_time, model.settings.walls[0].friction), (1.0, 0.3));
@@ -188,7 +197,15 @@ fn numbers_of_workers_are_checked() {
 #[test]
 fn check_describes_the_job() {
     let text = crumple::check::describe(&good(&[]), 2);
-    for said in ["Small plate", "mm, ms, kg", "3 quads, 1 triangles", "x 0 .. 20, y 0 .. 20, z 0 .. 0", "lower", "time step", "no warnings"] {
+    for said in [
+        "Small plate",
+        "mm, ms, kg",
+        "3 quads, 1 triangles",
+        "x 0 .. 20, y 0 .. 20, z 0 .. 0",
+        "lower",
+        "time step",
+        "no warnings",
+    ] {
         assert!(text.contains(said), "not said: {said}\n{text}");
     }
 }
@@ -208,8 +225,22 @@ fn damaged_jobs_do_not_panic() {
         (state % below as u64) as usize
     };
     const PIECES: [&[u8]; 16] = [
-        b"nan", b"-inf", b"1e999", b"-1", b"0", b"\"", b"]", b"[", b"\n", b"[[part]]\n", b"99999999999999999999", b"\xc3\xa9",
-        b"true", b"1e-300", b"{}", b"\xff",
+        b"nan",
+        b"-inf",
+        b"1e999",
+        b"-1",
+        b"0",
+        b"\"",
+        b"]",
+        b"[",
+        b"\n",
+        b"[[part]]\n",
+        b"99999999999999999999",
+        b"\xc3\xa9",
+        b"true",
+        b"1e-300",
+        b"{}",
+        b"\xff",
     ];
     let (mut sound, mut faulty) = (0, 0);
     for round in 0..1500 {

@@ -5,7 +5,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Problems of one kind that are told one by one.
 const TOLD: usize = 20;
@@ -46,17 +46,20 @@ pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> 
     }
 }
 
-/// The mesh that is written as rows of numbers.
-pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Read {
+/// The mesh that is written as rows of numbers; `None` if a row is no node or no shell.
+pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     let mut few = Few::new(findings);
     let mut mesh = Mesh::default();
-    let mut wrong_nodes = 0;
     for (index, &[id, x, y, z]) in source.nodes.iter().enumerate() {
         if id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id) {
             mesh.nodes.push(MeshNode { id: NodeId(id as u64), x: [x, y, z] });
         } else {
-            wrong_nodes += 1;
-            few.error("node id", format!("mesh.nodes.{index}"), format!("{id} is no id of a node"), "give a whole number from 0: a node is [id, x, y, z]");
+            few.error(
+                "node id",
+                format!("mesh.nodes.{index}"),
+                format!("{id} is no id of a node"),
+                "give a whole number from 0: a node is [id, x, y, z]",
+            );
         }
     }
     for (index, row) in source.shells.iter().enumerate() {
@@ -66,12 +69,22 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Read {
             all if row.len() == 5 => (all.try_into().expect("five"), all[4]),
             _ => {
                 let message = format!("a shell cannot be a list of {} numbers", row.len());
-                few.error("shell row", path(), message, "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle");
+                few.error(
+                    "shell row",
+                    path(),
+                    message,
+                    "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle",
+                );
                 continue;
             }
         };
         let Ok(part) = u32::try_from(part) else {
-            few.error("part id", path(), format!("element {id}: {part} is no id of a part"), "part ids go up to 4294967295");
+            few.error(
+                "part id",
+                path(),
+                format!("element {id}: {part} is no id of a part"),
+                "part ids go up to 4294967295",
+            );
             continue;
         };
         let shape = if last == c { Shape::Tri3 } else { Shape::Quad4 };
@@ -80,9 +93,9 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Read {
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
-    // Rows that were left out shift the rest: entities can then not be pointed at by their row.
-    let whole = wrong_nodes == 0 && mesh.elements.len() == source.shells.len();
-    Read { mesh, written: whole }
+    // What refers to a row that was left out would be blamed for that.
+    let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == source.shells.len();
+    whole.then_some(Read { mesh, written: true })
 }
 
 /// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything by id.
@@ -110,7 +123,11 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> Mesh
             1 => format!("node {first} belongs to no element and is left out"),
             n => format!("{n} nodes belong to no element and are left out; the first is node {first}"),
         };
-        few.findings.add(Problem::warning(read.node_path(index), message, "take them out of the mesh, or connect them"));
+        few.findings.add(Problem::warning(
+            read.node_path(index),
+            message,
+            "take them out of the mesh, or connect them",
+        ));
     }
     let mut mesh = read.mesh;
     mesh.nodes.retain(|n| used.contains(&n.id));
@@ -150,7 +167,12 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
     for (index, element) in mesh.elements.iter().enumerate() {
         let (id, path) = (element.id, || read.element_path(index));
         if !seen.insert(id) {
-            few.error("element twice", path(), format!("element {id} is there twice"), "give each element an id of its own");
+            few.error(
+                "element twice",
+                path(),
+                format!("element {id} is there twice"),
+                "give each element an id of its own",
+            );
         }
         if parts.is_some_and(|parts| !parts.contains(&element.part)) {
             orphans.entry(element.part).or_insert((index, 0)).1 += 1;
@@ -158,7 +180,12 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         let corners = element.corners();
         if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
             let message = format!("element {id} uses node {} twice", corners[twice]);
-            few.error("repeated", path(), message, "a triangle repeats its last node only; correct or remove the element");
+            few.error(
+                "repeated",
+                path(),
+                message,
+                "a triangle repeats its last node only; correct or remove the element",
+            );
             continue;
         }
         let mut x = Vec::with_capacity(4);
@@ -195,9 +222,12 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         let first = mesh.elements[index].id;
         let message = match count {
             1 => format!("element {first} belongs to part {part}, which the job does not have"),
-            n => format!("{n} elements belong to part {part}, which the job does not have; the first is element {first}"),
+            n => {
+                format!("{n} elements belong to part {part}, which the job does not have; the first is element {first}")
+            }
         };
-        let known: Vec<String> = parts.unwrap_or_default().iter().map(u32::to_string).collect();
+        let known: BTreeSet<u32> = parts.unwrap_or_default().iter().copied().collect();
+        let known: Vec<String> = known.iter().map(u32::to_string).collect();
         let help = format!("add a [[part]] with id = {part}; there are parts: {}", known.join(", "));
         few.error("orphan", read.element_path(index), message, &help);
     }
@@ -220,9 +250,8 @@ fn outline(x: &[[f64; 3]]) -> Outline {
     let n = x.len();
     let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let side = |i: usize| sub(x[(i + 1) % n], x[i]);
     let longest = (0..n).map(|i| dot(side(i), side(i))).fold(0.0, f64::max);
     let area = if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(side(0), side(1)) };

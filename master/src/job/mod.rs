@@ -1,13 +1,13 @@
 //! From a job as it is written to a [`Model`] that can be cut up and dealt out, or to everything that is wrong with it.
 //!
-//! 1. [`tree`]: TOML with the place of every value; [`sets`] puts in what the command line says
-//! 2. [`validate`]: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
-//! 3. [`mesh`]: the mesh and its faults
-//! 4. [`resolve`]: ranges and defaults; [`laws`]: what the worker says of materials and elements; [`units`]
-//! 5. [`state`]: what nodes and elements start with
+//! 1. `tree.rs`: TOML with the place of every value; `sets.rs` puts in what the command line says
+//! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
+//! 3. `mesh.rs`: the mesh and its faults
+//! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
+//! 5. `state.rs`: what nodes and elements start with
 //!
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
-//! [`report`] shows all of them at once. Nothing here panics on any input; that would be our fault.
+//! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
 
 mod laws;
 mod mesh;
@@ -71,8 +71,8 @@ pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     let job = Source { file: path.display().to_string(), text, tree };
     let mut sources = Sources { job, mesh: None, sets: sets.to_vec() };
     let mut findings = Findings::default();
-    for (message, place) in errors {
-        findings.add_faulty(Problem::error("", message, ""), Some(place));
+    for (message, help, place) in errors {
+        findings.add_faulty(Problem::error("", message, help), Some(place));
     }
     if findings.any_error() {
         return Err(Report::new(findings.list, &sources));
@@ -168,7 +168,7 @@ fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findi
             let file = path.parent().unwrap_or(Path::new("")).join(file);
             read_mesh_file(&file, sources, findings)
         }
-        (None, None, true) => Some(mesh::from_rows(&job.mesh, findings)),
+        (None, None, true) => mesh::from_rows(&job.mesh, findings),
         (None, None, false) => {
             let help = "give mesh.generator, mesh.file, or mesh.nodes with mesh.shells";
             findings.add(Problem::error("mesh", "the job has no mesh", help));
@@ -205,7 +205,7 @@ fn read_mesh_file(file: &Path, sources: &mut Sources, findings: &mut Findings) -
         return None;
     }
     match tree.to_value().try_into::<MeshSource>() {
-        Ok(source) => Some(mesh::from_rows(&source, findings)),
+        Ok(source) => mesh::from_rows(&source, findings),
         Err(error) => {
             findings.add(Problem::error("mesh", error.message(), "correct the mesh file"));
             None
@@ -221,7 +221,11 @@ fn find(path: &Path) -> Result<PathBuf, Problem> {
         if inside.is_file() {
             return Ok(inside);
         }
-        return Err(Problem::error("", format!("the folder {shown} holds no job.toml"), "name a job file, or a folder with one"));
+        return Err(Problem::error(
+            "",
+            format!("the folder {shown} holds no job.toml"),
+            "name a job file, or a folder with one",
+        ));
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
@@ -234,13 +238,19 @@ fn find(path: &Path) -> Result<PathBuf, Problem> {
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
         "toml" => Ok(path.to_path_buf()),
-        _ => Err(Problem::error("", format!("{shown} is no .toml file"), "a job is a .toml file, or a folder that holds job.toml")),
+        _ => Err(Problem::error(
+            "",
+            format!("{shown} is no .toml file"),
+            "a job is a .toml file, or a folder that holds job.toml",
+        )),
     }
 }
 
 fn load(path: &Path) -> Result<String, Problem> {
     let shown = path.display();
-    let cannot = |error: std::io::Error| Problem::error("", format!("{shown} cannot be read: {error}"), "check its name and rights");
+    let cannot = |error: std::io::Error| {
+        Problem::error("", format!("{shown} cannot be read: {error}"), "check its name and rights")
+    };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > LARGEST_FILE {
         return Err(Problem::error("", format!("{shown} is larger than 4 GiB"), "split the model"));
@@ -278,7 +288,10 @@ impl Model {
             mass: self.nodes.added_mass[i],
             inertia: 0.0,
         };
-        (self.mesh.elements.iter().enumerate().map(element).collect(), self.mesh.nodes.iter().enumerate().map(node).collect())
+        (
+            self.mesh.elements.iter().enumerate().map(element).collect(),
+            self.mesh.nodes.iter().enumerate().map(node).collect(),
+        )
     }
 
     /// First time step: safety times the smallest stable step [time], and the index of the element that sets it.

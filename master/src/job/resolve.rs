@@ -28,7 +28,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     numbers.need(interval >= 0.0, "output.history_interval", interval, "0 (a two-hundredth of the run) or above");
     for (index, &t) in output.field_times.iter().enumerate() {
         let path = format!("output.field_times.{index}");
-        if t < 0.0 || t > job.end_time {
+        if job.end_time > 0.0 && (t < 0.0 || t > job.end_time) {
             let message = format!("no field file can be written at {t}: the run goes from 0 to {}", job.end_time);
             numbers.findings.add(Problem::warning(path, message, "take it out, or change end_time"));
         }
@@ -72,7 +72,11 @@ fn parts_and_materials(job: &Job, findings: &mut Findings) {
                 continue;
             }
             if let Some(first) = seen.insert(value, index) {
-                let message = format!("two entries of [[{list}]] have the {key} `{value}`: numbers {} and {}", first + 1, index + 1);
+                let message = format!(
+                    "two entries of [[{list}]] have the {key} `{value}`: numbers {} and {}",
+                    first + 1,
+                    index + 1
+                );
                 findings.add(Problem::error(path, message, format!("give each its own {key}")));
             }
         }
@@ -83,7 +87,11 @@ fn parts_and_materials(job: &Job, findings: &mut Findings) {
     twice("wall", "name", job.wall.iter().map(|w| w.name.clone()).collect(), findings);
     for (index, material) in job.material.iter().enumerate() {
         if material.name.is_empty() {
-            findings.add(Problem::error(format!("material.{index}.name"), "a material has no name", "parts refer to it by name"));
+            findings.add(Problem::error(
+                format!("material.{index}.name"),
+                "a material has no name",
+                "parts refer to it by name",
+            ));
         }
     }
 }
@@ -94,7 +102,11 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
         let path = format!("wall.{index}.normal");
         if !(length > 0.0 && length.is_finite()) {
             let message = format!("the normal {:?} of a wall has no direction", wall.normal);
-            numbers.findings.add(Problem::error(path, message, "it points from the wall to where the model is, such as [1, 0, 0]"));
+            numbers.findings.add(Problem::error(
+                path,
+                message,
+                "it points from the wall to where the model is, such as [1, 0, 0]",
+            ));
         }
         numbers.need(wall.friction >= 0.0, &format!("wall.{index}.friction"), wall.friction, "0 or above");
     }
@@ -111,7 +123,11 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
         }
         if fix.dofs.is_empty() {
             let path = format!("fix.{index}.dofs");
-            numbers.findings.add(Problem::warning(path, "nothing is held fixed here", "name dofs, such as [\"x\", \"rz\"]"));
+            numbers.findings.add(Problem::warning(
+                path,
+                "nothing is held fixed here",
+                "name dofs, such as [\"x\", \"rz\"]",
+            ));
         }
     }
 }
@@ -133,7 +149,11 @@ fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
             let known: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
             let known: Vec<&str> = known.iter().map(String::as_str).collect();
             let message = format!("contact: there is no part {id}");
-            numbers.findings.add(Problem::error(format!("contact.parts.{index}"), message, nearest(&id.to_string(), &known)));
+            numbers.findings.add(Problem::error(
+                format!("contact.parts.{index}"),
+                message,
+                nearest(&id.to_string(), &known),
+            ));
         }
     }
 }
@@ -240,7 +260,10 @@ mod tests {
     #[test]
     fn field_times_are_regular_and_end_with_the_run() {
         assert_eq!(field_times(&job("[output]\nfield_interval = 0.4")), [0.0, 0.4, 0.8, 1.0]);
-        assert_eq!(field_times(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")), [0.0, 0.25, 0.5, 1.0]);
+        assert_eq!(
+            field_times(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")),
+            [0.0, 0.25, 0.5, 1.0]
+        );
         assert_eq!(field_times(&job("")).len(), 21);
         assert_eq!(field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")), [0.3]);
     }

@@ -30,7 +30,10 @@ fn apply_one(tree: &mut Node, argument: &str, place: Place, findings: &mut Findi
     let value = match Node::parse_value(value, place) {
         Some(node) => node,
         None if value.starts_with(['[', '{', '"', '\'']) => {
-            return Err((format!("the value `{value}` cannot be read"), "write it as it would stand in a job file".into()));
+            return Err((
+                format!("the value `{value}` cannot be read"),
+                "write it as it would stand in a job file".into(),
+            ));
         }
         None => Node { kind: Kind::String(value.into()), place },
     };
@@ -55,7 +58,10 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
                 None => {
                     let (key, tail) = rest.split_once('.').unwrap_or((rest, ""));
                     if before.is_empty() && !tail.is_empty() && is_list_of_tables(key) {
-                        return Err((format!("the job has no [[{key}]]"), format!("add one to the job: `{whole}` has nothing to change")));
+                        return Err((
+                            format!("the job has no [[{key}]]"),
+                            format!("add one to the job: `{whole}` has nothing to change"),
+                        ));
                     }
                     entries.insert(key.to_string(), Entry { key: place, node: Node::table(place) });
                     (key.to_string(), tail)
@@ -68,7 +74,10 @@ fn put(node: &mut Node, rest: &str, whole: &str, value: Node, place: Place) -> R
             let (index, tail) = find_entry(items, rest, before)?;
             put(&mut items[index], tail, whole, value, place)
         }
-        _ => Err((format!("`{before}` is a single value and has no `{rest}` in it"), format!("write --set {before}=..."))),
+        _ => Err((
+            format!("`{before}` is a single value and has no `{rest}` in it"),
+            format!("write --set {before}=..."),
+        )),
     }
 }
 
@@ -157,7 +166,8 @@ mod tests {
             ("wall.0.point=[1,", "cannot be read"),
         ] {
             let (_, findings) = set(argument);
-            let text = findings.list.iter().map(|f| format!("{} {}", f.problem.message, f.problem.help)).collect::<String>();
+            let text =
+                findings.list.iter().map(|f| format!("{} {}", f.problem.message, f.problem.help)).collect::<String>();
             assert!(text.contains(said), "{argument}: {text}");
         }
     }

@@ -53,7 +53,11 @@ pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
             return None;
         };
         if ids.is_empty() {
-            findings.add(Problem::error(path, format!("node set `{name}` is empty"), "put nodes into it, or take this entry out"));
+            findings.add(Problem::error(
+                path,
+                format!("node set `{name}` is empty"),
+                "put nodes into it, or take this entry out",
+            ));
             return None;
         }
         Some(ids.iter().filter_map(|id| index.get(id).copied()).collect())
@@ -62,7 +66,8 @@ pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
         let path = format!("mass.{i}.nodes");
         let Some(nodes) = set(&mass.nodes, path.clone(), findings) else { continue };
         if nodes.len() < mesh.node_sets[&mass.nodes].len() {
-            let message = format!("node set `{}` has nodes that belong to no element and cannot carry mass", mass.nodes);
+            let message =
+                format!("node set `{}` has nodes that belong to no element and cannot carry mass", mass.nodes);
             findings.add(Problem::error(path, message, "connect them, or take them out of the set"));
         }
         let each = mass.mass / nodes.len() as f64;
@@ -133,13 +138,23 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
             1 => format!("element {first} has no stable time step"),
             n => format!("{n} elements have no stable time step; the first is element {first}"),
         };
-        findings.add(Problem::error("mesh", message, "it is inverted, or its size, density or stiffness is out of all range"));
+        findings.add(Problem::error(
+            "mesh",
+            message,
+            "it is inverted, or its size, density or stiffness is out of all range",
+        ));
     }
     start
 }
 
 /// Warnings of what the numbers of a sound model show.
-pub fn warnings(job: &Job, mesh: &Mesh, settings: &Settings, elements: &ElementStart, nodes: &NodeStart) -> Vec<Problem> {
+pub fn warnings(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &Settings,
+    elements: &ElementStart,
+    nodes: &NodeStart,
+) -> Vec<Problem> {
     let mut warnings = Vec::new();
     let still = nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
     if still {
@@ -150,20 +165,32 @@ pub fn warnings(job: &Job, mesh: &Mesh, settings: &Settings, elements: &ElementS
         if !elements.part.contains(&(index as u32)) {
             let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
             let message = format!("part {} `{}` has no elements", part.id, part.name);
-            warnings.push(Problem::warning(format!("part.{place}.id"), message, "take it out, or check the part ids of the mesh"));
+            warnings.push(Problem::warning(
+                format!("part.{place}.id"),
+                message,
+                "take it out, or check the part ids of the mesh",
+            ));
         }
     }
     let structure: f64 = elements.mass.iter().sum();
     let added = scaled_mass(elements);
     if added > 0.05 * structure {
         let message = format!("mass scaling adds {:.1} % of the structure's mass", 100.0 * added / structure);
-        warnings.push(Problem::warning("time.mass_scaling_dt", message, "take a smaller step, or a mesh without tiny elements"));
+        warnings.push(Problem::warning(
+            "time.mass_scaling_dt",
+            message,
+            "take a smaller step, or a mesh without tiny elements",
+        ));
     }
     let mut steps = elements.stable_dt.clone();
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
     if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
-        let message = format!("element {} alone sets the time step: it is {:.0} times below the median", mesh.elements[at].id, median / dt);
+        let message = format!(
+            "element {} alone sets the time step: it is {:.0} times below the median",
+            mesh.elements[at].id,
+            median / dt
+        );
         let help = "mesh it anew, or see time.mass_scaling_dt";
         warnings.push(Problem::warning("", message, help));
     }

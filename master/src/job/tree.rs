@@ -64,8 +64,8 @@ pub struct Entry {
     pub node: Node,
 }
 
-/// A syntax error: what is wrong, and where.
-pub type SyntaxError = (String, Place);
+/// A syntax error: what is wrong, what to do, and where.
+pub type SyntaxError = (String, &'static str, Place);
 
 impl Node {
     /// Parses TOML; gives all syntax errors at once.
@@ -73,7 +73,7 @@ impl Node {
         let (table, errors) = DeTable::parse_recoverable(text);
         let mut errors: Vec<SyntaxError> = errors
             .iter()
-            .map(|e| (e.message().to_string(), e.span().map_or(Place::Whole, Place::of)))
+            .map(|e| (e.message().to_string(), syntax_help(e.message()), e.span().map_or(Place::Whole, Place::of)))
             .collect();
         if !errors.is_empty() {
             return Err(errors);
@@ -179,11 +179,19 @@ impl Entry {
 
 /// Splits a dotted path after its first key, which is one of `keys`; a key may itself hold dots.
 pub fn split_first<'p, 'k>(path: &'p str, keys: impl Iterator<Item = &'k str>) -> Option<(&'k str, &'p str)> {
-    let fits = |key: &&str| {
-        path.strip_prefix(*key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-    };
+    let fits = |key: &&str| path.strip_prefix(*key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
     let key = keys.filter(fits).max_by_key(|key| key.len())?;
     Some((key, path[key.len()..].strip_prefix('.').unwrap_or("")))
+}
+
+fn syntax_help(message: &str) -> &'static str {
+    if message.contains("duplicate") {
+        "write each key and each [section] once; [[section]] adds an entry to a list"
+    } else if message.contains("string") {
+        "text stands in quotes: key = \"text\""
+    } else {
+        "a job is TOML: key = value, [section], [[entry of a list]]; text in quotes, lists in brackets with commas"
+    }
 }
 
 fn from_table(table: &DeTable<'_>, place: Place, errors: &mut Vec<SyntaxError>) -> Node {
@@ -200,22 +208,22 @@ fn from_table(table: &DeTable<'_>, place: Place, errors: &mut Vec<SyntaxError>) 
 fn from_value(value: &DeValue<'_>, place: Place, errors: &mut Vec<SyntaxError>) -> Node {
     let kind = match value {
         DeValue::Table(table) => return from_table(table, place, errors),
-        DeValue::Array(items) => Kind::Array(
-            items.iter().map(|item| from_value(item.get_ref(), Place::of(item.span()), errors)).collect(),
-        ),
+        DeValue::Array(items) => {
+            Kind::Array(items.iter().map(|item| from_value(item.get_ref(), Place::of(item.span()), errors)).collect())
+        }
         DeValue::String(s) => Kind::String(s.to_string()),
         DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
             Ok(i) => Kind::Integer(i),
             Err(_) if i.radix() == 10 => Kind::Float(i.as_str().parse().unwrap_or(f64::NAN)),
             Err(_) => {
-                errors.push(("the number does not fit in 64 bits".into(), place));
+                errors.push(("the number does not fit in 64 bits".into(), "write a smaller one", place));
                 Kind::Integer(0)
             }
         },
         DeValue::Float(x) => match x.as_str().parse() {
             Ok(x) => Kind::Float(x),
             Err(_) => {
-                errors.push(("the number cannot be read".into(), place));
+                errors.push(("the number cannot be read".into(), "write it like 1.5 or 1.5e-3", place));
                 Kind::Float(0.0)
             }
         },

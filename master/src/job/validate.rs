@@ -20,9 +20,9 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Notes a problem, unless its path is known to be faulty already.
+    /// Notes a problem, unless its path, or something in it, is known to be faulty already.
     pub fn add(&mut self, problem: Problem) {
-        if !self.is_faulty(&problem.path) {
+        if !self.is_faulty(&problem.path) && !self.any_faulty_below(&problem.path) {
             self.list.push(Finding::from(problem));
         }
     }
@@ -72,8 +72,8 @@ pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
 /// Notes the syntax errors of the mesh file.
 pub fn mesh_file_syntax(errors: Vec<super::tree::SyntaxError>, findings: &mut Findings) {
     findings.in_mesh_file = true;
-    for (message, place) in errors {
-        findings.add_faulty(Problem::error("mesh", message, ""), Some(place));
+    for (message, help, place) in errors {
+        findings.add_faulty(Problem::error("mesh", message, help), Some(place));
     }
     findings.in_mesh_file = false;
 }
@@ -204,11 +204,14 @@ fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut Fi
 /// Notes that a value is of the wrong type and puts one of the right type in its place.
 fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     let what = match last(path).parse::<usize>() {
-        Ok(_) => format!("an entry of `{}`", list_name(path)),
+        Ok(_) => format!("an entry of `{}`", last(list_path(path))),
         Err(_) => format!("`{}`", last(path)),
     };
     let message = format!("{what} has to be {}, not {}", expected(schema), given(node));
-    let meaning = description(schema);
+    let meaning = match description(schema) {
+        own if own.is_empty() => list_description(path),
+        own => own,
+    };
     let kind = kind_of(resolve(schema));
     let help = match &node.kind {
         Kind::String(s) if s.trim().parse::<f64>().is_ok() && kind != "string" => {
@@ -332,6 +335,19 @@ fn description(schema: &Value) -> String {
     own.unwrap_or_default().replace('\n', " ").trim_end_matches('.').to_string()
 }
 
+/// What the list means that an entry such as `mesh.nodes.3.1` belongs to.
+fn list_description(path: &str) -> String {
+    let mut schema: &Value = &SCHEMA;
+    for key in list_path(path).split('.') {
+        schema = resolve(schema);
+        schema = if key.parse::<usize>().is_ok() { &schema["items"] } else { &schema["properties"][key] };
+    }
+    match description(schema) {
+        none if none.is_empty() => "give a number, a list of numbers, or a list of such lists".into(),
+        meaning => meaning,
+    }
+}
+
 fn unknown_message(key: &str, path: &str) -> String {
     match path {
         "" => format!("unknown key `{key}`"),
@@ -364,7 +380,7 @@ fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
 
 /// "did you mean ...", and everything there is.
 pub fn nearest(word: &str, known: &[&str]) -> String {
-    suggestion(near(word, known), "there is", known)
+    suggestion(near(word, known), "known", known)
 }
 
 fn suggestion(near: Option<&str>, intro: &str, known: &[&str]) -> String {
@@ -406,7 +422,8 @@ fn section(path: &str) -> String {
     }
 }
 
-fn list_name(path: &str) -> &str {
+/// The path of a list from the path of a number in it.
+fn list_path(path: &str) -> &str {
     path.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.')
 }
 

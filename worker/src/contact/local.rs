@@ -132,6 +132,7 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
         force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
         slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
         compliance: [0.0; 2],
+        users: [0; 5],
         own: true,
     };
     Some(Find { pair, impact, opening, offset, gap })

@@ -44,6 +44,8 @@ pub struct Pair {
     pub slip: V3,
     /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
     pub compliance: [f64; 2],
+    /// Pairs that touch each of the five nodes, 0 where this one has no share.
+    pub users: [u32; 5],
     /// Whether this worker owns the pair.
     pub own: bool,
 }
@@ -204,11 +206,6 @@ impl PairTable {
         self.total.resize(self.touched.len(), V3::zeros());
     }
 
-    /// Number of pairs that touch the `t`-th touched node.
-    fn pairs_on(&self, t: usize) -> f64 {
-        f64::from(self.start[t + 1] - self.start[t])
-    }
-
     /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq. 7 and 11:
     /// m_k / M2 = M_k N_k / sum_j M_j N_j. To be done before others are told.
     pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
@@ -225,17 +222,25 @@ impl PairTable {
     /// which lets simultaneous updates converge whatever the masses
     /// (the update is then damped by no less than the coupling).
     pub fn soften(&mut self, nodes: &Nodes, split: bool) {
-        self.pairs.iter_mut().for_each(|p| p.compliance = [0.0; 2]);
+        self.pairs.iter_mut().for_each(|p| p.users = [0; 5]);
         for t in 0..self.touched.len() {
-            let share = if split { self.pairs_on(t) } else { 1.0 };
-            let inv = &nodes.inv_mass[self.touched[t] as usize];
-            for &(p, r) in &self.roles[self.start[t] as usize..self.start[t + 1] as usize] {
-                let pair = &mut self.pairs[p as usize];
-                let moved = share * pair.share(r as usize) * pair.follows(r as usize);
-                let n = &pair.normal;
-                pair.compliance[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
-                pair.compliance[1] += moved * inv[0].max(inv[1]).max(inv[2]);
+            let roles = self.start[t] as usize..self.start[t + 1] as usize;
+            let users = roles.len() as u32;
+            for &(p, r) in &self.roles[roles] {
+                self.pairs[p as usize].users[r as usize] = users;
             }
+        }
+        for pair in self.pairs.iter_mut().filter(|p| p.own) {
+            let mut soft = [0.0; 2];
+            // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
+            for r in (0..5).filter(|&r| pair.users[r] > 0) {
+                let inv = &nodes.inv_mass[pair.nodes[r] as usize];
+                let moved = if split { f64::from(pair.users[r]) } else { 1.0 } * pair.share(r) * pair.follows(r);
+                let n = &pair.normal;
+                soft[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
+                soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
+            }
+            pair.compliance = soft;
         }
     }
 
@@ -347,6 +352,7 @@ impl WirePair {
             force: self.force.into(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
+            users: [0; 5],
             own: false,
         }
     }

@@ -29,15 +29,15 @@
 //!
 //! Left out: a shear projection, so bending patches of distorted quads fail, and thin twisted strips lock.
 
-use super::section::{Resultants, SHEAR_CORRECTION, Section, Strains, angle_by_sine};
+use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
-    CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, with_points,
+    Built, CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals,
+    with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
-use crumple_proto::problem::Problem;
 use std::ops::Range;
 
 /// The row of this element.
@@ -59,7 +59,7 @@ pub struct BelytschkoTsay {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Result<Box<dyn Element>, Vec<Problem>> {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
     Ok(Box::new(BelytschkoTsay {
         section,
@@ -271,8 +271,7 @@ impl BelytschkoTsay {
         let k_zz = half * tilt2 * quarter.mul_add(tilt2.mul_add(half * tilt2, tilt2), R::splat(1.0));
         let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
         let angle = angle_by_sine(dot(sine, sine));
-        let gamma =
-            [angle.mul_add(sine[0], quarter * t[3][1]), (-quarter).mul_add(t[3][0], angle * sine[1])];
+        let gamma = [angle.mul_add(sine[0], quarter * t[3][1]), (-quarter).mul_add(t[3][0], angle * sine[1])];
         let spin = angle * sine[2];
 
         let warping = if self.warping { Some(Warping::new(&g)) } else { None };
@@ -334,10 +333,7 @@ impl BelytschkoTsay {
         let (hx, hy) = (g.x[2], g.y[2]);
         let fx = g.spread(hx.neg_mul_add(hg_x, nx), hy.neg_mul_add(hg_x, nxy) - couple);
         let fy = g.spread(hx.neg_mul_add(hg_y, nxy) + couple, hy.neg_mul_add(hg_y, ny));
-        let fz = g.spread(
-            hx.neg_mul_add(hg_z, g.hz.mul_add(hg_x, qx)),
-            hy.neg_mul_add(hg_z, g.hz.mul_add(hg_y, qy)),
-        );
+        let fz = g.spread(hx.neg_mul_add(hg_z, g.hz.mul_add(hg_x, qx)), hy.neg_mul_add(hg_z, g.hz.mul_add(hg_y, qy)));
         let mtx = g.spread(-hx.mul_add(hg_tx, mxy), -hy.mul_add(hg_tx, my));
         let mty = g.spread(hx.neg_mul_add(hg_ty, mx), hy.neg_mul_add(hg_ty, mxy));
         let force = [
@@ -386,7 +382,7 @@ impl BelytschkoTsay {
             HourglassForm::Stiffness => [theta, w, membrane].map(|k| R::splat(r) * k),
             HourglassForm::Viscous => {
                 let mass = R::splat(elastic.density) * t * g.area;
-                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(0.125) * g.area);
+                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(INERTIA_FLOOR) * g.area);
                 let damping = |k: R, m: R| R::splat(0.5 * r) * (k * m).sqrt();
                 [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
             }
@@ -471,11 +467,7 @@ fn scatter(response: &Response<Lane>, force: &mut [[f64; 4]; LANES * 4], moment:
 /// Modes 13, 24 and h of the corners of one element.
 fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
     let mode = |f: &dyn Fn(usize) -> f64| std::array::from_fn(f);
-    [
-        mode(&|i| x[0][i] - x[2][i]),
-        mode(&|i| x[1][i] - x[3][i]),
-        mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i])),
-    ]
+    [mode(&|i| x[0][i] - x[2][i]), mode(&|i| x[1][i] - x[3][i]), mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i]))]
 }
 
 impl Element for BelytschkoTsay {

@@ -26,13 +26,13 @@
 
 use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
-    CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, with_points,
+    Built, CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals,
+    with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
-use crumple_proto::problem::Problem;
 use std::ops::Range;
 
 /// The row of this element.
@@ -50,7 +50,7 @@ pub struct C0Triangle {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Result<Box<dyn Element>, Vec<Problem>> {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
     let hourglass_coefficient = part.hourglass_coefficient;
     Ok(Box::new(C0Triangle { section, hourglass_coefficient, drilling: part.drilling }))
@@ -161,7 +161,12 @@ fn plane_dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
 impl C0Triangle {
     /// One element in each lane.
     #[inline(always)]
-    pub fn respond<R: PointReal, const N: usize>(&self, corners: &Corners<R>, history: &mut [R], dt: f64) -> Response<R> {
+    pub fn respond<R: PointReal, const N: usize>(
+        &self,
+        corners: &Corners<R>,
+        history: &mut [R],
+        dt: f64,
+    ) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let own = &mut own[..OWN];
         let step = R::splat(dt);
@@ -346,7 +351,7 @@ impl Element for C0Triangle {
     fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
         let area = Geometry::new(sides(x)).area;
         let mass = self.section.elastic.density * self.section.thickness * area / 3.0;
-        // Per area, a triangle has twice the corners of a quad: with its A/8 shear would govern the step where nu is small.
+        // Per area, a triangle has twice the corners of a quad: with its A/7 shear would govern the step where nu is small.
         (mass, mass * self.section.inertia_per_mass(2.0 * area))
     }
 

@@ -30,7 +30,14 @@ fn shear_is_that_of_the_paper_and_of_mitc3() {
     // Columns tx1, ty1, tx2, ty2, tx3, ty3, over 6 x2 y3 (12 A, A = x2 y3/2).
     let paper = [
         [-y3 * y3, y3 * (2.0 * x2 + x3), y3 * y3, y3 * (3.0 * x2 - x3), 0.0, x2 * y3],
-        [y3 * (x3 - 2.0 * x2), x2 * x2 - x3 * x3, -y3 * (x2 + x3), x3 * (x3 - 2.0 * x2), -3.0 * x2 * y3, x2 * (2.0 * x3 - x2)],
+        [
+            y3 * (x3 - 2.0 * x2),
+            x2 * x2 - x3 * x3,
+            -y3 * (x2 + x3),
+            x3 * (x3 - 2.0 * x2),
+            -3.0 * x2 * y3,
+            x2 * (2.0 * x3 - x2),
+        ],
     ];
     // MITC3: edge shears e_r on 1-2, e_s on 1-3, c = their misfit with the third edge; centroid e_r + c/3, e_s - c/3.
     let mitc3 = |node: usize, axis: usize| {
@@ -113,9 +120,9 @@ fn numbering_does_not_matter() {
         let part = Part { drilling: 0.1, ..part(0.05) };
         let cell = [[order[0], order[1], order[2], order[2]]];
         let mut patch = Patch::new(part, elastic(E, NU, 1.0), &NODES, &cell);
-        for node in 0..3 {
-            patch.w[node] = [0.01 * NODES[node][0], 0.02 * NODES[node][1], 0.01, 0.0];
-            patch.v[node] = [0.01 * NODES[node][1], 0.0, 0.002 * NODES[node][0], 0.0];
+        for ((v, w), x) in patch.v.iter_mut().zip(&mut patch.w).zip(&NODES) {
+            *w = [0.01 * x[0], 0.02 * x[1], 0.01, 0.0];
+            *v = [0.01 * x[1], 0.0, 0.002 * x[0], 0.0];
         }
         (0..100).for_each(|_| _ = patch.step(1.0));
         let stress = patch.fields(0).stress;

@@ -4,11 +4,11 @@
 
 mod belytschko_tsay;
 mod c0_triangle;
-mod section;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
+mod section;
 #[cfg(test)]
 pub(crate) mod testing;
 
@@ -115,6 +115,9 @@ pub trait Element: Send + Sync {
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]; 4]) -> ElementFields;
 }
 
+/// An element, or everything that is wrong with its part.
+pub type Built = Result<Box<dyn Element>, Vec<Problem>>;
+
 /// A row of [`ELEMENTS`].
 pub struct ElementRow {
     /// Name in jobs.
@@ -122,7 +125,7 @@ pub struct ElementRow {
     /// Shape that the formulation is for.
     pub shape: Shape,
     /// Checks what the formulation needs of a part; paths of problems are relative to the part.
-    pub build: fn(&Part, Box<dyn PlaneStress>) -> Result<Box<dyn Element>, Vec<Problem>>,
+    pub build: fn(&Part, Box<dyn PlaneStress>) -> Built,
 }
 
 /// Every formulation.
@@ -132,11 +135,12 @@ pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW];
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
 /// Quads take the part's formulation, triangles the only one there is for them.
-pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Result<Box<dyn Element>, Vec<Problem>> {
+pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Built {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
     let mut note = |prefix: String, found: Vec<Problem>| {
-        problems.extend(found.into_iter().map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }));
+        problems
+            .extend(found.into_iter().map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }));
     };
 
     let materials = &settings.materials;

@@ -4,6 +4,7 @@ use super::testing::*;
 use super::{CornerForces, NodeView};
 use crate::lanes::{LANES, Lane};
 use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
 
 const E: f64 = 1e6;
@@ -282,4 +283,26 @@ fn trouble_is_told() {
     assert!(element.stable_dt(&dent).is_nan(), "a re-entrant corner has a negative Jacobian");
     patch.x[0] = [0.9, 0.9, 0.0, 0.0];
     assert!(patch.forces(1.0).trouble, "a re-entrant corner is trouble in the step too");
+}
+
+#[test]
+fn set_up_tells_everything_that_is_wrong() {
+    let part = Part { element: "belytchko_tsay".into(), thickness: -1.0, points: 11, ..part(1.0) };
+    let paths = |part: &Part, material: Material, shape| {
+        let problems = super::build_block(&settings(part.clone(), material), 0, shape).err().expect("it is wrong");
+        problems.into_iter().map(|problem| (problem.path, problem.help)).collect::<Vec<_>>()
+    };
+    let found = paths(&part, elastic(-1.0, 0.3, 1.0), Shape::Quad4);
+    assert_eq!(found[0].0, "material.0.youngs_modulus");
+    assert_eq!(found[1].0, "part.0.element");
+    assert!(found[1].1.contains("'belytschko_tsay'"), "{}", found[1].1);
+
+    // Triangles have one formulation and need no name; the section is checked even where the material is wrong.
+    let found: Vec<_> = paths(&part, elastic(-1.0, 0.3, 1.0), Shape::Tri3).into_iter().map(|found| found.0).collect();
+    assert_eq!(found, ["material.0.youngs_modulus", "part.0.thickness", "part.0.points"]);
+
+    let astray = Part { material: "sheat".into(), ..self::part(1.0) };
+    let found = paths(&astray, elastic(1.0, 0.3, 1.0), Shape::Quad4);
+    assert_eq!(found[0].0, "part.0.material");
+    assert!(found[0].1.contains("'sheet'"), "{}", found[0].1);
 }

@@ -55,35 +55,68 @@ impl Quarter {
     }
 }
 
-/// Verification A16: the (1,1) mode of a simply supported square plate, 491.0 Hz by Mindlin. A step pressure swings
-/// it about its static deflection, and its period is read from the zeros of the centre's velocity.
+/// Frequency of a swing, from the zeros of what `sample` gives after each step of `dt`.
+fn frequency(dt: f64, mut sample: impl FnMut() -> f64) -> f64 {
+    let (mut zeros, mut last, mut time) = (Vec::new(), 0.0, 0.0);
+    while zeros.len() < 5 {
+        let value = sample();
+        if last * value < 0.0 {
+            // A straight line between the two steps.
+            zeros.push(time + dt * last / (last - value));
+        }
+        (last, time) = (value, time + dt);
+    }
+    2.0 / (zeros[4] - zeros[0])
+}
+
+/// Verification A16: the (1,1) mode of a simply supported square plate, 491.0 Hz by Mindlin.
 #[test]
 fn simply_supported_plate_swings_at_its_frequency() {
     for triangular in [false, true] {
         // m, s, kg: 0.2 m square, 4 mm steel, 16 x 16 over the whole plate.
         let mut plate = Quarter::new(part(0.004), elastic(210e9, 0.3, 7850.0), 8, 0.2, triangular, true);
-        let dt = 0.9 * plate.stable_dt();
-        let (mut time, mut minima, mut last) = (0.0, Vec::new(), 0.0);
         // A start in the shape of the mode leaves the others quiet.
-        for node in 0..plate.patch.x.len() {
-            let x = plate.patch.x[node];
-            let (cx, cy) = ((std::f64::consts::PI * x[0] / 0.2).cos(), (std::f64::consts::PI * x[1] / 0.2).cos());
-            plate.patch.v[node][2] = 1e-3 * cx * cy;
+        for (v, x) in plate.patch.v.iter_mut().zip(&plate.patch.x) {
+            let shape = |x: f64| (std::f64::consts::PI * x / 0.2).cos();
+            v[2] = 1e-3 * shape(x[0]) * shape(x[1]);
         }
-        while minima.len() < 5 {
+        let dt = 0.9 * plate.stable_dt();
+        let found = frequency(dt, || {
             plate.step(dt, 0.0);
-            let z = plate.patch.x[0][2];
-            if last < 0.0 && z >= 0.0 || last > 0.0 && z <= 0.0 {
-                // Straight line between the two steps.
-                minima.push(time + dt * last / (last - z));
-            }
-            last = z;
-            time += dt;
+            plate.patch.x[0][2]
+        });
+        assert_close(found, 491.0, 0.01 * 491.0, "16 x 16 over the plate: quads 0.6 % low");
+    }
+}
+
+/// Verification A15: first mode of a cantilever strip, 83.55 Hz; nu = 0 makes it a beam.
+#[test]
+fn cantilever_swings_at_its_frequency() {
+    for triangular in [false, true] {
+        let (nodes, quads) = grid(20, 2, 0.2, 0.02);
+        let cells = if triangular { triangles(&quads) } else { quads };
+        let mut patch = Patch::new(part(0.004), elastic(210e9, 0.0, 7850.0), &nodes, &cells);
+        let masses = patch.masses();
+        // Near enough to the first mode: others are a few per cent and average out over the swing.
+        for (v, x) in patch.v.iter_mut().zip(&patch.x) {
+            let s = x[0] / 0.2;
+            v[2] = 1e-3 * s * s * (6.0 - 4.0 * s + s * s) / 3.0;
         }
-        let frequency = 2.0 / (minima[4] - minima[0]);
-        let why = "16 x 16 over the plate: 1.3 % at 8 x 8, and the support leaves tangential rotation free";
-        println!("{triangular} {frequency}");
-        assert_close(frequency, 491.0, 0.015 * 491.0, why);
+        let dt = 0.9 * (0..cells.len()).map(|e| patch.element.stable_dt(&patch.corners(e))).fold(1.0, f64::min);
+        let found = frequency(dt, || {
+            patch.explicit(
+                dt,
+                &masses,
+                |_| [0.0; 3],
+                |node, v, w| {
+                    if node % 21 == 0 {
+                        (*v, *w) = ([0.0; 4], [0.0; 4]);
+                    }
+                },
+            );
+            patch.x[20][2]
+        });
+        assert_close(found, 83.55, 0.01 * 83.55, "20 elements long");
     }
 }
 
@@ -91,9 +124,9 @@ fn simply_supported_plate_swings_at_its_frequency() {
 #[test]
 fn elastic_plastic_plate_peaks_where_others_do() {
     let numbers = [("youngs_modulus", 68.95e9), ("poisson", 0.3), ("yield_stress", 206.84e6)];
-    let plate = material("j2", 2765.8, &numbers);
-    for (n, triangular, r) in [(8,false,0.03),(4,true,0.03),(8,true,0.03),(16,true,0.03),(8,true,0.0),(16,true,0.0),(8,true,1.0)] {
-        let mut plate = Quarter::new(Part{hourglass_coefficient: r, ..part(0.0127)}, plate.clone(), n, 0.254, triangular, false);
+    let aluminium = material("j2", 2765.8, &numbers);
+    let peak = |n: usize, triangular: bool| {
+        let mut plate = Quarter::new(part(0.0127), aluminium.clone(), n, 0.254, triangular, false);
         let dt = 0.9 * plate.stable_dt();
         let (mut peak, mut when, mut time) = (0.0, 0.0, 0.0);
         let (mut internal, mut hourglass) = (0.0, 0.0);
@@ -107,12 +140,16 @@ fn elastic_plastic_plate_peaks_where_others_do() {
                 (peak, when) = (z, time);
             }
         }
-        println!("{triangular} {n} {r} {peak} {when} {}", hourglass / internal);
-        if triangular {continue}
-        assert_close(peak, 7.62e-3, 0.02 * 7.62e-3, "7.55 to 7.64 mm in the reference for 4 to 16 elements a side");
-        assert_close(when, 0.75e-3, 0.03 * 0.75e-3, "0.745 to 0.770 ms in the reference");
         assert!(hourglass.abs() < 0.02 * internal, "hourglass energy {hourglass} of {internal}");
-    }
+        (peak, when)
+    };
+    let (height, when) = peak(8, false);
+    assert_close(height, 7.62e-3, 0.02 * 7.62e-3, "7.55 to 7.64 mm in the reference for 4 to 16 elements a side");
+    assert_close(when, 0.75e-3, 0.03 * 0.75e-3, "0.745 to 0.770 ms in the reference");
+
+    // Constant-strain triangles are stiff where membrane and bending mix, and get there with the first order of h.
+    let off = [4, 8].map(|n| 1.0 - peak(n, true).0 / 7.62e-3);
+    assert!(off[0] < 0.18 && off[1] < 0.08, "16 % and 7 % at 4 and 8 a side, 3.5 % at 16: {off:?}");
 }
 
 /// Largest step that a free mesh bears, over the smallest stable step of its elements: grows or not from noise.
@@ -129,7 +166,7 @@ fn critical(nodes: &[[f64; 3]], cells: &[[u32; 4]], part: &Part, nu: f64) -> f64
         for _ in 0..600 {
             patch.explicit(dt, &masses, |_| [0.0; 3], |_, _, _| ());
         }
-        patch.v.iter().flatten().any(|v| !(v.abs() <= 1e-9))
+        !patch.v.iter().flatten().all(|v| v.abs() <= 1e-9)
     };
     let (mut low, mut high) = (0.5, 2.0);
     while high - low > 0.004 {
@@ -139,25 +176,33 @@ fn critical(nodes: &[[f64; 3]], cells: &[[u32; 4]], part: &Part, nu: f64) -> f64
     0.5 * (low + high)
 }
 
+/// Stability of meshes at their elements' own step, times the usual 0.9.
 #[test]
-fn explore() {
-    for nu in [0.0, 0.3, 0.49] {
-        for t in [0.01, 0.5] {
-            let part = part(t);
-            for (nx, ny, w, h) in [(1, 1, 1.0, 1.0), (8, 1, 8.0, 1.0), (2,2,2.,2.), (4, 4, 4.0, 4.0), (8, 8, 8.0, 8.0), (1, 1, 3.0, 1.0), (8, 1, 4.0, 1.0),(8,1,16.,1.)] {
-                let (nodes, quads) = grid(nx, ny, w, h);
-                let q = critical(&nodes, &quads, &part, nu);
-                let tr = critical(&nodes, &triangles(&quads), &part, nu);
-                println!("nu {nu} t {t} {nx}x{ny} of {w}x{h}: quads {q:.3} triangles {tr:.3}");
+fn the_step_is_stable_with_the_usual_safety() {
+    for (nu, t) in [(0.0, 0.01), (0.3, 0.01), (0.3, 0.5), (0.45, 0.01)] {
+        for (nx, ny, width, height) in [(8, 1, 8.0, 1.0), (2, 2, 2.0, 2.0), (8, 1, 4.0, 1.0), (1, 1, 3.0, 1.0)] {
+            let (nodes, quads) = grid(nx, ny, width, height);
+            for cells in [triangles(&quads), quads] {
+                let limit = critical(&nodes, &cells, &part(t), nu);
+                assert!(limit > 0.91, "nu {nu}, t {t}, {nx} x {ny} of {width} x {height}: {limit}");
             }
-            let tri = vec![[0.,0.,0.],[1.,0.,0.],[0.5,0.75f64.sqrt(),0.]];
-            println!("nu {nu} t {t} one equilateral {:.3}", critical(&tri,&[[0,1,2,2]],&part,nu));
-            let tri = vec![[0.,0.,0.],[1.,0.,0.],[0.5,0.2,0.]];
-            println!("nu {nu} t {t} one flat {:.3}", critical(&tri,&[[0,1,2,2]],&part,nu));
-            let tri = vec![[0.,0.,0.],[1.,0.,0.],[0.5,2.0,0.]];
-            println!("nu {nu} t {t} one needle {:.3}", critical(&tri,&[[0,1,2,2]],&part,nu));
-            for q in [[[0.,0.,0.],[4.,0.,0.],[3.,2.,0.],[1.,2.,0.]],[[0.,0.,0.],[1.,0.,0.],[1.6,1.,0.],[0.6,1.,0.]],[[0.,0.,0.],[1.,0.,0.],[1.0,0.2,0.],[0.,1.,0.]],[[0.,0.,0.],[1.,0.,0.],[0.6,0.6,0.],[0.,1.,0.]]] {
-            println!("nu {nu} t {t} odd quad {:.3}", critical(&q,&[[0,1,2,3]],&part,nu)); }
         }
+        // A triangle alone has its exact bound, or nearly where nu = 0 and shear takes over.
+        for (x, y) in [(0.5, 0.75_f64.sqrt()), (0.5, 0.2), (0.5, 2.0), (0.0, 1.0)] {
+            let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, y, 0.0]];
+            let limit = critical(&nodes, &[[0, 1, 2, 2]], &part(t), nu);
+            assert!(limit > 0.92, "one triangle to {x}, {y}: nu {nu}, t {t}: {limit}");
+        }
+    }
+}
+
+/// Verification A23(c): a free square bears 1/sqrt(1 + nu) of L/c and no more, however thin. The formula of the step
+/// is that of the trade; only neighbours make it safe, so a lone square wants a safety factor below 0.877.
+#[test]
+fn a_lone_square_bears_less_than_its_step() {
+    let (nodes, quads) = grid(1, 1, 1.0, 1.0);
+    for t in [0.01, 0.5] {
+        let limit = critical(&nodes, &quads, &part(t), 0.3);
+        assert_close(limit, 1.0 / 1.3_f64.sqrt(), 0.004, "bisection to 0.004");
     }
 }

@@ -4,11 +4,10 @@
 //! Valid for small strains and large rotations; with the logarithmic strains of the elements it is a
 //! Hencky law as long as the principal axes of strain do not turn in the material.
 
-use super::{Elastic, Law, PlaneStress, Points};
 use super::parameters::Parameters;
+use super::{Built, Elastic, Law, PlaneStress, Points};
 use crate::lanes::{Lane, Real};
 use crumple_proto::partition::Material;
-use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law { name: "elastic", build };
@@ -17,7 +16,7 @@ struct LinearElastic {
     elastic: Elastic,
 }
 
-fn build(material: &Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>> {
+fn build(material: &Material) -> Built {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.elastic();
     parameters.finish()?;

@@ -3,13 +3,19 @@
 //! Projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d = sig_y - sig_x`, `t = sig_xy` of
 //! the elastic trial and the multiplier `x` [length^2/force],
 //! ```text
-//! sig_vm^2(x) = (s^2/4) / A^2 + (3/4 d^2 + 3 t^2) / B^2,   A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
-//! d eps_p     = 2/3 x sig_vm,                              sig_vm(x) = sig_y(eps_p + d eps_p)
+//! sig_vm^2(x) = p / A^2 + q / B^2,   p = s^2/4,   q = 3/4 d^2 + 3 t^2,   A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
+//! y = d eps_p = 2/3 x sig_vm,        sig_vm(x) = sig_y(eps_p + y)
 //! s <- s / A,   d <- d / B,   t <- t / B
 //! ```
-//! so the returned stress lies on the yield surface, whatever the size of the step. The equation is solved for
-//! `1/sig_vm = 1/sig_y`: in pure shear and in equal biaxial stress the left side is linear in x, elsewhere nearly,
-//! so that Newton needs one or two steps.
+//! so the returned stress lies on the yield surface, whatever the size of the step. At the solution `x` is
+//! `3/2 y / sig_y`, which makes it an equation for y without roots and with two functions that are linear in y
+//! wherever hardening is:
+//! ```text
+//! v(y) = p / alpha^2 + q / beta^2 = 1,   alpha = sig_y + E y / (2 (1-nu)),   beta = sig_y + 3 G y
+//! ```
+//! Its solver takes Halley steps on `1/sqrt(v) = 1`, which is linear in pure shear and in equal biaxial stress and
+//! nearly so elsewhere, with `sqrt(v)` as the rational function that agrees to the fourth power of v - 1.
+//! Two or three steps reach 1e-10 of the yield stress.
 //!
 //! Yield stress `sig_y(eps_p)` [force/length^2], one of
 //! - `yield_stress` and, if wanted, the plastic modulus `hardening_modulus`: `yield_stress + hardening_modulus eps_p`;
@@ -22,10 +28,9 @@
 //! Left out: kinematic hardening, failure, transverse shear in the yield condition (as in most shell codes).
 
 use super::parameters::Parameters;
-use super::{Elastic, Law, MAX_POINTS, PlaneStress, Points};
+use super::{Built, Elastic, Law, MAX_POINTS, PlaneStress, Points};
 use crate::lanes::{Lane, Real};
 use crumple_proto::partition::{Material, Param};
-use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law { name: "j2", build };
@@ -34,24 +39,25 @@ pub const LAW: Law = Law { name: "j2", build };
 const COLUMNS: usize = 4;
 /// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
 const TOLERANCE: f64 = 1e-10;
-/// Newton steps before bisection takes over. Two or three do, unless a table turns up sharply.
-const NEWTON_STEPS: usize = 20;
+/// Halley steps before bisection takes over. Two or three do, unless a table turns up sharply.
+const HALLEY_STEPS: usize = 20;
 /// Halvings of the bracket; 60 leave nothing of it.
 const BISECTIONS: usize = 60;
 
 struct J2 {
     elastic: Elastic,
-    /// Yield stress at no plastic strain [force/length^2].
+    /// Yield stress at no plastic strain [force/length^2]. The return works in units of it, in which its powers
+    /// neither overflow nor vanish, whatever the units of the job.
     yield_stress: f64,
-    /// Slope there [force/length^2].
+    /// Slope there, in yield stresses.
     slope: f64,
-    /// Plastic strains where the slope changes, and by how much [force/length^2].
+    /// Plastic strains where the slope changes, and by how much, in yield stresses.
     ramps: Vec<(f64, f64)>,
     /// C [1/time] and 1/p.
     rate: Option<(f64, f64)>,
 }
 
-fn build(material: &Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>> {
+fn build(material: &Material) -> Built {
     let mut parameters = Parameters::new(material);
     let elastic = parameters.elastic();
     let (yield_stress, slope, ramps) = hardening(&mut parameters);
@@ -66,7 +72,7 @@ fn build(material: &Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>> {
         }
     };
     parameters.finish()?;
-    Ok(Box::new(J2 { elastic, yield_stress, slope, ramps, rate }))
+    Ok(Box::new(J2::new(elastic, yield_stress, slope, &ramps, rate)))
 }
 
 /// Yield stress, first slope, and changes of slope.
@@ -111,29 +117,48 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     (rows[0][1], slopes[0], ramps)
 }
 
-/// A trial stress being returned, and where it has got to.
+/// A trial stress being returned, and where it has got to. Stresses in units of the initial yield stress.
 #[derive(Clone, Copy)]
 struct Return<R> {
-    /// `s^2/4` and `3/4 d^2 + 3 t^2` of the trial [force^2/length^4].
+    /// p and q of the trial.
     p: R,
     q: R,
     /// Plastic strain before the step.
     eps_p: R,
     /// Factor of the rate on the yield stress.
     scale: R,
-    /// Multiplier [length^2/force].
-    x: R,
-    /// 1/A and 1/B at x.
-    inv_a: R,
-    inv_b: R,
+    /// Increment of plastic strain.
+    y: R,
+}
+
+/// The two denominators of v, the yield stress in them, and their slopes in y.
+struct Denominators<R> {
+    sig_y: R,
+    alpha: R,
+    beta: R,
+    d_alpha: R,
+    d_beta: R,
 }
 
 impl J2 {
+    /// From stresses in the job's units.
+    fn new(elastic: Elastic, yield_stress: f64, slope: f64, ramps: &[(f64, f64)], rate: Option<(f64, f64)>) -> Self {
+        let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
+        Self { elastic, yield_stress, slope: slope / yield_stress, ramps, rate }
+    }
+
+    /// Slopes of alpha and beta in y beside hardening, in yield stresses.
+    #[inline(always)]
+    fn moduli(&self) -> [f64; 2] {
+        let Elastic { youngs_modulus, poisson, .. } = self.elastic;
+        [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * self.elastic.shear_modulus()].map(|m| m / self.yield_stress)
+    }
+
     /// Yield stress and plastic modulus at a plastic strain. Ramps instead of a search: no lane waits for another.
     #[inline(always)]
     fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
         let mut modulus = R::splat(self.slope);
-        let mut sig_y = modulus.mul_add(eps_p, R::splat(self.yield_stress));
+        let mut sig_y = modulus.mul_add(eps_p, R::splat(1.0));
         for &(start, change) in &self.ramps {
             let beyond = eps_p - R::splat(start);
             let change = R::select(beyond.gt(R::zero()), R::splat(change), R::zero());
@@ -150,78 +175,97 @@ impl J2 {
         let e_xy = R::splat(0.5) * eps[2];
         let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
         let rate = (R::splat(4.0 / 3.0) * sum).sqrt() * R::splat(1.0 / (dt * c));
-        // Where nothing is strained the power would be that of nought, which is nought: no lane needs a special case.
         R::select(mask, R::splat(1.0) + rate.powf_where(inv_p, mask), R::splat(1.0))
     }
 
+    /// All points of a group.
+    #[inline(always)]
     fn stress<R: Real>(&self, points: Points<'_, R>, dt: f64) {
         let [c11, c12, g] = self.elastic.plane_stress().map(R::splat);
-        let [quarter, three_quarters, three] = [0.25, 0.75, 3.0].map(R::splat);
+        let per_yield2 = 1.0 / (self.yield_stress * self.yield_stress);
+        let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
         let thinning = R::splat(self.elastic.thinning());
         let zero = R::zero();
-        let (states, _) = points.state.as_chunks_mut::<COLUMNS>();
         let n = points.strain.len().min(MAX_POINTS);
+        let (strain, thickness_strain) = (&points.strain[..n], &mut points.thickness_strain[..n]);
+        let states = &mut points.state.as_chunks_mut::<COLUMNS>().0[..n];
 
         // 1. Elastic trial, and which lanes yield.
-        let idle = Return { p: zero, q: zero, eps_p: zero, scale: zero, x: zero, inv_a: zero, inv_b: zero };
+        let idle = Return { p: zero, q: zero, eps_p: zero, scale: R::splat(1.0), y: zero };
         let mut returns = [idle; MAX_POINTS];
         let mut yields = [zero.gt(zero); MAX_POINTS];
+        let (returns, yields) = (&mut returns[..n], &mut yields[..n]);
         let mut any = false;
         for k in 0..n {
-            let (state, eps) = (&mut states[k], points.strain[k]);
+            let (state, eps) = (&mut states[k], strain[k]);
             let dx = c11.mul_add(eps[0], c12 * eps[1]);
             let dy = c11.mul_add(eps[1], c12 * eps[0]);
             state[0] += dx;
             state[1] += dy;
             state[2] = g.mul_add(eps[2], state[2]);
-            points.thickness_strain[k] = thinning.mul_add(dx + dy, -(eps[0] + eps[1]));
+            thickness_strain[k] = thinning.mul_add(dx + dy, -(eps[0] + eps[1]));
             let (s, d) = (state[0] + state[1], state[1] - state[0]);
-            let p = quarter * s * s;
-            let q = three_quarters.mul_add(d * d, three * state[2] * state[2]);
+            let p = of_s * s * s;
+            let q = (of_d * d).mul_add(d, of_t * state[2] * state[2]);
             let sig_y = self.yield_curve(state[3]).0;
-            yields[k] = (p + q).gt(sig_y * sig_y);
+            let mut over = (p + q).gt(sig_y * sig_y);
             let mut scale = R::splat(1.0);
-            if self.rate.is_some() && R::any(yields[k]) {
-                scale = self.rate_factor(eps, dt, yields[k]);
+            if self.rate.is_some() && R::any(over) {
+                scale = self.rate_factor(eps, dt, over);
                 let scaled = scale * sig_y;
-                yields[k] = (p + q).gt(scaled * scaled);
+                over = (p + q).gt(scaled * scaled);
             }
-            returns[k] = Return { p, q, eps_p: state[3], scale, ..idle };
-            any |= R::any(yields[k]);
+            yields[k] = over;
+            returns[k] = Return { p, q, eps_p: state[3], scale, y: zero };
+            any |= R::any(over);
         }
         if !any {
             return;
         }
 
-        // 2. Multiplier of each lane; all points together, as they do not wait for one another.
-        self.newton(&mut returns[..n], &yields[..n]);
+        // 2. Plastic strain of each lane; all points together, as they do not wait for one another.
+        self.solve(returns, yields);
 
         // 3. Return.
-        let (half, two_thirds) = (R::splat(0.5), R::splat(2.0 / 3.0));
+        let half = R::splat(0.5);
         for k in 0..n {
             let (state, back, yields) = (&mut states[k], &returns[k], yields[k]);
-            let sig_vm = back.p.mul_add(back.inv_a * back.inv_a, back.q * back.inv_b * back.inv_b).sqrt();
+            let Denominators { sig_y, alpha, beta, .. } = self.denominators(back);
+            let both = sig_y / (alpha * beta);
+            let (inv_a, inv_b) = (both * beta, both * alpha);
             let s0 = state[0] + state[1];
-            let s = s0 * back.inv_a;
-            let d = (state[1] - state[0]) * back.inv_b;
+            let s = s0 * inv_a;
+            let d = (state[1] - state[0]) * inv_b;
             state[0] = R::select(yields, half * (s - d), state[0]);
             state[1] = R::select(yields, half * (s + d), state[1]);
-            state[2] = R::select(yields, state[2] * back.inv_b, state[2]);
-            state[3] = R::select(yields, two_thirds.mul_add(back.x * sig_vm, state[3]), state[3]);
-            let eps_z = points.thickness_strain[k];
-            points.thickness_strain[k] = R::select(yields, thinning.mul_add(s - s0, eps_z), eps_z);
+            state[2] = R::select(yields, state[2] * inv_b, state[2]);
+            state[3] = R::select(yields, state[3] + back.y, state[3]);
+            let eps_z = thickness_strain[k];
+            thickness_strain[k] = R::select(yields, thinning.mul_add(s - s0, eps_z), eps_z);
         }
     }
 
-    /// Newton on `1/sig_vm = 1/sig_y` from x = 0; a lane that has arrived is frozen.
     #[inline(always)]
-    fn newton<R: Real>(&self, returns: &mut [Return<R>], yields: &[R::Mask]) {
-        for _ in 0..NEWTON_STEPS {
+    fn denominators<R: Real>(&self, back: &Return<R>) -> Denominators<R> {
+        let [a, b] = self.moduli().map(R::splat);
+        let (sig_y, modulus) = self.yield_curve(back.eps_p + back.y);
+        let (sig_y, modulus) = (sig_y * back.scale, modulus * back.scale);
+        Denominators {
+            sig_y,
+            alpha: a.mul_add(back.y, sig_y),
+            beta: b.mul_add(back.y, sig_y),
+            d_alpha: a + modulus,
+            d_beta: b + modulus,
+        }
+    }
+
+    /// Halley from y = 0; a lane that has arrived is frozen.
+    #[inline(always)]
+    fn solve<R: Real>(&self, returns: &mut [Return<R>], yields: &[R::Mask]) {
+        for _ in 0..HALLEY_STEPS {
             let mut any = false;
             for (back, &yields) in returns.iter_mut().zip(yields) {
-                let (active, step) = self.newton_step(back, yields);
-                any |= R::any(active);
-                back.x = R::select(active, back.x + step, back.x);
+                any |= self.halley_step(back, yields);
             }
             if !any {
                 return;
@@ -232,57 +276,57 @@ impl J2 {
         }
     }
 
-    /// Evaluates at x: which lanes are not on the surface yet, and the step that would take them there.
+    /// Moves the lanes that are off the surface still; false if there were none.
     #[inline(always)]
-    fn newton_step<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) -> (R::Mask, R) {
-        let (a, b) = self.moduli();
-        let (a, b) = (R::splat(a), R::splat(b));
-        let one = R::splat(1.0);
-        let (big_a, big_b) = (a.mul_add(back.x, one), b.mul_add(back.x, one));
-        let inv = one / (big_a * big_b);
-        back.inv_a = inv * big_b;
-        back.inv_b = inv * big_a;
-        let p = back.p * back.inv_a * back.inv_a;
-        let q = back.q * back.inv_b * back.inv_b;
-        let u = p + q;
-        let sig_vm = u.sqrt();
-        let two_thirds = R::splat(2.0 / 3.0);
-        let (sig_y, modulus) = self.yield_curve(two_thirds.mul_add(back.x * sig_vm, back.eps_p));
-        let (sig_y, modulus) = (sig_y * back.scale, modulus * back.scale);
-        let f = sig_vm - sig_y;
-        // -d(sig_vm^2)/dx / 2, then the step on 1/sig_vm - 1/sig_y with its one division gathered.
-        let w = a.mul_add(p * back.inv_a, b * q * back.inv_b);
-        let below = w.mul_add(sig_y * sig_y, two_thirds * modulus * u * back.x.neg_mul_add(w, u));
-        let step = f * u * sig_y / below;
-        (R::both(yields, f.abs().gt(R::splat(TOLERANCE) * sig_y)), step)
+    fn halley_step<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) -> bool {
+        let Denominators { alpha, beta, d_alpha, d_beta, .. } = self.denominators(back);
+        // v = n/d2 over the common denominator; sqrt(v) - 1 is half of v - 1 near the end.
+        let (alpha2, beta2) = (alpha * alpha, beta * beta);
+        let d2 = alpha2 * beta2;
+        let n = back.p.mul_add(beta2, back.q * alpha2);
+        let active = R::both(yields, (n - d2).abs().gt(R::splat(2.0 * TOLERANCE) * d2));
+        if !R::any(active) {
+            return false;
+        }
+        // -v'/2 = m/d^3 and v''/6 = z/d^4, but for the curvature of hardening.
+        let (on_p, on_q) = (back.p * d_alpha * beta2, back.q * d_beta * alpha2);
+        let m = on_p.mul_add(beta, on_q * alpha);
+        let z = (on_p * d_alpha).mul_add(beta2, on_q * d_beta * alpha2);
+        // Newton's step is top/below, with 4 (v^2 - 1)/(v^2 + 10 v + 5) for sqrt(v) - 1; then Halley's, with its one
+        // division gathered.
+        let d4 = d2 * d2;
+        let e = n.mul_add(n, -d4);
+        let top = R::splat(4.0) * n * alpha * beta * e;
+        let below = R::splat(5.0).mul_add(d4, n.mul_add(n, R::splat(10.0) * n * d2)) * m;
+        let curved = R::splat(6.0) * e * m.mul_add(m, -(z * n));
+        let step = top * m / below.mul_add(m, curved);
+        back.y = R::select(active, back.y + step, back.y);
+        true
     }
 
-    /// Halves the bracket between x = 0, which is outside the surface, and an x that is inside for sure.
+    /// Halves the bracket between y = 0, which is outside the surface, and a y that is inside for sure.
+    /// Lanes that arrived before stay where they are.
     #[cold]
     fn bisect<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) {
-        let (a, b) = self.moduli();
-        let sig_trial = (back.p + back.q).sqrt();
+        let outside = |back: &Return<R>| {
+            let Denominators { alpha, beta, .. } = self.denominators(back);
+            let (alpha2, beta2) = (alpha * alpha, beta * beta);
+            (back.p.mul_add(beta2, back.q * alpha2) - alpha2 * beta2, alpha2 * beta2)
+        };
+        let kept = back.y;
+        let (off, scale) = outside(back);
+        let wanting = R::both(yields, off.abs().gt(R::splat(2.0 * TOLERANCE) * scale));
         let mut low = R::zero();
-        // sig_vm(x) <= sig_trial / (1 + min(a, b) x), and the yield stress only grows.
-        let mut high = sig_trial / R::splat(self.yield_stress * a.min(b));
-        // Lanes that Newton brought home stay there: the state of each comes from its own x alone.
-        let (wanting, _) = self.newton_step(back, yields);
-        let kept = back.x;
+        // alpha and beta are at least min(a, b) y, and v is 1 at the solution.
+        let [a, b] = self.moduli();
+        let mut high = (back.p + back.q).sqrt() * R::splat(1.0 / a.min(b));
         for _ in 0..BISECTIONS {
-            back.x = R::splat(0.5) * (low + high);
-            let (_, step) = self.newton_step(back, yields);
-            let outside = step.gt(R::zero());
-            low = R::select(outside, back.x, low);
-            high = R::select(outside, high, back.x);
+            back.y = R::splat(0.5) * (low + high);
+            let out = outside(back).0.gt(R::zero());
+            low = R::select(out, back.y, low);
+            high = R::select(out, high, back.y);
         }
-        back.x = R::select(wanting, back.x, kept);
-        self.newton_step(back, yields);
-    }
-
-    /// Slopes of A and B in x [force/length^2].
-    #[inline(always)]
-    fn moduli(&self) -> (f64, f64) {
-        (self.elastic.youngs_modulus / (3.0 * (1.0 - self.elastic.poisson)), 2.0 * self.elastic.shear_modulus())
+        back.y = R::select(wanting, back.y, kept);
     }
 }
 

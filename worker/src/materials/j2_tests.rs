@@ -187,15 +187,19 @@ fn every_lane_is_what_it_would_be_alone() {
 }
 
 #[test]
-fn bisection_finds_what_newton_finds() {
+fn bisection_finds_what_halley_finds() {
     let elastic = Elastic { youngs_modulus: E, poisson: NU, density: 1.0 };
-    let law = J2 { elastic, yield_stress: YIELD, slope: 1.0, ramps: vec![(0.01, -0.5)], rate: None };
-    let zero = Return { p: 0.1, q: 0.3, eps_p: 0.005, scale: 1.2, x: 0.0, inv_a: 0.0, inv_b: 0.0 };
-    let (mut newton, mut halved) = ([zero], zero);
-    law.newton(&mut newton, &[true]);
+    let law = J2::new(elastic, YIELD, 1.0, &[(0.01, -0.5)], None);
+    let start = Return { p: 1.6, q: 4.8, eps_p: 0.005, scale: 1.2, y: 0.0 };
+    let (mut halley, mut halved) = ([start], start);
+    law.solve(&mut halley, &[true]);
     law.bisect(&mut halved, true);
-    let off = (newton[0].x - halved.x).abs() / halved.x;
-    assert!(off < 1e-9, "Newton stops at 1e-10 of yield: {off}");
+    let off = (halley[0].y - halved.y).abs() / halved.y;
+    assert!(off < 1e-9, "the solver stops at 1e-10 of yield: {off}");
+    // A lane that has arrived is not moved, not even by round-off.
+    let there = halley[0].y;
+    law.bisect(&mut halley[0], true);
+    assert_eq!(halley[0].y.to_bits(), there.to_bits());
 }
 
 #[test]

@@ -97,19 +97,22 @@ impl PointReal for f64 {
     }
 }
 
+/// A law, or everything that is wrong with its material.
+pub type Built = Result<Box<dyn PlaneStress>, Vec<Problem>>;
+
 /// A row of [`LAWS`].
 pub struct Law {
     /// Name in jobs.
     pub name: &'static str,
     /// Reads the parameters; returns everything that is wrong with them, with paths relative to the material.
-    pub build: fn(&Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>>,
+    pub build: fn(&Material) -> Built,
 }
 
 /// Every law.
 pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW];
 
 /// The law of a material, or everything that is wrong with the material, with paths relative to it.
-pub fn build(material: &Material) -> Result<Box<dyn PlaneStress>, Vec<Problem>> {
+pub fn build(material: &Material) -> Built {
     match LAWS.iter().find(|law| law.name == material.law) {
         Some(law) => (law.build)(material),
         None => {
