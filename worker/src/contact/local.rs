@@ -18,8 +18,11 @@ const ACTIVE: f64 = 0.02;
 const PLANE: f64 = 0.02;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
-/// Share of an initial penetration that is given back to the gap per step.
+/// Share of a tolerated penetration that is given back to the gap per step.
 const RELAX: f64 = 0.002;
+/// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a sweep leaves over is
+/// far below; a node that comes upon a segment from its rim must not be thrown out within a step.
+const CORRECT: f64 = 0.002;
 
 /// A pair as the local search sees it, before selection.
 struct Find {
@@ -98,10 +101,11 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
     let height = offset.dot(&near.normal);
     let known = memory.iter().find(|m| m.segment == segment.id);
     // The normal points to the node's side. Around the rim it turns with the node, so that nothing jumps when
-    // the node passes from one segment to the next. Deep inside, the remembered side decides.
-    let side = known.map_or(if height < 0.0 { -1.0 } else { 1.0 }, |m| m.side);
-    let crossed = height * side < 0.0 || distance < 0.05 * thickness;
-    let (normal, reached) = if crossed { (near.normal * side, height * side) } else { (offset / distance, distance) };
+    // the node passes from one segment to the next or slides off. Deep inside, the remembered side decides.
+    let here = if height < 0.0 { -1.0 } else { 1.0 };
+    let side = known.filter(|_| !near.rim).map_or(here, |m| m.side);
+    let deep = height * side < 0.0 || distance < 0.05 * thickness;
+    let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
@@ -125,7 +129,7 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
         weight: shape,
         normal,
         side,
-        gap: gap - tolerated,
+        gap: (gap - tolerated).max(-CORRECT * thickness),
         depth: -gap,
         tolerated,
         thickness,
