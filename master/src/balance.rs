@@ -33,6 +33,8 @@ pub struct Limits {
 const URGENT: f64 = 0.7;
 /// Cycles that a judgement of the balance looks at, at least.
 const WINDOW: usize = 100;
+/// Share of an imbalance that a low must have cured for the next not to wait longer.
+const WORTHWHILE: f64 = 0.3;
 /// Seconds that a low redecomposition is thought to cost before one was measured.
 const LOW_COST: f64 = 0.02;
 
@@ -51,6 +53,11 @@ pub struct Balance {
     lost: f64,
     last_low: u64,
     low_cost: f64,
+    /// Imbalance that called for the last low, until it is known what that low has brought.
+    unproven: Option<f64>,
+    judged_imbalance: Option<f64>,
+    /// Factor on the patience between lows: doubled by each that brought little.
+    patience: u64,
     orders_due: u64,
     /// Sum over cycles of the slowest worker's CPU seconds.
     pub critical_s: f64,
@@ -77,6 +84,9 @@ impl Balance {
             lost: 0.0,
             last_low: 0,
             low_cost: LOW_COST,
+            unproven: None,
+            judged_imbalance: None,
+            patience: 1,
             orders_due: 0,
             critical_s: 0.0,
             total_s: 0.0,
@@ -143,9 +153,15 @@ impl Balance {
         if judged {
             self.worst = self.worst.max(imbalance);
         }
-        let patient = cycle >= self.last_low + self.limits.low_every_at_least;
+        if let Some(before) = self.unproven.filter(|_| judged) {
+            let brought = (before - imbalance) / (before - 1.0);
+            self.patience = if brought > WORTHWHILE { 1 } else { (2 * self.patience).min(64) };
+            self.unproven = None;
+        }
+        let patient = cycle >= self.last_low + self.patience * self.limits.low_every_at_least;
         if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
             let why = format!("imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last", 1e3 * self.lost);
+            self.judged_imbalance = Some(imbalance);
             return Some(Due::Low { why });
         }
         if judged {
@@ -164,6 +180,7 @@ impl Balance {
             Due::Low { .. } => {
                 self.low += 1;
                 self.lost = 0.0;
+                self.unproven = self.judged_imbalance.take();
                 self.last_low = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
             }
         }

@@ -40,6 +40,7 @@ pub enum RunError {
 
 /// A run as the master sees it.
 pub struct Control<'a> {
+    began: Instant,
     model: &'a Model,
     wire: &'a mut dyn Transport,
     workers: usize,
@@ -66,7 +67,6 @@ pub struct Control<'a> {
 /// # Errors
 /// A worker is gone, or results cannot be written.
 pub fn run(model: &Model, wire: &mut dyn Transport, out: &Path, quiet: bool, stop: &StopFlag) -> Result<Summary, RunError> {
-    let began = Instant::now();
     let mut control = Control::new(model, wire, out, quiet)?;
     control.deal_out()?;
     while control.closings.iter().any(Option::is_none) {
@@ -87,7 +87,7 @@ pub fn run(model: &Model, wire: &mut dyn Transport, out: &Path, quiet: bool, sto
         }
     }
     control.progress.finish();
-    control.close(began)
+    control.close()
 }
 
 impl<'a> Control<'a> {
@@ -113,6 +113,7 @@ impl<'a> Control<'a> {
             forced: job.parallel.force_every > 0,
         };
         Ok(Self {
+            began: Instant::now(),
             tree: CutTree::single(),
             balance: Balance::new(workers, limits),
             series: Series::new(&fields),
@@ -179,7 +180,8 @@ impl<'a> Control<'a> {
             ToMaster::Report(report) => self.balance.take(worker, report),
             ToMaster::History(part) => {
                 let b = &self.balance;
-                let extras = Extras { cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
+                let wall = self.began.elapsed().as_secs_f64();
+                let extras = Extras { wall, cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
                 let path = || self.out.join("history.csv");
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
             }
@@ -263,8 +265,8 @@ impl<'a> Control<'a> {
     }
 
     /// Everything has come: the summary.
-    fn close(mut self, began: Instant) -> Result<Summary, RunError> {
-        let wall_s = began.elapsed().as_secs_f64();
+    fn close(mut self) -> Result<Summary, RunError> {
+        let wall_s = self.began.elapsed().as_secs_f64();
         let closings: Vec<Closing> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
         let (status, reason) = match &self.trouble {

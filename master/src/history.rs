@@ -17,6 +17,8 @@ pub struct Row {
 /// What the master knows besides when a row is complete.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras {
+    /// Wall time since the start [s].
+    pub wall: f64,
     /// Sum over cycles and workers of CPU seconds so far.
     pub cpu_total: f64,
     /// Sum over cycles of the slowest worker's CPU seconds so far.
@@ -91,7 +93,7 @@ impl History {
             header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
             header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
         }
-        let accounts = ["cpu of all workers [s]", "cpu of the critical path [s]", "low redecompositions", "high redecompositions"];
+        let accounts = ["wall [s]", "cpu of all workers [s]", "cpu of the critical path [s]", "low redecompositions", "high redecompositions"];
         header.extend(accounts.map(String::from));
         file.write_record(&header)?;
         Ok(Self {
@@ -149,7 +151,8 @@ impl History {
             // The wall's force on the model, mean since the last row.
             record.extend((0..3).map(|c| number(if dt > 0.0 { (impulse[c] - before.1[c]) / dt } else { 0.0 })));
         }
-        record.extend([number(extras.cpu_total), number(extras.cpu_critical), extras.low.to_string(), extras.high.to_string()]);
+        record.extend([extras.wall, extras.cpu_total, extras.cpu_critical].map(number));
+        record.extend([extras.low.to_string(), extras.high.to_string()]);
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)
     }

@@ -57,10 +57,12 @@ impl Agreement {
         clock: &Clock,
         settings: &Settings,
     ) -> Result<(), Lost> {
-        let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, totals.stable_dt);
+        let scaled = || blocks.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
+        let stable_dt = if blocks.mass_scaled { scaled() } else { totals.stable_dt };
+        let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let culprit = (totals.trouble || collapsed).then(|| blocks.culprit(nodes)).flatten();
         let trouble = culprit.map_or(0.0, |id| TOP - id.0 as f64);
-        let step = if totals.stable_dt.is_nan() { 0.0 } else { totals.stable_dt };
+        let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
         self.reduction.begin(wire, &[-step, trouble, self.order as f64, self.urgency])
     }
 

@@ -49,6 +49,8 @@ pub struct Blocks {
     pub force: Vec<Row>,
     /// Internal moments of corners [force length].
     pub moment: Vec<Row>,
+    /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
+    pub mass_scaled: bool,
     gather_start: Vec<u32>,
     gather: Vec<u32>,
 }
@@ -98,6 +100,7 @@ impl Blocks {
             first += run.len();
         }
         let mut all = Self {
+            mass_scaled: elements.iter().any(|e: &LocalElement| e.record.mass_factor != 1.0),
             elements,
             blocks,
             force: Vec::new(),

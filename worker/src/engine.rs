@@ -185,16 +185,19 @@ impl Engine {
         centre(&self.nodes, nodes, shape)
     }
 
-    /// Calls `f` with the centre and the load of every own element; a contact pair weighs `pair_weight` elements.
-    pub fn for_each_load(&self, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
+    /// Calls `f` with the centre and the load of every own element. All loads add up to `cost`, what a cycle costs here;
+    /// a contact pair weighs as much as `pair_weight` elements.
+    pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
         let mut pairs = vec![0u32; self.nodes.held];
+        let mut units = self.blocks.elements.len() as f64;
         for n in self.contact.iter().flat_map(|c| c.own_pair_nodes()) {
             pairs[n as usize] += 1;
         }
+        // In a regular mesh a node is the first corner of one element; that one carries the node's pairs.
+        let carried = |e: &crate::blocks::LocalElement| pair_weight * f64::from(pairs[e.nodes[0] as usize]);
+        units += self.blocks.elements.iter().map(carried).sum::<f64>();
         for e in &self.blocks.elements {
-            // In a regular mesh a node is the first corner of one element; that one carries the node's pairs.
-            let own = pairs[e.nodes[0] as usize];
-            f(self.centre_of(e.nodes, e.record.shape), 1.0 + pair_weight * f64::from(own));
+            f(self.centre_of(e.nodes, e.record.shape), cost / units * (1.0 + carried(e)));
         }
     }
 

@@ -23,8 +23,13 @@ pub struct Worker {
     done: u64,
     report: StepReport,
     cpu_before: Duration,
+    /// CPU seconds of a recent cycle, smoothed.
+    cost: f64,
     stopped: bool,
 }
+
+/// Weight of the newest cycle in the smoothed cost.
+const NEWEST: f64 = 0.02;
 
 /// Serves from start to end.
 ///
@@ -46,7 +51,7 @@ impl Worker {
     /// A worker around an engine at time 0.
     pub fn new(engine: Engine) -> Self {
         let report = StepReport::default();
-        Self { engine, orders: VecDeque::new(), done: 0, report, cpu_before: Duration::ZERO, stopped: false }
+        Self { engine, orders: VecDeque::new(), done: 0, report, cpu_before: Duration::ZERO, cost: 0.0, stopped: false }
     }
 
     /// Cycles until the end, an order to stop, or trouble.
@@ -95,6 +100,7 @@ impl Worker {
         let e = &mut self.engine;
         let cpu = thread_cpu().saturating_sub(wire.wait_cpu()).saturating_sub(self.cpu_before);
         self.report.cpu.push(cpu.as_secs_f32());
+        self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
         self.report.urgency = self.report.urgency.max(agreed.urgency);
         if e.clock.cycle % REPORT_EVERY == 0 || agreed.urgency >= 1.0 {
             let seconds = &e.timer.seconds;
@@ -162,7 +168,7 @@ impl Worker {
             match await_message(wire, 0, Tag::Order)? {
                 ToWorker::Extents { tree, entries } => {
                     let mut extents = vec![Aabb::EMPTY; entries.len()];
-                    self.engine.for_each_load(0.0, |centre, _| {
+                    self.engine.for_each_load(0.0, 0.0, |centre, _| {
                         if let Some(i) = entries.iter().position(|&e| e == tree.entry_of(centre)) {
                             extents[i].include(centre);
                         }
@@ -171,7 +177,7 @@ impl Worker {
                 }
                 ToWorker::Histograms { tree, of, bins, pair_weight } => {
                     let mut histograms = vec![vec![0.0; bins]; of.len()];
-                    self.engine.for_each_load(pair_weight, |centre, load| {
+                    self.engine.for_each_load(self.cost, pair_weight, |centre, load| {
                         let entry = tree.entry_of(centre);
                         for (h, &(_, axis, lo, hi)) in histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry) {
                             let place = (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;

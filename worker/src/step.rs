@@ -31,8 +31,10 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         timer.lap(Phase::Halo);
         contact.refresh_candidates(nodes);
         timer.lap(Phase::Search);
-        contact.find_pairs(wire, nodes, halo, steps)?;
+        contact.find_pairs(nodes, steps);
         timer.lap(Phase::Local);
+        contact.share_pairs(wire, nodes, halo)?;
+        timer.lap(Phase::Halo);
         contact.enforce(wire, nodes, walls, steps)?; // gap(t + dt) >= 0
         timer.lap(Phase::Contact);
     }

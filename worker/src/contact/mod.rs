@@ -148,11 +148,8 @@ impl Contact {
         }
     }
 
-    /// Which pairs are active in this step, here and in other workers.
-    ///
-    /// # Errors
-    /// A worker is gone.
-    pub fn find_pairs(&mut self, wire: &mut dyn Transport, nodes: &Nodes, halo: &Halo, steps: Steps) -> Result<(), Lost> {
+    /// Which pairs of own nodes are active in this step.
+    pub fn find_pairs(&mut self, nodes: &Nodes, steps: Steps) {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         for (i, &slave) in self.surface.slaves.iter().enumerate() {
@@ -170,6 +167,13 @@ impl Contact {
         if self.by_mass {
             self.table.weigh_by_mass(nodes);
         }
+    }
+
+    /// Learns of other workers' pairs that touch local nodes, and tells of own ones.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn share_pairs(&mut self, wire: &mut dyn Transport, nodes: &Nodes, halo: &Halo) -> Result<(), Lost> {
         self.table.share(wire, nodes, halo)
     }
 
