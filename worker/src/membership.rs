@@ -4,8 +4,8 @@
 
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact::pairs::Memory;
-use crate::contact::surface::{Segment, Surface};
-use crate::contact::{self};
+use crate::contact::surface::{Segment, Surface, contact_half};
+use crate::contact;
 use crate::halo::{Halo, Link};
 use crate::nodes::{Nodes, xyz};
 use bytemuck::{Pod, Zeroable};
@@ -101,7 +101,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);
     let half_of = contact_half(settings);
-    let mut surface = settings.contact.as_ref().map(|_| own_surface(&blocks, &nodes, &half_of));
+    let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, nodes.held, &half_of));
     let mut halo = link_corners(wire, &mut blocks, &nodes, &shared, &half_of, surface.as_mut())?;
     if fresh {
         blocks.lay_masses(&nodes);
@@ -115,12 +115,6 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
         tell_users(wire, &nodes, &mut halo, &shared)?;
     }
     Ok(Local { nodes, blocks, halo, surface })
-}
-
-/// Half thickness per part that takes part in contact, 0 for the others [length].
-fn contact_half(settings: &Settings) -> Vec<f64> {
-    let takes_part = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
-    settings.parts.iter().map(|p| if takes_part(p.id) { 0.5 * p.thickness } else { 0.0 }).collect()
 }
 
 /// Everyone's box.
@@ -185,19 +179,6 @@ fn link_corners(
     blocks.lay_gather(nodes.held, &foreign);
     links.retain(|l| l.worker != me);
     Ok(Halo { links, ..Halo::default() })
-}
-
-/// Segments of own elements and what they make of the held nodes.
-fn own_surface(blocks: &Blocks, nodes: &Nodes, half_of: &[f64]) -> Surface {
-    let mut s = Surface { node_half: vec![0.0; nodes.held], ..Surface::default() };
-    for e in &blocks.elements {
-        let half = half_of[e.record.part as usize];
-        if half > 0.0 {
-            s.segments.push(Segment::of(e, half));
-            e.nodes.iter().for_each(|&n| s.node_half[n as usize] = s.node_half[n as usize].max(half));
-        }
-    }
-    s
 }
 
 /// Copies the segments of other workers that own slaves could meet before the next renewal, with their nodes.

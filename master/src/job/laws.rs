@@ -4,9 +4,10 @@
 
 use super::validate::Findings;
 use crumple_proto::mesh::Shape;
-use crumple_proto::partition::Settings;
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::contact::initial::initial_penetrations;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block};
 use crumple_worker::materials;
@@ -74,4 +75,19 @@ impl Blocks {
     pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
         self.parts[part][usize::from(shape == Shape::Tri3)].as_deref()
     }
+}
+
+/// A warning if nodes start inside the thickness of shells that they can touch.
+pub fn penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<Problem> {
+    let found = initial_penetrations(settings, elements, nodes);
+    let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
+    let message = format!(
+        "{} nodes start inside a shell's thickness; the deepest is node {}, {:.3e} into element {}",
+        found.len(),
+        deepest.node,
+        deepest.depth,
+        deepest.elem
+    );
+    let help = "they are let be and pushed out slowly; move the parts apart by their thickness to be rid of them";
+    Some(Problem::warning("contact", message, help))
 }

@@ -81,7 +81,7 @@ pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     match built {
         Some(built) if !findings.any_error() => {
             let warnings = findings.list.into_iter().map(|f| f.problem).chain(built.warnings).collect();
-            Ok(Model {
+            let mut model = Model {
                 job: built.job,
                 mesh: built.mesh,
                 settings: built.settings,
@@ -92,7 +92,10 @@ pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
                 warnings,
                 path,
                 sources,
-            })
+            };
+            let (elements, nodes) = model.records();
+            model.warnings.extend(laws::penetrations(&model.settings, &elements, &nodes));
+            Ok(model)
         }
         _ => Err(Report::new(findings.list, &sources)),
     }

@@ -6,6 +6,7 @@
 
 pub mod enforce;
 pub mod geometry;
+pub mod initial;
 pub mod local;
 pub mod pairs;
 pub mod search;

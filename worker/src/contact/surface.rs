@@ -5,6 +5,7 @@ use crate::contact::geometry::V3;
 use crate::nodes::{Nodes, Row};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
+use crumple_proto::partition::Settings;
 
 /// A face that nodes can touch.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +58,26 @@ impl Segment {
     }
 }
 
+/// Half thickness per part that takes part in contact, 0 for the others [length].
+pub fn contact_half(settings: &Settings) -> Vec<f64> {
+    let takes_part = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+    settings.parts.iter().map(|p| if takes_part(p.id) { 0.5 * p.thickness } else { 0.0 }).collect()
+}
+
 impl Surface {
+    /// Segments of elements and what they make of the first `held` nodes; `half_of` is the half thickness per part.
+    pub fn of(elements: &[LocalElement], held: usize, half_of: &[f64]) -> Self {
+        let mut s = Self { node_half: vec![0.0; held], ..Self::default() };
+        for e in elements {
+            let half = half_of[e.record.part as usize];
+            if half > 0.0 {
+                s.segments.push(Segment::of(e, half));
+                e.nodes.iter().for_each(|&n| s.node_half[n as usize] = s.node_half[n as usize].max(half));
+            }
+        }
+        s
+    }
+
     /// Largest half thickness of a node [length].
     pub fn largest_half(&self) -> f64 {
         self.node_half.iter().copied().fold(0.0, f64::max)

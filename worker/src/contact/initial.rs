@@ -1,0 +1,59 @@
+//! Penetrations of the mesh as it is given, for a warning before the start.
+
+use crate::blocks::LocalElement;
+use crate::contact::geometry::{V3, nearest};
+use crate::contact::search::linked_cells;
+use crate::contact::surface::{Surface, contact_half};
+use crate::nodes::{Nodes, xyz};
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+
+/// A node that starts inside a shell's thickness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Penetration {
+    /// The node.
+    pub node: NodeId,
+    /// The shell.
+    pub elem: ElemId,
+    /// How far their surfaces overlap [length].
+    pub depth: f64,
+}
+
+/// Penetrations below this fraction of the contact thickness are round-off of the mesh.
+const ROUND_OFF: f64 = 1e-6;
+
+/// All penetrations of a mesh (records sorted by id), the deepest shell for each node, in ascending node id.
+/// The run tolerates them and gives them back slowly.
+pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Vec<Penetration> {
+    if settings.contact.is_none() {
+        return Vec::new();
+    }
+    let nodes = Nodes::new(nodes, 0);
+    let local = |e: &ElementRecord| {
+        let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
+        LocalElement { record: *e, nodes: numbers, shared: false }
+    };
+    let elements: Vec<LocalElement> = elements.iter().map(local).collect();
+    let mut surface = Surface::of(&elements, nodes.held, &contact_half(settings));
+    surface.collect_slaves(&nodes);
+    let largest = surface.largest_half();
+    let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.half + largest)).collect();
+    let points: Vec<[f64; 3]> = surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
+    let mut found: Vec<Penetration> = Vec::new();
+    for (g, p) in linked_cells(&boxes, &points) {
+        let (s, slave) = (&surface.segments[g as usize], surface.slaves[p as usize]);
+        if s.nodes.contains(&slave) {
+            continue;
+        }
+        let thickness = s.half + surface.node_half[slave as usize];
+        let at = V3::from(points[p as usize]);
+        let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { continue };
+        let depth = thickness - (at - near.point).norm();
+        if depth > ROUND_OFF * thickness {
+            found.push(Penetration { node: nodes.id[slave as usize], elem: s.id, depth });
+        }
+    }
+    found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));
+    found.dedup_by_key(|p| p.node);
+    found
+}
