@@ -35,6 +35,8 @@ pub struct Settings {
     pub contact: Option<Contact>,
     /// Width b of the box buffer [length].
     pub buffer: f64,
+    /// Ask for a redecomposition every so many cycles, 0 for never (for tests).
+    pub force_every: u64,
 }
 
 /// A material as a worker sees it: a law's name and a table of numbers.

@@ -62,6 +62,10 @@ impl Worker {
         while !self.engine.clock.is_over(&self.engine.settings) && !self.stopped {
             self.write_fields_if_due(wire, false)?;
             self.cpu_before = thread_cpu().saturating_sub(wire.wait_cpu());
+            let force_every = self.engine.settings.force_every;
+            if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
+                self.engine.agreement.urgency = 1.0;
+            }
             let agreed = step(&mut self.engine, wire)?;
             if let Some(elem) = agreed.trouble {
                 self.tell_trouble(wire, elem)?;

@@ -17,5 +17,6 @@ pub fn settings() -> Settings {
         walls: Vec::new(),
         contact: None,
         buffer: 1.0,
+        force_every: 0,
     }
 }

@@ -208,6 +208,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         walls,
         contact,
         buffer: or(job.parallel.buffer, 0.5 * smallest),
+        force_every: job.parallel.force_every,
     };
     (settings, order)
 }

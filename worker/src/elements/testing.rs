@@ -49,6 +49,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         walls: Vec::new(),
         contact: None,
         buffer: 0.0,
+        force_every: 0,
     }
 }
 
