@@ -66,7 +66,13 @@ pub struct Control<'a> {
 ///
 /// # Errors
 /// A worker is gone, or results cannot be written.
-pub fn run(model: &Model, wire: &mut dyn Transport, out: &Path, quiet: bool, stop: &StopFlag) -> Result<Summary, RunError> {
+pub fn run(
+    model: &Model,
+    wire: &mut dyn Transport,
+    out: &Path,
+    quiet: bool,
+    stop: &StopFlag,
+) -> Result<Summary, RunError> {
     let mut control = Control::new(model, wire, out, quiet)?;
     control.deal_out()?;
     while control.closings.iter().any(Option::is_none) {
@@ -104,7 +110,9 @@ impl<'a> Control<'a> {
             std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
         }
         let path = out.join("history.csv");
-        let name = |(i, w): (usize, &crumple_proto::job::Wall)| if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() };
+        let name = |(i, w): (usize, &crumple_proto::job::Wall)| {
+            if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
+        };
         let walls = settings.walls.iter().enumerate().map(name).collect();
         let history = History::new(&path, workers, &job.units, walls).map_err(|e| failed(&path)(e.into()))?;
         let limits = Limits {
@@ -156,7 +164,8 @@ impl<'a> Control<'a> {
             ids.dedup();
             tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "dealt out");
             let nodes = ids.iter().map(|id| *of_id[id]).collect();
-            let start = ToWorker::Start { settings: Box::new(settings.clone()), tree: self.tree.clone(), elements, nodes };
+            let start =
+                ToWorker::Start { settings: Box::new(settings.clone()), tree: self.tree.clone(), elements, nodes };
             post(self.wire, worker + 1, Tag::Order, &start)?;
         }
         Ok(())
@@ -181,7 +190,8 @@ impl<'a> Control<'a> {
             ToMaster::History(part) => {
                 let b = &self.balance;
                 let wall = self.began.elapsed().as_secs_f64();
-                let extras = Extras { wall, cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
+                let extras =
+                    Extras { wall, cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
                 let path = || self.out.join("history.csv");
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
             }

@@ -82,18 +82,29 @@ impl History {
         let mut file = csv::Writer::from_path(path)?;
         let u = Labels::of(units);
         let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
-        for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"] {
+        for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"]
+        {
             header.push(format!("{name} [{}]", u.energy));
         }
         header.push("energy error [-]".into());
         header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
         header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{} {}]", u.momentum, "length")));
-        header.extend(["pairs".into(), "penetration [fraction of contact thickness]".into(), "controlling element".into()]);
+        header.extend([
+            "pairs".into(),
+            "penetration [fraction of contact thickness]".into(),
+            "controlling element".into(),
+        ]);
         for wall in &walls {
             header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
             header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
         }
-        let accounts = ["wall [s]", "cpu of all workers [s]", "cpu of the critical path [s]", "low redecompositions", "high redecompositions"];
+        let accounts = [
+            "wall [s]",
+            "cpu of all workers [s]",
+            "cpu of the critical path [s]",
+            "low redecompositions",
+            "high redecompositions",
+        ];
         header.extend(accounts.map(String::from));
         file.write_record(&header)?;
         Ok(Self {

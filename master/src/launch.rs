@@ -156,7 +156,13 @@ fn print_summary(s: &Summary, out: &Path) {
     let e = &s.energy;
     println!(
         "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} wall work {:.4e}, error {:.3} % (max {:.3} %)",
-        e.kinetic, e.internal, e.hourglass, e.contact, e.wall, 100.0 * e.error, 100.0 * e.error_max
+        e.kinetic,
+        e.internal,
+        e.hourglass,
+        e.contact,
+        e.wall,
+        100.0 * e.error,
+        100.0 * e.error_max
     );
     println!(
         "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; {} low and {} high redecompositions, imbalance {:.2}",

@@ -70,7 +70,8 @@ mod tests {
         let trouble = Trouble { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
         let back = decode(&encode(&ToMaster::Trouble(trouble.clone())));
         assert!(matches!(back, Some(ToMaster::Trouble(t)) if t == trouble));
-        let closing = ToMaster::Closing(Box::new(Closing { cycles: 5, ..Default::default() }), vec![Default::default()]);
+        let closing =
+            ToMaster::Closing(Box::new(Closing { cycles: 5, ..Default::default() }), vec![Default::default()]);
         let back = decode(&encode(&closing));
         assert!(matches!(back, Some(ToMaster::Closing(c, n)) if c.cycles == 5 && n.len() == 1));
     }

@@ -94,7 +94,8 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
         threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
     });
     drop(master);
-    let mut all = Trace { pairs: vec![Vec::new(); traces[0].pairs.len()], nodes: Vec::new(), renewals: 0, trouble: None };
+    let mut all =
+        Trace { pairs: vec![Vec::new(); traces[0].pairs.len()], nodes: Vec::new(), renewals: 0, trouble: None };
     for t in traces {
         all.pairs.iter_mut().zip(t.pairs).for_each(|(a, b)| a.extend(b));
         all.nodes.extend(t.nodes);
@@ -121,7 +122,7 @@ fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan
         if agreed.trouble.is_some() {
             break;
         }
-        let forced = plan.force_every > 0 && engine.clock.cycle % plan.force_every == 0;
+        let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
         if forced || agreed.urgency > 0.7 {
             trace.renewals += 1;
             let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };

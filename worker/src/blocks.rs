@@ -185,11 +185,11 @@ impl Blocks {
     pub fn lay_masses(&mut self, nodes: &Nodes) {
         let slots = self.first_slots();
         for b in &self.blocks {
-            for i in b.first..b.first + b.count {
-                let e = &self.elements[i];
+            let own = b.first..b.first + b.count;
+            for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
                 let (m, j) = b.element.corner_mass(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x0[n as usize])));
                 for c in 0..e.record.shape.corners() {
-                    self.force[slots[i] + c] = [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
+                    self.force[slot + c] = [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
                 }
             }
         }
@@ -213,7 +213,8 @@ impl Blocks {
             let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
             (if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() }, e.record.id)
         };
-        let of_block = |b: &Block| self.elements[b.first..b.first + b.count].iter().map(|e| step(b, e)).collect::<Vec<_>>();
+        let of_block =
+            |b: &Block| self.elements[b.first..b.first + b.count].iter().map(|e| step(b, e)).collect::<Vec<_>>();
         self.blocks.iter().flat_map(of_block).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
 
@@ -232,7 +233,8 @@ impl Blocks {
         let try_this = if safety > 1.0 {
             format!("time.safety = {safety} is above the stability limit: use 0.9 or less")
         } else {
-            "look at the last fields around it; a finer mesh, a lower time.safety or another hourglass form may help".into()
+            "look at the last fields around it; a finer mesh, a lower time.safety or another hourglass form may help"
+                .into()
         };
         Some(format!("element {id} {what}; {try_this}"))
     }
@@ -246,8 +248,9 @@ impl Blocks {
 impl Block {
     fn new(settings: &Settings, run: &[LocalElement], histories: &[Vec<f64>], first: usize) -> Self {
         let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
-        let element = build_block(settings, part, shape)
-            .unwrap_or_else(|problems| panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so"));
+        let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
+            panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
+        });
         let (columns, groups) = (element.columns(), run.len().div_ceil(LANES));
         let mut b = Self {
             groups: vec![[[0; LANES]; 4]; groups],

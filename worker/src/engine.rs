@@ -1,7 +1,7 @@
 //! The serial engine of one worker: builds mesh, state and laws from its share, then owns them.
 
-use crate::agreement::Agreement;
 pub use crate::agreement::Agreed;
+use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
 use crate::energy::{Ledger, momentum};

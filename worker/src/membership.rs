@@ -3,9 +3,9 @@
 //! The same path is taken at the start and whenever boxes are renewed. Workers talk to each other only.
 
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
+use crate::contact;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::{Segment, Surface, contact_half};
-use crate::contact;
 use crate::halo::{Halo, Link};
 use crate::nodes::{Nodes, xyz};
 use bytemuck::{Pod, Zeroable};
@@ -235,7 +235,8 @@ fn copy_exterior(
     }
     surface.segments.sort_unstable_by_key(|s| s.id);
     // Owners keep the copies up to date.
-    let wanted = |w: usize| copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>();
+    let wanted =
+        |w: usize| copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>();
     let requests = exchange_all(wire, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
         let number = |id: &u64| nodes.number(NodeId(*id)).expect("requests name local nodes");
@@ -268,7 +269,8 @@ fn tell_users(wire: &mut dyn Transport, nodes: &Nodes, halo: &mut Halo, shared: 
         let mut rest = &parcel[..];
         while let [id, count, tail @ ..] = rest {
             let (list, after) = tail.split_at(*count as usize);
-            let i = nodes.number(NodeId(*id)).unwrap_or_else(|| panic!("worker {from} speaks of a node not local here"));
+            let i =
+                nodes.number(NodeId(*id)).unwrap_or_else(|| panic!("worker {from} speaks of a node not local here"));
             users[i as usize] = list.iter().map(|&u| u as u32).collect();
             users[i as usize].sort_unstable();
             rest = after;

@@ -40,7 +40,12 @@ struct Parcel {
 ///
 /// # Errors
 /// A worker is gone.
-pub fn migrate(wire: &mut dyn Transport, tree: &CutTree, local: &Local, contact: Option<&Contact>) -> Result<Share, Lost> {
+pub fn migrate(
+    wire: &mut dyn Transport,
+    tree: &CutTree,
+    local: &Local,
+    contact: Option<&Contact>,
+) -> Result<Share, Lost> {
     let memories = gather_memories(wire, local, contact)?;
     let mut parcels: Vec<Parcel> = (0..wire.size() - 1).map(|_| Parcel::default()).collect();
     let mut goes: Vec<(u32, usize)> = Vec::new();
@@ -65,7 +70,9 @@ pub fn migrate(wire: &mut dyn Transport, tree: &CutTree, local: &Local, contact:
     for parcel in exchange_all(wire, packed)? {
         let [elements, nodes, memories] = unpack(&parcel);
         take_elements(elements, &mut share.elements);
-        share.nodes.extend(nodes.chunks_exact(NODE_WORDS).map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))));
+        share.nodes.extend(
+            nodes.chunks_exact(NODE_WORDS).map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))),
+        );
         take_memories(memories, &mut share.memories);
     }
     Ok(share)
@@ -78,7 +85,11 @@ pub fn centre(columns: &Nodes, nodes: [u32; 4], shape: Shape) -> [f64; 3] {
 }
 
 /// What held nodes remember: owners know it and tell the others that hold the node.
-fn gather_memories(wire: &mut dyn Transport, local: &Local, contact: Option<&Contact>) -> Result<BTreeMap<NodeId, Vec<Memory>>, Lost> {
+fn gather_memories(
+    wire: &mut dyn Transport,
+    local: &Local,
+    contact: Option<&Contact>,
+) -> Result<BTreeMap<NodeId, Vec<Memory>>, Lost> {
     let mut all = BTreeMap::new();
     let Some(contact) = contact else { return Ok(all) };
     let mut parcels = vec![Vec::new(); wire.size() - 1];

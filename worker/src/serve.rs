@@ -106,7 +106,7 @@ impl Worker {
         self.report.cpu.push(cpu.as_secs_f32());
         self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
         self.report.urgency = self.report.urgency.max(agreed.urgency);
-        if e.clock.cycle % REPORT_EVERY == 0 || agreed.urgency >= 1.0 {
+        if e.clock.cycle.is_multiple_of(REPORT_EVERY) || agreed.urgency >= 1.0 {
             let seconds = &e.timer.seconds;
             let contact_s = [Phase::Search, Phase::Local, Phase::Contact].iter().map(|&p| seconds[p as usize]).sum();
             let report = StepReport {

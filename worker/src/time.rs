@@ -72,8 +72,7 @@ impl Clock {
 
     /// Whether the step has collapsed.
     pub fn has_collapsed(&self, settings: &Settings, stable_dt: f64) -> bool {
-        // The negation catches NaN.
-        !(settings.safety * stable_dt >= settings.dt_min_ratio * self.first_dt)
+        stable_dt.is_nan() || settings.safety * stable_dt < settings.dt_min_ratio * self.first_dt
     }
 
     /// Whether a history row is due at the present time.

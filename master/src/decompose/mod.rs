@@ -67,7 +67,11 @@ pub struct Workers<'a> {
 }
 
 impl Workers<'_> {
-    fn ask<T>(&mut self, question: &ToWorker, answer: impl Fn(ToMaster) -> Result<T, ToMaster>) -> Result<Vec<T>, Lost> {
+    fn ask<T>(
+        &mut self,
+        question: &ToWorker,
+        answer: impl Fn(ToMaster) -> Result<T, ToMaster>,
+    ) -> Result<Vec<T>, Lost> {
         let ranks = 1..self.wire.size();
         for rank in ranks.clone() {
             post(self.wire, rank, Tag::Order, question)?;

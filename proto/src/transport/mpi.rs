@@ -38,7 +38,13 @@ impl Mpi {
             default(info);
             SimpleCommunicator::world().abort(4);
         }));
-        Some(Self { world, _universe: universe, flying: Vec::new(), wait_cpu: Duration::ZERO, traffic: Traffic::default() })
+        Some(Self {
+            world,
+            _universe: universe,
+            flying: Vec::new(),
+            wait_cpu: Duration::ZERO,
+            traffic: Traffic::default(),
+        })
     }
 
     /// Ends every rank of the job at once.

@@ -71,7 +71,8 @@ pub fn find_pairs(
     for f in finds {
         // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off this segment;
         // on a concave one it does not.
-        let covered = |a: &Find| f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) - PLANE * f.pair.thickness;
+        let covered =
+            |a: &Find| f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) - PLANE * f.pair.thickness;
         if accepted.len() < MOST && !accepted.iter().any(covered) {
             accepted.push(f);
         }
@@ -119,7 +120,8 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
     if predicted - tolerated >= ACTIVE * thickness {
         return None;
     }
-    let impact = if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
+    let impact =
+        if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
     let shape = near.shape;
     let pair = Pair {
         slave: nodes.id[slave as usize],

@@ -70,8 +70,10 @@ impl Contact {
     /// # Panics
     /// On a law or search that is not in the tables; the master checks names before it deals out work.
     pub fn new(job: &ContactJob) -> Self {
-        let law = CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
-        let method = SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
+        let law =
+            CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
+        let method =
+            SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
             law: (law.build)(job),
             find: method.find,
@@ -94,7 +96,9 @@ impl Contact {
     /// Takes a new surface and what its slaves remember; candidates must be searched again.
     pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
         self.surface = surface;
-        (self.memories.clear(), self.memory_start.clear(), self.candidate_start.clear());
+        self.memories.clear();
+        self.memory_start.clear();
+        self.candidate_start.clear();
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
             self.memories.extend(memory_of(nodes.id[s as usize]));
@@ -128,8 +132,7 @@ impl Contact {
         self.searches += 1;
         let s = &self.surface;
         let largest = s.largest_half();
-        let boxes: Vec<_> =
-            s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.half, largest) + self.skin)).collect();
+        let boxes: Vec<_> = s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.half, largest) + self.skin)).collect();
         let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
         let mut found = (self.find)(&boxes, &points);
         found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));
@@ -182,7 +185,13 @@ impl Contact {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn enforce(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, walls: &Walls, steps: Steps) -> Result<(), Lost> {
+    pub fn enforce(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        walls: &Walls,
+        steps: Steps,
+    ) -> Result<(), Lost> {
         let t = &mut self.table;
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));

@@ -93,7 +93,14 @@ impl Memory {
     pub fn from_words(w: &[u64]) -> Self {
         let at = |i: usize| f64::from_bits(w[i]);
         let vector = |i: usize| V3::new(at(i), at(i + 1), at(i + 2));
-        Self { segment: ElemId(w[0]), side: at(1), tolerated: at(2), normal: vector(3), force: vector(6), slip: vector(9) }
+        Self {
+            segment: ElemId(w[0]),
+            side: at(1),
+            tolerated: at(2),
+            normal: vector(3),
+            force: vector(6),
+            slip: vector(9),
+        }
     }
 }
 
@@ -144,8 +151,10 @@ impl PairTable {
         self.common.clear();
         for link in halo.links.iter().filter(|l| l.meets) {
             self.words.clear();
-            let concerns = |p: &Pair| p.touching().any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok());
-            let sent: Vec<u32> = (0..self.pairs.len()).filter(|&i| concerns(&self.pairs[i])).map(|i| i as u32).collect();
+            let concerns =
+                |p: &Pair| p.touching().any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok());
+            let sent: Vec<u32> =
+                (0..self.pairs.len()).filter(|&i| concerns(&self.pairs[i])).map(|i| i as u32).collect();
             for &i in &sent {
                 let p = WirePair::of(&self.pairs[i as usize], nodes);
                 self.words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&p)));
@@ -193,7 +202,9 @@ impl PairTable {
             self.incidence.extend(roles.map(|(r, &n)| (n, p as u32, r as u8)));
         }
         self.incidence.sort_unstable();
-        (self.touched.clear(), self.start.clear(), self.roles.clear());
+        self.touched.clear();
+        self.start.clear();
+        self.roles.clear();
         for &(n, p, r) in &self.incidence {
             if self.touched.last() != Some(&n) {
                 self.touched.push(n);
@@ -281,7 +292,8 @@ impl PairTable {
             wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
             least = least.min(self.words[0]);
             for (&i, f) in c.received.iter().zip(self.words[1..].chunks_exact(3)) {
-                self.pairs[i as usize].force = V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
+                self.pairs[i as usize].force =
+                    V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
             }
         }
         Ok(least)
@@ -311,7 +323,8 @@ impl Pair {
             V3::new(r[0], r[1], r[2])
         };
         let n = &self.nodes;
-        let point = at(n[1]) * self.shape[0] + at(n[2]) * self.shape[1] + at(n[3]) * self.shape[2] + at(n[4]) * self.shape[3];
+        let point =
+            at(n[1]) * self.shape[0] + at(n[2]) * self.shape[1] + at(n[3]) * self.shape[2] + at(n[4]) * self.shape[3];
         at(n[0]) - point
     }
 

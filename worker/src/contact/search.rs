@@ -17,7 +17,8 @@ pub struct Method {
 }
 
 /// All methods.
-pub const SEARCHES: &[Method] = &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
+pub const SEARCHES: &[Method] =
+    &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
 
 /// Points go to the cells of a grid whose cells are as large as the average box; each box looks into the cells it covers.
 pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {

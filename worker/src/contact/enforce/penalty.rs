@@ -7,10 +7,8 @@ use super::{ContactLaw, LawRow, Steps, split, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 
-pub(super) const LAW: LawRow = LawRow {
-    name: "penalty",
-    build: |c| Box::new(Penalty { friction: c.friction, scale: c.penalty_scale }),
-};
+pub(super) const LAW: LawRow =
+    LawRow { name: "penalty", build: |c| Box::new(Penalty { friction: c.friction, scale: c.penalty_scale }) };
 
 struct Penalty {
     friction: f64,
