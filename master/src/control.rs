@@ -204,6 +204,10 @@ impl<'a> Control<'a> {
                     tracing::info!(index, time, "fields written");
                 }
             }
+            ToMaster::Warning(warning) => {
+                tracing::warn!(worker, warning);
+                self.progress.say(&format!("warning: worker {worker}: {warning}"));
+            }
             ToMaster::Ready => {
                 self.ready.push(worker);
                 self.ready_since.get_or_insert_with(Instant::now);

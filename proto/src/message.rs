@@ -80,6 +80,8 @@ pub enum ToMaster {
         /// Simulated time [time].
         time: f64,
     },
+    /// Something went wrong that does not end the run.
+    Warning(String),
     /// Stopped for a `Recut` order, ready for questions.
     Ready,
     /// Answer to `Extents`: box around element centres per entry.

@@ -6,7 +6,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 /// Encodes a message as words; the first word is its length in bytes.
 pub fn encode<T: Serialize>(message: &T) -> Vec<u64> {
-    let bytes = bincode::serde::encode_to_vec(message, bincode::config::standard()).unwrap_or_default();
+    let bytes = bincode::serde::encode_to_vec(message, bincode::config::standard()).expect("plain data always encodes");
     let mut words = vec![0u64; 1 + bytes.len().div_ceil(8)];
     words[0] = bytes.len() as u64;
     bytemuck::cast_slice_mut::<u64, u8>(&mut words[1..])[..bytes.len()].copy_from_slice(&bytes);

@@ -60,7 +60,8 @@ impl Agreement {
         let scaled = || blocks.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
         let stable_dt = if blocks.mass_scaled { scaled() } else { totals.stable_dt };
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
-        let culprit = (totals.trouble || collapsed).then(|| blocks.culprit(nodes)).flatten();
+        let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
+        let culprit = totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
         let trouble = culprit.map_or(0.0, |id| TOP - id.0 as f64);
         let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
         self.reduction.begin(wire, &[-step, trouble, self.order as f64, self.urgency])

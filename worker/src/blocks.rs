@@ -149,7 +149,7 @@ impl Blocks {
         self.moment.resize(own + foreign.len(), [0.0; 4]);
     }
 
-    /// Internal forces; `front` selects the groups that other workers wait for, or the rest.
+    /// Internal forces; trouble is an index into `elements`; `front` selects the groups that other workers wait for, or the rest.
     pub fn add_internal_forces(&mut self, nodes: &Nodes, dt: f64, front: bool) -> PassTotals {
         let mut totals = PassTotals::NONE;
         let mut base = 0;
@@ -161,7 +161,9 @@ impl Blocks {
                 continue;
             }
             let out = CornerForces { force: &mut self.force[slots.clone()], moment: &mut self.moment[slots] };
-            totals.add(&b.forces(range, nodes, dt, out));
+            let mut pass = b.forces(range, nodes, dt, out);
+            pass.trouble = pass.trouble.map(|i| b.first + i);
+            totals.add(&pass);
         }
         totals
     }
@@ -224,11 +226,11 @@ impl Blocks {
         let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
         let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
         let what = if dt.is_nan() {
-            "is inverted or its coordinates are no numbers".to_string()
+            "is inverted, or its coordinates are no numbers".to_string()
         } else if safety * dt < 0.5 * first_dt {
             format!("needs a step of {:.3e}, against {first_dt:.3e} at the start", safety * dt)
         } else {
-            "was strained by more than a half in one step".to_string()
+            "was strained by more than a half in one step, or its forces are no numbers".to_string()
         };
         let try_this = if safety > 1.0 {
             format!("time.safety = {safety} is above the stability limit: use 0.9 or less")
@@ -237,11 +239,6 @@ impl Blocks {
                 .into()
         };
         Some(format!("element {id} {what}; {try_this}"))
-    }
-
-    /// The element to blame when an element is in trouble or the step has collapsed.
-    pub fn culprit(&self, nodes: &Nodes) -> Option<ElemId> {
-        self.smallest_step(nodes).map(|s| s.1)
     }
 }
 

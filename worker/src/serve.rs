@@ -86,7 +86,10 @@ impl Worker {
         e.clock.fields += 1;
         match output::write_fields(e, index, wire.size() > 2) {
             Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
-            Err(error) => tracing::error!(folder = e.settings.field_dir, %error, "field files could not be written"),
+            Err(error) => {
+                let warning = format!("{}: field files of time {time:.6e} could not be written: {error}", e.settings.field_dir);
+                post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
+            }
         }
         e.timer.lap(Phase::Output);
         Ok(())

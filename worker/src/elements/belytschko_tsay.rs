@@ -241,6 +241,8 @@ impl BelytschkoTsay {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (hourglass, drill) = own[..HOURGLASS + DRILLING].split_at_mut(HOURGLASS);
         let step = R::splat(dt);
+        // Nothing has moved before the first step: no time, no rate.
+        let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let [half, quarter] = [0.5, 0.25].map(R::splat);
 
         // 1. Frame, and everything that moves as seen in it, as increments of the step.
@@ -303,7 +305,7 @@ impl BelytschkoTsay {
             let old = hourglass[c];
             let new = match self.hourglass {
                 HourglassForm::Stiffness => stiffness[c].mul_add(rates[c], old),
-                HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(1.0 / dt),
+                HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(per_time),
             };
             hourglass[c] = new;
             energy = (old + new).mul_add(rates[c], energy);

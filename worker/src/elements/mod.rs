@@ -48,20 +48,20 @@ pub struct PassTotals {
     pub internal: f64,
     /// Increase of hourglass and drilling energy [energy].
     pub hourglass: f64,
-    /// True when an element is inverted, not finite, or strained by more than half in one step.
-    pub trouble: bool,
+    /// First element of the pass that is inverted, not finite, or strained by more than half in one step.
+    pub trouble: Option<usize>,
 }
 
 impl PassTotals {
     /// Of no elements.
-    pub const NONE: Self = Self { stable_dt: f64::INFINITY, internal: 0.0, hourglass: 0.0, trouble: false };
+    pub const NONE: Self = Self { stable_dt: f64::INFINITY, internal: 0.0, hourglass: 0.0, trouble: None };
 
     /// Adds another pass.
     pub fn add(&mut self, o: &Self) {
         self.stable_dt = self.stable_dt.min(o.stable_dt);
         self.internal += o.internal;
         self.hourglass += o.hourglass;
-        self.trouble |= o.trouble;
+        self.trouble = self.trouble.or(o.trouble);
     }
 }
 
@@ -218,7 +218,7 @@ impl Pass<'_> {
         let zero = Lane::splat(0.0);
         let (mut internal, mut hourglass) = (zero, zero);
         let mut stable_dt = Lane::splat(f64::INFINITY);
-        let mut sound = true;
+        let mut trouble = None;
         for (((index, group), state), (force, moment)) in range.clone().zip(&groups[range]).zip(states).zip(slots) {
             let totals = kernel(group, &nodes, state, force, moment);
             // Padding repeats a real element, so its step and its health are true; only sums must leave it out.
@@ -227,13 +227,16 @@ impl Pass<'_> {
             internal += counted(totals.internal);
             hourglass += counted(totals.hourglass);
             stable_dt = crate::lanes::Real::min(totals.stable_dt, stable_dt);
-            sound &= totals.sound.all();
+            if !totals.sound.all() && trouble.is_none() {
+                let lane = totals.sound.to_array().iter().position(|l| l.to_bits() == 0).unwrap_or(0);
+                trouble = Some((index * LANES + lane).min(count - 1));
+            }
         }
         PassTotals {
             stable_dt: stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min),
             internal: internal.to_array().iter().sum(),
             hourglass: hourglass.to_array().iter().sum(),
-            trouble: !sound,
+            trouble,
         }
     }
 }
