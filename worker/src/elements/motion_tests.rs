@@ -273,7 +273,7 @@ fn trouble_is_told() {
         ] {
             let mut patch = fresh();
             spoil(&mut patch);
-            assert_eq!(patch.step(1.0).trouble, Some(0));
+            assert!(patch.step(1.0).trouble.is_some());
         }
     }
     let (nodes, quads) = grid(4, 1, 4.0, 1.0);
