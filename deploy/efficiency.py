@@ -242,6 +242,11 @@ def own_command(args):
     if inside(args.job) != "cases/jeep-frame":
         words += ["--job", inside(args.job)]
     words += ["--end-time", f"{args.end_time:g}"]
+    for name, value, default in (("every", args.every, 10), ("latency", args.latency, 2), ("bandwidth", args.bandwidth, 10)):
+        if value != default:
+            words += [f"--{name}", f"{value:g}"]
+    if args.crumple.resolve() != ROOT / "target/release/crumple":
+        words += ["--crumple", inside(args.crumple)]
     for item in args.set:
         words += ["--set", item]
     if args.mpirun:

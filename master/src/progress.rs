@@ -41,7 +41,7 @@ impl Progress {
     pub fn new(end_time: f64, quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(TICKS);
-            let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {msg}");
+            let style = ProgressStyle::with_template("{bar:20} {percent:>3}% {wide_msg}");
             style.into_iter().for_each(|s| bar.set_style(s));
             bar
         });

@@ -1,4 +1,6 @@
-//! Harness of the tests across crates: engines side by side without a master, step by step.
+//! Harness of the tests across crates: engines side by side without a master, step by step; the binary with a deadline.
+
+pub mod program;
 
 use crumple::decompose::{Centres, bisect};
 use crumple::job::{self, Model};
@@ -103,6 +105,24 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     }
     all.pairs.iter_mut().for_each(|p| p.sort_unstable());
     all
+}
+
+/// Runs a job on one engine to its end; `look` sees the engine after each step.
+///
+/// # Panics
+/// When an element is in trouble.
+pub fn run_alone(model: &Model, mut look: impl FnMut(&Engine)) -> Engine {
+    let (elements, nodes) = model.records();
+    let share = Share { elements: elements.into_iter().map(|e| (e, Vec::new())).collect(), nodes, ..Share::default() };
+    let mut ends = threads::connect(2);
+    let (mut wire, _master) = (ends.remove(1), ends.remove(0));
+    let mut engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share).expect("one worker");
+    while !engine.clock.is_over(&engine.settings) {
+        let agreed = step(&mut engine, &mut wire).expect("one worker");
+        assert_eq!(agreed.trouble, None, "cycle {}", engine.clock.cycle);
+        look(&engine);
+    }
+    engine
 }
 
 struct Plan {

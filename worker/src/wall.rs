@@ -104,6 +104,8 @@ impl Wall {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_proto::ids::NodeId;
+    use crumple_proto::partition::NodeRecord;
 
     fn wall(friction: f64) -> Walls {
         let point = [0.0, 0.0, 1.0];
@@ -119,5 +121,72 @@ mod tests {
         assert_eq!([v[0], v[2]], [0.0, 0.0], "sticks");
         let v = wall(0.1).stop(&[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.1, 0.0], &[1.0; 4], 0.1);
         assert_eq!(v, [1.0, 0.0, 0.1, 0.0], "leaves freely");
+    }
+
+    /// A mass on the wall under a constant force, for `steps` steps of 1e-3. Returns velocity, place and booked work.
+    fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
+        let at = [0.0, 0.0, 1.0];
+        let block = NodeRecord { id: NodeId(1), x0: at, x: at, v, mass: 2.0, ..NodeRecord::default() };
+        let mut nodes = Nodes::new(&[block], 0);
+        nodes.force[0] = crate::nodes::row(force);
+        let mut work = 0.0;
+        for _ in 0..steps {
+            nodes.accelerate(1e-3);
+            work += walls.keep_out(&mut nodes, &[], 1e-3);
+            nodes.advance(1e-3);
+        }
+        (nodes.v[0], nodes.x[0], work)
+    }
+
+    /// A07: friction slows a sliding block of mass m under a force N with `mu N / m` until it rests, holds it against
+    /// a pull below mu N and lets it go above. The wall's force is constant, so steps add no error but round-off,
+    /// and the last of them, in which the block stops.
+    #[test]
+    fn coulomb_friction_slows_holds_and_lets_go() {
+        let (mu, n, m) = (0.3, 50.0, 2.0);
+        let slowing = mu * n / m;
+        let mut walls = wall(mu);
+        let (v, x, _) = slide(&mut walls, [10.0, 0.0, 0.0], [0.0, 0.0, -n], 1000);
+        assert!((v[0] - (10.0 - slowing)).abs() < 1e-10 && v[2] == 0.0, "{v:?}");
+        assert!((x[0] - (10.0 - 0.5 * slowing)).abs() < 0.5e-3 * slowing * 1.01, "mid-step velocities: {x:?}");
+        let impulse = walls.impulse[0];
+        assert!((impulse[2] - n).abs() < 1e-9 && (impulse[0] + mu * n).abs() < 1e-9, "over a time of 1: {impulse:?}");
+
+        let (v, x, work) = slide(&mut wall(mu), [10.0, 0.0, 0.0], [0.0, 0.0, -n], 2000);
+        assert_eq!(v[0], 0.0, "rests");
+        assert!((x[0] / (100.0 / (2.0 * slowing)) - 1.0).abs() < 1e-3, "stopping way, to a step: {x:?}");
+        assert!((work / (-0.5 * m * 100.0) - 1.0).abs() < 1e-3, "friction took all of it: {work}");
+
+        let (v, x, _) = slide(&mut wall(mu), [0.0; 3], [0.9 * mu * n, 0.0, -n], 1000);
+        assert_eq!([v[0], x[0]], [0.0, 0.0], "held");
+        let (v, ..) = slide(&mut wall(mu), [0.0; 3], [1.1 * mu * n, 0.0, -n], 1000);
+        assert!((v[0] - 0.1 * slowing).abs() < 1e-10, "let go: {v:?}");
+    }
+
+    /// Coming down on the wall is a plastic impact: all of the normal part of the energy is lost, friction takes its
+    /// part of the sliding at once, and no more than the cone allows.
+    #[test]
+    fn an_impact_loses_its_normal_part_and_friction_its_share() {
+        for mu in [0.0, 0.2, 5.0] {
+            let mut walls = wall(mu);
+            let (v, x, work) = slide(&mut walls, [3.0, 0.0, -10.0], [0.0; 3], 3);
+            let slid = (3.0 - mu * 10.0f64).max(0.0);
+            assert!((v[0] - slid).abs() < 1e-12 && v[2].abs() < 1e-12 && (x[2] - 1.0).abs() < 1e-12, "{v:?} {x:?}");
+            let lost = 0.5 * 2.0 * (9.0 + 100.0 - slid * slid);
+            assert!((work + lost).abs() < 1e-9, "mu {mu}: {work}, not {lost}");
+            let p = walls.impulse[0];
+            assert!((p[0] - 2.0 * (slid - 3.0)).abs() < 1e-12 && (p[2] - 20.0).abs() < 1e-12, "{p:?}");
+        }
+    }
+
+    /// In the corner of two walls a node keeps out of both; one that is held fixed is not moved by any.
+    #[test]
+    fn a_corner_keeps_out_and_a_held_node_stays() {
+        let to = |normal| WallJob { name: String::new(), point: [0.0; 3], normal, friction: 0.0 };
+        let corner = Walls::new(&[to([1.0, 0.0, 0.0]), to([0.0, 1.0, 0.0])]);
+        let v = corner.stop(&[0.1, 0.2, 0.0, 0.0], [-5.0, -5.0, 1.0, 0.0], &[1.0; 4], 0.1);
+        assert!((v[0] + 1.0).abs() < 1e-12 && (v[1] + 2.0).abs() < 1e-12 && v[2] == 1.0, "{v:?}");
+        let v = corner.stop(&[-1.0, 0.0, 0.0, 0.0], [0.0; 4], &[0.0; 4], 0.1);
+        assert_eq!(v, [0.0; 4]);
     }
 }

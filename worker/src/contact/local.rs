@@ -20,9 +20,6 @@ const PLANE: f64 = 0.02;
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
 const RELAX: f64 = 0.002;
-/// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a sweep leaves over is
-/// far below; a node that comes upon a segment from its rim must not be thrown out within a step.
-const CORRECT: f64 = 0.002;
 
 /// A pair as the local search sees it, before selection.
 struct Find {
@@ -131,7 +128,7 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
         weight: shape,
         normal,
         side,
-        gap: (gap - tolerated).max(-CORRECT * thickness),
+        gap: gap - tolerated,
         depth: -gap,
         tolerated,
         thickness,

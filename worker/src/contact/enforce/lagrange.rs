@@ -16,6 +16,9 @@ pub(super) const LAW: LawRow = LawRow {
 
 /// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed.
 const GAP: f64 = 1e-4;
+/// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a sweep leaves over is
+/// far below; a node that comes upon a segment from its rim must not be thrown out within a step.
+const CORRECT: f64 = 0.002;
 
 struct Lagrange {
     friction: f64,
@@ -45,7 +48,8 @@ impl ContactLaw for Lagrange {
         }
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
-        let new_pressed = (pressed - (pair.gap / steps.dt + opening) / soft_n).max(0.0);
+        let gap = pair.gap.max(-CORRECT * pair.thickness);
+        let new_pressed = (pressed - (gap / steps.dt + opening) / soft_n).max(0.0);
         let new_sheared = if self.friction > 0.0 {
             within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, self.friction)
         } else {

@@ -2,6 +2,8 @@
 
 mod lagrange;
 mod penalty;
+#[cfg(test)]
+mod tests;
 
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;

@@ -1,0 +1,151 @@
+//! How a run ends other than well, through the binary: exit codes of section 2 of DESIGN, and what is kept.
+
+use crumple_tests::program::{Ended, assert_finite, crumple_with, run, start};
+use rustix::process::Signal;
+use std::fs;
+
+/// Above the stability limit energy grows from step to step: the run has to be ended, with what it had in order.
+#[test]
+fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
+    let unstable = ["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=1.5"];
+    let failed = run(crumple_with(&unstable)).with_code(3);
+    let s = failed.summary();
+    let reason = s["reason"].as_str().unwrap().to_owned();
+    assert_eq!(s["status"], "failed");
+    for text in ["element ", "time ", "cycle ", "time.safety = 1.5 is above the stability limit"] {
+        assert!(reason.contains(text) && failed.said().contains(&reason), "not said: {text}: {reason}");
+    }
+    kept(&failed);
+    // Nothing is decided by one worker alone, so the last good state does not depend on them either.
+    let alone = run(crumple_with(&["run", "cases/jeep-frame", "--workers", "1", "--set", "time.safety=1.5"]));
+    assert_eq!((alone.digest(), &alone.summary()["reason"]), (failed.digest(), &s["reason"]));
+}
+
+/// Ctrl-C: all workers end the same cycle and write their state. A run with as many cycles gives the same bits.
+#[test]
+fn an_interrupted_run_keeps_the_state_of_its_last_cycle() {
+    let job = ["run", "cases/jeep-frame", "--workers", "3", "--set", "output.history_interval=0.05"];
+    for signal in [Signal::INT, Signal::TERM] {
+        let mut running = start(crumple_with(&job));
+        running.wait_for_rows(3);
+        running.signal(signal);
+        let stopped = running.end().with_code(130);
+        let s = stopped.summary();
+        assert_eq!((&s["status"], &s["reason"]), (&"stopped".into(), &"stopped by the user".into()));
+        kept(&stopped);
+        let cycles = format!("time.max_cycles={}", s["cycles"]);
+        let counted = run(crumple_with(&[&job[..], &["--set", &cycles]].concat())).with_code(0);
+        assert_eq!(counted.digest(), stopped.digest(), "{cycles}");
+        assert_eq!(counted.summary()["end_time"], s["end_time"]);
+    }
+}
+
+#[test]
+fn a_limit_of_cycles_is_a_regular_end() {
+    let ended = run(crumple_with(&["run", "cases/tumble", "--set", "time.max_cycles=37"])).with_code(0);
+    let s = ended.summary();
+    assert_eq!((&s["status"], &s["reason"], &s["cycles"]), (&"completed".into(), &"max_cycles".into(), &37.into()));
+    kept(&ended);
+}
+
+/// Summary, history and fields are whole and finite.
+fn kept(r: &Ended) {
+    assert_finite(&r.summary(), "summary");
+    let h = r.history();
+    let controlling = h.header.iter().position(|c| c == "controlling element");
+    for row in &h.rows {
+        let bad = row.iter().enumerate().find(|(i, a)| !a.is_finite() && Some(*i) != controlling);
+        assert_eq!(bad, None, "{:?} in {row:?}", bad.map(|b| &h.header[b.0]));
+    }
+    let time = h.column("time");
+    let end = r.summary()["end_time"].as_f64().unwrap();
+    assert!((time.last().unwrap() - end).abs() <= 1e-8 * end, "the last row is of the end: {time:?}, {end}");
+    assert!(r.read_fields() >= 2, "the start and the end");
+}
+
+/// A small job, to be spoilt.
+const PLATE: &str = r#"
+end_time = 0.1
+[mesh]
+nodes = [[1, 0.0, 0.0, 0.0], [2, 9.0, 0.0, 0.0], [3, 9.0, 9.0, 0.0], [4, 0.0, 9.0, 0.0], [5, 18.0, 0.0, 0.0], [6, 18.0, 9.0, 0.0]]
+shells = [[1, 1, 1, 2, 3, 4], [2, 1, 2, 5, 6, 3]]
+[[material]]
+name = "steel"
+law = "elastic"
+density = 7.85e-6
+youngs_modulus = 207.0
+poisson = 0.3
+[[part]]
+id = 1
+name = "plate"
+material = "steel"
+thickness = 1.0
+"#;
+
+/// Runs the plate with `from` replaced by `to`.
+fn spoilt(from: &str, to: &str, more: &[&str]) -> Ended {
+    let there = tempfile::tempdir().unwrap();
+    let job = there.path().join("plate.toml");
+    assert!(PLATE.contains(from), "{from}");
+    fs::write(&job, PLATE.replacen(from, to, 1)).unwrap();
+    run(crumple_with(&[&["run", job.to_str().unwrap()], more].concat()))
+}
+
+/// The plate as it stands is sound, so that what follows fails for the reason given.
+#[test]
+fn the_job_that_is_spoilt_below_is_good() {
+    spoilt("steel", "steel", &["--workers", "2"]).with_code(0);
+}
+
+/// Bad input: code 2, before anything runs, with the fault named and a way out; never a panic.
+#[test]
+fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
+    let cases: &[(&str, &str, &[&str], &[&str])] = &[
+        ("thickness = 1.0", "thicknes = 1.0", &[], &["unknown key `thicknes`", "did you mean `thickness`", "plate.toml:"]),
+        ("thickness = 1.0", "thickness = -1.0", &[], &["thickness is -1", "plate.toml:"]),
+        ("density = 7.85e-6", "density = 0.0", &[], &["density", "plate.toml:"]),
+        ("[2, 9.0, 0.0, 0.0]", "[1, 9.0, 0.0, 0.0]", &[], &["node 1", "plate.toml:"]),
+        ("[2, 1, 2, 5, 6, 3]", "[1, 1, 2, 5, 6, 3]", &[], &["1", "plate.toml:"]),
+        ("[5, 18.0, 0.0, 0.0]", "[5, nan, 0.0, 0.0]", &[], &["nan", "plate.toml:"]),
+        ("[5, 18.0, 0.0, 0.0]", "[5, 9.0, 0.0, 0.0]", &[], &["element 2"]),
+        ("end_time = 0.1", "end_time = 0.1", &["--set", "end_time=nan"], &["end_time", "nan"]),
+        ("end_time = 0.1", "end_time = -0.1", &[], &["end_time", "plate.toml:"]),
+        ("end_time = 0.1", "end_time = 0.1", &["--workers", "0"], &["0 workers cannot run anything"]),
+        ("end_time = 0.1", "end_time = 0.1", &["--workers", "3"], &["workers", "2"]),
+    ];
+    for (from, to, more, said) in cases {
+        let refused = spoilt(from, to, more).with_code(2);
+        let words = refused.said();
+        for text in *said {
+            assert!(words.contains(text), "{to} {more:?}: not said: {text}\n{words}");
+        }
+        assert!(!words.contains("panicked"), "{words}");
+        assert!(!refused.out().join("summary.json").exists(), "nothing was run");
+    }
+}
+
+#[test]
+fn a_job_that_is_not_there_is_bad_input() {
+    for verb in ["run", "check"] {
+        let refused = run(crumple_with(&[verb, "nowhere/job.toml"])).with_code(2).said();
+        assert!(refused.contains("nowhere/job.toml") && !refused.contains("panicked"), "{refused}");
+    }
+}
+
+/// A folder that cannot be written is found out before the run and named; the code is that of bad input.
+#[test]
+fn an_output_folder_that_cannot_be_written_is_named() {
+    let there = tempfile::tempdir().unwrap();
+    let file = there.path().join("file");
+    fs::write(&file, "").unwrap();
+    for in_the_way in ["history.csv", "summary.json"] {
+        fs::create_dir_all(there.path().join(in_the_way)).unwrap();
+    }
+    for (out, named) in [(file.join("below"), "below"), (file, "file"), (there.path().to_owned(), "history.csv")] {
+        let out = out.to_str().unwrap();
+        let refused = run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out])).with_code(2).said();
+        for text in [named, "choose another folder with --out"] {
+            assert!(refused.contains(text) && !refused.contains("panicked"), "not said: {text}: {refused}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The jeep frame through the binary: the paper's counts, what a run leaves behind, balances, and one state for any
+//! number of workers.
+
+use crumple_tests::program::{Ended, assert_finite, crumple_with, numbers, run};
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// Through the first 10 ms the horns' tips yield at the wall and nothing touches anything else yet.
+const SHORT: [&str; 6] = ["run", "cases/jeep-frame", "--end-time", "10", "--set", "output.field_interval=5"];
+
+fn jeep(workers: usize, more: &[&str]) -> Ended {
+    let workers = workers.to_string();
+    run(crumple_with(&[&SHORT[..], &["--workers", &workers], more].concat())).with_code(0)
+}
+
+/// The scene of Wang 2007: 7208 shells, 7190 nodes, at rest inside: nothing to warn of.
+#[test]
+fn check_gives_the_papers_counts_and_no_warning() {
+    let check = run(crumple_with(&["check", "cases/jeep-frame"])).with_code(0).said();
+    for text in ["7208 quads", "7190", "= 101.37 structure + 1300 lumped", "no warnings"] {
+        assert!(check.contains(text), "not said: {text}\n{check}");
+    }
+}
+
+/// Bits do not depend on workers (DESIGN section 4), and each run keeps its books.
+#[test]
+fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
+    let runs = [1, 2, 3, 4, 7].map(|workers| jeep(workers, &[]));
+    for r in &runs {
+        assert_eq!(r.digest(), runs[0].digest(), "{} workers", r.summary()["workers"]);
+        balances(r);
+    }
+    whole_summary(&runs[2].summary());
+    history(&runs[2]);
+    assert_eq!(runs[2].read_fields(), 3, "0, 5 and 10 ms");
+}
+
+/// The same with contact: from 22 ms on the folds of the horns touch. Boxes are renewed several times.
+#[test]
+fn thirty_milliseconds_with_contact_give_one_state_on_one_and_four_workers() {
+    let (one, four) = (jeep(1, &["--end-time", "30"]), jeep(4, &["--end-time", "30"]));
+    assert_eq!(one.digest(), four.digest());
+    for r in [&one, &four] {
+        balances(r);
+        assert!(r.summary()["contact"]["pairs_max"].as_u64() > Some(0), "folds touch");
+    }
+    redecompositions(&four);
+}
+
+fn balances(r: &Ended) {
+    let s = r.summary();
+    assert_finite(&s, "summary");
+    assert_eq!((s["status"].as_str(), s["reason"].as_str()), (Some("completed"), Some("end_time")));
+    // What the trapezoid of forces over finite steps leaves over: 0.1 % here; section 2 of DESIGN has no figure,
+    // 1 % is what crash codes are accepted with.
+    let error = s["energy"]["error_max"].as_f64().unwrap();
+    assert!(error < 0.01, "energy error {error}");
+    // Momentum is that of the present time, the impulse that of the last mid-step: they differ by the wall's force
+    // over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
+    let m = &s["momentum"];
+    let (start, end, wall) = (numbers(&m["start"]), numbers(&m["end"]), numbers(&m["wall_impulse"]));
+    for c in 0..3 {
+        let left = end[c] - start[c] - wall[c];
+        assert!(left.abs() < 1e-3 * start[0].abs(), "component {c}: {left} of {}", start[0]);
+    }
+    // The barrier is flat and the frame symmetric: nothing pushes it sideways.
+    assert!(wall[0] > 100.0 && wall[1].abs() < 1e-3 * wall[0], "wall impulse {wall:?}");
+}
+
+/// Every key that section 2 of DESIGN promises, with its type.
+fn whole_summary(s: &Value) {
+    for key in ["end_time", "cycles", "nodes", "workers", "wall_s", "grind_ns"] {
+        assert!(s[key].is_number(), "{key}: {}", s[key]);
+    }
+    for (key, value) in [("status", "completed"), ("reason", "end_time"), ("transport", "threads")] {
+        assert_eq!(s[key], value);
+    }
+    assert_eq!((&s["nodes"], &s["elements"]["quad4"], &s["workers"]), (&7190.into(), &7208.into(), &3.into()));
+    assert_eq!(s["end_time"].as_f64(), Some(10.0));
+    let groups: [(&str, &[&str]); 5] = [
+        ("energy", &["kinetic", "internal", "contact", "hourglass", "external", "total_initial", "error"]),
+        ("dt", &["first", "min", "last"]),
+        ("redecompositions", &["low", "high"]),
+        ("imbalance", &["mean", "max"]),
+        ("contact", &["pairs_max", "penetration_max"]),
+    ];
+    for (group, keys) in groups {
+        keys.iter().for_each(|key| assert!(s[group][key].is_number(), "{group}.{key}: {}", s[group][key]));
+    }
+    assert_eq!((numbers(&s["momentum"]["start"]).len(), numbers(&s["momentum"]["end"]).len()), (3, 3));
+    for (phase, seconds) in s["phase_s"].as_object().unwrap() {
+        let (mean, max) = (seconds["mean"].as_f64().unwrap(), seconds["max"].as_f64().unwrap());
+        assert!(0.0 <= mean && mean <= max * (1.0 + 1e-12), "{phase}: mean {mean}, max {max}");
+    }
+    let phases: f64 = s["phase_s"].as_object().unwrap().values().map(|p| p["mean"].as_f64().unwrap()).sum();
+    let wall = s["wall_s"].as_f64().unwrap();
+    assert!(phases > 0.5 * wall && phases < 1.1 * wall, "phases add up to {phases} s of {wall} s");
+    let digest = s["state_digest"].as_str().unwrap();
+    assert!(digest.len() == 64 && digest.bytes().all(|b| b.is_ascii_hexdigit()), "blake3 in hex: {digest}");
+    // 126 kJ: 1401.4 kg at 13.4112 mm/ms; the masses are sums of 7208 shells, exact to round-off.
+    let kinetic = 0.5 * 1401.37 * 13.4112f64.powi(2);
+    let initial = s["energy"]["total_initial"].as_f64().unwrap();
+    assert!((initial / kinetic - 1.0).abs() < 1e-4, "{initial} J, and {kinetic} J from the mass as printed, 6 digits");
+}
+
+fn history(r: &Ended) {
+    let h = r.history();
+    for name in ["time [ms]", "cycle", "dt [ms]", "kinetic [J]", "internal [J]", "hourglass [J]", "contact work [J]"] {
+        assert!(h.header.iter().any(|c| c == name), "{name} not in {:?}", h.header);
+    }
+    for name in ["wall work [J]", "energy error [-]", "momentum x [kg mm/ms]", "pairs", "barrier mean force x [kN]"] {
+        assert!(h.header.iter().any(|c| c == name), "{name} not in {:?}", h.header);
+    }
+    assert!(h.header.iter().collect::<BTreeSet<_>>().len() == h.header.len(), "no name twice");
+    assert!(h.rows.iter().all(|row| row.len() == h.header.len()), "rows are whole");
+    // A row every 0.25 ms, one at 0 and one at the end; which of the last two comes first is a matter of round-off.
+    assert!((41..=42).contains(&h.rows.len()), "{} rows", h.rows.len());
+    let time = h.column("time");
+    assert!(time[0] == 0.0 && time.windows(2).all(|t| t[0] < t[1]) && (time.last().unwrap() - 10.0).abs() < 1e-9);
+}
+
+/// The log says what was done and why.
+fn redecompositions(r: &Ended) {
+    let s = r.summary();
+    let log = r.log();
+    let of = |kind: &str| {
+        let events = log.iter().filter(|e| e["fields"]["kind"] == kind);
+        events.inspect(|e| assert!(e["fields"]["why"].as_str().is_some_and(|w| !w.is_empty()), "{e}")).count() as u64
+    };
+    let counts = ["low", "high"].map(|kind| s["redecompositions"][kind].as_u64().unwrap());
+    assert_eq!([of("low"), of("high")], counts, "events in the log and numbers in the summary");
+    assert!(counts[0] + counts[1] > 0, "the front is squashed and the rear is not: boxes are renewed");
+}
