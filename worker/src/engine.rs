@@ -153,7 +153,8 @@ impl Engine {
     ) {
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
-            self.motion.restart(&self.nodes.x[..self.nodes.held]);
+            let slack = self.halo.slack(&self.nodes);
+            self.motion.restart(&self.nodes.x[..self.nodes.held], slack);
         }
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();

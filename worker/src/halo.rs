@@ -25,6 +25,10 @@ pub struct Link {
     pub region: Option<Aabb>,
     /// Relative motion since the last renewal that the exterior copies cover [length].
     pub margin: f64,
+    /// Whether the two are so far apart that no copies are needed yet: the margin is then the distance left.
+    pub far: bool,
+    /// Box around the other's held nodes at the last renewal, grown by all that the exterior copies cover.
+    pub reach: Option<Aabb>,
 }
 
 /// All connections of a worker.
@@ -44,6 +48,18 @@ impl Halo {
     /// Other workers that have local node `i`, held or exterior.
     pub fn users_of(&self, i: u32) -> &[u32] {
         &self.users[self.user_start[i as usize] as usize..self.user_start[i as usize + 1] as usize]
+    }
+
+    /// How far each held node may move on its own without coming upon what is not copied, beyond the links' margins
+    /// [length]. Two nodes of two workers are at least as far apart as either is from the other's box; of that distance
+    /// each may use three eighths, and a quarter is left for the turning of the motions (see `motion.rs`).
+    pub fn slack(&self, nodes: &Nodes) -> Vec<f64> {
+        let reaches: Vec<Aabb> = self.links.iter().filter_map(|l| l.reach).collect();
+        let from = |x: [f64; 3]| {
+            let point = Aabb { min: x, max: x };
+            reaches.iter().map(|r| r.distance(&point)).fold(f64::INFINITY, f64::min)
+        };
+        nodes.x[..nodes.held].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
     }
 
     /// Sends corner forces of own elements at shared nodes.
@@ -99,13 +115,15 @@ impl Halo {
         for link in &self.links {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
-            let (head, body) = words.split_at(13);
+            let (head, body) = words.split_at(Drift::WORDS);
             for (&i, six) in link.import.iter().zip(body.chunks_exact(6)) {
                 nodes.x[i as usize][..3].copy_from_slice(&six[..3]);
                 nodes.next_v[i as usize][..3].copy_from_slice(&six[3..]);
             }
             if let Some(region) = &link.region {
-                urgency = urgency.max(drift.apart(&Drift::from_words(head), region) / link.margin);
+                let other = Drift::from_words(head);
+                let apart = if link.far { drift.apart(&other, region) } else { drift.apart_nearby(&other, region) };
+                urgency = urgency.max(apart / link.margin);
             }
         }
         Ok(urgency)

@@ -198,9 +198,11 @@ fn copy_exterior(
     let slave_boxes = share_boxes(wire, &slave_box)?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
+        link.reach = (!theirs.is_empty()).then(|| theirs.grown(grow));
         if !slave_boxes[me].is_empty() && !theirs.is_empty() {
             let near = slave_boxes[me].common(&theirs.grown(grow));
             link.region = Some(if near.is_empty() { slave_boxes[me] } else { near });
+            link.far = near.is_empty();
             link.margin = settings.buffer + mine.distance(theirs);
         }
     }

@@ -10,6 +10,12 @@ use nalgebra::{Matrix3, Vector3};
 /// Nodes used to fit the rigid motion. Any motion gives a valid bound; a good fit gives a small one.
 const SAMPLES: usize = 64;
 
+/// Largest difference of two rotations for which the nearby bound holds: away from the region where it is evaluated the
+/// difference of the motions grows by at most this fraction of the distance, which the slacks leave over for it.
+const MOST_TURN: f64 = 0.25;
+/// Fewer nodes than these do not make a sample.
+const LEAST_SAMPLES: usize = 8;
+
 /// A rigid motion and the largest distance by which a node departs from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
@@ -19,12 +25,17 @@ pub struct Drift {
     pub translation: Vector3<f64>,
     /// Largest |x - (R x_ref + t)| over the nodes [length].
     pub residual: f64,
+    /// The same less each node's slack [length].
+    pub beyond_slack: f64,
 }
 
 impl Drift {
+    /// Numbers of a drift in a message.
+    pub const WORDS: usize = 14;
+
     /// No motion.
     pub fn none() -> Self {
-        Self { rotation: Matrix3::identity(), translation: Vector3::zeros(), residual: 0.0 }
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros(), residual: 0.0, beyond_slack: 0.0 }
     }
 
     /// Where the motion takes `p`.
@@ -32,20 +43,33 @@ impl Drift {
         self.rotation * p + self.translation
     }
 
-    /// Bound on the relative displacement of a point in `region` that follows this motion
-    /// and one nearby that follows `other` [length].
+    /// Bound on the relative displacement of a node whose reference lies in `region` and that follows this motion,
+    /// and any that follows `other` [length].
     pub fn apart(&self, other: &Self, region: &Aabb) -> f64 {
+        self.carried_apart(other, region) + self.residual + other.residual
+    }
+
+    /// The same bound for all nodes of two workers, where `region` holds those of this one that the other's could
+    /// reach with no slack. Motions that turn too much against each other cannot be bounded so.
+    pub fn apart_nearby(&self, other: &Self, region: &Aabb) -> f64 {
+        let turns = (self.rotation - other.rotation).norm() > MOST_TURN;
+        let apart = self.carried_apart(other, region) + self.beyond_slack + other.beyond_slack;
+        if turns { f64::INFINITY } else { apart }
+    }
+
+    fn carried_apart(&self, other: &Self, region: &Aabb) -> f64 {
         // The difference is linear in the point, its length convex: the largest is at a corner.
         let at = |p: [f64; 3]| (self.carry(p.into()) - other.carry(p.into())).norm();
-        region.corners().into_iter().map(at).fold(0.0, f64::max) + self.residual + other.residual
+        region.corners().into_iter().map(at).fold(0.0, f64::max)
     }
 
     /// As words for a message.
-    pub fn to_words(&self) -> [f64; 13] {
-        let mut w = [0.0; 13];
+    pub fn to_words(&self) -> [f64; Self::WORDS] {
+        let mut w = [0.0; Self::WORDS];
         w[..9].copy_from_slice(self.rotation.as_slice());
         w[9..12].copy_from_slice(self.translation.as_slice());
         w[12] = self.residual;
+        w[13] = self.beyond_slack;
         w
     }
 
@@ -55,6 +79,7 @@ impl Drift {
             rotation: Matrix3::from_column_slice(&w[..9]),
             translation: Vector3::from_column_slice(&w[9..12]),
             residual: w[12],
+            beyond_slack: w[13],
         }
     }
 }
@@ -63,21 +88,35 @@ impl Drift {
 #[derive(Debug)]
 pub struct Motion {
     reference: Vec<Row>,
-    stride: usize,
+    /// Nodes that the rigid motion is fitted to.
+    sample: Vec<u32>,
+    /// How far each node may depart before it counts [length]; none at all if empty.
+    slack: Vec<f64>,
     drift: Drift,
 }
 
 impl Motion {
     /// Starts at the present positions.
     pub fn since(x: &[Row]) -> Self {
-        Self { reference: x.to_vec(), stride: (x.len() / SAMPLES).max(1), drift: Drift::none() }
+        let mut motion =
+            Self { reference: Vec::new(), sample: Vec::new(), slack: Vec::new(), drift: Drift::none() };
+        motion.restart(x, Vec::new());
+        motion
     }
 
-    /// Forgets the past.
-    pub fn restart(&mut self, x: &[Row]) {
+    /// Forgets the past. With `slack`, one number per node, departures count only beyond it, and the motion is
+    /// fitted to the nodes that have none.
+    pub fn restart(&mut self, x: &[Row], slack: Vec<f64>) {
         self.reference.clear();
         self.reference.extend_from_slice(x);
-        self.stride = (x.len() / SAMPLES).max(1);
+        self.slack = slack;
+        let tight = |i: &u32| self.slack.get(*i as usize).is_none_or(|&s| s == 0.0);
+        let all = 0..x.len() as u32;
+        let mut picked: Vec<u32> = all.clone().filter(tight).collect();
+        if picked.len() < LEAST_SAMPLES {
+            picked = all.collect();
+        }
+        self.sample = picked.iter().copied().step_by((picked.len() / SAMPLES).max(1)).collect();
         self.drift = Drift::none();
     }
 
@@ -85,22 +124,29 @@ impl Motion {
     pub fn update(&mut self, x: &[Row]) -> Drift {
         self.fit(x);
         let (r, t) = (&self.drift.rotation, &self.drift.translation);
-        let mut worst = 0.0f64;
-        for (a, b) in x.iter().zip(&self.reference) {
+        let departure = |a: &Row, b: &Row| {
             let mut d2 = 0.0;
             for c in 0..3 {
                 let d = a[c] - (r[(c, 0)] * b[0] + r[(c, 1)] * b[1] + r[(c, 2)] * b[2] + t[c]);
                 d2 += d * d;
             }
-            worst = worst.max(d2);
+            d2
+        };
+        let mut worst = 0.0f64;
+        let mut beyond = 0.0f64;
+        for (i, (a, b)) in x.iter().zip(&self.reference).enumerate() {
+            let d = departure(a, b).sqrt();
+            worst = worst.max(d);
+            beyond = beyond.max(d - self.slack.get(i).copied().unwrap_or(0.0));
         }
-        self.drift.residual = worst.sqrt();
+        (self.drift.residual, self.drift.beyond_slack) = (worst, beyond);
         self.drift
     }
 
     /// Least-squares rigid motion of a sample (Kabsch 1976).
     fn fit(&mut self, x: &[Row]) {
-        let sample = || x.iter().zip(&self.reference).step_by(self.stride).map(|(a, b)| (vec3(a), vec3(b)));
+        let pair = |&i: &u32| (vec3(&x[i as usize]), vec3(&self.reference[i as usize]));
+        let sample = || self.sample.iter().map(pair);
         let n = sample().count().max(1) as f64;
         let (sum, sum_ref) = sample().fold((Vector3::zeros(), Vector3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
         let (centre, centre_ref) = (sum / n, sum_ref / n);

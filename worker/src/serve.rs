@@ -71,8 +71,17 @@ impl Worker {
                 self.tell_trouble(wire, elem)?;
                 break;
             }
-            self.book_step(wire, &agreed)?;
+            self.cost += NEWEST * (self.cycle_cpu(wire).as_secs_f64() - self.cost);
+            self.report.urgency = self.report.urgency.max(agreed.urgency);
+            if agreed.urgency >= 1.0 {
+                self.send_report(wire)?; // the master must know why all wait for its word
+            }
             self.take_orders(wire, &agreed)?;
+            let cpu = self.cycle_cpu(wire).as_secs_f32();
+            self.report.cpu.push(cpu);
+            if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
+                self.send_report(wire)?;
+            }
         }
         Ok(())
     }
@@ -103,30 +112,28 @@ impl Worker {
         post(wire, 0, Tag::Report, &ToMaster::Trouble(trouble))
     }
 
-    fn book_step(&mut self, wire: &mut dyn Transport, agreed: &Agreed) -> Result<(), Lost> {
-        let e = &mut self.engine;
-        let cpu = thread_cpu().saturating_sub(wire.wait_cpu()).saturating_sub(self.cpu_before);
-        self.report.cpu.push(cpu.as_secs_f32());
-        self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
-        self.report.urgency = self.report.urgency.max(agreed.urgency);
-        if e.clock.cycle.is_multiple_of(REPORT_EVERY) || agreed.urgency >= 1.0 {
-            let seconds = &e.timer.seconds;
-            let contact_s = [Phase::Search, Phase::Local, Phase::Contact].iter().map(|&p| seconds[p as usize]).sum();
-            let report = StepReport {
-                cycle: e.clock.cycle,
-                time: e.clock.time,
-                dt: e.clock.dt,
-                pairs: e.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
-                elements: e.blocks.elements.len() as u64,
-                drift: e.drift(),
-                contact_s,
-                element_s: seconds[Phase::Elements as usize],
-                order: self.done,
-                ..std::mem::take(&mut self.report)
-            };
-            post(wire, 0, Tag::Report, &ToMaster::Report(report))?;
-        }
-        Ok(())
+    /// CPU time of the cycle so far, waiting left out.
+    fn cycle_cpu(&self, wire: &dyn Transport) -> Duration {
+        thread_cpu().saturating_sub(wire.wait_cpu()).saturating_sub(self.cpu_before)
+    }
+
+    fn send_report(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let e = &self.engine;
+        let seconds = &e.timer.seconds;
+        let contact_s = [Phase::Search, Phase::Local, Phase::Contact].iter().map(|&p| seconds[p as usize]).sum();
+        let report = StepReport {
+            cycle: e.clock.cycle,
+            time: e.clock.time,
+            dt: e.clock.dt,
+            pairs: e.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
+            elements: e.blocks.elements.len() as u64,
+            drift: e.drift(),
+            contact_s,
+            element_s: seconds[Phase::Elements as usize],
+            order: self.done,
+            ..std::mem::take(&mut self.report)
+        };
+        post(wire, 0, Tag::Report, &ToMaster::Report(report))
     }
 
     /// Carries out the orders that all workers have agreed to have seen. When exterior copies no longer cover the
@@ -144,6 +151,7 @@ impl Worker {
             if let Some((number, action)) = self.orders.pop_front() {
                 self.carry_out(wire, action)?;
                 self.done = number;
+                self.report.urgency = 0.0; // what it told of is over
             }
         }
         self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);

@@ -25,10 +25,12 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
-        let drift = motion.update(&nodes.x[..nodes.held]);
-        timer.lap(Phase::Search);
-        engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
-        timer.lap(Phase::Halo);
+        if !halo.links.is_empty() {
+            let drift = motion.update(&nodes.x[..nodes.held]);
+            timer.lap(Phase::Search);
+            engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
+            timer.lap(Phase::Halo);
+        }
         contact.refresh_candidates(nodes);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);

@@ -64,7 +64,7 @@ pub fn find_pairs(
         let by_gap = if a.impact == 0.0 { a.gap.total_cmp(&b.gap) } else { a.opening.total_cmp(&b.opening) };
         by_time.then(by_gap).then(a.pair.segment.cmp(&b.pair.segment))
     });
-    let mut accepted: Vec<Find> = Vec::with_capacity(MOST);
+    let mut accepted: Vec<Find> = Vec::new();
     for f in finds {
         // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off this segment;
         // on a concave one it does not.
@@ -78,14 +78,23 @@ pub fn find_pairs(
     out.extend(accepted.into_iter().map(|f| f.pair));
 }
 
-/// A cheap look before the projection: is the node within reach of the segment's box?
+/// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane?
 fn may_touch(nodes: &Nodes, segment: &Segment, at: &V3, half: f64) -> bool {
     let reach = REACH * (half + segment.half);
     let q = segment.nodes.map(|n| &nodes.x[n as usize]);
-    (0..3).all(|c| {
+    let in_box = (0..3).all(|c| {
         let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, r| (b.0.min(r[c]), b.1.max(r[c])));
         at[c] >= lo - reach && at[c] <= hi + reach
-    })
+    });
+    in_box && {
+        // All of the segment lies as near to the plane through its first node as its other corners do.
+        let [a, b, c, d] = q.map(v3);
+        let normal = (c - a).cross(&(d - b));
+        let size = normal.norm();
+        let off = |p: &V3| (p - a).dot(&normal);
+        let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
+        (low - reach * size..=high + reach * size).contains(&off(at))
+    }
 }
 
 fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory: &[Memory], dt: f64) -> Option<Find> {

@@ -128,7 +128,7 @@ impl Contact {
         if fresh && 2.0 * self.since_search.update(&nodes.x).residual <= self.skin {
             return;
         }
-        self.since_search.restart(&nodes.x);
+        self.since_search.restart(&nodes.x, Vec::new());
         self.searches += 1;
         let s = &self.surface;
         let largest = s.largest_half();
