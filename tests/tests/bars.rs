@@ -10,8 +10,8 @@ const LENGTH: f64 = 100.0;
 const E: f64 = 207.0;
 const RHO: f64 = 7.85e-6;
 const THICKNESS: f64 = 1.0;
-/// Speed of the bars [mm/ms]; strains are v / c = 1e-4.
-const V: f64 = 0.5;
+/// Speed of the bars, that of a crash [mm/ms]; strains are v / c = 2e-3.
+const V: f64 = 10.0;
 
 fn c() -> f64 {
     (E / RHO).sqrt()
@@ -56,10 +56,10 @@ impl Bars {
     }
 }
 
-/// Mean velocity along x and kinetic energy of a range of nodes at the last mid-step.
-fn flight(e: &Engine, nodes: std::ops::Range<usize>) -> (f64, f64) {
+/// Mean velocity along x of a range of nodes at the last mid-step.
+fn flight(e: &Engine, nodes: std::ops::Range<usize>) -> f64 {
     let sum = |f: fn(f64, f64) -> f64| nodes.clone().map(|i| f(e.nodes.mass[i], e.nodes.v[i][0])).sum::<f64>();
-    (sum(|m, v| m * v) / sum(|m, _| m), sum(|m, v| 0.5 * m * v * v))
+    sum(|m, v| m * v) / sum(|m, _| m)
 }
 
 struct Struck {
@@ -87,7 +87,7 @@ fn struck(n: usize) -> Struck {
     });
     let mass = RHO * LENGTH * LENGTH / n as f64 * THICKNESS;
     let area = LENGTH / n as f64 * THICKNESS;
-    let (rebound, _) = flight(&end, 0..end.nodes.held);
+    let rebound = flight(&end, 0..end.nodes.held);
     Struck {
         contact_time: last_push * c() / (2.0 * LENGTH),
         mean_force: impulse / (2.0 * LENGTH / c()) / (RHO * c() * V * area),
@@ -127,51 +127,85 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     }
 }
 
-/// Two equal bars meet end to end: they exchange their velocities, so the struck one leaves with all of it, and while
-/// they touch the interface carries `rho c v / 2`. Here nodes meet the rims of segments.
+/// What a bar that flies into an equal one at rest makes of it.
+struct Exchange {
+    /// Velocity of separation over that of approach.
+    restitution: f64,
+    /// Mean stress at the interface in the first half of the contact, in rho c v / 2.
+    stress: f64,
+    /// Time in contact, in 2L/c.
+    touch: f64,
+    /// Work of contact as a fraction of the energy.
+    work: f64,
+}
+
+fn exchange(n: usize, v: f64) -> Exchange {
+    let mut bars = Bars::default();
+    bars.add(0.0, n);
+    // Surfaces meet at a distance of the mean thickness; a hair's breadth of air.
+    bars.add(LENGTH + THICKNESS + 1e-6, n);
+    let half = 2 * (n + 1);
+    let rest = format!("[[initial_velocity]]\nnodes = \"first\"\nvelocity = [{v:?}, 0.0, 0.0]\n[contact]\n");
+    let (mut last_push, mut when, mut gained, mut last) = (0.0, 0.0, 0.0, 0.0f64);
+    let end = bars.run(half, &rest, |e| {
+        let velocity = flight(e, half..e.nodes.held);
+        if velocity - last > 1e-9 * v {
+            last_push = e.clock.time;
+        }
+        last = velocity;
+        if e.clock.time < LENGTH / c() {
+            // All that the second bar has by now came through the interface.
+            (when, gained) = (e.clock.time * c() / LENGTH, velocity);
+        }
+    });
+    let (one, two) = (flight(&end, 0..half), flight(&end, half..end.nodes.held));
+    assert!(((one + two) / v - 1.0).abs() < 1e-12, "momentum to round-off");
+    let mass: f64 = end.nodes.mass[..half].iter().sum();
+    let x = Exchange {
+        restitution: (two - one) / v,
+        // Over a time t the stress s gives the bar of mass rho L A a mean velocity s t / (rho L).
+        stress: gained / v / (when / 2.0),
+        touch: last_push * c() / (2.0 * LENGTH),
+        work: end.ledger.energies(&end.nodes).contact / (0.5 * mass * v * v),
+    };
+    eprintln!(
+        "N = {n}, v = {v}: restitution {:.4}, stress {:.4} (rho c v / 2), touch for {:.4} (2L/c), contact work {:.5} = {:.3} / 2N",
+        x.restitution,
+        x.stress,
+        x.touch,
+        x.work,
+        x.work * 2.0 * n as f64,
+    );
+    x
+}
+
+/// Two equal bars meet end to end: they exchange their velocities after 2L/c, and while they touch the interface
+/// carries `rho c v / 2`. Nodes meet the rims of segments here. The touch is a plastic impact of the end nodes:
+/// `1/2 m_red v^2` with half a node's mass, half of their share 1/2N of the energy.
 #[test]
 fn two_equal_bars_exchange_their_velocities() {
-    let mut before = f64::INFINITY;
+    let all = [20, 40, 80].map(|n| (n, exchange(n, V)));
+    for (n, x) in &all {
+        // The gap is closed to 1e-4 of the thickness per step: 1e-4 / 2.2e-4 ms = 0.46 mm/ms at N = 80, 5 % of v.
+        assert!((x.work * 2.0 * *n as f64 + 0.5).abs() < 0.1, "N = {n}: contact work {}", x.work);
+    }
+    for pair in all.windows(2) {
+        let order = ((1.0 - pair[0].1.restitution) / (1.0 - pair[1].1.restitution)).log2();
+        // Dispersion of the front spreads as N^(2/3) cells; what it keeps of the energy falls with that power.
+        assert!((0.55..1.1).contains(&order), "restitution towards 1 with order {order}");
+    }
+    let x = &all[2].1;
+    for (what, value) in [("restitution", x.restitution), ("stress", x.stress), ("touch", x.touch)] {
+        assert!((value - 1.0).abs() < 0.02, "{what}: {value}; the front is a few of 80 cells wide");
+    }
+}
+
+/// At a twentieth of that speed the tolerance of the law, 1e-4 of the thickness per step, is half of the approach.
+/// A force that is left as it is because it is within the tolerance must not drive the bars apart.
+#[test]
+fn slow_bars_do_not_leave_faster_than_they_came() {
     for n in [20, 40, 80] {
-        let mut bars = Bars::default();
-        bars.add(0.0, n);
-        // Surfaces meet at a distance of the mean thickness; a hair's breadth of air.
-        bars.add(LENGTH + THICKNESS + 1e-6, n);
-        let half = 2 * (n + 1);
-        let rest = format!("[[initial_velocity]]\nnodes = \"first\"\nvelocity = [{V:?}, 0.0, 0.0]\n[contact]\n");
-        let (mut last_push, mut when, mut gained, mut last) = (0.0, 0.0, 0.0, 0.0f64);
-        let end = bars.run(half, &rest, |e| {
-            let velocity = flight(e, half..e.nodes.held).0;
-            if velocity - last > 1e-9 * V {
-                last_push = e.clock.time;
-            }
-            last = velocity;
-            if e.clock.time < LENGTH / c() {
-                // All that the second bar has by now came through the interface.
-                (when, gained) = (e.clock.time * c() / LENGTH, velocity);
-            }
-        });
-        let ((one, e_one), (two, e_two)) = (flight(&end, 0..half), flight(&end, half..end.nodes.held));
-        let mass: f64 = end.nodes.mass[..half].iter().sum();
-        let restitution = (two - one) / V;
-        // Over a time t the stress s gives the bar of mass rho L A a mean velocity s t / (rho L).
-        let stress = gained / V / (when / 2.0);
-        let (work, brought) = (end.ledger.energies(&end.nodes).contact, 0.5 * mass * V * V);
-        eprintln!(
-            "N = {n}: restitution {restitution:.4}, stress {stress:.4} (rho c v / 2), touch for {:.4} (2L/c), \
-             contact work {:.5} of the energy = {:.3} / 2N, in motion {:.4}",
-            last_push * c() / (2.0 * LENGTH),
-            work / brought,
-            work / brought * 2.0 * n as f64,
-            (e_one + e_two) / brought,
-        );
-        assert!(((one + two) / V - 1.0).abs() < 1e-12, "momentum to round-off");
-        assert!(work < 0.0, "contact adds no energy: {work} of {brought}");
-        let gap = (1.0 - restitution).abs();
-        assert!(gap < before, "towards 1 as the mesh gets finer: {gap} after {before}");
-        before = gap;
-        if n == 80 {
-            assert!(gap < 0.02 && (stress - 1.0).abs() < 0.02, "restitution {restitution}, stress {stress}");
-        }
+        let x = exchange(n, 0.5);
+        assert!((0.93..1.0).contains(&x.restitution), "N = {n}: restitution {}", x.restitution);
     }
 }
