@@ -63,6 +63,8 @@ pub struct Balance {
     pub critical_s: f64,
     /// Sum over cycles and workers of CPU seconds.
     pub total_s: f64,
+    /// CPU seconds of each worker's renewals.
+    pub renewal_s: Vec<f64>,
     /// Largest max/mean over a window, and the sum for its mean over all cycles.
     pub worst: f64,
     /// Low and high redecompositions done.
@@ -90,6 +92,7 @@ impl Balance {
             orders_due: 0,
             critical_s: 0.0,
             total_s: 0.0,
+            renewal_s: vec![0.0; workers],
             worst: 1.0,
             low: 0,
             high: 0,
@@ -100,6 +103,7 @@ impl Balance {
     /// Takes in a worker's report.
     pub fn take(&mut self, worker: usize, report: StepReport) {
         self.waiting[worker].extend(&report.cpu);
+        self.renewal_s[worker] += report.renewal_s;
         self.last[worker] = report;
         while self.waiting.iter().all(|w| !w.is_empty()) {
             let costs: Vec<f64> = self.waiting.iter_mut().filter_map(|w| w.pop_front()).map(f64::from).collect();

@@ -190,8 +190,14 @@ impl<'a> Control<'a> {
             ToMaster::History(part) => {
                 let b = &self.balance;
                 let wall = self.began.elapsed().as_secs_f64();
-                let extras =
-                    Extras { wall, cpu_total: b.total_s, cpu_critical: b.critical_s, low: b.low, high: b.high };
+                let extras = Extras {
+                    wall,
+                    cpu_total: b.total_s,
+                    cpu_critical: b.critical_s,
+                    cpu_renewal: b.renewal_s.iter().copied().fold(0.0, f64::max),
+                    low: b.low,
+                    high: b.high,
+                };
                 let path = || self.out.join("history.csv");
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
             }
@@ -313,6 +319,7 @@ impl<'a> Control<'a> {
             cpu_s: summary::Cpu {
                 total: self.balance.total_s,
                 critical_path: self.balance.critical_s,
+                renewal: self.balance.renewal_s.iter().copied().fold(0.0, f64::max),
                 messages_per_cycle: mean(|c| c.messages) / cycles,
                 bytes_per_cycle: mean(|c| c.bytes) / cycles,
             },

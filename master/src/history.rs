@@ -23,6 +23,8 @@ pub struct Extras {
     pub cpu_total: f64,
     /// Sum over cycles of the slowest worker's CPU seconds so far.
     pub cpu_critical: f64,
+    /// CPU seconds of renewals so far, of the worker with most.
+    pub cpu_renewal: f64,
     /// Low and high redecompositions so far.
     pub low: u64,
     /// See `low`.
@@ -102,6 +104,7 @@ impl History {
             "wall [s]",
             "cpu of all workers [s]",
             "cpu of the critical path [s]",
+            "cpu of renewals [s]",
             "low redecompositions",
             "high redecompositions",
         ];
@@ -162,7 +165,7 @@ impl History {
             // The wall's force on the model, mean since the last row.
             record.extend((0..3).map(|c| number(if dt > 0.0 { (impulse[c] - before.1[c]) / dt } else { 0.0 })));
         }
-        record.extend([extras.wall, extras.cpu_total, extras.cpu_critical].map(number));
+        record.extend([extras.wall, extras.cpu_total, extras.cpu_critical, extras.cpu_renewal].map(number));
         record.extend([extras.low.to_string(), extras.high.to_string()]);
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)

@@ -95,13 +95,15 @@ pub struct ContactSummary {
     pub sweeps_per_cycle: f64,
 }
 
-/// CPU accounting of the workers, waiting left out [s].
+/// CPU accounting of the workers, waiting left out; renewals are in neither sum of cycles [s].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Cpu {
     /// Sum over workers.
     pub total: f64,
     /// Sum over cycles of the slowest worker.
     pub critical_path: f64,
+    /// Renewals of boxes and membership, the worker with most.
+    pub renewal: f64,
     /// Messages sent per worker and cycle.
     pub messages_per_cycle: f64,
     /// Bytes sent per worker and cycle.

@@ -14,6 +14,8 @@ pub struct StepReport {
     pub dt: f64,
     /// CPU seconds of each cycle since the last report, waiting left out.
     pub cpu: Vec<f32>,
+    /// CPU seconds of renewals of boxes and membership since the last report, waiting left out.
+    pub renewal_s: f64,
     /// Relative motion since the boxes were last renewed, as a fraction of what the exterior copies cover.
     pub urgency: f64,
     /// Active contact pairs that this worker owns.

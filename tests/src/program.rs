@@ -68,7 +68,10 @@ pub fn no_mpi() -> Option<String> {
         }
     };
     if let Some(why) = &why {
-        assert!(std::env::var_os("CRUMPLE_BIN").is_none(), "{why}, but CRUMPLE_BIN is set: deploy/test.sh promises MPI");
+        assert!(
+            std::env::var_os("CRUMPLE_BIN").is_none(),
+            "{why}, but CRUMPLE_BIN is set: deploy/test.sh promises MPI"
+        );
         eprintln!("skipped: {why}; deploy/test.sh runs this test");
     }
     why
@@ -140,7 +143,11 @@ impl Running {
                 return found;
             }
             let words = || fs::read_to_string(self.folder.path().join("words")).unwrap_or_default();
-            assert!(self.began.elapsed() < LIMIT, "no end in sight after {LIMIT:?} of waiting until {what}: {}", words());
+            assert!(
+                self.began.elapsed() < LIMIT,
+                "no end in sight after {LIMIT:?} of waiting until {what}: {}",
+                words()
+            );
             std::thread::sleep(LOOK_EVERY);
         }
     }

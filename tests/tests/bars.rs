@@ -38,7 +38,11 @@ impl Bars {
     /// Runs a job on these bars; `rest` are walls, velocities and contact. The set `first` holds the first `first` nodes.
     fn run(&self, first: usize, rest: &str, look: impl FnMut(&Engine)) -> Engine {
         let nodes = self.nodes.iter().zip(1..).map(|([x, y], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, 0.0],\n"));
-        let shells = self.shells.iter().zip(1..).map(|([p, a, b, c, d], id): (_, u32)| format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n"));
+        let shells = self
+            .shells
+            .iter()
+            .zip(1..)
+            .map(|([p, a, b, c, d], id): (_, u32)| format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n"));
         let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
         let set: Vec<usize> = (1..=first).collect();
         let part = |id| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\npoints = 2\n");
@@ -111,7 +115,11 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
             b.lost,
             b.lost * 2.0 * *n as f64
         );
-        assert!((b.lost * 2.0 * *n as f64 - 1.0).abs() < 0.02, "the end nodes' share, to the steps in contact: {}", b.lost);
+        assert!(
+            (b.lost * 2.0 * *n as f64 - 1.0).abs() < 0.02,
+            "the end nodes' share, to the steps in contact: {}",
+            b.lost
+        );
     }
     let (_, finest) = &bars[2];
     // The front of N = 80 cells is some 3 cells wide after 160 cells (dispersion of central differences and lumped

@@ -7,8 +7,8 @@ use crumple_tests::{case, read, run_side_by_side};
 #[test]
 fn both_searches_give_the_same_bits() {
     for workers in [1, 3] {
-        let [cells, boxes] =
-            ["cells", "boxes"].map(|s| run_side_by_side(&read(&case("tumble"), &[&format!("contact.search={s}")]), workers, u64::MAX, 0));
+        let [cells, boxes] = ["cells", "boxes"]
+            .map(|s| run_side_by_side(&read(&case("tumble"), &[&format!("contact.search={s}")]), workers, u64::MAX, 0));
         assert_eq!(cells.digest(), boxes.digest(), "{workers} workers");
         assert!(cells.pairs == boxes.pairs && cells.pairs.iter().any(|p| !p.is_empty()));
     }

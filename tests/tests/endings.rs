@@ -101,7 +101,12 @@ fn the_job_that_is_spoilt_below_is_good() {
 #[test]
 fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
     let cases: &[(&str, &str, &[&str], &[&str])] = &[
-        ("thickness = 1.0", "thicknes = 1.0", &[], &["unknown key `thicknes`", "did you mean `thickness`", "plate.toml:"]),
+        (
+            "thickness = 1.0",
+            "thicknes = 1.0",
+            &[],
+            &["unknown key `thicknes`", "did you mean `thickness`", "plate.toml:"],
+        ),
         ("thickness = 1.0", "thickness = -1.0", &[], &["thickness is -1", "plate.toml:"]),
         ("density = 7.85e-6", "density = 0.0", &[], &["density", "plate.toml:"]),
         ("[2, 9.0, 0.0, 0.0]", "[1, 9.0, 0.0, 0.0]", &[], &["node 1", "plate.toml:"]),
@@ -143,7 +148,8 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     }
     for (out, named) in [(file.join("below"), "below"), (file, "file"), (there.path().to_owned(), "history.csv")] {
         let out = out.to_str().unwrap();
-        let refused = run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out])).with_code(2).said();
+        let refused =
+            run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out])).with_code(2).said();
         for text in [named, "choose another folder with --out"] {
             assert!(refused.contains(text) && !refused.contains("panicked"), "not said: {text}: {refused}");
         }

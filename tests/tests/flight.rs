@@ -6,7 +6,17 @@
 use crumple_tests::program::{Ended, crumple_with, numbers, run};
 
 fn flight(workers: &str) -> Ended {
-    let args = ["run", "cases/flight", "--workers", workers, "--set", "output.field_interval=-1"];
+    // Boxes are recomputed for the load only, which depends on the clock; here motion alone is to ask.
+    let args = [
+        "run",
+        "cases/flight",
+        "--workers",
+        workers,
+        "--set",
+        "output.field_interval=-1",
+        "--set",
+        "parallel.imbalance=100",
+    ];
     run(crumple_with(&args)).with_code(0)
 }
 
@@ -36,7 +46,8 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
     eprintln!("{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate {translated:.0}");
     assert!(fixed > 30.0 && translated > 30.0);
     // Vibration of the rails (spin starts without the stretch that belongs to it) uses the margin up now and then.
-    assert!(low + high <= 6, "{low} low and {high} high in 20 ms");
+    // The frame starts to spin without the stretch that belongs to it and swings; that may use the margin up once.
+    assert!(low == 0 && high <= 2, "{low} low and {high} high in 20 ms");
 
     for r in [&one, &four] {
         // Central differences keep linear momentum, and angular momentum of lumped masses, to round-off of the sums;

@@ -2,7 +2,8 @@
 
 use crumple_tests::program::{Running, crumple_with, mpirun, no_mpi, run, send, start};
 use rustix::process::Signal;
-use std::time::Duration;
+use std::fs;
+use std::time::{Duration, Instant};
 
 const JEEP: [&str; 6] = ["run", "cases/jeep-frame", "--end-time", "3", "--set", "output.field_interval=-1"];
 const TUMBLE: [&str; 4] = ["run", "cases/tumble", "--set", "output.field_interval=-1"];
@@ -72,8 +73,13 @@ fn a_worker_that_is_killed_ends_the_job() {
         assert_eq!(ranks.len(), 4);
         send(ranks[victim], Signal::KILL);
         running.end().with_code(137);
-        let alive = |pid: &&u32| std::path::Path::new(&format!("/proc/{pid}")).exists();
-        assert_eq!(ranks.iter().find(alive), None, "rank {victim} was killed and others live on");
+        // Ended ranks that nobody has asked for their code have no command line any more.
+        let alive = |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| !line.is_empty());
+        let deadline = Instant::now() + Duration::from_secs(10);
+        while ranks.iter().any(alive) {
+            assert!(Instant::now() < deadline, "rank {victim} was killed and others live on");
+            std::thread::sleep(Duration::from_millis(50));
+        }
     }
 }
 

@@ -98,8 +98,7 @@ pub struct Motion {
 impl Motion {
     /// Starts at the present positions.
     pub fn since(x: &[Row]) -> Self {
-        let mut motion =
-            Self { reference: Vec::new(), sample: Vec::new(), slack: Vec::new(), drift: Drift::none() };
+        let mut motion = Self { reference: Vec::new(), sample: Vec::new(), slack: Vec::new(), drift: Drift::none() };
         motion.restart(x, Vec::new());
         motion
     }

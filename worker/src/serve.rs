@@ -71,14 +71,16 @@ impl Worker {
                 self.tell_trouble(wire, elem)?;
                 break;
             }
-            self.cost += NEWEST * (self.cycle_cpu(wire).as_secs_f64() - self.cost);
+            let cpu = self.cycle_cpu(wire);
+            self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
+            self.report.cpu.push(cpu.as_secs_f32());
             self.report.urgency = self.report.urgency.max(agreed.urgency);
             if agreed.urgency >= 1.0 {
                 self.send_report(wire)?; // the master must know why all wait for its word
             }
+            let before = self.cycle_cpu(wire);
             self.take_orders(wire, &agreed)?;
-            let cpu = self.cycle_cpu(wire).as_secs_f32();
-            self.report.cpu.push(cpu);
+            self.report.renewal_s += self.cycle_cpu(wire).saturating_sub(before).as_secs_f64();
             if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
                 self.send_report(wire)?;
             }
@@ -96,7 +98,8 @@ impl Worker {
         match output::write_fields(e, index, wire.size() > 2) {
             Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
-                let warning = format!("{}: field files of time {time:.6e} could not be written: {error}", e.settings.field_dir);
+                let warning =
+                    format!("{}: field files of time {time:.6e} could not be written: {error}", e.settings.field_dir);
                 post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
             }
         }

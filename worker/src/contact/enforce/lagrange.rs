@@ -58,8 +58,9 @@ impl ContactLaw for Lagrange {
         let change = (new_pressed - pressed).abs().max((new_sheared - sheared).norm());
         let floor = GAP * pair.thickness / (steps.dt * soft_n);
         // A force that has nothing left to do ends, however small: left as it is, it would go on pushing.
-        let ends = new_pressed < pressed * (1.0 - self.tolerance);
-        (ends || change > floor.max(self.tolerance * new_pressed.max(pressed))).then(|| pair.normal * new_pressed + new_sheared)
+        let ends = pressed > 0.0 && new_pressed == 0.0;
+        (ends || change > floor.max(self.tolerance * new_pressed.max(pressed)))
+            .then(|| pair.normal * new_pressed + new_sheared)
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {

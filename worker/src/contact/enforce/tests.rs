@@ -49,7 +49,13 @@ impl Scene {
     fn new(job: &ContactJob, points: &[NodeRecord], segments: &[[u32; 4]], slaves: &[u32], dt: f64) -> Self {
         let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
         let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0);
-        let segment = |(i, &nodes): (usize, &[u32; 4])| Segment { id: ElemId(i as u64 + 1), nodes, half: HALF, part: 0, own: true };
+        let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
+            id: ElemId(i as u64 + 1),
+            nodes,
+            half: HALF,
+            part: 0,
+            own: true,
+        };
         let surface = Surface {
             segments: segments.iter().enumerate().map(segment).collect(),
             slaves: slaves.to_vec(),
@@ -229,7 +235,8 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
         scene.step();
         let impulse = scene.pairs()[0].force.norm() * 1e-3;
         assert!(impulse > 1.0);
-        let off: V3 = (0..4).map(|k| (scene.pairs()[0].weight[k] - scene.pairs()[0].shape[k]) * V3::from(points[k].x)).sum();
+        let off: V3 =
+            (0..4).map(|k| (scene.pairs()[0].weight[k] - scene.pairs()[0].shape[k]) * V3::from(points[k].x)).sum();
         ((scene.momentum() - p).norm() / impulse, (scene.spin() - l).norm() / impulse, off.norm())
     };
     let differ = [1.0, 2.0, 4.0, 8.0];
@@ -293,8 +300,10 @@ fn a_node_between_two_plates_ends_at_rest() {
     let v = 10.0;
     // Largest velocity at the end as a fraction of the approach.
     let rebound = |m: f64, sweeps: usize| {
-        let at = |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
-        let points: Vec<_> = at(-1.5 * THICK, v).chain(at(1.5 * THICK, -v)).chain([mass([0.0; 3], [0.0; 3], m)]).collect();
+        let at =
+            |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
+        let points: Vec<_> =
+            at(-1.5 * THICK, v).chain(at(1.5 * THICK, -v)).chain([mass([0.0; 3], [0.0; 3], m)]).collect();
         let job = ContactJob { sweeps, tolerance: 1e-6, ..job("lagrange") };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
@@ -357,7 +366,11 @@ fn coulomb_friction_slows_holds_and_lets_go() {
         let mut scene = pressed(mu, "lagrange", 0.0, pull * mu * n, n);
         (0..1000).for_each(|_| _ = scene.step());
         let expected = moves * slowing;
-        assert!((scene.v(block).x - expected).abs() < 2e-3 * slowing, "pull {pull}: {} and not {expected}", scene.v(block).x);
+        assert!(
+            (scene.v(block).x - expected).abs() < 2e-3 * slowing,
+            "pull {pull}: {} and not {expected}",
+            scene.v(block).x
+        );
     }
 }
 
@@ -385,7 +398,9 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     let beside = 1e-9;
     for law in ["lagrange", "penalty"] {
         let mut first = None;
-        for (x, y) in [(0.5, 0.5), (0.0, 0.5), (beside, 0.5), (-beside, 0.5), (0.0, 0.0), (beside, -beside), (0.3, beside)] {
+        for (x, y) in
+            [(0.5, 0.5), (0.0, 0.5), (beside, 0.5), (-beside, 0.5), (0.0, 0.0), (beside, -beside), (0.3, beside)]
+        {
             let grid = (0..9).map(|i| V3::new((i % 3) as f64 - 1.0, (i / 3) as f64 - 1.0, 0.0));
             let mut points: Vec<NodeRecord> = grid.map(|p| mass((turn * p).into(), [0.0; 3], 1e6)).collect();
             let down = turn * Vector3::z() * -1.0;
