@@ -55,6 +55,7 @@ struct Labels {
     energy: String,
     momentum: String,
     force: String,
+    angular: String,
 }
 
 impl Labels {
@@ -71,7 +72,7 @@ impl Labels {
             ("m", "s", "kg") => ("J".into(), "N".into()),
             _ => (format!("{m} {l}^2/{t}^2"), format!("{m} {l}/{t}^2")),
         };
-        Self { time: t.into(), energy, force, momentum: format!("{m} {l}/{t}") }
+        Self { time: t.into(), energy, force, momentum: format!("{m} {l}/{t}"), angular: format!("{m} {l}^2/{t}") }
     }
 }
 
@@ -90,7 +91,7 @@ impl History {
         }
         header.push("energy error [-]".into());
         header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
-        header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{} {}]", u.momentum, "length")));
+        header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{}]", u.angular)));
         header.extend([
             "pairs".into(),
             "penetration [fraction of contact thickness]".into(),

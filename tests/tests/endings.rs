@@ -1,8 +1,14 @@
 //! How a run ends other than well, through the binary: exit codes of section 2 of DESIGN, and what is kept.
 
+use crumple::stop::StopFlag;
+use crumple_proto::transport::threads::{Threads, connect};
+use crumple_proto::transport::{Lost, Tag, Traffic, Transport};
 use crumple_tests::program::{Ended, assert_finite, crumple_with, run, start};
+use crumple_tests::{case, read};
 use rustix::process::Signal;
 use std::fs;
+use std::sync::mpsc::channel;
+use std::time::Duration;
 
 /// Above the stability limit energy grows from step to step: the run has to be ended, with what it had in order.
 #[test]
@@ -153,5 +159,69 @@ fn an_output_folder_that_cannot_be_written_is_named() {
         for text in [named, "choose another folder with --out"] {
             assert!(refused.contains(text) && !refused.contains("panicked"), "not said: {text}: {refused}");
         }
+    }
+}
+
+/// A wire that panics after so many messages have come in: the worker behind it is lost in the middle of a step.
+struct Frail(Threads, u32);
+
+impl Transport for Frail {
+    fn rank(&self) -> usize {
+        self.0.rank()
+    }
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+        self.0.send(to, tag, words)
+    }
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+        self.0.try_recv(from, tag, words)
+    }
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+        assert!(self.1 > 0, "on purpose, by a test");
+        self.1 -= 1;
+        self.0.recv(from, tag, words)
+    }
+    fn wait_cpu(&self) -> Duration {
+        self.0.wait_cpu()
+    }
+    fn traffic(&self) -> Traffic {
+        self.0.traffic()
+    }
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+}
+
+/// A worker that panics takes its wires with it: master and other workers find that out and end, nobody waits for it.
+/// The binary turns this error into code 4.
+#[test]
+fn a_worker_that_panics_is_a_lost_worker() {
+    for messages in [0, 1, 40, 2000] {
+        let mut ends = connect(4);
+        let mut master = ends.remove(0);
+        let (say, hear) = channel();
+        for end in ends {
+            let say = say.clone();
+            std::thread::spawn(move || {
+                let left = if end.rank() == 2 { messages } else { u32::MAX };
+                let ended = crumple_worker::serve::serve(&mut Frail(end, left));
+                say.send(ended.map_err(|lost| lost.to_string())).unwrap();
+            });
+        }
+        std::thread::spawn(move || {
+            let model = read(&case("tumble"), &["output.field_interval=-1"]);
+            let out = tempfile::tempdir().unwrap();
+            let ended = crumple::control::run(&model, &mut master, out.path(), true, &StopFlag::default());
+            say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();
+        });
+        // Two workers and the master end with an error; the third worker does not come back.
+        let mut errors: Vec<String> = (0..3)
+            .map(|_| hear.recv_timeout(Duration::from_secs(60)).expect("nobody waits for ever").unwrap_err())
+            .collect();
+        errors.sort();
+        assert!(errors[0].starts_with("a worker was lost: rank"), "after {messages} messages: {errors:?}");
+        assert!(errors[1].contains("was lost") && errors[2].contains("was lost"), "{errors:?}");
     }
 }

@@ -36,8 +36,8 @@ fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
 
 /// The same with contact: from 22 ms on the folds of the horns touch. Boxes are renewed several times.
 #[test]
-fn thirty_milliseconds_with_contact_give_one_state_on_one_and_four_workers() {
-    let (one, four) = (jeep(1, "30"), jeep(4, "30"));
+fn twenty_five_milliseconds_with_contact_give_one_state_on_one_and_four_workers() {
+    let (one, four) = (jeep(1, "25"), jeep(4, "25"));
     assert_eq!(one.digest(), four.digest());
     for r in [&one, &four] {
         balances(r);

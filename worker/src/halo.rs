@@ -95,6 +95,30 @@ impl Halo {
         Ok(())
     }
 
+    /// Brings exterior nodes to the state that their owners have between two steps, for output: within a step they are
+    /// known at its start only.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn show_exterior(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes) -> Result<(), Lost> {
+        for link in &self.links {
+            self.words.clear();
+            for i in link.export.iter().map(|&i| i as usize) {
+                let (x, v, w) = (&nodes.x[i], &nodes.v[i], &nodes.w[i]);
+                self.words.extend(x[..3].iter().chain(&v[..3]).chain(&w[..3]).map(|a| a.to_bits()));
+            }
+            wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
+        }
+        for link in &self.links {
+            wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
+            for (i, nine) in link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(9)) {
+                let three = |k: usize| crate::nodes::row([0, 1, 2].map(|c| f64::from_bits(nine[k + c])));
+                (nodes.x[i], nodes.v[i], nodes.w[i]) = (three(0), three(3), three(6));
+            }
+        }
+        Ok(())
+    }
+
     /// Brings exterior nodes up to date: coordinates, and velocities without contact at the next mid-step.
     /// Every worker also tells every other how its nodes have moved since the last renewal.
     /// Returns the largest relative motion as a fraction of what the exterior copies cover.

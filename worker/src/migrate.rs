@@ -159,3 +159,52 @@ fn unpack(mut words: &[u64]) -> [&[u64]; 3] {
         [] => &[],
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::geometry::V3;
+
+    /// What travels arrives as it left, to the bit: elements of either shape with history of any length, empty runs,
+    /// memories of several nodes.
+    #[test]
+    fn parcels_make_the_round_trip() {
+        let element = |id, shape, part| ElementRecord {
+            id: ElemId(id),
+            part,
+            shape,
+            nodes: [id, id + 1, id + 2, id + 2].map(NodeId),
+            mass_factor: 1.0 + 0.1 * id as f64,
+        };
+        let sent = vec![
+            (element(7, Shape::Quad4, 0), vec![0.1, -0.0, f64::MIN_POSITIVE / 3.0]),
+            (element(3, Shape::Tri3, 5), Vec::new()),
+            (element(u64::MAX >> 11, Shape::Quad4, 2), vec![f64::MAX; 100]),
+        ];
+        let memory = |segment, side| Memory {
+            segment: ElemId(segment),
+            side,
+            tolerated: -1e-3 / 3.0,
+            normal: V3::new(0.6, -0.8, 0.0),
+            force: V3::new(1.0 / 3.0, 2.0, -3.0),
+            slip: V3::new(0.0, -0.0, 1e-300),
+        };
+        let remembered =
+            BTreeMap::from([(NodeId(4), vec![memory(9, 1.0), memory(11, -1.0)]), (NodeId(8), vec![memory(1, 1.0)])]);
+        let mut runs = [Vec::new(), Vec::new(), Vec::new()];
+        sent.iter().for_each(|(e, history)| put_element(&mut runs[0], e, history));
+        remembered.iter().for_each(|(&node, list)| put_memories(&mut runs[2], node, list));
+
+        let [elements, nodes, memories] = unpack(&pack(&runs)).map(<[u64]>::to_vec);
+        let (mut arrived, mut known) = (Vec::new(), BTreeMap::new());
+        take_elements(&elements, &mut arrived);
+        take_memories(&memories, &mut known);
+        let bits = |all: &[(ElementRecord, Vec<f64>)]| -> Vec<Vec<u64>> {
+            all.iter().map(|(_, h)| h.iter().map(|a| a.to_bits()).collect()).collect()
+        };
+        assert_eq!(arrived, sent);
+        assert_eq!(bits(&arrived), bits(&sent), "-0 stays -0");
+        assert_eq!((known, nodes.len()), (remembered, 0));
+        assert_eq!(unpack(&[]).map(<[u64]>::len), [0, 0, 0], "nothing comes from a worker that sends nothing");
+    }
+}

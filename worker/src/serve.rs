@@ -95,6 +95,7 @@ impl Worker {
         }
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
+        e.halo.show_exterior(wire, &mut e.nodes)?;
         match output::write_fields(e, index, wire.size() > 2) {
             Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {

@@ -70,7 +70,7 @@ impl Workers<'_> {
     fn ask<T>(
         &mut self,
         question: &ToWorker,
-        answer: impl Fn(ToMaster) -> Result<T, ToMaster>,
+        answer: impl Fn(ToMaster) -> Result<T, Box<ToMaster>>,
     ) -> Result<Vec<T>, Lost> {
         let ranks = 1..self.wire.size();
         for rank in ranks.clone() {
@@ -81,7 +81,7 @@ impl Workers<'_> {
             loop {
                 match answer(await_message(self.wire, rank, Tag::Report)?) {
                     Ok(a) => break answers.push(a),
-                    Err(other) => self.aside.push((rank - 1, other)),
+                    Err(other) => self.aside.push((rank - 1, *other)),
                 }
             }
         }
@@ -92,7 +92,7 @@ impl Workers<'_> {
 impl Load for Workers<'_> {
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
         let question = ToWorker::Extents { tree: tree.clone(), entries: entries.to_vec() };
-        let answers = self.ask(&question, |m| if let ToMaster::Extents(e) = m { Ok(e) } else { Err(m) })?;
+        let answers = self.ask(&question, |m| if let ToMaster::Extents(e) = m { Ok(e) } else { Err(Box::new(m)) })?;
         let around = |i: usize| {
             let boxes = answers.iter().map(|a| &a[i]).filter(|b| !b.is_empty());
             Aabb::around(boxes.flat_map(|b| [b.min, b.max]))
@@ -103,7 +103,8 @@ impl Load for Workers<'_> {
     fn histograms(&mut self, tree: &CutTree, of: &[HistogramRange], bins: usize) -> Result<Vec<Vec<f64>>, Lost> {
         let pair_weight = self.pair_weight;
         let question = ToWorker::Histograms { tree: tree.clone(), of: of.to_vec(), bins, pair_weight };
-        let answers = self.ask(&question, |m| if let ToMaster::Histograms(h) = m { Ok(h) } else { Err(m) })?;
+        let answers =
+            self.ask(&question, |m| if let ToMaster::Histograms(h) = m { Ok(h) } else { Err(Box::new(m)) })?;
         let mut sum = vec![vec![0.0; bins]; of.len()];
         answers.iter().for_each(|a| add(&mut sum, a));
         Ok(sum)
