@@ -4,11 +4,20 @@
 //! Sizes, and why (light-duty ladder frame; no drawing of the published frame gives any):
 //! - Rails 120 mm deep and 70 mm wide, 4 m long, 780 mm apart inside: mid of the usual 100 to 140 mm of depth;
 //!   overall 920 mm, between the 0.75 m of a small jeep and the 1.0 m of a light truck.
-//! - The rails rise 110 mm over the front axle and 160 mm over the rear one; the kick-ups lie 2.4 m apart,
-//!   the wheelbase of a short jeep. The horns drop 50 mm towards the tips: bumper height, and a bend that starts folds.
+//! - The rails rise 110 mm over the front axle and 80 mm over the rear one, enough for a live axle on leaf springs;
+//!   the kick-ups lie 2.0 m apart, the wheelbase of a short jeep.
 //! - The horns reach 480 mm ahead of the engine member. Folding eats some 0.73 of it: 0.35 m (README.md).
-//! - The engine member is as deep as the rails and 96 mm long, so its four corners meet the rails' corners and
-//!   its flanges lie in theirs. The others are small square tubes of 48 mm, 2.5 mm thick.
+//!   They drop 18 mm towards the tips. With 35 mm and more they bend into a Z instead, at half the force.
+//! - Over the first 120 mm the horns taper to 90 mm at the tips, so that the first fold starts there; the front beam
+//!   lies right behind the tips and holds their free edges together.
+//! - The engine member is as deep as the rails and some 96 mm long, so its four corners meet the rails' corners and
+//!   its flanges lie in theirs. The others are small tubes of 48 mm.
+//! - The engine sits on the middle 303 mm of its member, the width between two engine mounts.
+//!   The load is bolted to the four edges of the last metre of both rails, as a bed is.
+//!
+//! Quads: a fold is some 2 * 29 mm long, so the horns' quads are 0.58 times as long as those behind: 15 mm,
+//! and 26 mm from behind the engine member's front on. Around the rail they are 23 to 24 mm, at the tips 18.
+//! Finer still would put the shortest side below half the median side.
 //!
 //! Counting: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange) and 169 along.
 //! A cross member is a tube of n quads around and 36 along, whose end rings are nodes of the rails' inner walls;
@@ -31,21 +40,26 @@ const OPTIONS: &[OptionRow] = &[
     ("rail_width", 70.0, "width of the rail section, mid-surface [mm]"),
     ("rail_gap", 780.0, "distance between the inner walls of the rails [mm]"),
     ("front_height", 110.0, "rise of the rails over the front axle [mm]"),
-    ("rear_height", 160.0, "rise of the rails over the rear axle [mm]"),
+    ("rear_height", 80.0, "rise of the rails over the rear axle [mm]"),
     ("horn_length", 480.0, "front tips to the front of the engine member [mm]"),
-    ("horn_drop", 50.0, "front tips below the engine member [mm]"),
+    ("horn_drop", 18.0, "front tips below the engine member [mm]"),
+    ("tip_depth", 90.0, "height of the rail section at the tips, mid-surface [mm]"),
+    ("taper_to", 120.0, "x from which the section has its full height [mm]"),
+    ("fine", 0.58, "length of the horns' quads as a fraction of those behind"),
+    ("fine_to", 460.0, "x to which quads have that length [mm]"),
+    ("fine_fade", 80.0, "length over which they grow to full length [mm]"),
     ("front_kick_from", 720.0, "x where the front kick-up starts [mm]"),
     ("front_kick_to", 1220.0, "x where the front kick-up ends [mm]"),
     ("rear_kick_from", 2650.0, "x where the rear kick-up starts [mm]"),
     ("rear_kick_to", 3250.0, "x where the rear kick-up ends [mm]"),
-    ("front_beam_at", 72.0, "x of the middle of the front beam [mm]"),
+    ("front_beam_at", 30.0, "x of the middle of the front beam [mm]"),
     ("gearbox_member_at", 1500.0, "x of the middle of the gearbox member [mm]"),
     ("middle_member_at", 2550.0, "x of the middle of the middle member [mm]"),
-    ("rear_member_at", 3850.0, "x of the middle of the rear member [mm]"),
+    ("rear_member_at", 3500.0, "x of the middle of the rear member [mm]"),
     ("front_part_to", 700.0, "x where part rail-front ends [mm]"),
-    ("rear_part_from", 2450.0, "x where part rail-rear starts [mm]"),
-    ("engine_patch", 170.0, "width across of the patch that carries the engine [mm]"),
-    ("rear_patch", 250.0, "length of the rails' rear ends that carry the rear mass [mm]"),
+    ("rear_part_from", 2630.0, "x where part rail-rear starts [mm]"),
+    ("engine_patch", 300.0, "width across of the patch that carries the engine [mm]"),
+    ("rear_patch", 1000.0, "length of the rails' rear ends that carry the rear mass [mm]"),
 ];
 
 /// Quads on a rail wall, on a rail flange, along a rail, along a cross member; each times `refine`.
@@ -80,6 +94,10 @@ struct Path {
     curves: [(f64, f64, f64); 3],
     /// Overall length [mm].
     length: f64,
+    /// Height of the section at x = 0, in full, and from which x on [mm].
+    taper: (f64, f64, f64),
+    /// Length of the horns' quads as a fraction of those behind; from which x it grows, and to which [mm].
+    fine: (f64, f64, f64),
 }
 
 impl Path {
@@ -92,14 +110,27 @@ impl Path {
         })
     }
 
-    /// x of `n + 1` stations that cut the line into `n` pieces of equal length.
+    /// Height of the section [mm].
+    fn depth(&self, x: f64) -> f64 {
+        let (tip, full, to) = self.taper;
+        if x < to { tip + (full - tip) * (x / to) } else { full }
+    }
+
+    /// Length of quads as a fraction of that in the rear.
+    fn fineness(&self, x: f64) -> f64 {
+        let (fine, from, to) = self.fine;
+        fine + (1.0 - fine) * ((x - from) / (to - from)).clamp(0.0, 1.0)
+    }
+
+    /// x of `n + 1` stations that cut the line into `n` pieces, equally long but for `fineness`.
     fn stations(&self, n: usize) -> Vec<f64> {
         let pieces = 64 * n;
         let step = self.length / pieces as f64;
         let mut arc = vec![0.0];
         for i in 0..pieces {
-            let slope = self.height((i as f64 + 0.5) * step).1;
-            arc.push(arc[i] + step * (1.0 + slope * slope).sqrt());
+            let x = (i as f64 + 0.5) * step;
+            let slope = self.height(x).1;
+            arc.push(arc[i] + step * (1.0 + slope * slope).sqrt() / self.fineness(x));
         }
         let mut i = 0;
         (0..=n)
@@ -118,7 +149,6 @@ impl Path {
 struct Plan {
     refine: usize,
     path: Path,
-    depth: f64,
     width: f64,
     gap: f64,
     members: [Member; 5],
@@ -141,7 +171,13 @@ impl Plan {
         let rear = options.real("rear_height", 0.0..=300.0, &mut wrong);
         let drop = options.real("horn_drop", -200.0..=200.0, &mut wrong);
         let horn = options.real("horn_length", 150.0..=1000.0, &mut wrong);
+        let tip_depth = options.real("tip_depth", 40.0..=250.0, &mut wrong);
+        let fine = options.real("fine", 0.25..=1.0, &mut wrong);
+        let fade = options.real("fine_fade", 1.0..=2000.0, &mut wrong);
         let mut place = |key| options.real(key, 0.0..=length, &mut wrong);
+        let taper = (tip_depth, depth, place("taper_to"));
+        let fine_to = place("fine_to");
+        let fine = (fine, fine_to, fine_to + fade);
         let front_kick = (place("front_kick_from"), place("front_kick_to"));
         let rear_kick = (place("rear_kick_from"), place("rear_kick_to"));
         let beam = place("front_beam_at");
@@ -168,7 +204,7 @@ impl Plan {
             return Err(wrong);
         }
 
-        let path = Path { start: front - drop, curves, length };
+        let path = Path { start: front - drop, curves, length, taper, fine };
         let coarse = path.stations(ALONG_RAIL);
         let station = |x: f64| (1..ALONG_RAIL).min_by(|&a, &b| (coarse[a] - x).abs().total_cmp(&(coarse[b] - x).abs()));
         let station = |x: f64| station(x).unwrap_or(1);
@@ -178,7 +214,7 @@ impl Plan {
             Member { first: station(horn), along: 4, low: 0, deep: WALL },
             small(middles[0], 1),
             small(middles[1], 1),
-            small(middles[2], 2),
+            small(middles[2], 3),
         ];
         let keys = ["front_beam_at", "horn_length", "gearbox_member_at", "middle_member_at", "rear_member_at"];
         for (pair, key) in members.windows(2).zip(&keys[1..]) {
@@ -204,7 +240,7 @@ impl Plan {
         let engine = 2 * ((0.5 * engine_patch * ALONG_MEMBER as f64 / gap).round() as usize).max(1);
         let parts = parts.map(station);
         let rear = ALONG_RAIL - station(length - rear_patch);
-        Ok(Self { refine, path, depth, width, gap, members, parts, engine, rear })
+        Ok(Self { refine, path, width, gap, members, parts, engine, rear })
     }
 }
 
@@ -219,7 +255,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let rear = plan.rear * plan.refine;
     for rail in &rails {
         mesh.set("front", rail[0].iter().copied());
-        mesh.set("rear", rail[rail.len() - 1 - rear..].iter().flatten().copied());
+        // The edges of the section carry the load; the middle of a wall would only flap under it.
+        let edges = [0, WALL, WALL + FLANGE, 2 * WALL + FLANGE].map(|j| j * plan.refine);
+        mesh.set("rear", rail[rail.len() - 1 - rear..].iter().flat_map(|ring| edges.map(|j| ring[j])));
     }
     Ok(mesh.finish(plan.path.length / (ALONG_RAIL * plan.refine) as f64))
 }
@@ -240,7 +278,7 @@ fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
         let scale = 1.0 / (1.0 + slope * slope).sqrt();
         let place = |&(out, up): &(f64, f64)| {
             // Perpendicular to the centre line, so that no quad is skewed.
-            let d = (up - 0.5) * plan.depth;
+            let d = (up - 0.5) * plan.path.depth(x);
             [x - d * slope * scale, side * (0.5 * plan.gap + out * plan.width), z + d * scale]
         };
         rings.push(section.iter().map(|s| mesh.point(place(s))).collect());
