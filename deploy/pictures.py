@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Pictures of a run: the deformed shells at given times, from the side, at an angle, and close up at the front.
+"""Pictures of a run: the deformed shells at given times, from the side (whole, and the far side's front close up,
+as seen from the middle), at an angle, and close up at the front. Grey lines are the outline before the deformation.
 
     deploy/pictures.py DIR --times 0 20 40 65.8 --out DIR/pictures
 
@@ -15,6 +16,8 @@ from pathlib import Path
 
 # Light grey where nothing has yielded.
 STRAIN = ["#c3c9d1", "#5b9bd5", "#2ca58d", "#f4d35e", "#ee6c4d", "#9b1d20"]
+# Told apart at a glance, in print too.
+DISTINCT = ["#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#9c755f"]
 # name on the command line -> cell array, title of the colour bar, colour map
 COLOURS = {
     "plastic_strain": ("plastic_strain", "plastic strain [-]", STRAIN),
@@ -24,19 +27,26 @@ COLOURS = {
     "worker": ("worker", "worker", "tab10"),
     "class": ("class", "0 interior, 1 interface, 2 exterior", "Set1"),
 }
+WHOLE = ("part", "worker", "class")  # arrays of whole numbers
 EXTERIOR = 2  # class of such a copy
-# view -> window [pixel], direction from the model to the camera. The model points to -x, y is across, z is up;
-# the cameras stand behind the wall's face, so that the wall hides nothing.
+# view -> window [pixel], its panels from the top down: share of the height, direction from the model to the camera,
+# what is shown. The model points to -x, y is across, z is up; the cameras of the slanting views stand behind the
+# wall's face, so that the wall hides nothing.
+SIDE = (0.0, -1.0, 0.0)
 VIEWS = {
-    "side": ((1800, 560), (0.0, -1.0, 0.0)),
-    "angle": ((1600, 900), (0.55, -1.0, 0.65)),
-    "front": ((1600, 1000), (0.65, -1.0, 0.6)),
+    "side": ((1600, 1000), [(0.3, SIDE, "all"), (0.7, SIDE, "far front")]),
+    "angle": ((1600, 900), [(1.0, (0.55, -1.0, 0.65), "all")]),
+    "front": ((1600, 1000), [(1.0, (0.65, -1.0, 0.6), "front")]),
 }
-# Shells of the close-up: those ahead of this fraction of the undeformed length.
+# Shells of a close-up: those ahead of this fraction of the undeformed length; on the far side, those beyond this
+# fraction of half the width.
 FRONT = 0.17
-# Room around the model in a picture, and the part of the window at the bottom that the colour bar takes.
+FAR = 0.8
+# Room around the model in a picture, and how much of the window's height the colour bar takes at the bottom.
 MARGIN = 1.06
-BAR = 0.16
+BAR = 0.14
+# Largest share of shells that may lie above the colours' range, so that a few creases do not set it.
+ABOVE = 0.01
 
 
 def stop(message):
@@ -95,13 +105,30 @@ def undeformed(mesh):
     return mesh.points - mesh.point_data["displacement"] if "displacement" in mesh.point_data else mesh.points
 
 
+def round_up(value, steps=(1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)):
+    """The next number with a short name."""
+    import math
+
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((step * power for step in steps if step * power >= value * (1.0 - 1e-9)), 10.0 * power)
+
+
 def colour_limits(meshes, array, given):
-    """One range of colours for all pictures."""
-    if given:
-        return list(given)
+    """One range of colours for all pictures, and whether anything lies above it."""
+    import numpy as np
+
     values = [m.cell_data[array] for m in meshes]
     low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
-    return [low, high if high > low else low + 1.0]
+    if given:
+        limits = list(given)
+    elif array in WHOLE or high <= low:
+        limits = [low, high if high > low else low + 1.0]
+    elif low < 0.0 or low > 0.5 * high:
+        limits = [low, high]
+    else:
+        most = max(float(np.quantile(v, 1.0 - ABOVE)) for v in values)
+        limits = [0.0, round_up(max(most, 1e-3 * high))]
+    return limits, high > limits[1] * (1.0 + 1e-9)
 
 
 def corners(box):
@@ -109,27 +136,48 @@ def corners(box):
     return [(x, y, z) for x in box[0:2] for y in box[2:4] for z in box[4:6]]
 
 
-def aim(scene, view, points):
-    """Parallel projection that holds all points, above the colour bar."""
+def screen_axes(towards):
+    """Right, up and back of a camera that stands in this direction from the model."""
     import numpy as np
 
-    (width, height), towards = VIEWS[view]
     back = np.array(towards) / np.linalg.norm(towards)
     right = np.cross((0.0, 0.0, 1.0), back)
     right /= np.linalg.norm(right)
-    up = np.cross(back, right)
-    axes = np.stack([right, up, back])
+    return np.stack([right, np.cross(back, right), back])
+
+
+def aim(scene, towards, points, width, height, bar):
+    """Parallel projection that holds all points, in a panel of this size [pixel], above the colour bar, which takes
+    `bar` of its height. Returns the lower right corner of what is seen and the length of a pixel."""
+    import numpy as np
+
+    axes = screen_axes(towards)
+    right, up, back = axes
     seen = np.asarray(points, dtype=float) @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)
     span = (high - low) * MARGIN
-    half = 0.5 * max(span[1] / (1.0 - BAR), span[0] * height / width)
+    half = 0.5 * max(span[1] / (1.0 - bar), span[0] * height / width)
     middle = 0.5 * (low + high)
-    middle[1] -= BAR * half
+    middle[1] -= bar * half
     focus = middle @ axes
     scene.enable_parallel_projection()
     scene.camera_position = [tuple(focus + 10.0 * max(span) * back), tuple(focus), tuple(up)]
     scene.camera.parallel_scale = half
     scene.renderer.ResetCameraClippingRange()
+    return focus + half * width / height * right - half * up + 2.0 * max(span) * back, 2.0 * half / height
+
+
+def scale_bar(pv, scene, towards, corner, pixel, bar, unit):
+    """A bar of a round length at the lower right, above the colour bar."""
+    right, up, _ = screen_axes(towards)
+    length = round_up(120.0 * pixel, (1.0, 2.0, 5.0, 10.0))
+    start = corner - (40.0 * pixel + length) * right + (25.0 + bar) * pixel * up
+    scene.add_mesh(pv.Line(start, start + length * right), color="black", line_width=4)
+    label = start + 10.0 * pixel * up
+    scene.add_point_labels(
+        [label], [f"{length:g} {unit}"], font_size=18, text_color="black", shape=None, show_points=False,
+        always_visible=True, justification_horizontal="left", justification_vertical="bottom",
+    )
 
 
 def wall_plate(pv, args, box):
@@ -150,57 +198,96 @@ def wall_plate(pv, args, box):
     return pv.PolyData(np.array(edge), faces=[4, 0, 1, 2, 3]).extrude(tuple(-0.05 * max(sides) * normal), capping=True)
 
 
-def draw(pv, mesh, time, view, colour, limits, start, args, file):
-    """One picture."""
-    from matplotlib.colors import LinearSegmentedColormap
+def outline(mesh):
+    """Sharp and open edges of the model before its deformation."""
+    flat = mesh.copy()
+    flat.points = undeformed(mesh)
+    surface = flat.extract_surface(algorithm="dataset_surface").clean(tolerance=1e-6)
+    return surface.extract_feature_edges(30, boundary_edges=True, non_manifold_edges=True, manifold_edges=False)
+
+
+def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, bar, args):
+    """One look at the model. `bar` is the height of the colour bar in it [pixel]; none for nought."""
+    from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 
     array, title, colours = COLOURS[colour]
-    scene = pv.Plotter(off_screen=True, window_size=VIEWS[view][0])
-    scene.set_background("white")
-    shown = mesh
-    if view == "front":
+    cut = start[0] + FRONT * (start[1] - start[0])
+    shown, ghost = mesh, outline(mesh)
+    close = what != "all"
+    if close:
         flat = mesh.copy()
         flat.points = undeformed(mesh)
-        shown = mesh.extract_cells(
-            (flat.cell_centers().points[:, 0] < start[0] + FRONT * (start[1] - start[0])).nonzero()[0]
-        )
-    whole = array in ("part", "worker", "class")
+        at = flat.cell_centers().points
+        chosen = at[:, 0] < cut
+        ghost = ghost.clip("x", origin=(cut, 0.0, 0.0))
+        if what == "far front":
+            far = 0.5 * (start[2] + start[3]) + FAR * 0.5 * (start[3] - start[2])
+            chosen &= at[:, 1] > far
+            ghost = ghost.clip("-y", origin=(0.0, far, 0.0))
+        shown = mesh.extract_cells(chosen.nonzero()[0])
+    whole = array in WHOLE
     count = int(limits[1] - limits[0]) + 1
+    if colours is STRAIN:
+        colours = LinearSegmentedColormap.from_list("strain", colours)
+    elif whole:
+        colours = ListedColormap([DISTINCT[i % len(DISTINCT)] for i in range(count)])
+    title = title.format(stress=args.stress_unit, length=args.length_unit)
     scene.add_mesh(
         shown,
         scalars=array,
         preference="cell",
-        cmap=LinearSegmentedColormap.from_list("strain", colours) if colours is STRAIN else colours,
+        cmap=colours,
         ambient=0.2,
         clim=[limits[0] - 0.5, limits[0] + count - 0.5] if whole else limits,
         n_colors=count if whole else 256,
         annotations={float(limits[0] + i): f"{limits[0] + i:.0f}" for i in range(count)} if whole else None,
-        show_edges=args.edges == "yes" or (args.edges == "auto" and (view == "front" or mesh.n_cells < 30000)),
+        show_edges=args.edges == "yes" or (args.edges == "auto" and (close or mesh.n_cells < 30000)),
         edge_color="#202020",
-        edge_opacity=0.4 if view == "front" else 0.15,
+        edge_opacity=0.4 if close else 0.15,
+        show_scalar_bar=bar > 0,
         scalar_bar_args={
-            "title": title.format(stress=args.stress_unit, length=args.length_unit) + "\n",
+            "title": title + (f", {limits[1]:g} and above in the last colour" if above else "") + "\n",
             "color": "black",
             "vertical": False,
             "position_x": 0.3,
-            "position_y": 0.05 if whole else 0.02,
+            "position_y": (0.3 if whole else 0.1) * bar / size[1],
             "width": 0.4,
-            "height": 0.11,
+            "height": 0.75 * bar / size[1],
             "title_font_size": 20,
             "label_font_size": 18,
-            "n_labels": 0 if whole else 5,
+            "n_labels": 0 if whole else 6,
             "fmt": "%.3g",
-        },
+        } if bar > 0 else None,
     )
-    # The whole frame's box at the start and now, so that pictures of one view compare.
-    points = corners(shown.bounds) if view == "front" else corners(start) + corners(mesh.bounds)
+    scene.add_mesh(ghost, color="#6b7078", line_width=1.5)
+    # The box at the start and now, so that pictures of one view compare.
+    points = corners(shown.bounds) + corners(ghost.bounds)
     if args.wall:
         plate = wall_plate(pv, args, start)
         scene.add_mesh(plate, color="#a9aeb8", ambient=0.5)
         scene.add_mesh(plate.extract_feature_edges(30), color="#505560", line_width=2)
         points += corners(plate.bounds)
-    scene.add_text(f"t = {time:.4g} {args.time_unit}", position="upper_right", font_size=16, color="black")
-    aim(scene, view, points)
+    corner, pixel = aim(scene, towards, points, *size, bar / size[1])
+    scale_bar(pv, scene, towards, corner, pixel, bar, args.length_unit)
+    scene.renderer.ResetCameraClippingRange()
+
+
+def draw(pv, mesh, time, view, colour, limits, above, start, args, file):
+    """One picture."""
+    (width, height), panels = VIEWS[view]
+    weights = [share for share, _, _ in panels]
+    scene = pv.Plotter(
+        off_screen=True, window_size=(width, height), shape=(len(panels), 1), row_weights=weights, border=False
+    )
+    scene.set_background("white")
+    scene.enable_anti_aliasing("ssaa")
+    for row, (share, towards, what) in enumerate(panels):
+        scene.subplot(row, 0)
+        bar = BAR * height if row + 1 == len(panels) else 0.0
+        size = (width, share * height)
+        panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, bar, args)
+        if row == 0:
+            scene.add_text(f"t = {time:.4g} {args.time_unit}", position="upper_right", font_size=14, color="black")
     scene.screenshot(str(file))
     scene.close()
 
@@ -250,11 +337,11 @@ def main():
             known = ", ".join(sorted(chosen[0][1].cell_data.keys())) or "none"
             print(f"no cell array `{array}` at t = {lacking[0]:g}: leaving this colour out (arrays: {known})")
             continue
-        limits = colour_limits([mesh for _, mesh in chosen], array, args.limits)
+        limits, above = colour_limits([mesh for _, mesh in chosen], array, args.limits)
         for time, mesh in chosen:
             for view in args.views:
                 file = out / f"{colour}_{view}_{time:06.2f}.png"
-                draw(pv, mesh, time, view, colour, limits, start, args, file)
+                draw(pv, mesh, time, view, colour, limits, above, start, args, file)
                 written.append(str(file))
     if not written:
         stop("nothing was drawn")

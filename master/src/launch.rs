@@ -8,7 +8,7 @@ use crate::summary::{Status, Summary};
 use crumple_proto::transport::{Transport, threads};
 use std::path::Path;
 
-/// Exit codes, DESIGN section 2.
+/// Exit codes, as README.md lists them.
 const COMPLETED: u8 = 0;
 const FAILED: u8 = 3;
 const WORKER_LOST: u8 = 4;

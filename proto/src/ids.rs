@@ -27,3 +27,8 @@ id!(
     /// Global id of an element, as the user's mesh numbers it.
     ElemId
 );
+
+impl ElemId {
+    /// Largest id of an element: workers agree on ids as exact f64, which end at 2^53.
+    pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
+}

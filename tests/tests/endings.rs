@@ -1,4 +1,4 @@
-//! How a run ends other than well, through the binary: exit codes of section 2 of DESIGN, and what is kept.
+//! How a run ends other than well, through the binary: exit codes, and what is kept.
 
 use crumple::stop::StopFlag;
 use crumple_proto::transport::threads::{Threads, connect};

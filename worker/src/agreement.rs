@@ -35,8 +35,8 @@ pub struct Agreement {
     pub urgency: f64,
 }
 
-/// Ids count downwards from here, so that the lowest wins a maximum. Below 2^53 every id is exact.
-const TOP: f64 = 9.0e15;
+/// Ids count downwards from here, so that the lowest wins a maximum.
+const TOP: f64 = ElemId::LARGEST.0 as f64 + 1.0;
 
 impl Agreement {
     /// Nothing agreed yet.

@@ -225,6 +225,7 @@ impl Blocks {
         let i = self.elements.iter().position(|e| e.record.id == id)?;
         let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
         let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
+        let dt = dt * e.record.mass_factor.sqrt();
         let what = if dt.is_nan() {
             "is inverted, or its coordinates are no numbers".to_string()
         } else if safety * dt < 0.5 * first_dt {

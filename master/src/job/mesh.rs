@@ -166,6 +166,9 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
     let mut concave: Option<(usize, usize)> = None;
     for (index, element) in mesh.elements.iter().enumerate() {
         let (id, path) = (element.id, || read.element_path(index));
+        if id > ElemId::LARGEST {
+            few.error("element id", path(), format!("element id {id} is too large"), "number elements below 9e15");
+        }
         if !seen.insert(id) {
             few.error(
                 "element twice",

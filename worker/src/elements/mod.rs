@@ -95,7 +95,7 @@ pub trait Element: Send + Sync {
 
     /// Internal forces of the groups in `range` at coordinates x(t), after stress is brought from t - dt to t
     /// with the mid-step velocities. `groups`, `history` and `out` are those of the whole block,
-    /// `counts` the number of real elements (the rest of the last group is padding and adds nothing to totals).
+    /// `count` the number of real elements (the rest of the last group is padding and adds nothing to totals).
     #[allow(clippy::too_many_arguments)]
     fn forces(
         &self,

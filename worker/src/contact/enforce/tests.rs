@@ -119,7 +119,7 @@ fn square(of: [f64; 4]) -> Vec<NodeRecord> {
     corners.iter().zip(of).map(|(c, m)| mass([c[0], c[1], 0.0], [0.0; 3], m)).collect()
 }
 
-/// Simultaneous updates with full masses and nothing held back: the iteration that DESIGN section 6 warns of.
+/// Simultaneous updates with full masses and nothing held back: the iteration that does not converge in general.
 struct Plain {
     sweeps: usize,
 }
