@@ -200,6 +200,7 @@ impl<'a> Control<'a> {
                 };
                 let path = || self.out.join("history.csv");
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
+                self.watch_energy();
             }
             ToMaster::Fields { index, time } => {
                 let pieces = self.pieces.entry(index).or_default();
@@ -229,6 +230,25 @@ impl<'a> Control<'a> {
             ToMaster::Extents(_) | ToMaster::Histograms(_) => tracing::warn!(worker, "answer to no question"),
         }
         Ok(())
+    }
+
+    /// Plasticity can hold an unstable step in bounds; the balance of energy cannot. Stops a run that has lost it.
+    fn watch_energy(&mut self) {
+        let Some(row) = self.history.last.as_ref().filter(|r| r.error.abs() > MOST_ENERGY_ERROR) else { return };
+        if self.trouble.is_some() || self.stop_ordered {
+            return;
+        }
+        let sum = &row.sum;
+        let element = sum.controlling.map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
+        let safety = self.model.settings.safety;
+        let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
+        let why = format!(
+            "the balance of energy is off by {:.0} %{element}; time.safety is {safety}, use {cure}",
+            100.0 * row.error
+        );
+        self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
+        self.stop_ordered = true;
+        self.order(Action::Stop);
     }
 
     fn order(&mut self, action: Action) {
@@ -358,5 +378,7 @@ impl<'a> Control<'a> {
     }
 }
 
+/// A run whose energy balance is off by more than this fraction has failed; crash codes are accepted with 0.01.
+const MOST_ENERGY_ERROR: f64 = 0.1;
 /// High redecompositions that are said aloud; all are in `log.jsonl`.
 const MOST_SAID: u64 = 10;

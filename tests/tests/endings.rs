@@ -13,17 +13,17 @@ use std::time::Duration;
 /// Above the stability limit energy grows from step to step: the run has to be ended, with what it had in order.
 #[test]
 fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
-    let unstable = ["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=1.5"];
+    let unstable = ["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=2.5"];
     let failed = run(crumple_with(&unstable)).with_code(3);
     let s = failed.summary();
     let reason = s["reason"].as_str().unwrap().to_owned();
     assert_eq!(s["status"], "failed");
-    for text in ["element ", "time ", "cycle ", "time.safety = 1.5 is above the stability limit"] {
+    for text in ["element ", "time ", "cycle ", "time.safety = 2.5 is above the stability limit"] {
         assert!(reason.contains(text) && failed.said().contains(&reason), "not said: {text}: {reason}");
     }
     kept(&failed);
     // Nothing is decided by one worker alone, so the last good state does not depend on them either.
-    let alone = run(crumple_with(&["run", "cases/jeep-frame", "--workers", "1", "--set", "time.safety=1.5"]));
+    let alone = run(crumple_with(&["run", "cases/jeep-frame", "--workers", "1", "--set", "time.safety=2.5"]));
     assert_eq!((alone.digest(), &alone.summary()["reason"]), (failed.digest(), &s["reason"]));
 }
 
