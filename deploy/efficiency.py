@@ -2,7 +2,7 @@
 """Parallel efficiency against crash time, as in table 1 of Wang et al. (2007): a table, a CSV and a chart.
 
     deploy/efficiency.py                                      # the jeep frame on 1, 2, 4 and 8 workers to 70 ms
-    deploy/efficiency.py --end-time 10 --workers 1 2 --repeats 1 --out /tmp/efficiency
+    deploy/efficiency.py --end-time 10 --workers 1 2 --repeats 1 --out out/efficiency-trial
 
 Builds nothing: `cargo build --release -p crumple` first. Runs the job on each number of workers, `--repeats` times in
 turn, and takes medians. Nothing else should run meanwhile: the measured rows are wall time.
