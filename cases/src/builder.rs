@@ -68,7 +68,7 @@ impl Builder {
                 .zip(1..)
                 .map(|(&e, number)| {
                     let (part, corners) = self.quads[e];
-                    MeshElement { id: ElemId(number), part, shape: Shape::Quad4, nodes: corners.map(|i| id[i]) }
+                    MeshElement::new(ElemId(number), part, Shape::Quad4, &corners.map(|i| id[i]))
                 })
                 .collect(),
             node_sets: self

@@ -56,7 +56,10 @@ fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
     writeln!(out, "title        {}", or(&job.title, "(none)"))?;
     writeln!(out, "units        {}", or(&job.units, "(not stated)"))?;
     let count = |shape: Shape| mesh.elements.iter().filter(|e| e.shape == shape).count();
-    writeln!(out, "elements     {} quads, {} triangles", count(Shape::Quad4), count(Shape::Tri3))?;
+    let kinds = [(Shape::Quad4, "quads"), (Shape::Tri3, "triangles"), (Shape::Hex8, "solids")];
+    let counts = kinds.map(|(shape, name)| (count(shape), name));
+    let counts: Vec<_> = counts.iter().filter(|c| c.0 > 0).map(|c| format!("{} {}", c.0, c.1)).collect();
+    writeln!(out, "elements     {}", counts.join(", "))?;
     writeln!(out, "nodes        {}", mesh.nodes.len())?;
     let bound = |pick: fn(f64, f64) -> f64, start: f64| {
         mesh.nodes.iter().fold([start; 3], |b, n| [0, 1, 2].map(|c| pick(b[c], n.x[c])))
@@ -100,11 +103,11 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         figure.1 += model.elements.mass[i] * model.elements.mass_factor[i];
     }
     let mut rows = vec![["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from)];
-    for (part, (count, mass)) in parts.iter().zip(figures) {
+    for (index, (part, (count, mass))) in parts.iter().zip(figures).enumerate() {
         rows.push([
             part.id.to_string(),
             part.name.clone(),
-            part.element.clone(),
+            model.blocks.names(part, index).join(", "),
             part.material.clone(),
             part.thickness.to_string(),
             count.to_string(),

@@ -61,14 +61,14 @@ impl Job {
     }
 }
 
-/// Where the mesh comes from: exactly one of generator, file, or nodes with shells.
+/// Where the mesh comes from: exactly one of generator, file, or nodes with shells or solids.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
     /// Name of a generator of the `cases` crate; its options are in `[scene]`.
     #[serde(default)]
     pub generator: Option<String>,
-    /// A TOML file beside the job with `nodes`, `shells` and `node_sets` as below.
+    /// A TOML file beside the job with `nodes`, `shells`, `solids` and `node_sets` as below.
     #[serde(default)]
     pub file: Option<String>,
     /// Nodes as `[id, x, y, z]` [length].
@@ -77,6 +77,10 @@ pub struct MeshSource {
     /// Shells as `[id, part id, n1, n2, n3, n4]`, or three nodes for a triangle.
     #[serde(default)]
     pub shells: Vec<Vec<u64>>,
+    /// Solids as `[id, part id, n1, ..., n8]`: the nodes of a face, whose right-hand normal points into the solid, then
+    /// those opposite.
+    #[serde(default)]
+    pub solids: Vec<Vec<u64>>,
     /// Named sets of node ids.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
@@ -170,11 +174,12 @@ pub struct Part {
     pub name: String,
     /// Name of the material.
     pub material: String,
-    /// Shell thickness [length].
+    /// Shell thickness [length]; a part of solids has none.
+    #[serde(default)]
     pub thickness: f64,
-    /// Formulation of the four-node shells.
-    #[serde(default = "belytschko_tsay")]
-    pub element: String,
+    /// Formulation of the four-node shells (`belytschko_tsay` if left out) or the solids (`hexahedron`).
+    #[serde(default)]
+    pub element: Option<String>,
     /// Integration points through the thickness, 1 to 10.
     #[serde(default = "five")]
     pub points: usize,
@@ -195,9 +200,6 @@ pub struct Part {
     pub drilling: f64,
 }
 
-fn belytschko_tsay() -> String {
-    "belytschko_tsay".into()
-}
 fn five() -> usize {
     5
 }

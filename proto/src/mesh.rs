@@ -11,6 +11,8 @@ pub enum Shape {
     Quad4,
     /// Three-node shell.
     Tri3,
+    /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the solid, then those opposite.
+    Hex8,
 }
 
 impl Shape {
@@ -19,7 +21,31 @@ impl Shape {
         match self {
             Shape::Quad4 => 4,
             Shape::Tri3 => 3,
+            Shape::Hex8 => 8,
         }
+    }
+
+    /// Places for corners in the columns of a block: a triangle leaves its fourth unused.
+    pub fn slots(self) -> usize {
+        match self {
+            Shape::Quad4 | Shape::Tri3 => 4,
+            Shape::Hex8 => 8,
+        }
+    }
+
+    /// Corners of each face, whose right-hand normal points outwards; of a shell its own corners
+    /// (a triangle repeats its third).
+    pub fn faces(self) -> &'static [[usize; 4]] {
+        match self {
+            Shape::Quad4 => &[[0, 1, 2, 3]],
+            Shape::Tri3 => &[[0, 1, 2, 2]],
+            Shape::Hex8 => &[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+        }
+    }
+
+    /// Whether it is a shell, whose nodes turn.
+    pub fn is_shell(self) -> bool {
+        self != Shape::Hex8
     }
 }
 
@@ -32,7 +58,20 @@ pub struct MeshNode {
     pub x: [f64; 3],
 }
 
-/// One element: id, id of its part, shape, corner nodes (a triangle repeats its third node as the fourth).
+/// Corner nodes of an element, the last repeated up to eight.
+pub type CornerNodes = [NodeId; 8];
+
+/// The corners as [`CornerNodes`].
+///
+/// # Panics
+/// Without any corner, or with more than eight.
+pub fn corner_nodes(corners: &[NodeId]) -> CornerNodes {
+    let last = *corners.last().expect("an element has corners");
+    assert!(corners.len() <= 8, "an element has eight corners at most");
+    std::array::from_fn(|c| corners.get(c).copied().unwrap_or(last))
+}
+
+/// One element: id, id of its part, shape, corner nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeshElement {
     /// Global id.
@@ -41,11 +80,19 @@ pub struct MeshElement {
     pub part: u32,
     /// Shape.
     pub shape: Shape,
-    /// Corner nodes in order around the element.
-    pub nodes: [NodeId; 4],
+    /// Corner nodes in the order of the shape.
+    pub nodes: CornerNodes,
 }
 
 impl MeshElement {
+    /// An element with these corners.
+    ///
+    /// # Panics
+    /// Without any corner, or with more than eight.
+    pub fn new(id: ElemId, part: u32, shape: Shape, corners: &[NodeId]) -> Self {
+        Self { id, part, shape, nodes: corner_nodes(corners) }
+    }
+
     /// The corner nodes that are in use.
     pub fn corners(&self) -> &[NodeId] {
         &self.nodes[..self.shape.corners()]

@@ -3,7 +3,7 @@
 
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Contact, Part, Wall};
-use crate::mesh::Shape;
+use crate::mesh::{CornerNodes, Shape};
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,8 +94,8 @@ pub struct ElementRecord {
     pub part: u32,
     /// Shape.
     pub shape: Shape,
-    /// Corner nodes (a triangle repeats its third).
-    pub nodes: [NodeId; 4],
+    /// Corner nodes.
+    pub nodes: CornerNodes,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
 }

@@ -26,14 +26,14 @@ pub struct Quality {
     pub max_side: Worst,
     /// Largest ratio of longest to shortest side within an element; 1 at best.
     pub max_aspect: Worst,
-    /// Largest warpage of a quad: angle between the normals of the halves on either side of a diagonal [degree].
+    /// Largest warpage of a quad or a solid's face: angle between the normals of the halves on either side of a diagonal [degree].
     pub max_warpage_deg: Worst,
     /// Smallest ratio of the smallest to the largest Jacobian at an element's corners: 1 for a parallelogram,
     /// 0 for a quad that has become a triangle, negative for one that is concave or folded over.
     pub min_jacobian: Worst,
-    /// Smallest area [length^2].
+    /// Smallest area of a shell or a solid's face [length^2].
     pub min_area: Worst,
-    /// Elements whose area is zero to round-off, or that name a node twice: no run can start with them.
+    /// Elements whose area or volume is zero to round-off, or that name a node twice: no run can start with them.
     pub zero_area: Vec<ElemId>,
     /// Elements that name a node that is not in the mesh; they are left out of all other figures.
     pub dangling: Vec<ElemId>,
@@ -107,32 +107,68 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
 }
 
 fn measure(element: &MeshElement, x: &[V3]) -> Figures {
+    match element.shape {
+        Shape::Hex8 => measure_solid(element, x),
+        Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
+    }
+}
+
+/// Of a solid: sides are its edges, warpage and area those of its worst face, Jacobians those at its corners.
+fn measure_solid(element: &MeshElement, x: &[V3]) -> Figures {
+    let faces = element.shape.faces().iter().map(|face| {
+        let ids = face.map(|c| element.nodes[c]);
+        measure_face(&ids, &face.map(|c| x[c]))
+    });
+    let faces: Vec<Figures> = faces.collect();
+    // The edges of bottom and top, and from one to the other: every edge once.
+    let rising = (0..4).map(|c| norm(sub(x[c + 4], x[c])));
+    let sides: Vec<f64> = faces[..2].iter().flat_map(|f| f.sides.clone()).chain(rising).collect();
+    let longest = sides.iter().copied().fold(0.0, f64::max);
+    let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
+    let jacobian = |c: usize| {
+        let (base, other) = (c / 4 * 4, 4 - c / 4 * 4);
+        let [next, before] = [1, 3].map(|step| base + (c + step) % 4);
+        let up = dot(cross(sub(x[next], x[c]), sub(x[before], x[c])), sub(x[other + c % 4], x[c]));
+        if base == 0 { up } else { -up }
+    };
+    let jacobians: Vec<f64> = (0..8).map(jacobian).collect();
+    let largest = jacobians.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let smallest = jacobians.iter().copied().fold(f64::INFINITY, f64::min);
+    let ids = element.corners();
+    let repeats = (1..8).any(|i| ids[..i].contains(&ids[i]));
+    Figures {
+        aspect: if shortest > 0.0 { longest / shortest } else { f64::INFINITY },
+        warpage_deg: faces.iter().map(|f| f.warpage_deg).fold(0.0, f64::max),
+        jacobian: if largest > 0.0 { smallest / largest } else { f64::NEG_INFINITY },
+        area: faces.iter().map(|f| f.area).fold(f64::INFINITY, f64::min),
+        degenerate: repeats || largest <= 1e-12 * longest.powi(3),
+        sides,
+    }
+}
+
+fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
     let n = x.len();
     let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
     // Twice the area vector: the diagonals' cross product for a quad, two sides' for a triangle.
-    let twice = match element.shape {
-        Shape::Quad4 => cross(sub(x[2], x[0]), sub(x[3], x[1])),
-        Shape::Tri3 => cross(sub(x[1], x[0]), sub(x[2], x[0])),
-    };
+    let twice = if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(sub(x[1], x[0]), sub(x[2], x[0])) };
     let area = 0.5 * norm(twice);
-    let ids = element.corners();
     let repeats = (1..n).any(|i| ids[..i].contains(&ids[i]));
     // 1e-12: some thousand times the round-off of products of coordinates.
     let degenerate = repeats || area <= 1e-12 * longest * longest;
     let corner = |i: usize| cross(sub(x[(i + 1) % n], x[i]), sub(x[(i + n - 1) % n], x[i]));
-    let (jacobian, warpage_deg) = match element.shape {
-        Shape::Tri3 => (1.0, 0.0),
-        Shape::Quad4 if degenerate => (0.0, 0.0),
-        Shape::Quad4 => {
-            let j = [0, 1, 2, 3].map(|i| dot(corner(i), twice));
-            let largest = j.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let smallest = j.into_iter().fold(f64::INFINITY, f64::min);
-            // The halves beside the diagonal 0-2 are the corners 1 and 3; beside 1-3, 0 and 2.
-            let warp = angle_deg(corner(1), corner(3)).max(angle_deg(corner(0), corner(2)));
-            (smallest / largest, warp)
-        }
+    let (jacobian, warpage_deg) = if n == 3 {
+        (1.0, 0.0)
+    } else if degenerate {
+        (0.0, 0.0)
+    } else {
+        let j = [0, 1, 2, 3].map(|i| dot(corner(i), twice));
+        let largest = j.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let smallest = j.into_iter().fold(f64::INFINITY, f64::min);
+        // The halves beside the diagonal 0-2 are the corners 1 and 3; beside 1-3, 0 and 2.
+        let warp = angle_deg(corner(1), corner(3)).max(angle_deg(corner(0), corner(2)));
+        (smallest / largest, warp)
     };
     let aspect = if shortest > 0.0 { longest / shortest } else { f64::INFINITY };
     Figures { sides, aspect, warpage_deg, jacobian, area, degenerate }
@@ -170,7 +206,7 @@ mod tests {
             elements: elements
                 .iter()
                 .zip(1..)
-                .map(|(&(shape, n), id)| MeshElement { id: ElemId(id), part: 1, shape, nodes: n.map(NodeId) })
+                .map(|(&(shape, n), id)| MeshElement::new(ElemId(id), 1, shape, &n.map(NodeId)))
                 .collect(),
             ..Mesh::default()
         }

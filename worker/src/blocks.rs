@@ -3,9 +3,9 @@
 //! A node adds its corners in ascending global element id, own and received ones alike:
 //! the sum has the same bits whoever computes it.
 
-use crate::elements::{CornerForces, Element, GroupNodes, PassTotals, build_block};
+use crate::elements::{CornerForces, Element, Pass, PassTotals, build_block};
 use crate::lanes::{LANES, Lane};
-use crate::nodes::{Nodes, Row};
+use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
@@ -16,8 +16,8 @@ use std::ops::Range;
 pub struct LocalElement {
     /// The element as it travels.
     pub record: ElementRecord,
-    /// Local nodes (a triangle repeats its third).
-    pub nodes: [u32; 4],
+    /// Local nodes of the corners, the last repeated.
+    pub nodes: [u32; 8],
     /// Whether one of its nodes is held by another worker too.
     pub shared: bool,
 }
@@ -32,8 +32,10 @@ pub struct Block {
     pub count: usize,
     /// Groups that hold all the shared elements; these are computed first.
     pub front: usize,
-    /// Local nodes per group.
-    groups: Vec<GroupNodes>,
+    /// Slots per element.
+    slots: usize,
+    /// Local nodes: per group one row per slot.
+    groups: Vec<[u32; LANES]>,
     /// History columns, group by group.
     history: Vec<Lane>,
 }
@@ -115,7 +117,7 @@ impl Blocks {
 
     /// Corner slots of own elements.
     pub fn own_slots(&self) -> usize {
-        self.blocks.iter().map(|b| b.groups.len() * LANES * 4).sum()
+        self.blocks.iter().map(Block::corner_slots).sum()
     }
 
     /// First corner slot of each element, in the order of `elements`.
@@ -123,8 +125,8 @@ impl Blocks {
         let mut base = 0;
         let mut slots = Vec::with_capacity(self.elements.len());
         for b in &self.blocks {
-            slots.extend((0..b.count).map(|i| base + 4 * i));
-            base += b.groups.len() * LANES * 4;
+            slots.extend((0..b.count).map(|i| base + b.slots * i));
+            base += b.corner_slots();
         }
         slots
     }
@@ -154,9 +156,9 @@ impl Blocks {
         let mut totals = PassTotals::NONE;
         let mut base = 0;
         for b in &mut self.blocks {
-            let slots = base..base + b.groups.len() * LANES * 4;
+            let slots = base..base + b.corner_slots();
             base = slots.end;
-            let range = if front { 0..b.front } else { b.front..b.groups.len() };
+            let range = if front { 0..b.front } else { b.front..b.group_count() };
             if range.is_empty() {
                 continue;
             }
@@ -189,7 +191,7 @@ impl Blocks {
         for b in &self.blocks {
             let own = b.first..b.first + b.count;
             for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
-                let (m, j) = b.element.corner_mass(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x0[n as usize])));
+                let (m, j) = b.element.corner_mass(&e.nodes.map(|n| xyz(&nodes.x0[n as usize])));
                 for c in 0..e.record.shape.corners() {
                     self.force[slot + c] = [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
                 }
@@ -212,7 +214,7 @@ impl Blocks {
     /// An element whose step is not a number comes first, with a step of 0.
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
         let step = |b: &Block, e: &LocalElement| {
-            let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
+            let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
             (if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() }, e.record.id)
         };
         let of_block =
@@ -224,7 +226,7 @@ impl Blocks {
     pub fn diagnose(&self, nodes: &Nodes, id: ElemId, safety: f64, first_dt: f64) -> Option<String> {
         let i = self.elements.iter().position(|e| e.record.id == id)?;
         let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
-        let dt = b.element.stable_dt(&e.nodes.map(|n| crate::nodes::xyz(&nodes.x[n as usize])));
+        let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
         let dt = dt * e.record.mass_factor.sqrt();
         let what = if dt.is_nan() {
             "is inverted, or its coordinates are no numbers".to_string()
@@ -249,9 +251,10 @@ impl Block {
         let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
             panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
         });
-        let (columns, groups) = (element.columns(), run.len().div_ceil(LANES));
+        let (columns, groups, slots) = (element.columns(), run.len().div_ceil(LANES), shape.slots());
         let mut b = Self {
-            groups: vec![[[0; LANES]; 4]; groups],
+            slots,
+            groups: vec![[0; LANES]; groups * slots],
             history: vec![Lane::from([0.0; LANES]); groups * columns],
             front: run.iter().filter(|e| e.shared).count().div_ceil(LANES),
             count: run.len(),
@@ -264,7 +267,7 @@ impl Block {
             for lane in 0..LANES {
                 // Padding repeats the last element, so that it computes nothing unusual.
                 let i = (g * LANES + lane).min(run.len() - 1);
-                (0..4).for_each(|c| b.groups[g][c][lane] = run[i].nodes[c]);
+                (0..slots).for_each(|c| b.groups[g * slots + c][lane] = run[i].nodes[c]);
                 for (column, &h) in history.iter_mut().zip(&histories[i]) {
                     let mut lanes = column.to_array();
                     lanes[lane] = h;
@@ -275,7 +278,17 @@ impl Block {
         b
     }
 
+    fn group_count(&self) -> usize {
+        self.groups.len() / self.slots
+    }
+
+    /// Corner slots, those of padding included.
+    fn corner_slots(&self) -> usize {
+        self.groups.len() * LANES
+    }
+
     fn forces(&mut self, range: Range<usize>, nodes: &Nodes, dt: f64, out: CornerForces<'_>) -> PassTotals {
-        self.element.forces(range, self.count, &self.groups, &mut self.history, nodes.view(), dt, out)
+        let (groups, history) = (&self.groups[..], &mut self.history[..]);
+        self.element.forces(Pass { range, count: self.count, groups, history, nodes: nodes.view(), dt, out })
     }
 }

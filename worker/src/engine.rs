@@ -182,7 +182,7 @@ impl Engine {
     }
 
     /// Centre of an own element [length].
-    pub fn centre_of(&self, nodes: [u32; 4], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
+    pub fn centre_of(&self, nodes: [u32; 8], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
         centre(&self.nodes, nodes, shape)
     }
 

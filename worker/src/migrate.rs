@@ -8,7 +8,7 @@ use crate::nodes::Nodes;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::Shape;
+use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{Lost, Transport, exchange_all};
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ struct WireElement {
     id: ElemId,
     part: u32,
     shape: u32,
-    nodes: [NodeId; 4],
+    nodes: CornerNodes,
     mass_factor: f64,
     columns: u64,
 }
@@ -79,7 +79,7 @@ pub fn migrate(
 }
 
 /// Centre of an element [length].
-pub fn centre(columns: &Nodes, nodes: [u32; 4], shape: Shape) -> [f64; 3] {
+pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
     let used = shape.corners();
     std::array::from_fn(|c| nodes[..used].iter().map(|&n| columns.x[n as usize][c]).sum::<f64>() / used as f64)
 }
@@ -125,7 +125,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
         let (head, rest) = words.split_at(ELEMENT_WORDS);
         let e: WireElement = bytemuck::pod_read_unaligned(bytemuck::cast_slice(head));
         let (history, after) = rest.split_at(e.columns as usize);
-        let shape = if e.shape == Shape::Tri3 as u32 { Shape::Tri3 } else { Shape::Quad4 };
+        let shape = [Shape::Quad4, Shape::Tri3, Shape::Hex8][e.shape as usize];
         let record = ElementRecord { id: e.id, part: e.part, shape, nodes: e.nodes, mass_factor: e.mass_factor };
         into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
         words = after;
@@ -173,13 +173,13 @@ mod tests {
             id: ElemId(id),
             part,
             shape,
-            nodes: [id, id + 1, id + 2, id + 2].map(NodeId),
+            nodes: [0, 1, 2, 3, 4, 5, 6, 7].map(|c| NodeId(id + c)),
             mass_factor: 1.0 + 0.1 * id as f64,
         };
         let sent = vec![
             (element(7, Shape::Quad4, 0), vec![0.1, -0.0, f64::MIN_POSITIVE / 3.0]),
             (element(3, Shape::Tri3, 5), Vec::new()),
-            (element(u64::MAX >> 11, Shape::Quad4, 2), vec![f64::MAX; 100]),
+            (element(u64::MAX >> 11, Shape::Hex8, 2), vec![f64::MAX; 100]),
         ];
         let memory = |segment, side| Memory {
             segment: ElemId(segment),

@@ -208,6 +208,7 @@ impl Cells {
         self.types.push(match shape {
             Shape::Tri3 => 5,
             Shape::Quad4 => 9,
+            Shape::Hex8 => 12,
         });
     }
 

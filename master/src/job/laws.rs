@@ -3,13 +3,14 @@
 //! Nothing here knows what a law computes; the worker checks its own parameters.
 
 use super::validate::Findings;
+use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::initial::initial_penetrations;
 use crumple_worker::contact::search::SEARCHES;
-use crumple_worker::elements::{Element, build_block};
+use crumple_worker::elements::{Element, build_block, formulation};
 use crumple_worker::materials;
 
 /// Names of the contact laws.
@@ -24,14 +25,14 @@ pub fn searches() -> Vec<&'static str> {
 
 /// The elements of every part, as the worker will build them.
 pub struct Blocks {
-    parts: Vec<[Option<Box<dyn Element>>; 2]>,
+    parts: Vec<[Option<Box<dyn Element>>; 3]>,
 }
 
 impl Blocks {
-    /// Builds the elements of all parts for the shapes in use (`used` per part: quads, triangles), and of parts
-    /// without elements for quads, so that their numbers are checked too. `order[i]` is the place in the job of
+    /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]), and of parts without
+    /// elements for quads, so that their numbers are checked too. `order[i]` is the place in the job of
     /// the part that is the i-th of `settings`.
-    pub fn build(settings: &Settings, order: &[usize], used: &[[bool; 2]], findings: &mut Findings) -> Self {
+    pub fn build(settings: &Settings, order: &[usize], used: &[[bool; 3]], findings: &mut Findings) -> Self {
         let mut problems: Vec<Problem> = Vec::new();
         let mut parts = Vec::with_capacity(order.len());
         for (index, &place) in order.iter().enumerate() {
@@ -47,10 +48,11 @@ impl Blocks {
                     None
                 }
             };
-            let [quads, triangles] = used[index];
+            let [quads, triangles, solids] = used[index];
             parts.push([
-                if quads || !triangles { build(Shape::Quad4) } else { None },
+                if quads || !(triangles || solids) { build(Shape::Quad4) } else { None },
                 if triangles { build(Shape::Tri3) } else { None },
+                if solids { build(Shape::Hex8) } else { None },
             ]);
         }
         for (index, material) in settings.materials.iter().enumerate() {
@@ -71,9 +73,15 @@ impl Blocks {
         Blocks { parts }
     }
 
+    /// Names of the formulations of a part, which is the `index`-th of the settings.
+    pub fn names(&self, part: &Part, index: usize) -> Vec<&'static str> {
+        let shapes = [Shape::Quad4, Shape::Tri3, Shape::Hex8].into_iter();
+        shapes.filter(|&s| self.element(index, s).is_some()).filter_map(|s| formulation(part, s)).collect()
+    }
+
     /// The element of a part and shape, if the job has such.
     pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
-        self.parts[part][usize::from(shape == Shape::Tri3)].as_deref()
+        self.parts[part][shape as usize].as_deref()
     }
 }
 

@@ -5,6 +5,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
+use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Problems of one kind that are told one by one.
@@ -18,27 +19,32 @@ const NO_AREA: f64 = 1e-12;
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    written: bool,
+    /// How many of its elements are in the list of shells, if it is written as rows.
+    written: Option<usize>,
 }
 
 impl Read {
     fn node_path(&self, index: usize) -> String {
-        if self.written { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
+        if self.written.is_some() { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
     }
 
     fn element_path(&self, index: usize) -> String {
-        if self.written { format!("mesh.shells.{index}") } else { "mesh.generator".into() }
+        match self.written {
+            Some(shells) if index < shells => format!("mesh.shells.{index}"),
+            Some(shells) => format!("mesh.solids.{}", index - shells),
+            None => "mesh.generator".into(),
+        }
     }
 
     fn set_path(&self, name: &str) -> String {
-        if self.written { format!("mesh.node_sets.{name}") } else { "mesh.generator".into() }
+        if self.written.is_some() { format!("mesh.node_sets.{name}") } else { "mesh.generator".into() }
     }
 }
 
 /// The mesh that a generator makes with the job's `[scene]`; `None` if it cannot.
 pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
     match crumple_cases::generate(name, &job.scene) {
-        Ok(mesh) => Some(Read { mesh, written: false }),
+        Ok(mesh) => Some(Read { mesh, written: None }),
         Err(problems) => {
             problems.into_iter().for_each(|p| findings.add(p));
             None
@@ -63,39 +69,59 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         }
     }
     for (index, row) in source.shells.iter().enumerate() {
-        let path = || format!("mesh.shells.{index}");
-        let (&[id, part, a, b, c], last) = match row.as_slice() {
-            [head @ .., last] if row.len() == 6 => (head.try_into().expect("five of six"), *last),
-            all if row.len() == 5 => (all.try_into().expect("five"), all[4]),
-            _ => {
-                let message = format!("a shell cannot be a list of {} numbers", row.len());
-                few.error(
-                    "shell row",
-                    path(),
-                    message,
-                    "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle",
-                );
-                continue;
-            }
-        };
-        let Ok(part) = u32::try_from(part) else {
-            few.error(
-                "part id",
-                path(),
-                format!("element {id}: {part} is no id of a part"),
-                "part ids go up to 4294967295",
-            );
-            continue;
-        };
-        let shape = if last == c { Shape::Tri3 } else { Shape::Quad4 };
-        mesh.elements.push(MeshElement { id: ElemId(id), part, shape, nodes: [a, b, c, last].map(NodeId) });
+        let kind = Kind { list: "shells", called: "a shell", help: SHELL_ROW };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| match corners {
+            [_, _, c, d] => Some(if c == d { Shape::Tri3 } else { Shape::Quad4 }),
+            [_, _, _] => Some(Shape::Tri3),
+            _ => None,
+        }));
+    }
+    for (index, row) in source.solids.iter().enumerate() {
+        let kind = Kind { list: "solids", called: "a solid", help: SOLID_ROW };
+        mesh.elements
+            .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 8).then_some(Shape::Hex8)));
     }
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
     // What refers to a row that was left out would be blamed for that.
-    let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == source.shells.len();
-    whole.then_some(Read { mesh, written: true })
+    let rows = source.shells.len() + source.solids.len();
+    let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
+    whole.then_some(Read { mesh, written: Some(source.shells.len()) })
+}
+
+const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
+const SOLID_ROW: &str = "write [id, part id, n1, ..., n8]: a face's nodes, then those opposite";
+
+/// A list of elements as messages call it.
+struct Kind {
+    list: &'static str,
+    called: &'static str,
+    help: &'static str,
+}
+
+/// The element of a row; `None`, and why, if it is none. `shape` tells a shape by its corners.
+fn element(
+    row: &[u64],
+    kind: &Kind,
+    index: usize,
+    few: &mut Few<'_>,
+    shape: impl Fn(&[u64]) -> Option<Shape>,
+) -> Option<MeshElement> {
+    let path = || format!("mesh.{}.{index}", kind.list);
+    let (&[id, part], corners) = row.split_first_chunk().unwrap_or((&[0, 0], &[]));
+    let Some(shape) = shape(corners) else {
+        let message = format!("{} cannot be a list of {} numbers", kind.called, row.len());
+        few.error("row", path(), message, kind.help);
+        return None;
+    };
+    let Ok(part) = u32::try_from(part) else {
+        let message = format!("element {id}: {part} is no id of a part");
+        few.error("part id", path(), message, "part ids go up to 4294967295");
+        return None;
+    };
+    let nodes: Vec<NodeId> = corners[..shape.corners()].iter().copied().map(NodeId).collect();
+    Some(MeshElement::new(ElemId(id), part, shape, &nodes))
 }
 
 /// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything by id.
@@ -158,8 +184,8 @@ fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
 fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u32]>, few: &mut Few<'_>) {
     let mesh = &read.mesh;
     if mesh.elements.is_empty() {
-        let path = if read.written { "mesh" } else { "mesh.generator" };
-        few.error("empty", path.into(), "the mesh has no elements".into(), "add mesh.shells");
+        let path = if read.written.is_some() { "mesh" } else { "mesh.generator" };
+        few.error("empty", path.into(), "the mesh has no elements".into(), "add mesh.shells or mesh.solids");
     }
     let mut seen = HashSet::with_capacity(mesh.elements.len());
     let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
@@ -191,7 +217,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
             );
             continue;
         }
-        let mut x = Vec::with_capacity(4);
+        let mut x = Vec::with_capacity(8);
         for node in corners {
             match at.get(node) {
                 Some(&position) => x.push(position),
@@ -202,6 +228,10 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
             }
         }
         if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
+            continue;
+        }
+        if element.shape == Shape::Hex8 {
+            solid(element, &x, path(), few);
             continue;
         }
         match outline(&x) {
@@ -238,6 +268,26 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         let first = mesh.elements[index].id;
         let message = format!("{count} quads have a re-entrant corner; the first is element {first}");
         few.findings.add(Problem::warning(read.element_path(index), message, "results there are poor: mesh it anew"));
+    }
+}
+
+/// Tells of a solid whose corners are in a wrong order, or that has no volume.
+fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
+    let one = Mesh {
+        nodes: element.corners().iter().zip(x).map(|(&id, &x)| MeshNode { id, x }).collect(),
+        elements: vec![*element],
+        ..Mesh::default()
+    };
+    let Some(figures) = quality(&one) else { return };
+    let id = element.id;
+    if !figures.zero_area.is_empty() && figures.min_jacobian.value > f64::NEG_INFINITY {
+        let message = format!("solid {id} has no volume: its nodes lie in one plane, on one line or in one place");
+        few.error("no volume", path, message, "move its nodes apart, or remove the element");
+    } else if figures.min_jacobian.value <= 0.0 {
+        let message = format!("solid {id} is inverted or twisted at a corner");
+        let help =
+            "give the nodes of one face so that its right-hand normal points into the solid, then those opposite";
+        few.error("inverted", path, message, help);
     }
 }
 

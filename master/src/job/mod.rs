@@ -137,7 +137,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let (settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
-        None => vec![[false; 2]; order.len()],
+        None => vec![[false; 3]; order.len()],
     };
     let blocks = Blocks::build(&settings, &order, &used, findings);
     let mesh = mesh?;
@@ -155,8 +155,8 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.
 fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, node_sets } = &job.mesh;
-    let rows = !nodes.is_empty() || !shells.is_empty();
+    let MeshSource { generator, file, nodes, shells, solids, node_sets } = &job.mesh;
+    let rows = !(nodes.is_empty() && shells.is_empty() && solids.is_empty());
     if findings.any_faulty_below("mesh") {
         return None;
     }
@@ -173,12 +173,12 @@ fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findi
         }
         (None, None, true) => mesh::from_rows(&job.mesh, findings),
         (None, None, false) => {
-            let help = "give mesh.generator, mesh.file, or mesh.nodes with mesh.shells";
+            let help = "give mesh.generator, mesh.file, or mesh.nodes with mesh.shells or mesh.solids";
             findings.add(Problem::error("mesh", "the job has no mesh", help));
             None
         }
         _ => {
-            let help = "give one of mesh.generator, mesh.file, or mesh.nodes with mesh.shells";
+            let help = "give one of mesh.generator, mesh.file, or mesh.nodes with mesh.shells or mesh.solids";
             findings.add(Problem::error("mesh", "the job has more than one mesh", help));
             None
         }

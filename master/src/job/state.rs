@@ -4,7 +4,7 @@ use super::laws::Blocks;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
@@ -207,13 +207,13 @@ pub fn smallest(values: &[f64]) -> Option<(usize, f64)> {
     values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Which shapes each part of the settings has elements of: quads, triangles.
-pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<[bool; 2]> {
+/// Which shapes each part of the settings has elements of, by [`Shape`].
+pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<[bool; 3]> {
     let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
-    let mut used = vec![[false; 2]; settings.parts.len()];
+    let mut used = vec![[false; 3]; settings.parts.len()];
     for element in &mesh.elements {
         if let Some(&part) = part_of.get(&element.part) {
-            used[part][usize::from(element.shape == Shape::Tri3)] = true;
+            used[part][element.shape as usize] = true;
         }
     }
     used

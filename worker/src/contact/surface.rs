@@ -36,7 +36,7 @@ pub struct Surface {
 impl Segment {
     /// The segment of an element.
     pub fn of(e: &LocalElement, half: f64) -> Self {
-        Self { id: e.record.id, nodes: e.nodes, half, part: e.record.part, own: true }
+        Self { id: e.record.id, nodes: [0, 1, 2, 3].map(|c| e.nodes[c]), half, part: e.record.part, own: true }
     }
 
     /// Whether the segment is a triangle.

@@ -31,17 +31,16 @@
 
 use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
-    Built, CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals,
+    Build, Built, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, four,
     with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
-use std::ops::Range;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "belytschko_tsay", shape: Shape::Quad4, build };
+pub const ROW: ElementRow = ElementRow { name: "belytschko_tsay", shape: Shape::Quad4, build: Build::Shell(build) };
 
 /// Own columns, after those of the section: hourglass resultants of tx, ty [force length], vz, vx, vy [force].
 const HOURGLASS: usize = 5;
@@ -395,7 +394,7 @@ impl BelytschkoTsay {
     /// All groups of a range. N is the number of points.
     fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
         let dt = pass.dt;
-        pass.run(self.columns(), |group, nodes, history, force, moment| {
+        pass.shells(self.columns(), |group, nodes, history, force, moment| {
             let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
             scatter(&response, force, moment);
             GroupTotals {
@@ -410,7 +409,7 @@ impl BelytschkoTsay {
 
 /// Corner values of a group as modes. Differences are taken row by row, before the rows become lanes.
 #[inline(always)]
-fn gather(group: &GroupNodes, nodes: &NodeView<'_>) -> Modes<Lane> {
+fn gather(group: &GroupNodes<4>, nodes: &NodeView<'_>) -> Modes<Lane> {
     // One length for all three columns: one check for each node.
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
@@ -481,36 +480,26 @@ impl Element for BelytschkoTsay {
         self.section.start(history);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
-        let area = Geometry::new(&coordinate_modes(x)).area;
+    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
+        let area = Geometry::new(&coordinate_modes(four(x))).area;
         let mass = 0.25 * self.section.elastic.density * self.section.thickness * area;
         (mass, mass * self.section.inertia_per_mass(area))
     }
 
-    fn forces(
-        &self,
-        range: Range<usize>,
-        count: usize,
-        groups: &[GroupNodes],
-        history: &mut [Lane],
-        nodes: NodeView<'_>,
-        dt: f64,
-        out: CornerForces<'_>,
-    ) -> PassTotals {
-        let pass = Pass { range, count, groups, history, nodes, dt, out };
+    fn forces(&self, pass: Pass<'_>) -> PassTotals {
         with_points!(self.section.points, N => self.pass::<N>(pass))
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
-        let geometry = Geometry::new(&coordinate_modes(x));
+    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
+        let geometry = Geometry::new(&coordinate_modes(four(x)));
         if !geometry.convex {
             return f64::NAN;
         }
         geometry.length / self.section.elastic.plate_wave_speed()
     }
 
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]; 4]) -> ElementFields {
-        let Geometry { e1, e2, n, .. } = Geometry::new(&coordinate_modes(x));
+    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
+        let Geometry { e1, e2, n, .. } = Geometry::new(&coordinate_modes(four(x)));
         self.section.fields(history, lane, &[e1, e2, n])
     }
 }

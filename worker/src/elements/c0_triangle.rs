@@ -26,17 +26,16 @@
 
 use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
-    Built, CornerForces, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals,
+    Build, Built, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, four,
     with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
-use std::ops::Range;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "c0_triangle", shape: Shape::Tri3, build };
+pub const ROW: ElementRow = ElementRow { name: "c0_triangle", shape: Shape::Tri3, build: Build::Shell(build) };
 
 /// Own columns, after those of the section: drilling moments of the corners [force length], resultant of c [force].
 const OWN: usize = 4;
@@ -279,7 +278,7 @@ impl C0Triangle {
 
     fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
         let dt = pass.dt;
-        pass.run(self.columns(), |group, nodes, history, force, moment| {
+        pass.shells(self.columns(), |group, nodes, history, force, moment| {
             let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
             scatter(&response, force, moment);
             GroupTotals {
@@ -294,7 +293,7 @@ impl C0Triangle {
 
 /// Corner vectors of a group. Differences are taken row by row, before the rows become lanes.
 #[inline(always)]
-fn gather(group: &GroupNodes, nodes: &NodeView<'_>) -> Corners<Lane> {
+fn gather(group: &GroupNodes<4>, nodes: &NodeView<'_>) -> Corners<Lane> {
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
     let mut rows = [[Lane::splat(0.0); LANES]; 7];
@@ -348,37 +347,27 @@ impl Element for C0Triangle {
         self.section.start(history);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
-        let area = Geometry::new(sides(x)).area;
+    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
+        let area = Geometry::new(sides(four(x))).area;
         let mass = self.section.elastic.density * self.section.thickness * area / 3.0;
         // Per area, a triangle has twice the corners of a quad: with its A/7 shear would govern the step where nu is small.
         (mass, mass * self.section.inertia_per_mass(2.0 * area))
     }
 
-    fn forces(
-        &self,
-        range: Range<usize>,
-        count: usize,
-        groups: &[GroupNodes],
-        history: &mut [Lane],
-        nodes: NodeView<'_>,
-        dt: f64,
-        out: CornerForces<'_>,
-    ) -> PassTotals {
-        let pass = Pass { range, count, groups, history, nodes, dt, out };
+    fn forces(&self, pass: Pass<'_>) -> PassTotals {
         with_points!(self.section.points, N => self.pass::<N>(pass))
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
-        let geometry = Geometry::new(sides(x));
+    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
+        let geometry = Geometry::new(sides(four(x)));
         if !Real::gt(geometry.area, 0.0) {
             return f64::NAN;
         }
         geometry.stable_length(self.section.elastic.poisson) / self.section.elastic.plate_wave_speed()
     }
 
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]; 4]) -> ElementFields {
-        let Geometry { e1, e2, n, .. } = Geometry::new(sides(x));
+    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
+        let Geometry { e1, e2, n, .. } = Geometry::new(sides(four(x)));
         self.section.fields(history, lane, &[e1, e2, n])
     }
 }

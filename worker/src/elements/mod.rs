@@ -13,7 +13,7 @@ mod section;
 pub(crate) mod testing;
 
 use crate::lanes::{LANES, Lane};
-use crate::materials::{self, PlaneStress, unknown_name};
+use crate::materials::{self, PlaneStress, Solid, unknown_name};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
@@ -31,11 +31,12 @@ pub struct NodeView<'a> {
     pub w: &'a [[f64; 4]],
 }
 
-/// Forces of element corners. Slot `(group * LANES + lane) * 4 + corner`; components x, y, z, padding.
+/// Forces of element corners. Slot `(group * LANES + lane) * slots + corner`, with [`Shape::slots`] slots per element;
+/// components x, y, z, padding.
 pub struct CornerForces<'a> {
     /// Internal force on the corner, to be subtracted from what drives the node [force].
     pub force: &'a mut [[f64; 4]],
-    /// Internal moment on the corner [force length].
+    /// Internal moment on the corner [force length]. Solids give none and leave it alone.
     pub moment: &'a mut [[f64; 4]],
 }
 
@@ -65,8 +66,26 @@ impl PassTotals {
     }
 }
 
-/// A group of elements: local nodes per corner and lane. Padding lanes repeat the last real element.
-pub type GroupNodes = [[u32; LANES]; 4];
+/// A group of elements of C slots: local nodes per corner and lane. Padding lanes repeat the last real element.
+pub type GroupNodes<const C: usize> = [[u32; LANES]; C];
+
+/// Groups of a block to be worked on, and what belongs to them.
+pub struct Pass<'a> {
+    /// Which groups.
+    pub range: Range<usize>,
+    /// Real elements of the block; the rest of the last group is padding and adds nothing to totals.
+    pub count: usize,
+    /// Local nodes of the whole block: per group one row per slot.
+    pub groups: &'a [[u32; LANES]],
+    /// History of the whole block.
+    pub history: &'a mut [Lane],
+    /// Nodal columns.
+    pub nodes: NodeView<'a>,
+    /// Last step [time].
+    pub dt: f64,
+    /// Corner forces of the whole block.
+    pub out: CornerForces<'a>,
+}
 
 /// What an element tells of itself for output.
 #[derive(Clone, Copy, Debug, Default)]
@@ -90,29 +109,26 @@ pub trait Element: Send + Sync {
     fn start(&self, history: &mut [Lane]);
 
     /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its corners.
-    /// `x` are its corner coordinates.
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64);
+    /// `x` are the coordinates of its slots.
+    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64);
 
-    /// Internal forces of the groups in `range` at coordinates x(t), after stress is brought from t - dt to t
-    /// with the mid-step velocities. `groups`, `history` and `out` are those of the whole block,
-    /// `count` the number of real elements (the rest of the last group is padding and adds nothing to totals).
-    #[allow(clippy::too_many_arguments)]
-    fn forces(
-        &self,
-        range: Range<usize>,
-        count: usize,
-        groups: &[GroupNodes],
-        history: &mut [Lane],
-        nodes: NodeView<'_>,
-        dt: f64,
-        out: CornerForces<'_>,
-    ) -> PassTotals;
+    /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the mid-step velocities.
+    fn forces(&self, pass: Pass<'_>) -> PassTotals;
 
     /// Stable step of one element, before the safety factor [time]; NaN if it is inverted or not finite.
-    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
+    /// `x` are the coordinates of its slots.
+    fn stable_dt(&self, x: &[[f64; 3]]) -> f64;
 
-    /// Fields of the element in `lane` of a group with this history at corner coordinates `x`.
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]; 4]) -> ElementFields;
+    /// Fields of the element in `lane` of a group with this history at slot coordinates `x`.
+    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields;
+}
+
+/// The four slots of a shell.
+///
+/// # Panics
+/// When there are fewer: shells are called with all of theirs.
+fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
+    x.first_chunk().expect("a shell has four slots")
 }
 
 /// An element, or everything that is wrong with its part.
@@ -125,16 +141,25 @@ pub struct ElementRow {
     /// Shape that the formulation is for.
     pub shape: Shape,
     /// Checks what the formulation needs of a part; paths of problems are relative to the part.
-    pub build: fn(&Part, Box<dyn PlaneStress>) -> Built,
+    pub build: Build,
+}
+
+/// How a formulation is made, with a law for the state of stress that it works in.
+#[derive(Clone, Copy)]
+pub enum Build {
+    /// In plane stress.
+    Shell(fn(&Part, Box<dyn PlaneStress>) -> Built),
+    /// In three dimensions.
+    Solid(fn(&Part, Box<dyn Solid>) -> Built),
 }
 
 /// Every formulation.
 pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW];
 
-/// The element of a part's shells of one shape, or everything that is wrong with the part and its material.
+/// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
-/// Quads take the part's formulation, triangles the only one there is for them.
+/// Quads and hexahedra take the part's formulation, triangles the only one there is for them.
 pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Built {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
@@ -143,51 +168,59 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
             .extend(found.into_iter().map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }));
     };
 
+    let row = row_for(part, shape).map_err(|problem| note(format!("part.{part_index}"), vec![problem]));
     let materials = &settings.materials;
-    let law = match materials.iter().position(|material| material.name == part.material) {
-        Some(index) => materials::build(&materials[index]).map_err(|found| note(format!("material.{index}"), found)),
-        None => {
-            let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
-            let what = format!("part {}: there is no material '{}'", section::label(part), part.material);
-            note(format!("part.{part_index}"), vec![unknown_name("material", what, &part.material, &names)]);
-            Err(())
+    let index = materials.iter().position(|material| material.name == part.material);
+    if index.is_none() {
+        let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
+        let what = format!("part {}: there is no material '{}'", section::label(part), part.material);
+        note(format!("part.{part_index}"), vec![unknown_name("material", what, &part.material, &names)]);
+    }
+    // A part is checked even where its material is wrong, so that one run of the checks tells all.
+    let mut stand_in = index.is_none();
+    let mut law_problems = |found: Vec<Problem>| {
+        stand_in = true;
+        note(format!("material.{}", index.unwrap_or(0)), found);
+    };
+    let material = index.map(|index| &materials[index]);
+    let built = match row.map(|row| row.build) {
+        Ok(Build::Shell(build)) => {
+            let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
+            build(part, law.unwrap_or_else(materials::stand_in))
+        }
+        Ok(Build::Solid(build)) => {
+            let law = material.and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
+            build(part, law.unwrap_or_else(materials::solid_stand_in))
+        }
+        Err(()) => {
+            if let Some(found) = material.and_then(|m| materials::build(m).err()) {
+                law_problems(found);
+            }
+            Err(Vec::new())
         }
     };
-    let row = row_for(part, shape).map_err(|problem| note(format!("part.{part_index}"), vec![problem]));
-    // A part is checked even where its material is wrong, so that one run of the checks tells all.
-    let stand_in = law.is_err();
-    let law = law.unwrap_or_else(|()| materials::stand_in());
-    let element = row.and_then(|row| (row.build)(part, law).map_err(|found| note(format!("part.{part_index}"), found)));
-    match element {
+    match built.map_err(|found| note(format!("part.{part_index}"), found)) {
         Ok(element) if !stand_in => Ok(element),
         _ => Err(problems),
     }
 }
 
-/// The formulation that a part wants for a shape.
-fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
-    let of_shape = |row: &&ElementRow| row.shape == shape;
-    let row = match shape {
-        Shape::Quad4 => ELEMENTS.iter().filter(of_shape).find(|row| row.name == part.element),
-        Shape::Tri3 => ELEMENTS.iter().find(of_shape),
-    };
-    row.ok_or_else(|| {
-        let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
-        let corners = shape.corners();
-        let what = format!("part {}: no {corners}-node element '{}'", section::label(part), part.element);
-        unknown_name("element", what, &part.element, &names)
-    })
+/// Name of the formulation that a part's elements of a shape get, if there is such.
+pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
+    row_for(part, shape).ok().map(|row| row.name)
 }
 
-/// Arguments of [`Element::forces`], together.
-struct Pass<'a> {
-    range: Range<usize>,
-    count: usize,
-    groups: &'a [GroupNodes],
-    history: &'a mut [Lane],
-    nodes: NodeView<'a>,
-    dt: f64,
-    out: CornerForces<'a>,
+/// The formulation that a part wants for a shape: the first of the shape if it does not say.
+fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
+    let of_shape = |row: &&ElementRow| row.shape == shape;
+    let wanted = part.element.as_deref().filter(|_| shape != Shape::Tri3);
+    let row = ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
+    row.ok_or_else(|| {
+        let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
+        let (corners, name) = (shape.corners(), wanted.unwrap_or_default());
+        let what = format!("part {}: no {corners}-node element '{name}'", section::label(part));
+        unknown_name("element", what, name, &names)
+    })
 }
 
 /// What a kernel tells of a group, lane by lane.
@@ -200,43 +233,86 @@ struct GroupTotals {
 }
 
 impl Pass<'_> {
-    /// Calls `kernel` for each group with its connectivity, its history and its corner forces and moments,
-    /// and adds up. Padding lanes add nothing.
+    /// Calls `kernel` for each group of shells with its connectivity, its history and its corner forces and moments,
+    /// and adds up.
     #[inline(always)]
-    fn run<F>(self, columns: usize, mut kernel: F) -> PassTotals
+    fn shells<F>(self, columns: usize, mut kernel: F) -> PassTotals
     where
-        F: FnMut(&GroupNodes, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 16], &mut [[f64; 4]; 16]) -> GroupTotals,
+        F: FnMut(&GroupNodes<4>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 16], &mut [[f64; 4]; 16]) -> GroupTotals,
     {
-        const CORNERS: usize = 4 * LANES;
+        const SLOTS: usize = 4 * LANES;
         let Pass { range, count, groups, history, nodes, dt: _, out } = self;
-        let corners = range.start * CORNERS..range.end * CORNERS;
-        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
-        let force = out.force[corners.clone()].as_chunks_mut::<CORNERS>().0;
-        let moment = out.moment[corners].as_chunks_mut::<CORNERS>().0;
+        let slots = range.start * SLOTS..range.end * SLOTS;
+        let force = out.force[slots.clone()].as_chunks_mut::<SLOTS>().0;
+        let moment = out.moment[slots].as_chunks_mut::<SLOTS>().0;
         let slots = force.iter_mut().zip(moment);
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<4>().0[range.clone()];
+        let each = groups.iter().zip(states).zip(slots);
+        total(range, count, each.map(|((group, state), (force, moment))| kernel(group, &nodes, state, force, moment)))
+    }
 
-        let zero = Lane::splat(0.0);
-        let (mut internal, mut hourglass) = (zero, zero);
-        let mut stable_dt = Lane::splat(f64::INFINITY);
-        let mut trouble = None;
-        for (((index, group), state), (force, moment)) in range.clone().zip(&groups[range]).zip(states).zip(slots) {
-            let totals = kernel(group, &nodes, state, force, moment);
-            // Padding repeats a real element, so its step and its health are true; only sums must leave it out.
-            let real = count.saturating_sub(index * LANES);
-            let counted = |values: Lane| if real >= LANES { values } else { first_lanes(values, real) };
-            internal += counted(totals.internal);
-            hourglass += counted(totals.hourglass);
-            stable_dt = crate::lanes::Real::min(totals.stable_dt, stable_dt);
-            if !totals.sound.all() && trouble.is_none() {
-                let lane = totals.sound.to_array().iter().position(|l| l.to_bits() == 0).unwrap_or(0);
-                trouble = Some((index * LANES + lane).min(count - 1));
-            }
+    /// Calls `kernel` for each group of eight-node solids with its connectivity, its history and its corner forces,
+    /// and adds up.
+    #[inline(always)]
+    fn solids<F>(self, columns: usize, mut kernel: F) -> PassTotals
+    where
+        F: FnMut(&GroupNodes<8>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 32]) -> GroupTotals,
+    {
+        const SLOTS: usize = 8 * LANES;
+        let Pass { range, count, groups, history, nodes, dt: _, out } = self;
+        let force = out.force[range.start * SLOTS..range.end * SLOTS].as_chunks_mut::<SLOTS>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<8>().0[range.clone()];
+        let each = groups.iter().zip(states).zip(force);
+        total(range, count, each.map(|((group, state), force)| kernel(group, &nodes, state, force)))
+    }
+}
+
+/// Adds up what the groups in `range` tell. Padding lanes add nothing.
+#[inline(always)]
+fn total(range: Range<usize>, count: usize, groups: impl Iterator<Item = GroupTotals>) -> PassTotals {
+    let mut sum = GroupSum::NONE;
+    range.zip(groups).for_each(|(index, totals)| sum.add(index, count, &totals));
+    sum.finish()
+}
+
+/// Totals of groups, lane by lane.
+struct GroupSum {
+    stable_dt: Lane,
+    internal: Lane,
+    hourglass: Lane,
+    trouble: Option<usize>,
+}
+
+impl GroupSum {
+    const NONE: Self = Self {
+        stable_dt: Lane::new([f64::INFINITY; LANES]),
+        internal: Lane::new([0.0; LANES]),
+        hourglass: Lane::new([0.0; LANES]),
+        trouble: None,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, index: usize, count: usize, totals: &GroupTotals) {
+        // Padding repeats a real element, so its step and its health are true; only sums must leave it out.
+        let real = count.saturating_sub(index * LANES);
+        let counted = |values: Lane| if real >= LANES { values } else { first_lanes(values, real) };
+        self.internal += counted(totals.internal);
+        self.hourglass += counted(totals.hourglass);
+        self.stable_dt = crate::lanes::Real::min(totals.stable_dt, self.stable_dt);
+        if !totals.sound.all() && self.trouble.is_none() {
+            let lane = totals.sound.to_array().iter().position(|l| l.to_bits() == 0).unwrap_or(0);
+            self.trouble = Some((index * LANES + lane).min(count - 1));
         }
+    }
+
+    fn finish(self) -> PassTotals {
         PassTotals {
-            stable_dt: stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min),
-            internal: internal.to_array().iter().sum(),
-            hourglass: hourglass.to_array().iter().sum(),
-            trouble,
+            stable_dt: self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min),
+            internal: self.internal.to_array().iter().sum(),
+            hourglass: self.hourglass.to_array().iter().sum(),
+            trouble: self.trouble,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What holds for every shell: patch tests, rigid motion, balance of forces, energy, lanes.
 
 use super::testing::*;
-use super::{CornerForces, NodeView};
+use super::{CornerForces, NodeView, Pass};
 use crate::lanes::{LANES, Lane};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
@@ -249,7 +249,9 @@ fn padding_adds_nothing_and_ranges_add_up() {
             let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
             let out = CornerForces { force: &mut patch.force, moment: &mut patch.moment };
             let history: &mut [Lane] = &mut patch.history;
-            internal += patch.element.forces(range, 10, &patch.groups, history, nodes, 1.0, out).internal;
+            let groups = patch.groups.as_flattened();
+            let pass = Pass { range, count: 10, groups, history, nodes, dt: 1.0, out };
+            internal += patch.element.forces(pass).internal;
         }
         assert_close(whole.internal, internal, 1e-14 * internal, "round-off of two sums");
         assert!(force[..40] == patch.force[..40], "the same bits in whatever pieces");
@@ -287,7 +289,7 @@ fn trouble_is_told() {
 
 #[test]
 fn set_up_tells_everything_that_is_wrong() {
-    let part = Part { element: "belytchko_tsay".into(), thickness: -1.0, points: 11, ..part(1.0) };
+    let part = Part { element: Some("belytchko_tsay".into()), thickness: -1.0, points: 11, ..part(1.0) };
     let paths = |part: &Part, material: Material, shape| {
         let problems = super::build_block(&settings(part.clone(), material), 0, shape).err().expect("it is wrong");
         problems.into_iter().map(|problem| (problem.path, problem.help)).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! What element tests share: parts and materials in a line, a mesh with its columns, a bare explicit solver.
 
-use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, PassTotals, build_block};
+use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, Pass, PassTotals, build_block};
 use crate::lanes::{LANES, Lane};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
@@ -13,7 +13,7 @@ pub fn part(thickness: f64) -> Part {
         name: String::new(),
         material: "sheet".into(),
         thickness,
-        element: "belytschko_tsay".into(),
+        element: None,
         points: 5,
         hourglass: HourglassForm::Stiffness,
         hourglass_coefficient: 0.03,
@@ -60,7 +60,7 @@ pub struct Patch {
     pub v: Vec<[f64; 4]>,
     pub w: Vec<[f64; 4]>,
     pub quads: Vec<[u32; 4]>,
-    pub groups: Vec<GroupNodes>,
+    pub groups: Vec<GroupNodes<4>>,
     pub history: Vec<Lane>,
     pub force: Vec<[f64; 4]>,
     pub moment: Vec<[f64; 4]>,
@@ -70,7 +70,7 @@ impl Patch {
     pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], quads: &[[u32; 4]]) -> Self {
         let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
         let element = build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
-        let groups: Vec<GroupNodes> = (0..quads.len().div_ceil(LANES))
+        let groups: Vec<GroupNodes<4>> = (0..quads.len().div_ceil(LANES))
             .map(|g| {
                 let of = |lane: usize| quads[(g * LANES + lane).min(quads.len() - 1)];
                 std::array::from_fn(|corner| std::array::from_fn(|lane| of(lane)[corner]))
@@ -106,8 +106,15 @@ impl Patch {
     pub fn forces(&mut self, dt: f64) -> PassTotals {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = CornerForces { force: &mut self.force, moment: &mut self.moment };
-        let range = 0..self.groups.len();
-        self.element.forces(range, self.quads.len(), &self.groups, &mut self.history, nodes, dt, out)
+        self.element.forces(Pass {
+            range: 0..self.groups.len(),
+            count: self.quads.len(),
+            groups: self.groups.as_flattened(),
+            history: &mut self.history,
+            nodes,
+            dt,
+            out,
+        })
     }
 
     /// Velocities that take every node to `target` in a step; rotational ones as given.

@@ -1,16 +1,17 @@
-//! Linear elasticity in plane stress, in rate form: `d sigma = C d eps` with
-//! `C = E/(1-nu^2) [1 nu 0; nu 1 0; 0 0 (1-nu)/2]` (the last for the engineering shear strain).
+//! Linear elasticity in rate form, `d sigma = C d eps`: in plane stress
+//! `C = E/(1-nu^2) [1 nu 0; nu 1 0; 0 0 (1-nu)/2]` (the last for the engineering shear strain), in three dimensions
+//! `d sigma = lambda tr(d eps) 1 + 2 G d eps`.
 //!
 //! Valid for small strains and large rotations; with the logarithmic strains of the elements it is a
 //! Hencky law as long as the principal axes of strain do not turn in the material.
 
 use super::parameters::Parameters;
-use super::{Built, Elastic, Law, PlaneStress, Points};
+use super::{Built, BuiltSolid, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
 use crate::lanes::{Lane, Real};
 use crumple_proto::partition::Material;
 
 /// The row of this law.
-pub const LAW: Law = Law { name: "elastic", build };
+pub const LAW: Law = Law { name: "elastic", build, solid };
 
 struct LinearElastic {
     elastic: Elastic,
@@ -23,12 +24,35 @@ fn build(material: &Material) -> Built {
     Ok(law(elastic))
 }
 
-/// The law with these constants.
+fn solid(material: &Material) -> BuiltSolid {
+    let mut parameters = Parameters::new(material);
+    let elastic = parameters.elastic();
+    parameters.finish()?;
+    Ok(solid_law(elastic))
+}
+
+/// The law in three dimensions with these constants.
+pub fn solid_law(elastic: Elastic) -> Box<dyn Solid> {
+    Box::new(LinearElastic { elastic })
+}
+
+/// The law in plane stress with these constants.
 pub fn law(elastic: Elastic) -> Box<dyn PlaneStress> {
     Box::new(LinearElastic { elastic })
 }
 
 impl LinearElastic {
+    #[inline(always)]
+    fn solid_stress<R: Real>(&self, point: SolidPoint<'_, R>) {
+        let (lame, g) = (R::splat(self.elastic.lame()), R::splat(self.elastic.shear_modulus()));
+        let eps = point.strain;
+        let pressure = lame * (eps[0] + eps[1] + eps[2]);
+        for c in 0..3 {
+            point.state[c] += (g + g).mul_add(eps[c], pressure);
+            point.state[3 + c] = g.mul_add(eps[3 + c], point.state[3 + c]);
+        }
+    }
+
     fn stress<R: Real>(&self, points: Points<'_, R>) {
         let [c11, c12, g] = self.elastic.plane_stress().map(R::splat);
         let thinning = R::splat(self.elastic.thinning());
@@ -56,5 +80,20 @@ impl PlaneStress for LinearElastic {
     }
     fn update_one(&self, points: Points<'_, f64>, _dt: f64) {
         self.stress(points);
+    }
+}
+
+impl Solid for LinearElastic {
+    fn history(&self) -> &'static [&'static str] {
+        &[]
+    }
+    fn elastic(&self) -> Elastic {
+        self.elastic
+    }
+    fn update(&self, point: SolidPoint<'_, Lane>, _dt: f64) {
+        self.solid_stress(point);
+    }
+    fn update_one(&self, point: SolidPoint<'_, f64>, _dt: f64) {
+        self.solid_stress(point);
     }
 }

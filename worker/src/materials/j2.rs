@@ -28,12 +28,13 @@
 //! Left out: kinematic hardening, failure, transverse shear in the yield condition (as in most shell codes).
 
 use super::parameters::Parameters;
-use super::{Built, Elastic, Law, MAX_POINTS, PlaneStress, Points};
+use super::{Built, BuiltSolid, Elastic, Law, MAX_POINTS, PlaneStress, Points};
 use crate::lanes::{Lane, Real};
 use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
 
 /// The row of this law.
-pub const LAW: Law = Law { name: "j2", build };
+pub const LAW: Law = Law { name: "j2", build, solid };
 
 /// Columns per point: stress xx, yy, xy, effective plastic strain.
 const COLUMNS: usize = 4;
@@ -73,6 +74,11 @@ fn build(material: &Material) -> Built {
     };
     parameters.finish()?;
     Ok(Box::new(J2::new(elastic, yield_stress, slope, &ramps, rate)))
+}
+
+fn solid(material: &Material) -> BuiltSolid {
+    let message = format!("material '{}': law 'j2' is for shells only", material.name);
+    Err(vec![Problem::error("law", message, "give solids another law")])
 }
 
 /// Yield stress, first slope, and changes of slope.

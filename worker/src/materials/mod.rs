@@ -33,6 +33,21 @@ impl Elastic {
         0.5 * self.youngs_modulus / (1.0 + self.poisson)
     }
 
+    /// First Lame constant lambda [force/length^2].
+    pub fn lame(&self) -> f64 {
+        self.youngs_modulus * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
+    }
+
+    /// Bulk modulus K [force/length^2].
+    pub fn bulk_modulus(&self) -> f64 {
+        self.youngs_modulus / (3.0 * (1.0 - 2.0 * self.poisson))
+    }
+
+    /// Speed of the dilatational wave, `sqrt((lambda + 2 G)/rho)` [length/time].
+    pub fn dilatational_wave_speed(&self) -> f64 {
+        ((self.lame() + 2.0 * self.shear_modulus()) / self.density).sqrt()
+    }
+
     /// Speed of the longitudinal wave in a plate, `sqrt(E/(rho (1-nu^2)))` [length/time].
     pub fn plate_wave_speed(&self) -> f64 {
         (self.youngs_modulus / (self.density * (1.0 - self.poisson * self.poisson))).sqrt()
@@ -77,16 +92,45 @@ pub trait PlaneStress: Send + Sync {
     fn update_one(&self, points: Points<'_, f64>, dt: f64);
 }
 
+/// The integration point of a group of solid elements, as a law sees it.
+pub struct SolidPoint<'a, R> {
+    /// Stress xx, yy, zz, xy, yz, zx [force/length^2], then the law's history columns. Updated in place.
+    pub state: &'a mut [R],
+    /// The strain increment xx, yy, zz, and twice xy, yz, zx.
+    pub strain: &'a [R; 6],
+}
+
+/// A law in three dimensions. Must give each lane what it would give it alone, bit for bit.
+pub trait Solid: Send + Sync {
+    /// History columns, by name. All start at nought.
+    fn history(&self) -> &'static [&'static str];
+
+    /// Elastic constants and density.
+    fn elastic(&self) -> Elastic;
+
+    /// Stress and history over a step `dt` [time] of a group.
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64);
+
+    /// The same for one element, by the same code.
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64);
+}
+
 /// A scalar that laws have an entry for, so that element kernels can be generic over it.
 pub trait PointReal: Real {
     /// Calls the entry for this scalar.
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64);
+    /// Calls the entry of a solid's law for this scalar.
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64);
 }
 
 impl PointReal for Lane {
     #[inline(always)]
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
         law.update(points, dt);
+    }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) {
+        law.update(point, dt);
     }
 }
 
@@ -95,35 +139,58 @@ impl PointReal for f64 {
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
         law.update_one(points, dt);
     }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) {
+        law.update_one(point, dt);
+    }
 }
 
-/// A law, or everything that is wrong with its material.
+/// A law in plane stress, or everything that is wrong with its material.
 pub type Built = Result<Box<dyn PlaneStress>, Vec<Problem>>;
+/// A law in three dimensions, or everything that is wrong with its material.
+pub type BuiltSolid = Result<Box<dyn Solid>, Vec<Problem>>;
 
-/// A row of [`LAWS`].
+/// A row of [`LAWS`]. Both functions read the same parameters; they return everything that is wrong with them, with
+/// paths relative to the material.
 pub struct Law {
     /// Name in jobs.
     pub name: &'static str,
-    /// Reads the parameters; returns everything that is wrong with them, with paths relative to the material.
+    /// For shells.
     pub build: fn(&Material) -> Built,
+    /// For solids.
+    pub solid: fn(&Material) -> BuiltSolid,
 }
 
 /// Every law.
 pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW];
 
-/// The law of a material, or everything that is wrong with the material, with paths relative to it.
+/// The law of a shell's material, or everything that is wrong with the material, with paths relative to it.
 pub fn build(material: &Material) -> Built {
-    match LAWS.iter().find(|law| law.name == material.law) {
-        Some(law) => (law.build)(material),
-        None => {
-            let names: Vec<_> = LAWS.iter().map(|law| law.name).collect();
-            let what = format!("material '{}': there is no law '{}'", material.name, material.law);
-            Err(vec![unknown_name("law", what, &material.law, &names)])
-        }
-    }
+    (row_of(material)?.build)(material)
 }
 
-/// A law to check a part with when its own cannot be built.
+/// The law of a solid's material, or everything that is wrong with the material, with paths relative to it.
+pub fn build_solid(material: &Material) -> BuiltSolid {
+    (row_of(material)?.solid)(material)
+}
+
+fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
+    LAWS.iter().find(|law| law.name == material.law).ok_or_else(|| {
+        let names: Vec<_> = LAWS.iter().map(|law| law.name).collect();
+        let what = format!("material '{}': there is no law '{}'", material.name, material.law);
+        vec![unknown_name("law", what, &material.law, &names)]
+    })
+}
+
+/// Constants to check a part with when its law cannot be built.
+const STAND_IN: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };
+
+/// A law to check a part of shells with when its own cannot be built.
 pub(crate) fn stand_in() -> Box<dyn PlaneStress> {
-    elastic::law(Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 })
+    elastic::law(STAND_IN)
+}
+
+/// The same for a part of solids.
+pub(crate) fn solid_stand_in() -> Box<dyn Solid> {
+    elastic::solid_law(STAND_IN)
 }
