@@ -28,6 +28,23 @@ id!(
     ElemId
 );
 
+id!(
+    /// A face of an element: its id times 8 and the number of the face ([`crate::mesh::Shape::faces`]).
+    SegmentId
+);
+
+impl SegmentId {
+    /// Face number `face` of an element.
+    pub fn new(elem: ElemId, face: usize) -> Self {
+        Self(elem.0 * 8 + face as u64)
+    }
+
+    /// The element.
+    pub fn elem(self) -> ElemId {
+        ElemId(self.0 / 8)
+    }
+}
+
 impl ElemId {
     /// Largest id of an element: workers agree on ids as exact f64, which end at 2^53.
     pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);

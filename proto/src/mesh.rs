@@ -2,7 +2,7 @@
 
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Shape of an element, before a part gives it a formulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,6 +97,26 @@ impl MeshElement {
     pub fn corners(&self) -> &[NodeId] {
         &self.nodes[..self.shape.corners()]
     }
+}
+
+/// The faces of each solid that no other solid repeats, as bits by their number; 0 for shells.
+pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
+    let mut open: HashMap<[NodeId; 4], (usize, usize)> = HashMap::new();
+    let mut free = vec![0u8; elements.len()];
+    for (i, e) in elements.iter().enumerate().filter(|(_, e)| !e.shape.is_shell()) {
+        for (f, face) in e.shape.faces().iter().enumerate() {
+            let mut key = face.map(|c| e.nodes[c]);
+            key.sort_unstable();
+            match open.remove(&key) {
+                Some((other, opposing)) => free[other] &= !(1 << opposing),
+                None => {
+                    open.insert(key, (i, f));
+                    free[i] |= 1 << f;
+                }
+            }
+        }
+    }
+    free
 }
 
 /// A whole mesh.

@@ -96,6 +96,8 @@ pub struct ElementRecord {
     pub shape: Shape,
     /// Corner nodes.
     pub nodes: CornerNodes,
+    /// Faces of a solid that no other solid repeats, as bits by their number.
+    pub free_faces: u8,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
 }

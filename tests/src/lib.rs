@@ -6,7 +6,7 @@ use crumple::decompose::{Centres, bisect};
 use crumple::job::{self, Model};
 use crumple::summary::state_digest;
 use crumple_proto::boxes::CutTree;
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::{Transport, threads};
 use crumple_worker::engine::Engine;
@@ -15,7 +15,7 @@ use crumple_worker::step::step;
 use std::path::{Path, PathBuf};
 
 /// A contact pair by its ids.
-pub type PairIds = (NodeId, ElemId);
+pub type PairIds = (NodeId, SegmentId);
 
 /// What a run of engines side by side gives.
 pub struct Trace {

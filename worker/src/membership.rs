@@ -5,12 +5,12 @@
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
 use crate::contact::pairs::Memory;
-use crate::contact::surface::{Segment, Surface, contact_half};
+use crate::contact::surface::{NOT_LOCAL, Segment, Surface, contact_parts};
 use crate::halo::{Halo, Link};
 use crate::nodes::{Nodes, xyz};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{Lost, Transport, exchange_all};
 use std::collections::BTreeMap;
@@ -44,16 +44,20 @@ pub struct Local {
 struct WireCorner {
     node: NodeId,
     elem: ElemId,
+    /// What the node has of the sender's surface, see [`Surface::widen`].
     half: f64,
+    scale: f64,
 }
 
 /// A segment of an exterior element.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireSegment {
-    id: ElemId,
+    id: SegmentId,
     nodes: [NodeId; 4],
+    behind: [NodeId; 4],
     half: f64,
+    scale: f64,
     part: u64,
 }
 
@@ -100,9 +104,9 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     });
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);
-    let half_of = contact_half(settings);
-    let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, nodes.held, &half_of));
-    let mut halo = link_corners(wire, &mut blocks, &nodes, &shared, &half_of, surface.as_mut())?;
+    let parts = contact_parts(settings);
+    let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, &nodes, &parts));
+    let mut halo = link_corners(wire, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.lay_masses(&nodes);
         halo.send_corners(wire, &blocks)?;
@@ -141,40 +145,43 @@ fn link_corners(
     blocks: &mut Blocks,
     nodes: &Nodes,
     shared: &[Vec<u32>],
-    half_of: &[f64],
     surface: Option<&mut Surface>,
 ) -> Result<Halo, Lost> {
     let me = nodes.me as usize;
     let slots = blocks.first_slots();
-    let mut corners: Vec<(ElemId, usize, u32, u32, f64)> = Vec::new();
+    let mut corners: Vec<(ElemId, usize, u32, u32)> = Vec::new();
     for (e, slot) in blocks.elements.iter().zip(slots).filter(|(e, _)| e.shared) {
-        let half = half_of[e.record.part as usize];
-        corners.extend((0..e.record.shape.corners()).map(|c| (e.record.id, c, e.nodes[c], (slot + c) as u32, half)));
+        corners.extend((0..e.record.shape.corners()).map(|c| (e.record.id, c, e.nodes[c], (slot + c) as u32)));
     }
     corners.sort_unstable_by_key(|c| (c.0, c.1));
     let mut links = Vec::new();
     let mut parcels = Vec::new();
     for (worker, list) in shared.iter().enumerate() {
         let at_shared: Vec<_> = corners.iter().filter(|c| list.binary_search(&c.2).is_ok()).collect();
-        let wired: Vec<WireCorner> =
-            at_shared.iter().map(|c| WireCorner { node: nodes.id[c.2 as usize], elem: c.0, half: c.4 }).collect();
+        let reach =
+            |n: u32| surface.as_ref().map_or((0.0, 0.0), |s| (s.node_half[n as usize], s.node_scale[n as usize]));
+        let wired = |c: &&(ElemId, usize, u32, u32)| {
+            let (half, scale) = reach(c.2);
+            WireCorner { node: nodes.id[c.2 as usize], elem: c.0, half, scale }
+        };
+        let wired: Vec<WireCorner> = at_shared.iter().map(wired).collect();
         parcels.push(words(&wired));
         links.push(Link { worker, corners_out: at_shared.iter().map(|c| c.3).collect(), ..Link::default() });
     }
     let others = exchange_all(wire, parcels)?;
     let mut foreign = Vec::new();
-    let mut halves = Vec::new();
+    let mut widths = Vec::new();
     for (link, parcel) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
         let theirs: &[WireCorner] = items(parcel);
         link.corners_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
             let node = nodes.held_number(c.node).expect("shared nodes are held");
             foreign.push(ForeignCorner { node, elem: c.elem });
-            halves.push((node, c.half));
+            widths.push((node, c.half, c.scale));
         }
     }
     if let Some(s) = surface {
-        halves.into_iter().for_each(|(n, h)| s.node_half[n as usize] = s.node_half[n as usize].max(h));
+        widths.into_iter().for_each(|(n, half, scale)| s.widen(n, half, scale));
     }
     blocks.lay_gather(nodes.held, &foreign);
     links.retain(|l| l.worker != me);
@@ -192,8 +199,9 @@ fn copy_exterior(
 ) -> Result<(), Lost> {
     let workers = held_bounds.len();
     let me = nodes.me as usize;
-    let thickest = 0.5 * settings.parts.iter().map(|p| p.thickness).fold(0.0, f64::max);
-    let grow = contact::reach(thickest, thickest) + settings.buffer;
+    let scales = exchange_all(wire, vec![vec![surface.largest_scale().to_bits()]; workers])?;
+    let largest = scales.iter().map(|w| f64::from_bits(w[0])).fold(0.0, f64::max);
+    let grow = contact::reach(largest, largest) + settings.buffer;
     let slave_box = Aabb::around(surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])));
     let slave_boxes = share_boxes(wire, &slave_box)?;
     for link in &mut halo.links {
@@ -214,7 +222,8 @@ fn copy_exterior(
         let near = surface.segments.iter().filter(|s| b.touches(&s.bounds(&nodes.x, 0.0)));
         let wire = |s: &Segment| {
             let ids = s.nodes.map(|n| nodes.id[n as usize]);
-            WireSegment { id: s.id, nodes: ids, half: s.half, part: u64::from(s.part) }
+            let behind = s.behind.map(|n| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] });
+            WireSegment { id: s.id, nodes: ids, behind, half: s.half, scale: s.scale, part: u64::from(s.part) }
         };
         let wired: Vec<WireSegment> = near.clone().map(wire).collect();
         let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
@@ -233,7 +242,15 @@ fn copy_exterior(
     copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
     for s in segments.iter().flat_map(|w| items::<WireSegment>(w)) {
         let local = s.nodes.map(|n| nodes.number(n).expect("a segment comes with its nodes"));
-        surface.segments.push(Segment { id: s.id, nodes: local, half: s.half, part: s.part as u32, own: false });
+        surface.segments.push(Segment {
+            id: s.id,
+            nodes: local,
+            behind: s.behind.map(|n| nodes.number(n).unwrap_or(NOT_LOCAL)),
+            half: s.half,
+            scale: s.scale,
+            part: s.part as u32,
+            own: false,
+        });
     }
     surface.segments.sort_unstable_by_key(|s| s.id);
     // Owners keep the copies up to date.

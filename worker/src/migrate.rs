@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 struct WireElement {
     id: ElemId,
     part: u32,
-    shape: u32,
+    shape: u16,
+    free_faces: u16,
     nodes: CornerNodes,
     mass_factor: f64,
     columns: u64,
@@ -111,7 +112,8 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
     let wire = WireElement {
         id: e.id,
         part: e.part,
-        shape: e.shape as u32,
+        shape: e.shape as u16,
+        free_faces: u16::from(e.free_faces),
         nodes: e.nodes,
         mass_factor: e.mass_factor,
         columns: history.len() as u64,
@@ -126,7 +128,14 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
         let e: WireElement = bytemuck::pod_read_unaligned(bytemuck::cast_slice(head));
         let (history, after) = rest.split_at(e.columns as usize);
         let shape = [Shape::Quad4, Shape::Tri3, Shape::Hex8][e.shape as usize];
-        let record = ElementRecord { id: e.id, part: e.part, shape, nodes: e.nodes, mass_factor: e.mass_factor };
+        let record = ElementRecord {
+            id: e.id,
+            part: e.part,
+            shape,
+            nodes: e.nodes,
+            free_faces: e.free_faces as u8,
+            mass_factor: e.mass_factor,
+        };
         into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
         words = after;
     }
@@ -164,6 +173,7 @@ fn unpack(mut words: &[u64]) -> [&[u64]; 3] {
 mod tests {
     use super::*;
     use crate::contact::geometry::V3;
+    use crumple_proto::ids::SegmentId;
 
     /// What travels arrives as it left, to the bit: elements of either shape with history of any length, empty runs,
     /// memories of several nodes.
@@ -174,6 +184,7 @@ mod tests {
             part,
             shape,
             nodes: [0, 1, 2, 3, 4, 5, 6, 7].map(|c| NodeId(id + c)),
+            free_faces: part as u8,
             mass_factor: 1.0 + 0.1 * id as f64,
         };
         let sent = vec![
@@ -182,7 +193,7 @@ mod tests {
             (element(u64::MAX >> 11, Shape::Hex8, 2), vec![f64::MAX; 100]),
         ];
         let memory = |segment, side| Memory {
-            segment: ElemId(segment),
+            segment: SegmentId(segment),
             side,
             tolerated: -1e-3 / 3.0,
             normal: V3::new(0.6, -0.8, 0.0),

@@ -70,7 +70,7 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.stress.push([0.0; 6]);
         c.thickness.push(2.0 * s.half as f32);
         c.class.push(vtu::EXTERIOR);
-        c.name(engine, s.part, s.id.0);
+        c.name(engine, s.part, s.id.elem().0);
     }
     c
 }

@@ -24,7 +24,7 @@ pub use report::{Located, Report, Sources, Spot};
 pub use state::{ElementStart, NodeStart};
 
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
@@ -274,11 +274,13 @@ impl Model {
 
     /// Everything as it is dealt out, elements and nodes in ascending id.
     pub fn records(&self) -> (Vec<ElementRecord>, Vec<NodeRecord>) {
+        let free = free_faces(&self.mesh.elements);
         let element = |(i, e): (usize, &crumple_proto::mesh::MeshElement)| ElementRecord {
             id: e.id,
             part: self.elements.part[i],
             shape: e.shape,
             nodes: e.nodes,
+            free_faces: free[i],
             mass_factor: self.elements.mass_factor[i],
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {

@@ -3,17 +3,17 @@
 use crate::blocks::LocalElement;
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::search::linked_cells;
-use crate::contact::surface::{Surface, contact_half};
+use crate::contact::surface::{Surface, contact_parts};
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 
-/// A node that starts inside a shell's thickness.
+/// A node that starts inside a shell's thickness or a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
     /// The node.
     pub node: NodeId,
-    /// The shell.
+    /// The shell or solid.
     pub elem: ElemId,
     /// How far their surfaces overlap [length].
     pub depth: f64,
@@ -34,23 +34,33 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
         LocalElement { record: *e, nodes: numbers, shared: false }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();
-    let mut surface = Surface::of(&elements, nodes.held, &contact_half(settings));
+    let mut surface = Surface::of(&elements, &nodes, &contact_parts(settings));
     surface.collect_slaves(&nodes);
-    let largest = surface.largest_half();
-    let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.half + largest)).collect();
+    let largest = surface.largest_scale();
+    let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();
     let points: Vec<[f64; 3]> = surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
     let mut found: Vec<Penetration> = Vec::new();
     for (g, p) in linked_cells(&boxes, &points) {
         let (s, slave) = (&surface.segments[g as usize], surface.slaves[p as usize]);
-        if s.nodes.contains(&slave) {
+        if s.nodes.contains(&slave) || s.behind.contains(&slave) {
             continue;
         }
         let thickness = s.half + surface.node_half[slave as usize];
         let at = V3::from(points[p as usize]);
         let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { continue };
-        let depth = thickness - (at - near.point).norm();
-        if depth > ROUND_OFF * thickness {
-            found.push(Penetration { node: nodes.id[slave as usize], elem: s.id, depth });
+        let scale = s.scale + surface.node_scale[slave as usize];
+        let offset = at - near.point;
+        // A solid has no thickness: what is behind its face, and not beside it, is inside.
+        let apart = if !s.is_solid() {
+            offset.norm()
+        } else if near.rim || offset.norm() > scale {
+            f64::INFINITY
+        } else {
+            offset.dot(&near.normal)
+        };
+        let depth = thickness - apart;
+        if depth > ROUND_OFF * scale {
+            found.push(Penetration { node: nodes.id[slave as usize], elem: s.id.elem(), depth });
         }
     }
     found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));

@@ -2,20 +2,30 @@
 //!
 //! The decision uses positions, velocities without contact and the node's memory, nothing else; above all not
 //! when or by whom the candidates were collected.
+//!
+//! A shell's segment is touched from both sides at half its thickness, around its rim too. A solid's segment is touched
+//! from outside: a new contact is a node that is in front of it (or only just behind) now and, seen from the moving
+//! segment, behind its inside at the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node
+//! is over the segment.
 
-use crate::contact::geometry::{V3, nearest};
+use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::pairs::{Memory, Pair};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
-/// Candidates farther than this multiple of the contact thickness are not looked at. The global search must
-/// reach as far (its reach is built from the same number).
+/// Candidates farther than this multiple of the contact thickness (of the scale where solids take part) are not looked
+/// at. The global search must reach as far (its reach is built from the same number).
 pub const REACH: f64 = 1.5;
 /// A pair is active when its predicted gap falls below this fraction of the contact thickness.
 const ACTIVE: f64 = 0.02;
 /// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front of the
 /// tangent plane of an accepted pair add nothing to it.
 const PLANE: f64 = 0.02;
+/// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before is still taken for
+/// one that has just come through: it may have slipped between two faces in the step before.
+const BEHIND: f64 = 0.2;
+/// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
+const BESIDE: f64 = 0.02;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
@@ -50,12 +60,12 @@ pub fn find_pairs(
     out: &mut Vec<Pair>,
 ) {
     let at = v3(&nodes.x[slave as usize]);
-    let half = surface.node_half[slave as usize];
     let mut finds: Vec<Find> = Vec::new();
     for &c in candidates {
         let segment = &surface.segments[c as usize];
-        if may_touch(nodes, segment, &at, half) {
-            finds.extend(look(nodes, segment, slave, &at, half, memory, dt));
+        let meeting = Meeting::new(surface, segment, slave, dt);
+        if may_touch(nodes, &meeting, &at) {
+            finds.extend(look(nodes, &meeting, &at, memory));
         }
     }
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
@@ -78,10 +88,29 @@ pub fn find_pairs(
     out.extend(accepted.into_iter().map(|f| f.pair));
 }
 
+/// A node and a segment that may touch.
+struct Meeting<'a> {
+    segment: &'a Segment,
+    slave: u32,
+    /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
+    thickness: f64,
+    /// Length that gaps are judged by [length].
+    scale: f64,
+    dt: f64,
+}
+
+impl<'a> Meeting<'a> {
+    fn new(surface: &Surface, segment: &'a Segment, slave: u32, dt: f64) -> Self {
+        let n = slave as usize;
+        let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
+        Self { segment, slave, thickness, scale, dt }
+    }
+}
+
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane?
-fn may_touch(nodes: &Nodes, segment: &Segment, at: &V3, half: f64) -> bool {
-    let reach = REACH * (half + segment.half);
-    let q = segment.nodes.map(|n| &nodes.x[n as usize]);
+fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3) -> bool {
+    let reach = REACH * meeting.scale;
+    let q = meeting.segment.nodes.map(|n| &nodes.x[n as usize]);
     let in_box = (0..3).all(|c| {
         let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, r| (b.0.min(r[c]), b.1.max(r[c])));
         at[c] >= lo - reach && at[c] <= hi + reach
@@ -97,33 +126,66 @@ fn may_touch(nodes: &Nodes, segment: &Segment, at: &V3, half: f64) -> bool {
     }
 }
 
-fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory: &[Memory], dt: f64) -> Option<Find> {
-    let thickness = half + segment.half;
-    let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
-    let offset = at - near.point;
-    let distance = offset.norm();
-    if distance > REACH * thickness {
-        return None;
-    }
-    let height = offset.dot(&near.normal);
-    let known = memory.iter().find(|m| m.segment == segment.id);
-    // The normal points to the node's side. Around the rim it turns with the node, so that nothing jumps when
-    // the node passes from one segment to the next or slides off. Deep inside, the remembered side decides.
+/// Where a node is against a segment: the direction in which it is to be kept off, and its distance along it.
+struct Place {
+    normal: V3,
+    /// Side of the node along the segment's own normal.
+    side: f64,
+    /// Distance of the node from the segment along `normal` [length].
+    reached: f64,
+}
+
+/// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node passes from one
+/// segment to the next or slides off. Deep inside, the remembered side decides.
+fn beside_shell(meeting: &Meeting<'_>, near: &Nearest, offset: &V3, known: Option<&Memory>) -> Place {
+    let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
     let side = known.filter(|_| !near.rim).map_or(here, |m| m.side);
-    let deep = height * side < 0.0 || distance < 0.05 * thickness;
+    let deep = height * side < 0.0 || distance < 0.05 * meeting.thickness;
     let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
+    Place { normal, side, reached }
+}
+
+/// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face: it belongs to the
+/// same element, is deeper inside than it could have come, or is not over the face when the step ends.
+fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, old: bool) -> Option<Place> {
+    let Meeting { segment, slave, scale, dt, .. } = meeting;
+    let height = (at - near.point).dot(&near.normal);
+    if segment.behind.contains(slave) || !old && height < -BEHIND * scale {
+        return None;
+    }
+    let later = |n: u32| v3(&nodes.x[n as usize]) + v3(&nodes.next_v[n as usize]) * *dt;
+    let then = later(*slave);
+    let met = nearest(&then, &segment.nodes.map(later), segment.is_triangle())?;
+    let offset = then - met.point;
+    let beside = (offset - met.normal * offset.dot(&met.normal)).norm();
+    (!met.rim || beside <= BESIDE * scale).then_some(Place { normal: near.normal, side: 1.0, reached: height })
+}
+
+fn look(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> Option<Find> {
+    let Meeting { segment, slave, thickness, scale, dt } = *meeting;
+    let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
+    let offset = at - near.point;
+    if offset.norm() > REACH * scale {
+        return None;
+    }
+    let known = memory.iter().find(|m| m.segment == segment.id);
+    // A node that slid over an edge keeps what it had on the neighbouring segment.
+    let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| m.normal.dot(normal) > 0.7));
+    let Place { normal, side, reached } = if segment.is_solid() {
+        before_solid(nodes, meeting, at, &near, kept(&near.normal).is_some())?
+    } else {
+        beside_shell(meeting, &near, &offset, known)
+    };
+    let old = kept(&normal);
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    // A node that slid over an edge keeps what it had on the neighbouring segment.
-    let inherited = || memory.iter().find(|m| m.normal.dot(&normal) > 0.7);
-    let old = known.or_else(inherited);
     // Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
     let tolerated = old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)));
-    if predicted - tolerated >= ACTIVE * thickness {
+    if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
     let impact =
@@ -140,7 +202,7 @@ fn look(nodes: &Nodes, segment: &Segment, slave: u32, at: &V3, half: f64, memory
         gap: gap - tolerated,
         depth: -gap,
         tolerated,
-        thickness,
+        thickness: scale,
         force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
         slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
         compliance: [0.0; 2],

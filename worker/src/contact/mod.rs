@@ -16,7 +16,7 @@ use crate::halo::Halo;
 use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, xyz};
 use crate::wall::Walls;
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use enforce::{CONTACT_LAWS, ContactLaw, Steps};
@@ -59,9 +59,10 @@ pub struct ContactWork {
     pub friction: f64,
 }
 
-/// How far beyond their own box segments must be known for a search with the local search's reach [length].
-pub fn reach(segment_half: f64, largest_half: f64) -> f64 {
-    local::REACH * (segment_half + largest_half)
+/// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
+/// segment and nodes [length].
+pub fn reach(segment_scale: f64, largest_scale: f64) -> f64 {
+    local::REACH * (segment_scale + largest_scale)
 }
 
 impl Contact {
@@ -113,7 +114,7 @@ impl Contact {
     }
 
     /// Active pairs of owned nodes after the last local search, as (node, segment) ids.
-    pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, ElemId)> + '_ {
+    pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
         self.table.pairs.iter().filter(|p| p.own).map(|p| (p.slave, p.segment))
     }
 
@@ -131,8 +132,9 @@ impl Contact {
         self.since_search.restart(&nodes.x, Vec::new());
         self.searches += 1;
         let s = &self.surface;
-        let largest = s.largest_half();
-        let boxes: Vec<_> = s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.half, largest) + self.skin)).collect();
+        let largest = s.largest_scale();
+        let boxes: Vec<_> =
+            s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.scale, largest) + self.skin)).collect();
         let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
         let mut found = (self.find)(&boxes, &points);
         found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));

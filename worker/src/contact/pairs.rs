@@ -4,22 +4,20 @@
 //! nodes, so that it can add up the contact force on each of them alone, in ascending (node, segment).
 
 use crate::contact::geometry::V3;
+use crate::contact::surface::NOT_LOCAL;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, Row, row};
 use bytemuck::{Pod, Zeroable};
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::transport::{Lost, Tag, Transport};
-
-/// Marks a node of another worker's pair that is not local here.
-pub const NOT_LOCAL: u32 = u32::MAX;
 
 /// A node on a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// The node.
     pub slave: NodeId,
-    /// The segment's element.
-    pub segment: ElemId,
+    /// The segment.
+    pub segment: SegmentId,
     /// Local numbers of the node and the segment's four, or [`NOT_LOCAL`].
     pub nodes: [u32; 5],
     /// Shape values N_k of the contact point.
@@ -36,7 +34,8 @@ pub struct Pair {
     pub depth: f64,
     /// Penetration that is let be, 0 or negative [length].
     pub tolerated: f64,
-    /// Sum of the half thicknesses [length].
+    /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
+    /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
     /// Force on the node [force].
     pub force: V3,
@@ -53,8 +52,8 @@ pub struct Pair {
 /// What a node remembers of a pair of the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
-    /// The segment's element.
-    pub segment: ElemId,
+    /// The segment.
+    pub segment: SegmentId,
     /// See [`Pair::side`].
     pub side: f64,
     /// See [`Pair::tolerated`].
@@ -94,7 +93,7 @@ impl Memory {
         let at = |i: usize| f64::from_bits(w[i]);
         let vector = |i: usize| V3::new(at(i), at(i + 1), at(i + 2));
         Self {
-            segment: ElemId(w[0]),
+            segment: SegmentId(w[0]),
             side: at(1),
             tolerated: at(2),
             normal: vector(3),
@@ -109,7 +108,7 @@ impl Memory {
 #[repr(C)]
 struct WirePair {
     slave: NodeId,
-    segment: ElemId,
+    segment: SegmentId,
     nodes: [NodeId; 4],
     weight: [f64; 4],
     force: [f64; 3],

@@ -1,21 +1,33 @@
-//! What can touch: both sides of shells with thickness. Nodes of these shells against their segments.
+//! What can touch: both sides of shells with thickness, and the faces of solids that no other solid repeats.
+//! Nodes of these against their segments.
 
 use crate::blocks::LocalElement;
 use crate::contact::geometry::V3;
-use crate::nodes::{Nodes, Row};
+use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
-use crumple_proto::ids::ElemId;
+use crumple_proto::ids::SegmentId;
 use crumple_proto::partition::Settings;
+
+/// Marks a corner that is not local here.
+pub const NOT_LOCAL: u32 = u32::MAX;
+
+/// Scale of a solid's faces and nodes as a fraction of its shortest edge at the start: two solids look for each other
+/// within REACH times half an edge, and what is in the middle of one is not yet behind it.
+const SOLID_SCALE: f64 = 0.25;
 
 /// A face that nodes can touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// The element that it belongs to.
-    pub id: ElemId,
+    /// Element and face.
+    pub id: SegmentId,
     /// Local nodes (a triangle repeats its third).
     pub nodes: [u32; 4],
-    /// Half the shell's thickness [length].
+    /// Corners of a solid that are opposite to this face; they can never touch it. [`NOT_LOCAL`] for a shell.
+    pub behind: [u32; 4],
+    /// Half the shell's thickness; 0 for a solid [length].
     pub half: f64,
+    /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge [length].
+    pub scale: f64,
     /// Index of its part.
     pub part: u32,
     /// Whether the element is this worker's own.
@@ -25,18 +37,20 @@ pub struct Segment {
 /// Segments and nodes of the contact surface that a worker knows.
 #[derive(Debug, Default)]
 pub struct Surface {
-    /// Segments of own and exterior elements, in ascending element id.
+    /// Segments of own and exterior elements, in ascending id.
     pub segments: Vec<Segment>,
     /// Owned nodes that may touch segments, ascending.
     pub slaves: Vec<u32>,
-    /// Half thickness per held node, the largest of its shells; 0 off the surface [length].
+    /// Half thickness per held node, the largest of its shells; 0 for nodes of solids and off the surface [length].
     pub node_half: Vec<f64>,
+    /// [`Segment::scale`] per held node, the largest of its segments; 0 off the surface [length].
+    pub node_scale: Vec<f64>,
 }
 
 impl Segment {
-    /// The segment of an element.
-    pub fn of(e: &LocalElement, half: f64) -> Self {
-        Self { id: e.record.id, nodes: [0, 1, 2, 3].map(|c| e.nodes[c]), half, part: e.record.part, own: true }
+    /// Whether the segment is a solid's face, which is touched from outside only.
+    pub fn is_solid(&self) -> bool {
+        self.half == 0.0
     }
 
     /// Whether the segment is a triangle.
@@ -46,46 +60,85 @@ impl Segment {
 
     /// Corner coordinates.
     pub fn corners(&self, x: &[Row]) -> [V3; 4] {
-        self.nodes.map(|n| {
-            let r = &x[n as usize];
-            V3::new(r[0], r[1], r[2])
-        })
+        self.nodes.map(|n| V3::from(xyz(&x[n as usize])))
     }
 
     /// Box around the corners, grown by `reach`.
     pub fn bounds(&self, x: &[Row], reach: f64) -> Aabb {
-        Aabb::around(self.nodes.map(|n| crate::nodes::xyz(&x[n as usize]))).grown(reach)
+        Aabb::around(self.nodes.map(|n| xyz(&x[n as usize]))).grown(reach)
     }
 }
 
-/// Half thickness per part that takes part in contact, 0 for the others [length].
-pub fn contact_half(settings: &Settings) -> Vec<f64> {
+/// Which parts take part in contact, and with what half thickness (0 for solids) [length].
+pub fn contact_parts(settings: &Settings) -> Vec<Option<f64>> {
     let takes_part = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
-    settings.parts.iter().map(|p| if takes_part(p.id) { 0.5 * p.thickness } else { 0.0 }).collect()
+    settings.parts.iter().map(|p| takes_part(p.id).then_some(0.5 * p.thickness)).collect()
+}
+
+/// The segments of an element.
+pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &[Option<f64>]) -> Vec<Segment> {
+    let Some(half) = parts[e.record.part as usize] else { return Vec::new() };
+    let shape = e.record.shape;
+    let shell = shape.is_shell();
+    let scale = if shell { half } else { SOLID_SCALE * shortest_edge(e, nodes) };
+    let is_free = |face: &usize| shell || e.record.free_faces >> face & 1 == 1;
+    let segment = |face: usize| {
+        let corners = shape.faces()[face];
+        let mut behind = [NOT_LOCAL; 4];
+        if !shell {
+            let others = (0..8).filter(|c| !corners.contains(c));
+            behind.iter_mut().zip(others).for_each(|(b, c)| *b = e.nodes[c]);
+        }
+        Segment {
+            id: SegmentId::new(e.record.id, face),
+            nodes: corners.map(|c| e.nodes[c]),
+            behind,
+            half: if shell { half } else { 0.0 },
+            scale,
+            part: e.record.part,
+            own: true,
+        }
+    };
+    (0..shape.faces().len()).filter(is_free).map(segment).collect()
+}
+
+/// Shortest edge of a solid at the start [length].
+fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
+    let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
+    let sides = e.record.shape.faces().iter().flat_map(|f| (0..4).map(|i| (at(f[i]) - at(f[(i + 1) % 4])).norm()));
+    sides.fold(f64::INFINITY, f64::min)
 }
 
 impl Surface {
-    /// Segments of elements and what they make of the first `held` nodes; `half_of` is the half thickness per part.
-    pub fn of(elements: &[LocalElement], held: usize, half_of: &[f64]) -> Self {
-        let mut s = Self { node_half: vec![0.0; held], ..Self::default() };
-        for e in elements {
-            let half = half_of[e.record.part as usize];
-            if half > 0.0 {
-                s.segments.push(Segment::of(e, half));
-                e.nodes.iter().for_each(|&n| s.node_half[n as usize] = s.node_half[n as usize].max(half));
-            }
+    /// Segments of elements and what they make of the held nodes.
+    pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &[Option<f64>]) -> Self {
+        let mut s = Self {
+            segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
+            slaves: Vec::new(),
+            node_half: vec![0.0; nodes.held],
+            node_scale: vec![0.0; nodes.held],
+        };
+        for i in 0..s.segments.len() {
+            let g = s.segments[i];
+            g.nodes.iter().for_each(|&n| s.widen(n, g.half, g.scale));
         }
         s
     }
 
-    /// Largest half thickness of a node [length].
-    pub fn largest_half(&self) -> f64 {
-        self.node_half.iter().copied().fold(0.0, f64::max)
+    /// Lets a held node have at least this half thickness and scale [length].
+    pub fn widen(&mut self, node: u32, half: f64, scale: f64) {
+        let (h, s) = (&mut self.node_half[node as usize], &mut self.node_scale[node as usize]);
+        (*h, *s) = (h.max(half), s.max(scale));
+    }
+
+    /// Largest scale of a held node [length].
+    pub fn largest_scale(&self) -> f64 {
+        self.node_scale.iter().copied().fold(0.0, f64::max)
     }
 
     /// Finds the slaves: owned nodes that lie on the surface.
     pub fn collect_slaves(&mut self, nodes: &Nodes) {
-        let on_surface = |i: &u32| nodes.is_own(*i as usize) && self.node_half[*i as usize] > 0.0;
+        let on_surface = |i: &u32| nodes.is_own(*i as usize) && self.node_scale[*i as usize] > 0.0;
         self.slaves = (0..nodes.held as u32).filter(on_surface).collect();
     }
 }

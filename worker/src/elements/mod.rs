@@ -168,7 +168,6 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
             .extend(found.into_iter().map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }));
     };
 
-    let row = row_for(part, shape).map_err(|problem| note(format!("part.{part_index}"), vec![problem]));
     let materials = &settings.materials;
     let index = materials.iter().position(|material| material.name == part.material);
     if index.is_none() {
@@ -183,7 +182,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
         note(format!("material.{}", index.unwrap_or(0)), found);
     };
     let material = index.map(|index| &materials[index]);
-    let built = match row.map(|row| row.build) {
+    let built = match row_for(part, shape).map(|row| row.build) {
         Ok(Build::Shell(build)) => {
             let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
             build(part, law.unwrap_or_else(materials::stand_in))
@@ -192,11 +191,11 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
             let law = material.and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
             build(part, law.unwrap_or_else(materials::solid_stand_in))
         }
-        Err(()) => {
+        Err(problem) => {
             if let Some(found) = material.and_then(|m| materials::build(m).err()) {
                 law_problems(found);
             }
-            Err(Vec::new())
+            Err(vec![problem])
         }
     };
     match built.map_err(|found| note(format!("part.{part_index}"), found)) {

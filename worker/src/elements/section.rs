@@ -76,6 +76,10 @@ impl Section {
     /// Section of a part; notes all that is wrong with it, with paths relative to the part.
     pub fn new(part: &Part, law: Box<dyn PlaneStress>) -> Result<Self, Vec<Problem>> {
         let mut problems = Vec::new();
+        if part.thickness == 0.0 {
+            let message = format!("part {}: its shells have no `thickness`", label(part));
+            problems.push(Problem::error("thickness", message, "give it: a length above 0"));
+        }
         let mut check = |right: bool, key: &str, value: &dyn std::fmt::Display, wanted: &str| {
             if !right {
                 let message = format!("part {}: {key} is {value}", label(part));
@@ -83,7 +87,7 @@ impl Section {
             }
         };
         let r = part.hourglass_coefficient;
-        check(part.thickness.is_finite() && part.thickness > 0.0, "thickness", &part.thickness, "above 0");
+        check(part.thickness.is_finite() && part.thickness >= 0.0, "thickness", &part.thickness, "above 0");
         check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
         check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
         check((0.0..=1.0).contains(&part.drilling), "drilling", &part.drilling, "from 0 to 1 (0.01 is usual)");

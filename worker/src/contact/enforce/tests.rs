@@ -4,12 +4,12 @@
 use super::{ContactLaw, Steps, lagrange, penalty};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
-use crate::contact::surface::{Segment, Surface};
+use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::contact::{Contact, ContactWork};
 use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
 use crate::wall::Walls;
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::threads::{Threads, connect};
@@ -50,9 +50,11 @@ impl Scene {
         let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
         let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0);
         let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
-            id: ElemId(i as u64 + 1),
+            id: SegmentId::new(ElemId(i as u64 + 1), 0),
             nodes,
+            behind: [NOT_LOCAL; 4],
             half: HALF,
+            scale: HALF,
             part: 0,
             own: true,
         };
@@ -60,6 +62,7 @@ impl Scene {
             segments: segments.iter().enumerate().map(segment).collect(),
             slaves: slaves.to_vec(),
             node_half: vec![HALF; points.len()],
+            node_scale: vec![HALF; points.len()],
         };
         let mut contact = Contact::new(job);
         contact.renew(surface, &nodes, |_| Vec::new());
