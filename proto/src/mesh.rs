@@ -21,6 +21,15 @@ impl Shape {
             Shape::Tri3 => 3,
         }
     }
+
+    /// Corners of each face that pressure may act on, in order around its normal; a triangle repeats its third.
+    /// The one face of a shell has the shell's own normal.
+    pub fn faces(self) -> &'static [[usize; 4]] {
+        match self {
+            Shape::Quad4 => &[[0, 1, 2, 3]],
+            Shape::Tri3 => &[[0, 1, 2, 2]],
+        }
+    }
 }
 
 /// One node: id and initial coordinates [length].
