@@ -186,10 +186,16 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
     writeln!(
         out,
-        "start        fastest node at {}, {fixed} nodes held fixed, {} rigid walls",
+        "start        fastest node at {}, {fixed} nodes held or moved, {} rigid walls",
         figure(fastest),
         model.settings.walls.len()
     )?;
+    let l = &model.settings.loads;
+    if l.act() {
+        let faces: usize = l.pressures.iter().map(|p| p.faces.len()).sum();
+        let (gravity, forces, motions) = (l.gravity.len(), l.forces.len(), l.motions.len());
+        writeln!(out, "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, {motions} motions")?;
+    }
     match &model.settings.contact {
         None => writeln!(out, "contact      none"),
         Some(c) => writeln!(

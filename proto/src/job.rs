@@ -1,5 +1,9 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
+mod loads;
+
+pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
+
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -49,6 +53,24 @@ pub struct Job {
     /// Fixed degrees of freedom.
     #[serde(default)]
     pub fix: Vec<Fix>,
+    /// Planes of symmetry.
+    #[serde(default)]
+    pub symmetry: Vec<Symmetry>,
+    /// Factors over time that loads and motions refer to.
+    #[serde(default)]
+    pub curve: Vec<Curve>,
+    /// Gravity and other body forces; they add up.
+    #[serde(default)]
+    pub gravity: Vec<Gravity>,
+    /// Forces on node sets; they add up.
+    #[serde(default)]
+    pub load: Vec<Load>,
+    /// Pressures on faces; they add up.
+    #[serde(default)]
+    pub pressure: Vec<Pressure>,
+    /// Prescribed motions of node sets.
+    #[serde(default)]
+    pub motion: Vec<Motion>,
     /// Contact; without this table nothing touches anything but rigid walls.
     #[serde(default)]
     pub contact: Option<Contact>,
@@ -98,11 +120,14 @@ pub struct Time {
     pub dt_min_ratio: f64,
     /// Add mass to elements so that none has a stable step, before `safety`, below this at the start [time]; 0 for none.
     pub mass_scaling_dt: f64,
+    /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity` on every node, and the
+    /// like for rotations [1/time].
+    pub damping: f64,
 }
 
 impl Default for Time {
     fn default() -> Self {
-        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0 }
+        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0, damping: 0.0 }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! - [`ids`], [`mesh`], [`job`], [`problem`]: what the user brings and what is wrong with it
 //! - [`quality`]: how good the elements' shapes are
-//! - [`partition`]: what one worker receives
+//! - [`partition`]: what one worker receives; [`loads`]: what acts on the model
 //! - [`boxes`]: the boxes that tile space
 //! - [`message`], [`report`], [`wire`]: the conversation between master and workers
 //! - [`transport`]: the wires, threads or MPI
@@ -10,6 +10,7 @@
 pub mod boxes;
 pub mod ids;
 pub mod job;
+pub mod loads;
 pub mod mesh;
 pub mod message;
 pub mod partition;

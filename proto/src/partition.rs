@@ -3,12 +3,13 @@
 
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Contact, Part, Wall};
+use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it grows with the mesh.
+/// What every worker knows of the job; nothing in it but loaded nodes and faces grows with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
     /// Simulated time to run to [time].
@@ -31,6 +32,8 @@ pub struct Settings {
     pub parts: Vec<Part>,
     /// Rigid walls.
     pub walls: Vec<Wall>,
+    /// Loads and prescribed motions.
+    pub loads: Loads,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.
     pub contact: Option<Contact>,
     /// Width b of the box buffer [length].
@@ -69,7 +72,7 @@ pub enum Param {
 pub struct NodeRecord {
     /// Global id.
     pub id: NodeId,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
     pub fixed: u64,
     /// Initial coordinates [length].
     pub x0: [f64; 3],

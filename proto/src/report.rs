@@ -47,7 +47,7 @@ pub struct Energies {
     pub friction: f64,
     /// Work of rigid walls, friction included.
     pub wall: f64,
-    /// Work of external loads.
+    /// Work of loads, damping and prescribed motion.
     pub external: f64,
 }
 

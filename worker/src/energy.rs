@@ -13,8 +13,9 @@ pub struct Ledger {
     hourglass: f64,
     contact: ContactWork,
     wall: f64,
-    /// Contact and wall work of the last step alone.
-    last: (ContactWork, f64),
+    external: f64,
+    /// Contact, wall and external work of the last step alone.
+    last: (ContactWork, f64, f64),
 }
 
 impl Ledger {
@@ -37,6 +38,12 @@ impl Ledger {
         self.last.1 = work;
     }
 
+    /// Books the work of loads, damping and prescribed motion in a step.
+    pub fn book_external(&mut self, work: f64) {
+        self.external += work;
+        self.last.2 = work;
+    }
+
     /// Energies at the present time, between the mid-steps with velocities `v` and `next_v`: kinetic energy is the mean
     /// of both, and of the work between them half has been done.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
@@ -47,7 +54,7 @@ impl Ledger {
             contact: self.contact.total - 0.5 * self.last.0.total,
             friction: self.contact.friction - 0.5 * self.last.0.friction,
             wall: self.wall - 0.5 * self.last.1,
-            external: 0.0,
+            external: self.external - 0.5 * self.last.2,
         }
     }
 }

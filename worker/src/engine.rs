@@ -6,10 +6,12 @@ use crate::blocks::Blocks;
 use crate::contact::Contact;
 use crate::energy::{Ledger, momentum};
 use crate::halo::Halo;
+use crate::loads::Loads;
 use crate::membership::{Local, Share, settle};
 use crate::migrate::{centre, migrate};
 use crate::motion::Motion;
 use crate::nodes::Nodes;
+use crate::prescribed::Prescribed;
 use crate::time::Clock;
 use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -83,6 +85,10 @@ pub struct Engine {
     pub contact: Option<Contact>,
     /// Rigid walls.
     pub walls: Walls,
+    /// Loads.
+    pub loads: Loads,
+    /// Prescribed motions.
+    pub prescribed: Prescribed,
     /// Energies.
     pub ledger: Ledger,
     /// How held nodes have moved since the boxes were last renewed.
@@ -108,6 +114,8 @@ impl Engine {
         let mut engine = Self {
             clock: Clock::start(&settings, stable_dt),
             walls: Walls::new(&settings.walls),
+            loads: Loads::new(&settings.loads),
+            prescribed: Prescribed::new(&settings.loads),
             contact: settings.contact.as_ref().map(Contact::new),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
@@ -156,6 +164,8 @@ impl Engine {
             let slack = self.halo.slack(&self.nodes);
             self.motion.restart(&self.nodes.x[..self.nodes.held], slack);
         }
+        self.loads.settle(&self.nodes, &self.blocks);
+        self.prescribed.settle(&self.nodes);
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();
     }

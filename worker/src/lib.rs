@@ -4,6 +4,7 @@
 //! - [`engine`]: owns everything; [`nodes`], [`blocks`]: columns of nodes and elements
 //! - [`elements`], [`materials`]: formulations and laws, one file each; [`lanes`]: numbers they are written in
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
+//! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time
 //! - [`membership`], [`migrate`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
 //!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
 //! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files
@@ -11,17 +12,20 @@
 pub mod agreement;
 pub mod blocks;
 pub mod contact;
+pub mod curve;
 pub mod elements;
 pub mod energy;
 pub mod engine;
 pub mod halo;
 pub mod lanes;
+pub mod loads;
 pub mod materials;
 pub mod membership;
 pub mod migrate;
 pub mod motion;
 pub mod nodes;
 pub mod output;
+pub mod prescribed;
 pub mod serve;
 pub mod step;
 #[cfg(test)]

@@ -29,7 +29,7 @@ pub struct Nodes {
     pub id: Vec<NodeId>,
     /// Worker that owns the node: the lowest that holds it.
     pub owner: Vec<u32>,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
     pub fixed: Vec<u64>,
     /// Initial coordinates [length].
     pub x0: Vec<Row>,
@@ -51,9 +51,9 @@ pub struct Nodes {
     pub mass: Vec<f64>,
     /// Lumped rotational inertia [mass length^2].
     pub inertia: Vec<f64>,
-    /// Inverse mass per component, zero where fixed.
+    /// Inverse mass per component, zero where fixed or prescribed.
     pub inv_mass: Vec<Row>,
-    /// Inverse rotational inertia per component, zero where fixed.
+    /// Inverse rotational inertia per component, zero where fixed or prescribed.
     pub inv_inertia: Vec<Row>,
 }
 

@@ -10,18 +10,25 @@ use crumple_proto::transport::{Lost, Transport};
 /// A worker is gone.
 pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
     let steps = engine.clock.steps();
-    let Engine { settings, clock, nodes, blocks, halo, contact, walls, ledger, motion, timer, .. } = engine;
+    let Engine {
+        settings, clock, nodes, blocks, halo, contact, walls, ledger, motion, timer, loads, prescribed, ..
+    } = engine;
 
     let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, true); // elements at shared nodes first
+    loads.add_pressures(blocks, nodes, clock.time, true);
     halo.send_corners(wire, blocks)?;
     totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, false)); // the others while the forces travel
+    loads.add_pressures(blocks, nodes, clock.time, false);
     ledger.book_elements(&totals);
     timer.lap(Phase::Elements);
     engine.agreement.begin(wire, blocks, nodes, &totals, clock, settings)?;
     halo.recv_corners(wire, blocks)?;
     timer.lap(Phase::Halo);
     blocks.assemble(nodes); // in ascending global element id: same bits for any worker count
+    loads.add_forces(nodes, clock.time);
     nodes.accelerate(steps.mid); // contact and walls not yet felt
+    loads.damp(nodes, steps.mid);
+    prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
@@ -49,6 +56,8 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         ledger.book_contact(contact.close(nodes, steps)); // with the velocities that walls leave
         timer.lap(Phase::Contact);
     }
+
+    ledger.book_external(loads.work(nodes, steps) + prescribed.work(nodes, contact.as_ref(), steps));
 
     let agreed = engine.agreement.finish(wire)?;
     timer.lap(Phase::Halo);

@@ -15,6 +15,7 @@ pub fn settings() -> Settings {
         materials: Vec::new(),
         parts: Vec::new(),
         walls: Vec::new(),
+        loads: crumple_proto::loads::Loads::default(),
         contact: None,
         buffer: 1.0,
         force_every: 0,

@@ -4,12 +4,13 @@
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its faults
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
-//! 5. `state.rs`: what nodes and elements start with
+//! 5. `state.rs`: what nodes and elements start with; `loads.rs`: what acts on them
 //!
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
 //! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
 
 mod laws;
+mod loads;
 mod mesh;
 pub mod report;
 mod resolve;
@@ -134,14 +135,17 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let parts_known = !findings.any_faulty_below("part");
     let mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
     let figures = mesh.as_ref().and_then(quality);
-    let (settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
+    let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![[false; 3]; order.len()],
     };
     let blocks = Blocks::build(&settings, &order, &used, findings);
     let mesh = mesh?;
-    let nodes = state::nodes(&job, &mesh, findings);
+    let sets = state::NodeSets::of(&mesh);
+    let mut nodes = state::nodes(&job, &mesh, &sets, findings);
+    let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
+    settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
     if findings.any_error() {
         return None;
     }

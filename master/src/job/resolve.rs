@@ -3,6 +3,7 @@
 use super::laws;
 use super::validate::{Findings, nearest};
 use crumple_proto::job::{Contact, Job, Part};
+use crumple_proto::loads::Loads;
 use crumple_proto::partition::{Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
@@ -113,14 +114,7 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
     for (index, mass) in job.mass.iter().enumerate() {
         numbers.need(mass.mass > 0.0, &format!("mass.{index}.mass"), mass.mass, "above 0");
     }
-    const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
     for (index, fix) in job.fix.iter().enumerate() {
-        for (place, dof) in fix.dofs.iter().enumerate() {
-            if !DOFS.contains(&dof.as_str()) {
-                let message = format!("`{dof}` is no degree of freedom");
-                numbers.findings.add(Problem::error(format!("fix.{index}.dofs.{place}"), message, nearest(dof, &DOFS)));
-            }
-        }
         if fix.dofs.is_empty() {
             let path = format!("fix.{index}.dofs");
             numbers.findings.add(Problem::warning(
@@ -179,7 +173,7 @@ impl Numbers<'_> {
 }
 
 /// The settings that all workers get, defaults filled in; lengths come from the sides of the mesh's elements.
-/// Beside them, for each of their parts its place in the job.
+/// Loads need the mesh and come later. Beside them, for each of their parts its place in the job.
 pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
@@ -206,6 +200,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         materials: job.material.iter().map(material).collect(),
         parts,
         walls,
+        loads: Loads::default(),
         contact,
         buffer: or(job.parallel.buffer, 0.5 * smallest),
         force_every: job.parallel.force_every,

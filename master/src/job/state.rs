@@ -1,6 +1,7 @@
 //! What nodes and elements start with: added mass, fixed degrees of freedom, velocities, steps and masses.
 
 use super::laws::Blocks;
+use super::loads::dof_bits;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
@@ -14,12 +15,27 @@ use std::collections::HashMap;
 pub struct NodeStart {
     /// Lumped mass on top of the elements' [mass].
     pub added_mass: Vec<f64>,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed.
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
     pub fixed: Vec<u64>,
     /// Velocity [length/time].
     pub velocity: Vec<[f64; 3]>,
     /// Rotational velocity [1/time].
     pub spin: Vec<[f64; 3]>,
+}
+
+impl NodeStart {
+    /// Holds degrees of freedom of a node fixed: they do not start to move either.
+    pub fn hold(&mut self, n: usize, bits: u64) {
+        self.fixed[n] |= bits;
+        for c in 0..3 {
+            if bits >> c & 1 == 1 {
+                self.velocity[n][c] = 0.0;
+            }
+            if bits >> (c + 3) & 1 == 1 {
+                self.spin[n][c] = 0.0;
+            }
+        }
+    }
 }
 
 /// Per element, in the order of the mesh.
@@ -35,36 +51,56 @@ pub struct ElementStart {
     pub stable_dt: Vec<f64>,
 }
 
+/// The mesh's node sets, for those who look them up by name.
+pub struct NodeSets<'m> {
+    mesh: &'m Mesh,
+    index: HashMap<NodeId, usize>,
+}
+
+impl<'m> NodeSets<'m> {
+    /// The sets of a mesh.
+    pub fn of(mesh: &'m Mesh) -> Self {
+        Self { mesh, index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect() }
+    }
+
+    /// Places in the mesh of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a set.
+    pub fn indices(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<usize>> {
+        let Some(ids) = self.mesh.node_sets.get(name) else {
+            let known: Vec<&str> = self.mesh.node_sets.keys().map(String::as_str).collect();
+            findings.add(Problem::error(path, format!("there is no node set `{name}`"), nearest(name, &known)));
+            return None;
+        };
+        let nodes: Vec<usize> = ids.iter().filter_map(|id| self.index.get(id).copied()).collect();
+        if nodes.is_empty() {
+            let message = match ids.len() {
+                0 => format!("node set `{name}` is empty"),
+                _ => format!("no node of node set `{name}` belongs to an element"),
+            };
+            findings.add(Problem::error(path, message, "put nodes into it, or take this entry out"));
+            return None;
+        }
+        Some(nodes)
+    }
+
+    /// Ids of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a set.
+    pub fn ids(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<NodeId>> {
+        let nodes = self.indices(name, path, findings)?;
+        Some(nodes.into_iter().map(|n| self.mesh.nodes[n].id).collect())
+    }
+}
+
 /// What the job's `[[mass]]`, `[[fix]]` and `[[initial_velocity]]` give each node of the mesh.
-pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
+pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Findings) -> NodeStart {
     let count = mesh.nodes.len();
-    let index: HashMap<NodeId, usize> = mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
     let mut start = NodeStart {
         added_mass: vec![0.0; count],
         fixed: vec![0; count],
         velocity: vec![[0.0; 3]; count],
         spin: vec![[0.0; 3]; count],
     };
-    // The nodes of a set that elements use, and whether there are others.
-    let set = |name: &str, path: String, findings: &mut Findings| -> Option<Vec<usize>> {
-        let Some(ids) = mesh.node_sets.get(name) else {
-            let known: Vec<&str> = mesh.node_sets.keys().map(String::as_str).collect();
-            findings.add(Problem::error(path, format!("there is no node set `{name}`"), nearest(name, &known)));
-            return None;
-        };
-        if ids.is_empty() {
-            findings.add(Problem::error(
-                path,
-                format!("node set `{name}` is empty"),
-                "put nodes into it, or take this entry out",
-            ));
-            return None;
-        }
-        Some(ids.iter().filter_map(|id| index.get(id).copied()).collect())
-    };
     for (i, mass) in job.mass.iter().enumerate() {
         let path = format!("mass.{i}.nodes");
-        let Some(nodes) = set(&mass.nodes, path.clone(), findings) else { continue };
+        let Some(nodes) = sets.indices(&mass.nodes, path.clone(), findings) else { continue };
         if nodes.len() < mesh.node_sets[&mass.nodes].len() {
             let message =
                 format!("node set `{}` has nodes that belong to no element and cannot carry mass", mass.nodes);
@@ -74,23 +110,14 @@ pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
         nodes.iter().for_each(|&n| start.added_mass[n] += each);
     }
     for (i, fix) in job.fix.iter().enumerate() {
-        let Some(nodes) = set(&fix.nodes, format!("fix.{i}.nodes"), findings) else { continue };
-        let bit = |dof: &String| match dof.as_str() {
-            "x" => 1,
-            "y" => 2,
-            "z" => 4,
-            "rx" => 8,
-            "ry" => 16,
-            "rz" => 32,
-            _ => 0,
-        };
-        let bits: u64 = fix.dofs.iter().map(bit).fold(0, |all, bit| all | bit);
+        let Some(nodes) = sets.indices(&fix.nodes, format!("fix.{i}.nodes"), findings) else { continue };
+        let bits = dof_bits(&fix.dofs, &format!("fix.{i}.dofs"), findings);
         nodes.iter().for_each(|&n| start.fixed[n] |= bits);
     }
     for (i, initial) in job.initial_velocity.iter().enumerate() {
         let nodes = match &initial.nodes {
             None => (0..count).collect(),
-            Some(name) => match set(name, format!("initial_velocity.{i}.nodes"), findings) {
+            Some(name) => match sets.indices(name, format!("initial_velocity.{i}.nodes"), findings) {
                 Some(nodes) => nodes,
                 None => continue,
             },
@@ -102,6 +129,9 @@ pub fn nodes(job: &Job, mesh: &Mesh, findings: &mut Findings) -> NodeStart {
             start.velocity[n] = [0, 1, 2].map(|c| initial.velocity[c] + turn[c]);
             start.spin[n] = w;
         }
+    }
+    for n in 0..count {
+        start.hold(n, start.fixed[n]);
     }
     if let Some(n) = start.velocity.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
         let message = format!("the initial velocity of node {} is too large to compute with", mesh.nodes[n].id);
@@ -157,9 +187,9 @@ pub fn warnings(
 ) -> Vec<Problem> {
     let mut warnings = Vec::new();
     let still = nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
-    if still {
-        let message = "nothing moves: no node has an initial velocity";
-        warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]]"));
+    if still && !settings.loads.act() {
+        let message = "nothing moves: no node has an initial velocity, and there are no loads";
+        warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]] or a load"));
     }
     for (index, part) in settings.parts.iter().enumerate() {
         if !elements.part.contains(&(index as u32)) {

@@ -384,7 +384,7 @@ pub fn nearest(word: &str, known: &[&str]) -> String {
 }
 
 fn suggestion(near: Option<&str>, intro: &str, known: &[&str]) -> String {
-    const LISTED: usize = 20;
+    const LISTED: usize = 40;
     let mut all = known.iter().take(LISTED).copied().collect::<Vec<_>>().join(", ");
     if known.len() > LISTED {
         all += &format!(" and {} more", known.len() - LISTED);

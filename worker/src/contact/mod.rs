@@ -20,6 +20,7 @@ use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use enforce::{CONTACT_LAWS, ContactLaw, Steps};
+use geometry::V3;
 use pairs::{Memory, PairTable, push};
 use search::{SEARCHES, Search};
 use surface::Surface;
@@ -230,6 +231,11 @@ impl Contact {
     pub fn pushed<'a>(&'a self, nodes: &'a Nodes, steps: Steps) -> impl Iterator<Item = (u32, Row)> + 'a {
         let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free);
         touched.map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.mid)))
+    }
+
+    /// Contact force on local node `n` in this step [force].
+    pub fn force_on(&self, n: u32) -> V3 {
+        self.table.touched.binary_search(&n).map_or(V3::zeros(), |k| self.table.total[k])
     }
 
     /// Books the work done with the velocities at hand and lets the slaves remember their pairs.

@@ -47,6 +47,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         materials: vec![material],
         parts: vec![part],
         walls: Vec::new(),
+        loads: crumple_proto::loads::Loads::default(),
         contact: None,
         buffer: 0.0,
         force_every: 0,

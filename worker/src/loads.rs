@@ -1,0 +1,242 @@
+//! Loads: body forces, nodal forces, pressure on faces, and damping in proportion to mass.
+//!
+//! Pressure is added to the corner forces of the element that is loaded, so that nodes gather it in ascending element
+//! id with everything else. Work is force times the mean of the velocities before and after, as in the ledger.
+
+use crate::blocks::Blocks;
+use crate::contact::enforce::Steps;
+use crate::curve::Curve;
+use crate::lanes::LANES;
+use crate::nodes::{Nodes, Row, row};
+use crumple_proto::loads::{Loads as LoadJob, Pressure};
+use nalgebra::Vector3;
+
+/// What acts on the model, by local numbers.
+#[derive(Debug, Default)]
+pub struct Loads {
+    curves: Vec<Curve>,
+    /// Acceleration and curve.
+    gravity: Vec<(Row, Option<usize>)>,
+    forces: Vec<NodalForce>,
+    pressures: Vec<Pressure>,
+    faces: Vec<LoadedFace>,
+    damping: f64,
+    /// Acceleration of all body forces at the present time [length/time^2].
+    falling: Row,
+}
+
+/// A force on some held nodes.
+#[derive(Debug)]
+struct NodalForce {
+    job: crumple_proto::loads::NodalForce,
+    nodes: Vec<u32>,
+    /// Factor at the present time.
+    factor: f64,
+}
+
+/// A face of an own element under pressure.
+#[derive(Debug)]
+struct LoadedFace {
+    pressure: usize,
+    /// Corner slots and local nodes, in order around the normal.
+    slots: [usize; 4],
+    nodes: [u32; 4],
+    /// Whether other workers wait for its corner forces.
+    front: bool,
+    /// Forces on its nodes at the present time [force].
+    force: [Row; 4],
+}
+
+impl Loads {
+    /// From the job; nothing is loaded before [`Loads::settle`].
+    pub fn new(job: &LoadJob) -> Self {
+        Self {
+            curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
+            gravity: job.gravity.iter().map(|g| (row(g.acceleration), g.curve)).collect(),
+            forces: job.forces.iter().map(|f| NodalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 }).collect(),
+            pressures: job.pressures.clone(),
+            faces: Vec::new(),
+            damping: job.damping,
+            falling: [0.0; 4],
+        }
+    }
+
+    /// Finds the loaded nodes and faces among those that are here.
+    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks) {
+        for f in &mut self.forces {
+            f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
+        }
+        self.faces.clear();
+        if self.pressures.is_empty() {
+            return;
+        }
+        let slots = blocks.first_slots();
+        for b in &blocks.blocks {
+            for i in 0..b.count {
+                let (e, slot) = (&blocks.elements[b.first + i], slots[b.first + i]);
+                for (p, pressure) in self.pressures.iter().enumerate() {
+                    let first = pressure.faces.partition_point(|f| f.0 < e.record.id);
+                    let loaded = pressure.faces[first..].iter().take_while(|f| f.0 == e.record.id);
+                    self.faces.extend(loaded.map(|&(_, face)| {
+                        let corners = e.record.shape.faces()[usize::from(face)];
+                        LoadedFace {
+                            pressure: p,
+                            slots: corners.map(|c| slot + c),
+                            nodes: corners.map(|c| e.nodes[c]),
+                            front: i < b.front * LANES,
+                            force: [[0.0; 4]; 4],
+                        }
+                    }));
+                }
+            }
+        }
+    }
+
+    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest.
+    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, front: bool) {
+        for face in self.faces.iter_mut().filter(|f| f.front == front) {
+            let p = &self.pressures[face.pressure];
+            let pressure = p.pressure * factor(&self.curves, p.curve, time);
+            face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
+            for (&slot, f) in face.slots.iter().zip(&face.force) {
+                (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
+            }
+        }
+    }
+
+    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job.
+    pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64) {
+        if !self.gravity.is_empty() {
+            self.falling = [0.0; 4];
+            for &(a, curve) in &self.gravity {
+                let factor = factor(&self.curves, curve, time);
+                (0..3).for_each(|c| self.falling[c] += factor * a[c]);
+            }
+            for (f, m) in nodes.force.iter_mut().zip(&nodes.mass) {
+                (0..3).for_each(|c| f[c] += m * self.falling[c]);
+            }
+        }
+        for load in &mut self.forces {
+            load.factor = factor(&self.curves, load.job.curve, time);
+            for &n in &load.nodes {
+                for c in 0..3 {
+                    nodes.force[n as usize][c] += load.factor * load.job.force[c];
+                    nodes.moment[n as usize][c] += load.factor * load.job.moment[c];
+                }
+            }
+        }
+    }
+
+    /// Damps the velocities without contact: with the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2`
+    /// (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
+    pub fn damp(&self, nodes: &mut Nodes, mid: f64) {
+        if self.damping > 0.0 {
+            let b = 0.5 * self.damping * mid;
+            for i in 0..nodes.held {
+                for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
+                    nodes.next_v[i][c] = (nodes.next_v[i][c] - b * nodes.v[i][c]) / (1.0 + b);
+                }
+                for c in (0..3).filter(|&c| nodes.inv_inertia[i][c] > 0.0) {
+                    nodes.next_w[i][c] = (nodes.next_w[i][c] - b * nodes.w[i][c]) / (1.0 + b);
+                }
+            }
+        }
+    }
+
+    /// Work done on owned nodes and elements in the step, when the velocities at its end are known [energy].
+    pub fn work(&self, nodes: &Nodes, steps: Steps) -> f64 {
+        let twice = |f: &Row, a: &Row, b: &Row| (0..3).map(|c| f[c] * (a[c] + b[c])).sum::<f64>();
+        let moved = |f: &Row, i: usize| twice(f, &nodes.v[i], &nodes.next_v[i]);
+        let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
+        let mut work = 0.0;
+        if !self.gravity.is_empty() {
+            work += own().map(|i| nodes.mass[i] * moved(&self.falling, i)).sum::<f64>();
+        }
+        for load in &self.forces {
+            let (f, m) = (row(load.job.force), row(load.job.moment));
+            let of = |i: usize| moved(&f, i) + twice(&m, &nodes.w[i], &nodes.next_w[i]);
+            let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
+            work += load.factor * owned.map(of).sum::<f64>();
+        }
+        for face in &self.faces {
+            work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum::<f64>();
+        }
+        work *= 0.5 * steps.mid;
+        if self.damping > 0.0 {
+            work += own().map(|i| self.damped(nodes, i, steps.mid)).sum::<f64>();
+        }
+        work
+    }
+
+    /// Work of damping on node `i`: its impulse is what it took from the velocity without contact.
+    fn damped(&self, nodes: &Nodes, i: usize, mid: f64) -> f64 {
+        let b = 0.5 * self.damping * mid;
+        let part = |inv: &Row, mass: f64, f: &Row, v: &Row, next: &Row| {
+            let impulse = |c: usize| -mass * b * (2.0 * v[c] + mid * f[c] * inv[c]) / (1.0 + b);
+            let free = (0..3).filter(|&c| inv[c] > 0.0);
+            free.map(|c| 0.5 * impulse(c) * (v[c] + next[c])).sum::<f64>()
+        };
+        part(&nodes.inv_mass[i], nodes.mass[i], &nodes.force[i], &nodes.v[i], &nodes.next_v[i])
+            + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.moment[i], &nodes.w[i], &nodes.next_w[i])
+    }
+}
+
+/// The factor of a load at `time`.
+fn factor(curves: &[Curve], curve: Option<usize>, time: f64) -> f64 {
+    curve.map_or(1.0, |c| curves[c].value(time))
+}
+
+/// Forces of a pressure on the corners `x` of a face: exact integrals of `-p N_i n` over the triangle or the bilinear
+/// quad, so that they do work in proportion to the volume swept, and those on a closed surface sum to zero.
+fn on_corners(pressure: f64, x: &[Row; 4], nodes: [u32; 4]) -> [Row; 4] {
+    let [a, b, c, d] = x.map(|r| Vector3::new(r[0], r[1], r[2]));
+    if nodes[2] == nodes[3] {
+        let each = (b - a).cross(&(c - a)) * (-pressure / 6.0);
+        let f = row(each.into());
+        return [f, f, f, [0.0; 4]];
+    }
+    // x(xi, eta) has the tangents along_xi + eta twist and along_eta + xi twist.
+    let (along_xi, along_eta) = ((b - a + c - d) * 0.25, (c - b + d - a) * 0.25);
+    let twist = (a - b + c - d) * 0.25;
+    let (mean, by_xi, by_eta) = (along_xi.cross(&along_eta), along_xi.cross(&twist), twist.cross(&along_eta));
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(xi, eta)| row(((mean + (by_xi * xi + by_eta * eta) / 3.0) * -pressure).into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Over a bilinear quad the forces are the integral of -p N_i n, here by a fine midpoint rule (error below h^2), and
+    /// over a flat one a quarter of p A each.
+    #[test]
+    fn corner_forces_are_the_integral_of_the_pressure() {
+        let flat = [[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 3.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0]];
+        assert_eq!(on_corners(0.5, &flat, [0, 1, 2, 3]), [[0.0, 0.0, -0.75, 0.0]; 4]);
+        let thirds = on_corners(0.5, &[flat[0], flat[1], flat[2], flat[2]], [0, 1, 2, 2]);
+        assert_eq!(thirds, [[0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0; 4]]);
+
+        let q = [[0.0, 0.0, 0.3, 0.0], [2.0, 0.1, -0.2, 0.0], [2.3, 1.9, 0.4, 0.0], [-0.2, 2.2, 0.0, 0.0]];
+        let exact = on_corners(1.0, &q, [0, 1, 2, 3]);
+        let v = q.map(|r| Vector3::new(r[0], r[1], r[2]));
+        let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let mut sum = [Vector3::zeros(); 4];
+        let n = 200;
+        for i in 0..n * n {
+            let at = |k: i32| (f64::from(k) + 0.5) * 2.0 / f64::from(n) - 1.0;
+            let (xi, eta) = (at(i / n), at(i % n));
+            let tangent = |along: usize| -> Vector3<f64> {
+                let slope =
+                    |(s, t): (f64, f64)| 0.25 * if along == 0 { s * (1.0 + t * eta) } else { t * (1.0 + s * xi) };
+                signs.iter().zip(v).map(|(&st, p)| p * slope(st)).sum()
+            };
+            let area = tangent(0).cross(&tangent(1)) * (4.0 / f64::from(n * n));
+            for (f, (s, t)) in sum.iter_mut().zip(signs) {
+                *f -= area * (0.25 * (1.0 + s * xi) * (1.0 + t * eta));
+            }
+        }
+        for (f, s) in exact.iter().zip(sum) {
+            assert!((Vector3::new(f[0], f[1], f[2]) - s).norm() < 1e-4, "{f:?} {s}");
+        }
+    }
+}
