@@ -1,4 +1,4 @@
-//! Collects the nodes and quads of a scene, then numbers them so that neighbours in space are neighbours in number.
+//! Collects the nodes and elements of a scene, then numbers them so that neighbours in space are neighbours in number.
 
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub struct Builder {
     points: Vec<[f64; 3]>,
-    quads: Vec<(u32, [usize; 4])>,
+    elements: Vec<(u32, Shape, Vec<usize>)>,
     sets: BTreeMap<String, Vec<usize>>,
 }
 
@@ -26,7 +26,21 @@ impl Builder {
 
     /// Adds a four-node shell of a part.
     pub fn quad(&mut self, part: u32, corners: [usize; 4]) {
-        self.quads.push((part, corners));
+        self.elements.push((part, Shape::Quad4, corners.to_vec()));
+    }
+
+    /// Adds a body of solids, `count` of them along each of three directions that form a right-handed system; `place`
+    /// gives the position of node (i, j, k) [length]. Returns the nodes, k running fastest, then j.
+    pub fn block(&mut self, part: u32, count: [usize; 3], place: impl Fn([usize; 3]) -> [f64; 3]) -> Grid {
+        let [a, b, c] = count.map(|n| n + 1);
+        let all = (0..a * b * c).map(|n| self.point(place([n / (b * c), n / c % b, n % c])));
+        let grid = Grid { nodes: all.collect(), count };
+        for n in 0..count.iter().product::<usize>() {
+            let [i, j, k] = [n / (count[1] * count[2]), n / count[2] % count[1], n % count[2]];
+            let ring = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|at| grid.node(at));
+            self.elements.push((part, Shape::Hex8, [ring(k), ring(k + 1)].concat()));
+        }
+        grid
     }
 
     /// Joins two rows of nodes of equal length by a row of quads; a closed row returns to its start.
@@ -57,18 +71,20 @@ impl Builder {
         for (k, &i) in order.iter().enumerate() {
             id[i] = NodeId(k as u64 + 1);
         }
-        let centre =
-            |corners: &[usize; 4]| [0, 1, 2].map(|c| 0.25 * corners.iter().map(|&i| self.points[i][c]).sum::<f64>());
-        let mut quads: Vec<usize> = (0..self.quads.len()).collect();
-        quads.sort_by_key(|&e| key(centre(&self.quads[e].1), e));
+        let centre = |corners: &[usize]| {
+            [0, 1, 2].map(|c| corners.iter().map(|&i| self.points[i][c]).sum::<f64>() / corners.len() as f64)
+        };
+        let mut elements: Vec<usize> = (0..self.elements.len()).collect();
+        elements.sort_by_key(|&e| key(centre(&self.elements[e].2), e));
         Mesh {
             nodes: order.iter().map(|&i| MeshNode { id: id[i], x: self.points[i] }).collect(),
-            elements: quads
+            elements: elements
                 .iter()
                 .zip(1..)
                 .map(|(&e, number)| {
-                    let (part, corners) = self.quads[e];
-                    MeshElement::new(ElemId(number), part, Shape::Quad4, &corners.map(|i| id[i]))
+                    let (part, shape, corners) = &self.elements[e];
+                    let corners: Vec<NodeId> = corners.iter().map(|&i| id[i]).collect();
+                    MeshElement::new(ElemId(number), *part, *shape, &corners)
                 })
                 .collect(),
             node_sets: self
@@ -82,5 +98,31 @@ impl Builder {
                 })
                 .collect(),
         }
+    }
+}
+
+/// The nodes of a [`Builder::block`].
+pub struct Grid {
+    nodes: Vec<usize>,
+    count: [usize; 3],
+}
+
+impl Grid {
+    /// Node (i, j, k).
+    pub fn node(&self, [i, j, k]: [usize; 3]) -> usize {
+        self.nodes[(i * (self.count[1] + 1) + j) * (self.count[2] + 1) + k]
+    }
+
+    /// All nodes.
+    pub fn all(&self) -> impl Iterator<Item = usize> + '_ {
+        self.nodes.iter().copied()
+    }
+
+    /// The nodes on one of the six faces: the first (`end` false) or last along direction `axis`.
+    pub fn face(&self, axis: usize, end: bool) -> Vec<usize> {
+        let [a, b, c] = self.count.map(|n| n + 1);
+        let at = if end { self.count[axis] } else { 0 };
+        let number = |n: usize| [n / (b * c), n / c % b, n % c];
+        (0..a * b * c).map(number).filter(|ijk| ijk[axis] == at).map(|ijk| self.node(ijk)).collect()
     }
 }

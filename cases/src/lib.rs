@@ -6,6 +6,12 @@
 mod builder;
 mod options;
 
+#[path = "../beam/mesh.rs"]
+mod beam;
+#[path = "../brick-wall/mesh.rs"]
+mod brick_wall;
+#[path = "../can-crush/mesh.rs"]
+mod can_crush;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
 #[path = "../tumble/mesh.rs"]
@@ -33,7 +39,8 @@ pub struct Generator {
 }
 
 /// All generators.
-pub const GENERATORS: &[Generator] = &[jeep_frame::GENERATOR, tumble::GENERATOR];
+pub const GENERATORS: &[Generator] =
+    &[beam::GENERATOR, brick_wall::GENERATOR, can_crush::GENERATOR, jeep_frame::GENERATOR, tumble::GENERATOR];
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///

@@ -10,6 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 const JEEP: &str = include_str!("../jeep-frame/job.toml");
 const FLIGHT: &str = include_str!("../flight/job.toml");
 const TUMBLE: &str = include_str!("../tumble/job.toml");
+const BEAM: &str = include_str!("../beam/job.toml");
+const BRICK_WALL: &str = include_str!("../brick-wall/job.toml");
+const CAN_CRUSH: &str = include_str!("../can-crush/job.toml");
 
 fn job(text: &str) -> Job {
     toml::from_str(text).unwrap_or_else(|e| panic!("{e}"))
@@ -215,10 +218,13 @@ fn members_and_curves_that_do_not_fit_are_refused() {
 
 #[test]
 fn defaults_are_the_values_of_the_job_file() {
-    let shown = job(JEEP).scene;
-    for (key, value) in &shown {
-        let row = GENERATORS[0].options.iter().find(|row| row.0 == key).expect(key);
-        assert_eq!(value.as_float().or(value.as_integer().map(|i| i as f64)), Some(row.1), "{key}");
+    for text in [JEEP, TUMBLE, BEAM, BRICK_WALL, CAN_CRUSH] {
+        let job = job(text);
+        let generator = GENERATORS.iter().find(|g| Some(g.name) == job.mesh.generator.as_deref()).expect("it is there");
+        for (key, value) in &job.scene {
+            let row = generator.options.iter().find(|row| row.0 == key).expect(key);
+            assert_eq!(value.as_float().or(value.as_integer().map(|i| i as f64)), Some(row.1), "{key}");
+        }
     }
 }
 
@@ -274,4 +280,38 @@ fn tumble_is_small_and_of_seven_pieces() {
     let mesh = made("tumble", "");
     assert_eq!((mesh.elements.len(), mesh.nodes.len()), (1200, 1339));
     assert_eq!(pieces(&mesh), 7);
+}
+
+/// Attaway et al. 1994: 19,500 elements and 22,506 nodes of the fixed-size beam, 6480 elements a worker of the scaled one;
+/// 8400 elements and 17 bricks, 54 elements in a full one; 7152 elements of the can crush.
+#[test]
+fn the_scenes_of_pronto_have_their_published_sizes() {
+    let size = |mesh: &Mesh| (mesh.elements.len(), mesh.nodes.len());
+    assert_eq!(size(&mesh_of(&job(BEAM))), (19_500, 22_506));
+    for workers in [1, 2, 7] {
+        assert_eq!(made("beam", &format!("scale = {workers}")).elements.len(), 6480 * workers);
+    }
+    let wall = mesh_of(&job(BRICK_WALL));
+    assert_eq!((wall.elements.len(), pieces(&wall)), (8400, 19), "17 bricks, rod and wall");
+    let bricks = wall.elements.iter().filter(|e| e.part == 2).count();
+    assert_eq!(bricks, 13 * 54 + 4 * 27);
+    let can = mesh_of(&job(CAN_CRUSH));
+    assert_eq!((can.elements.len(), pieces(&can)), (7152, 2));
+    for (name, scale) in [("brick_wall", 8.0), ("can_crush", 8.0)] {
+        let (small, large) = (made(name, ""), made(name, &format!("scale = {scale}")));
+        let ratio = large.elements.len() as f64 / small.elements.len() as f64;
+        assert!((ratio / scale - 1.0).abs() < 0.01, "{name}: {ratio}");
+    }
+}
+
+/// No solid is inverted or needle-like, in the published meshes and in refined ones.
+#[test]
+fn solids_have_a_good_shape() {
+    for (name, options) in
+        [("beam", ""), ("brick_wall", ""), ("can_crush", ""), ("brick_wall", "scale = 3"), ("can_crush", "scale = 3")]
+    {
+        let q = quality(&made(name, options)).expect("it has elements");
+        assert!(q.min_jacobian.value > 0.9 && q.max_aspect.value < 6.0, "{name}: {q:?}");
+        assert!(q.zero_area.is_empty() && q.dangling.is_empty());
+    }
 }

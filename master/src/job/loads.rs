@@ -163,9 +163,11 @@ fn loaded_faces(
     let of_part = |part: u32| p.parts.is_empty() || p.parts.contains(&part);
     let inside = |id: NodeId| within.as_ref().is_none_or(|set| set.binary_search(&id).is_ok());
     let mut faces = Vec::new();
-    for e in mesh.elements.iter().filter(|e| of_part(e.part)) {
+    let free = free_faces(&mesh.elements);
+    for (e, free) in mesh.elements.iter().zip(free).filter(|(e, _)| of_part(e.part)) {
         for (f, corners) in e.shape.faces().iter().enumerate() {
-            if corners.iter().all(|&c| inside(e.nodes[c])) {
+            let outer = e.shape.is_shell() || free >> f & 1 == 1;
+            if outer && corners.iter().all(|&c| inside(e.nodes[c])) {
                 faces.push((e.id, f as u8));
             }
         }
