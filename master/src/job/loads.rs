@@ -5,7 +5,7 @@ use super::validate::{Findings, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, Motion as MotionSpec, Pressure as PressureSpec};
 use crumple_proto::loads::{Gravity, Loads, Motion, MotionForm, NodalForce, Pressure};
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::problem::Problem;
 use std::collections::HashSet;
 

@@ -67,7 +67,9 @@ impl Grid {
                 grid.count[c] = (((bounds.max[c] - bounds.min[c]) / cell).min(1e6) as usize) + 1;
                 grid.per_length[c] = 1.0 / cell;
             }
-            if grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0 {
+            // Where coordinates are no numbers any more, the step that made them ends the run; any grid will do.
+            let few = grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0;
+            if few || !cell.is_finite() {
                 return grid;
             }
             cell *= 1.5;
