@@ -208,12 +208,16 @@ pub struct Part {
     /// Integration points through the thickness, 1 to 10.
     #[serde(default = "five")]
     pub points: usize,
-    /// Hourglass control: `stiffness` or `viscous`.
+    /// Hourglass control: `stiffness` or `viscous`, for solids also `assumed_strain`.
     #[serde(default)]
     pub hourglass: HourglassForm,
-    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping).
-    #[serde(default = "hourglass_coefficient")]
-    pub hourglass_coefficient: f64,
+    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
+    /// shells and 0.05 for solids. `assumed_strain` has none.
+    #[serde(default)]
+    pub hourglass_coefficient: Option<f64>,
+    /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one.
+    #[serde(default = "bulk_viscosity")]
+    pub bulk_viscosity: [f64; 2],
     /// Add the Belytschko-Wong-Chiang coupling terms for warped quads.
     #[serde(default)]
     pub warping: bool,
@@ -228,14 +232,14 @@ pub struct Part {
 fn five() -> usize {
     5
 }
-fn hourglass_coefficient() -> f64 {
-    0.03
+fn bulk_viscosity() -> [f64; 2] {
+    [0.06, 1.5]
 }
 fn drilling() -> f64 {
     0.01
 }
 
-/// Hourglass control of one-point shells.
+/// Hourglass control of one-point elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HourglassForm {
@@ -244,6 +248,8 @@ pub enum HourglassForm {
     Stiffness,
     /// Resistance to the mode's rate.
     Viscous,
+    /// Solids only: the strains that the modes bring with them, so that bending is right without a coefficient.
+    AssumedStrain,
 }
 
 /// Mass added to nodes, shared equally over a node set.

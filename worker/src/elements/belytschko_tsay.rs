@@ -51,8 +51,6 @@ const DRILLING: usize = 4;
 pub struct BelytschkoTsay {
     section: Section,
     hourglass: HourglassForm,
-    /// r.
-    hourglass_coefficient: f64,
     warping: bool,
     /// alpha.
     drilling: f64,
@@ -60,13 +58,7 @@ pub struct BelytschkoTsay {
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    Ok(Box::new(BelytschkoTsay {
-        section,
-        hourglass: part.hourglass,
-        hourglass_coefficient: part.hourglass_coefficient,
-        warping: part.warping,
-        drilling: part.drilling,
-    }))
+    Ok(Box::new(BelytschkoTsay { section, hourglass: part.hourglass, warping: part.warping, drilling: part.drilling }))
 }
 
 /// Corner vectors of an element as modes.
@@ -303,8 +295,8 @@ impl BelytschkoTsay {
         for c in 0..HOURGLASS {
             let old = hourglass[c];
             let new = match self.hourglass {
-                HourglassForm::Stiffness => stiffness[c].mul_add(rates[c], old),
                 HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(per_time),
+                _ => stiffness[c].mul_add(rates[c], old),
             };
             hourglass[c] = new;
             energy = (old + new).mul_add(rates[c], energy);
@@ -378,15 +370,15 @@ impl BelytschkoTsay {
         let theta = R::splat(e / 192.0) * t2 * tbb * g.area;
         let w = R::splat(SHEAR_CORRECTION * elastic.shear_modulus() / 12.0) * t2 * tbb;
         let membrane = R::splat(e / 8.0) * tbb * g.area;
-        let r = self.hourglass_coefficient;
+        let r = self.section.hourglass_coefficient;
         let [theta, w, membrane] = match self.hourglass {
-            HourglassForm::Stiffness => [theta, w, membrane].map(|k| R::splat(r) * k),
             HourglassForm::Viscous => {
                 let mass = R::splat(elastic.density) * t * g.area;
                 let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(INERTIA_FLOOR) * g.area);
                 let damping = |k: R, m: R| R::splat(0.5 * r) * (k * m).sqrt();
                 [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
             }
+            _ => [theta, w, membrane].map(|k| R::splat(r) * k),
         };
         [theta, theta, w, membrane, membrane]
     }

@@ -46,7 +46,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
         for warp in [0.0, 0.05, 0.2] {
             let mut nodes = SKEW;
             nodes[1][2] = warp;
-            let part = Part { hourglass: form, hourglass_coefficient: 0.1, ..part(0.01) };
+            let part = Part { hourglass: form, hourglass_coefficient: Some(0.1), ..part(0.01) };
             let mut noise = Noise(17);
             for _ in 0..20 {
                 let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
@@ -83,7 +83,7 @@ fn hourglass_modes_have_their_stiffness() {
     let w = r * SHEAR_CORRECTION * g * t * t * t * bb / 12.0;
     let theta = r * E * t * t * t * l * l * bb / 192.0;
     for (mode, stiffness) in [(0, membrane), (1, membrane), (2, w), (3, theta), (4, theta)] {
-        let part = Part { hourglass_coefficient: r, ..part(t) };
+        let part = Part { hourglass_coefficient: Some(r), ..part(t) };
         let mut patch = quad(part, elastic(E, NU, 1.0), square);
         for (node, h) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {
             if mode < 3 { patch.v[node][mode] = size * h } else { patch.w[node][mode - 3] = size * h }
@@ -104,7 +104,7 @@ fn numbering_does_not_matter() {
     for turn in 0..4 {
         let corner = |c: usize| (c + turn) % 4;
         let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.02], [0.0, 1.0, 0.0]];
-        let part = Part { warping: true, drilling: 0.1, hourglass_coefficient: 0.1, ..part(0.05) };
+        let part = Part { warping: true, drilling: 0.1, hourglass_coefficient: Some(0.1), ..part(0.05) };
         let order: [u32; 4] = std::array::from_fn(|c| corner(c) as u32);
         let mut patch = Patch::new(part, elastic(E, NU, 1.0), &nodes, &[order]);
         for (w, spin) in patch.w.iter_mut().zip(&spins) {
@@ -141,16 +141,10 @@ fn lanes_are_the_scalar_kernel() {
     let mut steel = material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate]);
     for hourglass in [HourglassForm::Stiffness, HourglassForm::Viscous] {
-        let part = Part { warping: true, thinning: true, hourglass, ..part(0.05) };
+        let part = Part { warping: true, thinning: true, hourglass, hourglass_coefficient: Some(0.05), ..part(0.05) };
         let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
         let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
-        let shell = BelytschkoTsay {
-            section: section(),
-            hourglass,
-            hourglass_coefficient: 0.05,
-            warping: true,
-            drilling: 0.01,
-        };
+        let shell = BelytschkoTsay { section: section(), hourglass, warping: true, drilling: 0.01 };
         let mut wide = vec![Lane::splat(0.0); shell.columns()];
         shell.start(&mut wide);
         let mut alone: Vec<Vec<f64>> = (0..LANES).map(|l| wide.iter().map(|c| c.as_array()[l]).collect()).collect();

@@ -43,16 +43,13 @@ const OWN: usize = 4;
 /// Parameters of the three-node shell.
 pub struct C0Triangle {
     section: Section,
-    /// Fraction of the stiffness of c that is kept.
-    hourglass_coefficient: f64,
     /// alpha.
     drilling: f64,
 }
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    let hourglass_coefficient = part.hourglass_coefficient;
-    Ok(Box::new(C0Triangle { section, hourglass_coefficient, drilling: part.drilling }))
+    Ok(Box::new(C0Triangle { section, drilling: part.drilling }))
 }
 
 /// Corner vectors of an element: what 2 and 3 have beyond 1, and for rotations the sum too.
@@ -233,7 +230,7 @@ impl C0Triangle {
             advance(&mut own[1], stiff, first + t[0][2]),
             advance(&mut own[2], stiff, first + t[1][2]),
         ];
-        let fraction = self.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
+        let fraction = self.section.hourglass_coefficient * SHEAR_CORRECTION * shear_modulus / 72.0;
         let stiff = R::splat(fraction) * thickness * g.half_sides2() / g.area;
         let free = half * advance(&mut own[3], stiff, half * (plane_dot(b31, x21) - plane_dot(b21, x31)));
 

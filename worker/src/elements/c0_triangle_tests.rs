@@ -91,7 +91,7 @@ fn bending_patch_is_exact() {
 fn the_free_spin_is_resisted() {
     let r = 0.2;
     let size = 1e-7;
-    let mut patch = triangle(Part { hourglass_coefficient: r, ..part(0.1) }, &NODES);
+    let mut patch = triangle(Part { hourglass_coefficient: Some(r), ..part(0.1) }, &NODES);
     // Fibres turn about the centroid: b = size (-(y - yc), x - xc), so tx = -b_y, ty = b_x.
     let centre: [f64; 2] = std::array::from_fn(|i| NODES.iter().map(|x| x[i]).sum::<f64>() / 3.0);
     for (w, x) in patch.w.iter_mut().zip(&NODES) {

@@ -4,11 +4,14 @@
 
 mod belytschko_tsay;
 mod c0_triangle;
+mod hexahedron;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
 mod section;
+#[cfg(test)]
+pub(crate) mod solid_testing;
 #[cfg(test)]
 pub(crate) mod testing;
 
@@ -154,7 +157,7 @@ pub enum Build {
 }
 
 /// Every formulation.
-pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW];
+pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW, hexahedron::ROW];
 
 /// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.

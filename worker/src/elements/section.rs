@@ -10,7 +10,7 @@
 
 use crate::lanes::{Lane, Real};
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
-use crumple_proto::job::Part;
+use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::problem::Problem;
 
 use super::ElementFields;
@@ -20,6 +20,8 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 /// Least rotational inertia of a corner per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
 /// square elements where nu = 0: it then bears 0.894 of L/c, less than the usual safety factor; with 1/7, 0.934.
 pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
+/// Hourglass coefficient where the job gives none.
+const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Largest strain increment of a healthy step.
 const STRAIN_LIMIT: f64 = 0.5;
 
@@ -37,6 +39,8 @@ pub struct Section {
     pub thickness: f64,
     /// Points through the thickness.
     pub points: usize,
+    /// Hourglass coefficient.
+    pub hourglass_coefficient: f64,
     zeta: [f64; MAX_POINTS],
     weight: [f64; MAX_POINTS],
     /// Columns of a point: stress xx, yy, xy and the law's own.
@@ -86,10 +90,17 @@ impl Section {
                 problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
             }
         };
-        let r = part.hourglass_coefficient;
+        let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
+        let for_shells = part.hourglass != HourglassForm::AssumedStrain;
         check(part.thickness.is_finite() && part.thickness >= 0.0, "thickness", &part.thickness, "above 0");
         check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
         check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
+        check(
+            for_shells,
+            "hourglass",
+            &"assumed_strain",
+            "stiffness or viscous: the assumed-strain form is for solids",
+        );
         check((0.0..=1.0).contains(&part.drilling), "drilling", &part.drilling, "from 0 to 1 (0.01 is usual)");
         if !problems.is_empty() {
             return Err(problems);
@@ -101,6 +112,7 @@ impl Section {
             elastic,
             thickness: part.thickness,
             points: part.points,
+            hourglass_coefficient: r,
             zeta,
             weight,
             stride: 3 + history.len(),

@@ -26,7 +26,7 @@ fn build(material: &Material) -> Built {
 
 fn solid(material: &Material) -> BuiltSolid {
     let mut parameters = Parameters::new(material);
-    let elastic = parameters.elastic();
+    let elastic = parameters.solid_elastic();
     parameters.finish()?;
     Ok(solid_law(elastic))
 }

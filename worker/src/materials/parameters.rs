@@ -72,6 +72,16 @@ impl<'a> Parameters<'a> {
         }
     }
 
+    /// The same for solids, whose bulk modulus has to be finite.
+    pub fn solid_elastic(&mut self) -> Elastic {
+        let elastic = self.elastic();
+        if elastic.poisson == 0.5 {
+            let help = "a solid has to give way in volume: 0.49 or 0.499 stands for an incompressible one";
+            self.wrong("poisson", "is 0.5", help);
+        }
+        elastic
+    }
+
     /// Everything that is wrong, parameters that nobody asked for included.
     pub fn finish(mut self) -> Result<(), Vec<Problem>> {
         for key in self.material.parameters.keys() {

@@ -1,7 +1,5 @@
-//! J2 (von Mises) plasticity with isotropic hardening in plane stress.
-//!
-//! Projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d = sig_y - sig_x`, `t = sig_xy` of
-//! the elastic trial and the multiplier `x` [length^2/force],
+//! J2 in plane stress: projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d = sig_y - sig_x`,
+//! `t = sig_xy` of the elastic trial and the multiplier `x` [length^2/force],
 //! ```text
 //! sig_vm^2(x) = p / A^2 + q / B^2,   p = s^2/4,   q = 3/4 d^2 + 3 t^2,   A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
 //! y = d eps_p = 2/3 x sig_vm,        sig_vm(x) = sig_y(eps_p + y)
@@ -16,112 +14,17 @@
 //! Its solver takes Halley steps on `1/sqrt(v) = 1`, which is linear in pure shear and in equal biaxial stress and
 //! nearly so elsewhere, with `sqrt(v)` as the rational function that agrees to the fourth power of v - 1.
 //! Two or three steps reach 1e-10 of the yield stress.
-//!
-//! Yield stress `sig_y(eps_p)` [force/length^2], one of
-//! - `yield_stress` and, if wanted, the plastic modulus `hardening_modulus`: `yield_stress + hardening_modulus eps_p`;
-//! - `hardening = [[eps_p, sigma], ...]`: straight lines between points, constant beyond the last.
-//!
-//! `cowper_symonds = [C, p]` (Cowper & Symonds 1957) multiplies it by `1 + (rate/C)^(1/p)`; the rate is that of the
-//! total effective strain, taken as isochoric, over the step: `sqrt(4/3 (e_x^2 + e_y^2 + e_x e_y + e_xy^2))/dt`.
-//! It is not filtered and does not count while the trial is below the static yield stress.
-//!
-//! Left out: kinematic hardening, failure, transverse shear in the yield condition (as in most shell codes).
 
-use super::parameters::Parameters;
-use super::{Built, BuiltSolid, Elastic, Law, MAX_POINTS, PlaneStress, Points};
+use super::{J2, TOLERANCE};
 use crate::lanes::{Lane, Real};
-use crumple_proto::partition::{Material, Param};
-use crumple_proto::problem::Problem;
-
-/// The row of this law.
-pub const LAW: Law = Law { name: "j2", build, solid };
+use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 
 /// Columns per point: stress xx, yy, xy, effective plastic strain.
 const COLUMNS: usize = 4;
-/// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
-const TOLERANCE: f64 = 1e-10;
 /// Halley steps before bisection takes over. Two or three do, unless a table turns up sharply.
 const HALLEY_STEPS: usize = 20;
 /// Halvings of the bracket; 60 leave nothing of it.
 const BISECTIONS: usize = 60;
-
-struct J2 {
-    elastic: Elastic,
-    /// Yield stress at no plastic strain [force/length^2]. The return works in units of it, in which its powers
-    /// neither overflow nor vanish, whatever the units of the job.
-    yield_stress: f64,
-    /// Slope there, in yield stresses.
-    slope: f64,
-    /// Plastic strains where the slope changes, and by how much, in yield stresses.
-    ramps: Vec<(f64, f64)>,
-    /// C [1/time] and 1/p.
-    rate: Option<(f64, f64)>,
-}
-
-fn build(material: &Material) -> Built {
-    let mut parameters = Parameters::new(material);
-    let elastic = parameters.elastic();
-    let (yield_stress, slope, ramps) = hardening(&mut parameters);
-    let rate = match parameters.get("cowper_symonds") {
-        None => None,
-        Some(Param::List(list)) if list.len() == 2 && list.iter().all(|v| v.is_finite() && *v > 0.0) => {
-            Some((list[0], 1.0 / list[1]))
-        }
-        Some(_) => {
-            parameters.wrong("cowper_symonds", "is not [C, p]", "give two numbers above 0: C in 1/time, and p");
-            None
-        }
-    };
-    parameters.finish()?;
-    Ok(Box::new(J2::new(elastic, yield_stress, slope, &ramps, rate)))
-}
-
-fn solid(material: &Material) -> BuiltSolid {
-    let message = format!("material '{}': law 'j2' is for shells only", material.name);
-    Err(vec![Problem::error("law", message, "give solids another law")])
-}
-
-/// Yield stress, first slope, and changes of slope.
-fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
-    const TABLE: &str = "hardening";
-    let yield_stress = parameters.optional("yield_stress", "above 0", |y| y > 0.0);
-    let modulus = parameters.optional("hardening_modulus", "0 or above", |h| h >= 0.0);
-    let single = parameters.given("yield_stress") || parameters.given("hardening_modulus");
-    let Some(table) = parameters.get(TABLE) else {
-        if !parameters.given("yield_stress") {
-            let help = "give it, with hardening_modulus if it hardens, or give the table `hardening`";
-            parameters.wrong("yield_stress", "is missing", help);
-        }
-        return (yield_stress.unwrap_or(1.0), modulus.unwrap_or(0.0), Vec::new());
-    };
-    if single {
-        parameters.wrong(TABLE, "stands beside yield_stress or hardening_modulus", "give one or the other");
-    }
-    let rows: Vec<[f64; 2]> = match table {
-        Param::Table(rows) => rows.iter().filter_map(|row| row.as_slice().try_into().ok()).collect(),
-        _ => Vec::new(),
-    };
-    let complete = matches!(table, Param::Table(all) if !all.is_empty() && all.len() == rows.len());
-    let fault = if !complete || rows.iter().flatten().any(|value| !value.is_finite()) {
-        Some("is not a table of pairs")
-    } else if rows[0][0] != 0.0 {
-        Some("does not start at plastic strain 0")
-    } else if rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
-        Some("has plastic strains that do not rise from row to row")
-    } else if rows[0][1] <= 0.0 || rows.windows(2).any(|pair| pair[1][1] < pair[0][1]) {
-        Some("has a stress that is not above 0 or falls from one row to the next")
-    } else {
-        None
-    };
-    if let Some(fault) = fault {
-        parameters.wrong(TABLE, fault, "give [[0, sigma], [eps_p, sigma], ...] with rising plastic strain");
-        return (1.0, 0.0, Vec::new());
-    }
-    let mut slopes: Vec<f64> = rows.windows(2).map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0])).collect();
-    slopes.push(0.0);
-    let ramps = rows[1..].iter().zip(slopes.windows(2)).map(|(row, s)| (row[0], s[1] - s[0])).collect();
-    (rows[0][1], slopes[0], ramps)
-}
 
 /// A trial stress being returned, and where it has got to. Stresses in units of the initial yield stress.
 #[derive(Clone, Copy)]
@@ -147,41 +50,11 @@ struct Denominators<R> {
 }
 
 impl J2 {
-    /// From stresses in the job's units.
-    fn new(elastic: Elastic, yield_stress: f64, slope: f64, ramps: &[(f64, f64)], rate: Option<(f64, f64)>) -> Self {
-        let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
-        Self { elastic, yield_stress, slope: slope / yield_stress, ramps, rate }
-    }
-
     /// Slopes of alpha and beta in y beside hardening, in yield stresses.
     #[inline(always)]
     fn moduli(&self) -> [f64; 2] {
         let Elastic { youngs_modulus, poisson, .. } = self.elastic;
         [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * self.elastic.shear_modulus()].map(|m| m / self.yield_stress)
-    }
-
-    /// Yield stress and plastic modulus at a plastic strain. Ramps instead of a search: no lane waits for another.
-    #[inline(always)]
-    fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
-        let mut modulus = R::splat(self.slope);
-        let mut sig_y = modulus.mul_add(eps_p, R::splat(1.0));
-        for &(start, change) in &self.ramps {
-            let beyond = eps_p - R::splat(start);
-            let change = R::select(beyond.gt(R::zero()), R::splat(change), R::zero());
-            sig_y = change.mul_add(beyond, sig_y);
-            modulus += change;
-        }
-        (sig_y, modulus)
-    }
-
-    /// Factor of Cowper and Symonds in the lanes of `mask`, one elsewhere.
-    #[inline(always)]
-    fn rate_factor<R: Real>(&self, eps: [R; 3], dt: f64, mask: R::Mask) -> R {
-        let Some((c, inv_p)) = self.rate else { return R::splat(1.0) };
-        let e_xy = R::splat(0.5) * eps[2];
-        let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
-        let rate = (R::splat(4.0 / 3.0) * sum).sqrt() * R::splat(1.0 / (dt * c));
-        R::select(mask, R::splat(1.0) + rate.powf_where(inv_p, mask), R::splat(1.0))
     }
 
     /// All points of a group.
@@ -217,7 +90,9 @@ impl J2 {
             let mut over = (p + q).gt(sig_y * sig_y);
             let mut scale = R::splat(1.0);
             if self.rate.is_some() && R::any(over) {
-                scale = self.rate_factor(eps, dt, over);
+                let e_xy = R::splat(0.5) * eps[2];
+                let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
+                scale = self.rate_factor(sum + sum, dt, over);
                 let scaled = scale * sig_y;
                 over = (p + q).gt(scaled * scaled);
             }
@@ -352,5 +227,5 @@ impl PlaneStress for J2 {
 }
 
 #[cfg(test)]
-#[path = "j2_tests.rs"]
+#[path = "plane_stress_tests.rs"]
 mod tests;

@@ -1,7 +1,9 @@
 //! Strain paths with known ends. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in the usual drivers.
 
+use super::super::build;
 use super::*;
 use crate::lanes::LANES;
+use crumple_proto::partition::{Material, Param};
 
 const E: f64 = 210.0;
 const NU: f64 = 0.3;

@@ -1,0 +1,177 @@
+//! Hourglass resistance of the one-point hexahedron.
+//!
+//! `q_a = U_a - K X_a` (a = 4..7) are the hourglass modes of the displacement increment without its linear field:
+//! `gamma_aI = Gamma_aI - X_a . B_I` on the corners (Flanagan & Belytschko 1981, eq. 43), nought in every linear field of
+//! any hexahedron. Corner forces are `sum over a of P_a gamma_aI`, whose power is `P_a . dq_a/dt`.
+//!
+//! - *Stiffness*: `dP = (kappa/16) (lambda + 2 mu) V (B_iI B_iI) dq`, P turning with the element. On a cube of side L a
+//!   mode alone has the frequency `sqrt(6 kappa) c_d/L`.
+//! - *Viscous*: `P = r/4 sqrt(k rho V) dq/dt` with k = dP/dq above at kappa = 1: the fraction r of the critical
+//!   damping of the mode.
+//! - *Assumed strain*, after Belytschko & Bindeman 1993 (ASQBI): the hourglass modes give strains that are linear in xi,
+//!   in eta and in zeta. With l_i, n_i length and direction of X_i, a one of the three and (b, c) the others, and q_c the
+//!   mode that has both xi_a and xi_b,
+//!   ```text
+//!   e_bb = q_c.n_b / l_b,   e_cc = q_b.n_c / l_c,   g_bc = q_c.n_c / l_b + q_b.n_b / l_c
+//!   dS_bb = E/(1-nu^2) (e_bb + nu e_cc),   dS_cc likewise,   dS_bc = G g_bc,   energy V/3 (S e)
+//!   ```
+//!   The shears ab and ac, which bending does not have, are left out, and the strain along a is what leaves no stress
+//!   there: bending of bricks is exact and nothing locks at nu = 0.5. Mode 7 gives `e_i = q_7.n_i / l_i`,
+//!   `dT_i = E e_i`, energy V/9 (T e). S and T are kept on the edges n_i, which turn with the element.
+//!   Skew of the element is left out of S, as in the source. In plastic flow the increments shrink with the tangent of
+//!   the mean stress: by the deviatoric stress increment over the elastic one, to [`LEAST_TANGENT`] at least.
+
+use super::modes::{Gradient, HOURGLASS_MODES, Modes};
+use crate::lanes::{Real, dot};
+use crate::materials::Elastic;
+use crumple_proto::job::HourglassForm;
+
+/// History columns, in any form: P of the four modes [force/length^0], or nine S and three T [force/length^2].
+pub const COLUMNS: usize = 3 * HOURGLASS_MODES;
+/// Least fraction of the elastic stiffness of the assumed-strain form that is left in plastic flow.
+const LEAST_TANGENT: f64 = 0.02;
+
+/// Form and coefficient of a part.
+pub struct Hourglass {
+    pub form: HourglassForm,
+    /// kappa or r.
+    pub coefficient: f64,
+}
+
+/// A step of the element as its hourglass modes need it.
+pub struct Step<'a, R> {
+    /// Coordinates, and the mean gradient, in the middle of the step.
+    pub mid: &'a Modes<R>,
+    pub mid_gradient: &'a Gradient<R>,
+    /// Coordinates, and the mean gradient, at its end.
+    pub end: &'a Modes<R>,
+    pub end_gradient: &'a Gradient<R>,
+    /// q of the four modes.
+    pub q: [[R; 3]; HOURGLASS_MODES],
+    /// Rotation of half the step.
+    pub half_turn: &'a [[R; 3]; 3],
+    /// Trace of [`Gradient::gram`] at the end.
+    pub gram_trace: R,
+    /// Mass over volume at the end [mass/length^3].
+    pub density: R,
+    /// Deviatoric stress increment over the elastic one.
+    pub tangent: R,
+    /// One over the step, nought for no step [1/time].
+    pub per_time: f64,
+}
+
+impl Hourglass {
+    /// P of the four modes at the end of the step, and the energy that the step put into them.
+    #[inline(always)]
+    pub fn update<R: Real>(
+        &self,
+        elastic: &Elastic,
+        step: &Step<'_, R>,
+        history: &mut [R],
+    ) -> ([[R; 3]; HOURGLASS_MODES], R) {
+        match self.form {
+            HourglassForm::AssumedStrain => assumed_strain(elastic, step, history),
+            HourglassForm::Stiffness => self.perturbation(elastic, step, history, false),
+            HourglassForm::Viscous => self.perturbation(elastic, step, history, true),
+        }
+    }
+
+    #[inline(always)]
+    fn perturbation<R: Real>(
+        &self,
+        elastic: &Elastic,
+        step: &Step<'_, R>,
+        history: &mut [R],
+        viscous: bool,
+    ) -> ([[R; 3]; HOURGLASS_MODES], R) {
+        let modulus = elastic.lame() + 2.0 * elastic.shear_modulus();
+        let volume = step.end_gradient.volume();
+        let unit = R::splat(modulus / 16.0) * volume * step.gram_trace;
+        let factor = if viscous {
+            R::splat(0.25 * self.coefficient * step.per_time) * (unit * step.density * volume).sqrt()
+        } else {
+            R::splat(self.coefficient) * unit
+        };
+        let turn = step.half_turn;
+        let mut energy = R::zero();
+        let mut forces = [[R::zero(); 3]; HOURGLASS_MODES];
+        for (a, force) in forces.iter_mut().enumerate() {
+            let kept = &mut history[3 * a..3 * a + 3];
+            let old = apply(turn, [kept[0], kept[1], kept[2]]);
+            let new: [R; 3] =
+                std::array::from_fn(
+                    |i| {
+                        if viscous { factor * step.q[a][i] } else { factor.mul_add(step.q[a][i], old[i]) }
+                    },
+                );
+            energy += dot(std::array::from_fn(|i| old[i] + new[i]), step.q[a]);
+            *force = apply(turn, new);
+            kept.copy_from_slice(force);
+        }
+        (forces, R::splat(0.5) * energy)
+    }
+}
+
+/// Directions of the first three modes, and one over their lengths.
+#[inline(always)]
+fn edges<R: Real>(x: &Modes<R>) -> ([[R; 3]; 3], [R; 3]) {
+    let inverse: [R; 3] = std::array::from_fn(|i| R::splat(1.0) / dot(x[i], x[i]).sqrt());
+    (std::array::from_fn(|i| x[i].map(|c| c * inverse[i])), inverse)
+}
+
+#[inline(always)]
+fn assumed_strain<R: Real>(elastic: &Elastic, step: &Step<'_, R>, history: &mut [R]) -> ([[R; 3]; HOURGLASS_MODES], R) {
+    let tangent = Real::max(R::splat(LEAST_TANGENT), step.tangent);
+    let nu = R::splat(elastic.poisson);
+    let e = R::splat(elastic.youngs_modulus) * tangent;
+    let plane = R::splat(elastic.youngs_modulus / (1.0 - elastic.poisson * elastic.poisson)) * tangent;
+    let g = R::splat(elastic.shear_modulus()) * tangent;
+    let (n, inv) = edges(step.mid);
+    let along: [[R; 3]; HOURGLASS_MODES] = std::array::from_fn(|a| std::array::from_fn(|i| dot(step.q[a], n[i])));
+    let (axes, inv_end) = edges(step.end);
+
+    let mut forces = [[R::zero(); 3]; HOURGLASS_MODES];
+    let mut on_axes = [[R::zero(); 3]; HOURGLASS_MODES];
+    let mut linear = R::zero();
+    for a in 0..3 {
+        let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+        let e_bb = along[c][b] * inv[b];
+        let e_cc = along[b][c] * inv[c];
+        let g_bc = along[c][c].mul_add(inv[b], along[b][b] * inv[c]);
+        let old = [history[3 * a], history[3 * a + 1], history[3 * a + 2]];
+        let new = [
+            plane.mul_add(nu.mul_add(e_cc, e_bb), old[0]),
+            plane.mul_add(nu.mul_add(e_bb, e_cc), old[1]),
+            g.mul_add(g_bc, old[2]),
+        ];
+        linear += dot(std::array::from_fn(|i| old[i] + new[i]), [e_bb, e_cc, g_bc]);
+        history[3 * a..3 * a + 3].copy_from_slice(&new);
+        on_axes[c][b] += new[0] * inv_end[b];
+        on_axes[b][c] += new[1] * inv_end[c];
+        on_axes[c][c] += new[2] * inv_end[b];
+        on_axes[b][b] += new[2] * inv_end[c];
+    }
+    let mut quadratic = R::zero();
+    for i in 0..3 {
+        let strain = along[3][i] * inv[i];
+        let old = history[9 + i];
+        let new = e.mul_add(strain, old);
+        quadratic = (old + new).mul_add(strain, quadratic);
+        history[9 + i] = new;
+        on_axes[3][i] = new * inv_end[i];
+    }
+    let volume = step.end_gradient.volume();
+    let weights = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 9.0].map(|w| R::splat(w) * volume);
+    for a in 0..HOURGLASS_MODES {
+        let on = on_axes[a].map(|s| s * weights[a]);
+        forces[a] = std::array::from_fn(|i| on[0].mul_add(axes[0][i], on[1].mul_add(axes[1][i], on[2] * axes[2][i])));
+    }
+    let density = R::splat(1.0 / 3.0) * linear + R::splat(1.0 / 9.0) * quadratic;
+    (forces, R::splat(0.5) * density * step.mid_gradient.volume())
+}
+
+/// `turn v`.
+#[inline(always)]
+pub fn apply<R: Real>(turn: &[[R; 3]; 3], v: [R; 3]) -> [R; 3] {
+    std::array::from_fn(|i| dot(turn[i], v))
+}

@@ -1,0 +1,180 @@
+//! What tests of solids share: a mesh of hexahedra with its columns, meshes, a bare explicit solver.
+
+use super::testing::{part, settings};
+use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, Pass, PassTotals, build_block};
+use crate::lanes::{LANES, Lane};
+use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::Material;
+
+/// A part of solids without bulk viscosity.
+pub fn solid_part(hourglass: HourglassForm, coefficient: Option<f64>) -> Part {
+    Part { hourglass, hourglass_coefficient: coefficient, bulk_viscosity: [0.0; 2], ..part(0.0) }
+}
+
+/// Hexahedra of one part with their nodes, columns and corner forces.
+pub struct Solids {
+    pub element: Box<dyn Element>,
+    pub x: Vec<[f64; 4]>,
+    pub v: Vec<[f64; 4]>,
+    pub cells: Vec<[u32; 8]>,
+    pub groups: Vec<GroupNodes<8>>,
+    pub history: Vec<Lane>,
+    pub force: Vec<[f64; 4]>,
+}
+
+impl Solids {
+    pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], cells: &[[u32; 8]]) -> Self {
+        let element = build_block(&settings(part, material), 0, Shape::Hex8).map_err(|e| format!("{e:?}")).unwrap();
+        let groups: Vec<GroupNodes<8>> = (0..cells.len().div_ceil(LANES))
+            .map(|g| {
+                let of = |lane: usize| cells[(g * LANES + lane).min(cells.len() - 1)];
+                std::array::from_fn(|corner| std::array::from_fn(|lane| of(lane)[corner]))
+            })
+            .collect();
+        let columns = element.columns();
+        let mut history = vec![Lane::splat(0.0); groups.len() * columns];
+        history.chunks_mut(columns).for_each(|group| element.start(group));
+        let mut all = Self {
+            element,
+            x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
+            v: vec![[0.0; 4]; nodes.len()],
+            cells: cells.to_vec(),
+            history,
+            force: vec![[0.0; 4]; groups.len() * LANES * 8],
+            groups,
+        };
+        all.forces(0.0);
+        all
+    }
+
+    /// Asks the elements where the nodes are now.
+    pub fn forces(&mut self, dt: f64) -> PassTotals {
+        let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
+        let out = CornerForces { force: &mut self.force, moment: &mut [] };
+        self.element.forces(Pass {
+            range: 0..self.groups.len(),
+            count: self.cells.len(),
+            groups: self.groups.as_flattened(),
+            history: &mut self.history,
+            nodes,
+            dt,
+            out,
+        })
+    }
+
+    /// Moves nodes with their velocities, then asks the elements.
+    pub fn step(&mut self, dt: f64) -> PassTotals {
+        for (x, v) in self.x.iter_mut().zip(&self.v) {
+            (0..3).for_each(|i| x[i] += dt * v[i]);
+        }
+        self.forces(dt)
+    }
+
+    /// Takes every node to `target` in a step of 1.
+    pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> PassTotals {
+        for (x, v) in self.x.iter().zip(&mut self.v) {
+            let to = target([x[0], x[1], x[2]]);
+            (0..3).for_each(|i| v[i] = to[i] - x[i]);
+        }
+        self.step(1.0)
+    }
+
+    pub fn corners(&self, element: usize) -> [[f64; 3]; 8] {
+        self.cells[element].map(|node| std::array::from_fn(|i| self.x[node as usize][i]))
+    }
+
+    pub fn fields(&self, element: usize) -> ElementFields {
+        let columns = self.element.columns();
+        let group = &self.history[element / LANES * columns..][..columns];
+        self.element.fields(group, element % LANES, &self.corners(element))
+    }
+
+    /// Forces of the elements on the nodes.
+    pub fn nodal(&self) -> Vec<[f64; 3]> {
+        let mut sums = vec![[0.0; 3]; self.x.len()];
+        for (e, cell) in self.cells.iter().enumerate() {
+            for (c, &node) in cell.iter().enumerate() {
+                (0..3).for_each(|i| sums[node as usize][i] += self.force[8 * e + c][i]);
+            }
+        }
+        sums
+    }
+
+    /// Largest magnitude of any corner force.
+    pub fn largest(&self) -> f64 {
+        self.force.iter().flatten().fold(0.0, |m: f64, f| m.max(f.abs()))
+    }
+
+    /// Sum of corner forces, and of their moments about the origin.
+    pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (f, x) in self.nodal().iter().zip(&self.x) {
+            let arm = [x[1] * f[2] - x[2] * f[1], x[2] * f[0] - x[0] * f[2], x[0] * f[1] - x[1] * f[0]];
+            for i in 0..3 {
+                force[i] += f[i];
+                moment[i] += arm[i];
+            }
+        }
+        (force, moment)
+    }
+
+    /// Power of corner forces at the nodal velocities.
+    pub fn power(&self) -> f64 {
+        self.nodal().iter().zip(&self.v).map(|(f, v)| (0..3).map(|i| f[i] * v[i]).sum::<f64>()).sum()
+    }
+
+    pub fn masses(&self) -> Vec<f64> {
+        let mut masses = vec![0.0; self.x.len()];
+        for (e, cell) in self.cells.iter().enumerate() {
+            let mass = self.element.corner_mass(&self.corners(e)).0;
+            cell.iter().for_each(|&node| masses[node as usize] += mass);
+        }
+        masses
+    }
+
+    /// Largest step of the mesh's elements, alone or by the last pass.
+    pub fn stable_dt(&self) -> f64 {
+        (0..self.cells.len()).map(|e| self.element.stable_dt(&self.corners(e))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// One explicit step: `load` adds to nodal forces, `fix` clears velocities that are held.
+    pub fn explicit(
+        &mut self,
+        dt: f64,
+        masses: &[f64],
+        load: impl Fn(usize) -> [f64; 3],
+        fix: impl Fn(usize, &mut [f64; 4]),
+    ) -> PassTotals {
+        for (node, force) in self.nodal().into_iter().enumerate() {
+            let load = load(node);
+            (0..3).for_each(|i| self.v[node][i] += dt * (load[i] - force[i]) / masses[node]);
+            fix(node, &mut self.v[node]);
+        }
+        self.step(dt)
+    }
+}
+
+/// Nodes and cells of a block of `n` elements along each axis; node `(k (ny + 1) + j) (nx + 1) + i`.
+pub fn block(n: [usize; 3], size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 8]>) {
+    let [nx, ny, nz] = n;
+    let at = |i: usize, axis: usize| size[axis] * i as f64 / n[axis] as f64;
+    let mut nodes = Vec::new();
+    for k in 0..=nz {
+        for j in 0..=ny {
+            nodes.extend((0..=nx).map(|i| [at(i, 0), at(j, 1), at(k, 2)]));
+        }
+    }
+    let id = |i: usize, j: usize, k: usize| ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
+    let face = |i: usize, j: usize, k: usize| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
+    let mut cells = Vec::new();
+    for k in 0..nz {
+        for j in 0..ny {
+            for i in 0..nx {
+                let (low, high) = (face(i, j, k), face(i, j, k + 1));
+                cells.push(std::array::from_fn(|c| if c < 4 { low[c] } else { high[c - 4] }));
+            }
+        }
+    }
+    (nodes, cells)
+}
