@@ -8,6 +8,7 @@ mod c0_triangle;
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
+mod quad;
 mod section;
 #[cfg(test)]
 pub(crate) mod testing;
