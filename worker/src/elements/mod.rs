@@ -11,6 +11,11 @@ mod plate_tests;
 mod quad;
 mod section;
 #[cfg(test)]
+mod shell_benchmarks;
+mod stabilised_quad;
+#[cfg(test)]
+mod statics;
+#[cfg(test)]
 pub(crate) mod testing;
 
 use crate::lanes::{LANES, Lane};
@@ -130,7 +135,7 @@ pub struct ElementRow {
 }
 
 /// Every formulation.
-pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW];
+pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW];
 
 /// The element of a part's shells of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.

@@ -193,6 +193,46 @@ impl Section {
         Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
     }
 
+    /// Means over the thickness of the effective plastic strain and of `3 zeta^2` times it; nought for a law without.
+    #[inline(always)]
+    pub fn plastic_strain<R: Real, const N: usize>(&self, history: &[R]) -> [R; 2] {
+        let Some(column) = self.plastic_strain else { return [R::zero(); 2] };
+        self.means::<R, N>(|k| history[POINTS + k * self.stride + column])
+    }
+
+    /// What plastic flow in the last update leaves of stresses beside those of the points, membrane and bending: the
+    /// factor `sig / (sig + 3 G d eps_p)` of the radial return, with means over the thickness; `before` is
+    /// [`Self::plastic_strain`] before the update. One where nothing flowed.
+    #[inline(always)]
+    pub fn relaxation<R: Real, const N: usize>(&self, history: &[R], before: [R; 2]) -> [R; 2] {
+        let one = R::splat(1.0);
+        if self.plastic_strain.is_none() {
+            return [one; 2];
+        }
+        let after = self.plastic_strain::<R, N>(history);
+        let squares = self.means::<R, N>(|k| {
+            let [x, y, t] = [0, 1, 2].map(|c| history[POINTS + k * self.stride + c]);
+            x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t))
+        });
+        let three_g = R::splat(3.0 * self.elastic.shear_modulus());
+        std::array::from_fn(|c| {
+            let lost = three_g * (after[c] - before[c]);
+            one - lost / Real::max(squares[c].sqrt() + lost, R::splat(f64::MIN_POSITIVE))
+        })
+    }
+
+    /// Means over the thickness of a quantity of points and of `3 zeta^2` times it.
+    #[inline(always)]
+    fn means<R: Real, const N: usize>(&self, at: impl Fn(usize) -> R) -> [R; 2] {
+        let mut means = [R::zero(); 2];
+        for k in 0..N {
+            let (weight, value) = (0.5 * self.weight[k], at(k));
+            means[0] = R::splat(weight).mul_add(value, means[0]);
+            means[1] = R::splat(weight * 3.0 * self.zeta[k] * self.zeta[k]).mul_add(value, means[1]);
+        }
+        means
+    }
+
     /// Whether the strain increments at both faces are those of a healthy step (false if not a number).
     #[inline(always)]
     pub fn healthy<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
