@@ -23,6 +23,9 @@
 //!   is twisted. Its mean goes into the membrane strain, `eps += z0 q_z/4 (XX + YY)`; at the centre alone the twist
 //!   of a warped element would pass for stretching, and thin twisted strips lock. (Membrane strains tied at the sides
 //!   for the same reason: Ko, Lee & Bathe 2017.)
+//! - Drilling of `quad.rs`, but about the normals of the corners, `n - z0 (eta X + xi Y)`, so that a bent warped
+//!   element asks for none: the modes h and sum lose `h z` times `tx,x + ty,y` and what remains of it with the sign
+//!   of the second difference turned (the drill projection of Belytschko & Leviathan 1994).
 //!
 //! Plastic flow relaxes the stabilising forces of membrane and bending as it does the deviator of the stress at the
 //! centre, by the factor of the radial return `sig_vm / (sig_vm + 3 G d eps_p)`: they then follow the ratio of
@@ -167,7 +170,12 @@ impl StabilisedQuad {
             energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = quad::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        energy = quad::drill(drill, stiff, motion.ahead(), energy);
+        let mut ahead = motion.ahead();
+
+        let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
+        ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
+        ahead[3] = g.hz.neg_mul_add(on_13 - on_24, ahead[3]);
+        energy = quad::drill(drill, stiff, ahead, energy);
 
         // 6. Corner forces: what acts on the rates of stages 2 and 3 goes to the modes that these are made of.
         let [on_xi, on_eta] = [stabilising[2], stabilising[3]];
@@ -183,6 +191,11 @@ impl StabilisedQuad {
         };
         let (force, mut moment) = forces.corners(&g);
         let (q_xi, q_eta) = (dot2(q, s.to_xi), dot2(q, s.to_eta));
+        let drill = [-(g.hz * (drill[2] + drill[3])), -(g.hz * (drill[2] - drill[3]))];
+        for c in 0..2 {
+            moment[c][0] = g.b1[c].mul_add(drill[c], moment[c][0]);
+            moment[c][1] = g.b2[c].mul_add(drill[c], moment[c][1]);
+        }
         for c in 0..2 {
             let on_beta_q = sixteenth * s.p[c].mul_add(on_xi, -(h[c] * q_xi));
             let on_beta_p = sixteenth * s.q[c].mul_add(on_eta, -(h[c] * q_eta));
