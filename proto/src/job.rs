@@ -172,19 +172,21 @@ pub struct Part {
     pub material: String,
     /// Shell thickness [length].
     pub thickness: f64,
-    /// Formulation of the four-node shells.
+    /// Formulation of the four-node shells: `belytschko_tsay`, or `stabilised_quad`, which is about a quarter dearer,
+    /// bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape.
     #[serde(default = "belytschko_tsay")]
     pub element: String,
     /// Integration points through the thickness, 1 to 10.
     #[serde(default = "five")]
     pub points: usize,
-    /// Hourglass control: `stiffness` or `viscous`.
+    /// Hourglass control of `belytschko_tsay`: `stiffness` or `viscous`.
     #[serde(default)]
     pub hourglass: HourglassForm,
-    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping).
+    /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping). For
+    /// `stabilised_quad` the least fraction of its elastic stabilisation that is left in plastic flow.
     #[serde(default = "hourglass_coefficient")]
     pub hourglass_coefficient: f64,
-    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads.
+    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`.
     #[serde(default)]
     pub warping: bool,
     /// Update the thickness from the strain through it.

@@ -8,8 +8,8 @@
 //! - Warping of Belytschko, Wong & Chiang 1992: curvature gets `Bc1 vx, Bc2 vy, Bc2 vx + Bc1 vy` with
 //!   `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here less what in-plane spin adds.
 //!
-//! Left out: a shear projection, so bending patches of distorted quads fail, and thin twisted strips lock;
-//! `stabilised_quad.rs` has both.
+//! Left out: a shear projection, so bending patches of distorted quads fail; `stabilised_quad.rs` has it. Thin twisted
+//! strips do not lock, as the hourglass rates leave rigid rotation out; coarse ones are stiff (`shell_benchmarks.rs`).
 
 use super::quad::{self, DRILLING, Generalised, Geometry, HOURGLASS, Modes, Motion, Response};
 use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section};

@@ -57,6 +57,14 @@ pub struct Strains<R> {
     pub gamma: [R; 2],
 }
 
+/// Means over the thickness for membrane, and weighed by `3 zeta^2` for bending.
+pub struct Yielded<R> {
+    /// Effective plastic strain.
+    plastic_strain: [R; 2],
+    /// Von Mises stress, by its square [force/length^2].
+    stress: [R; 2],
+}
+
 /// Stress resultants, in the element's axes.
 #[derive(Clone, Copy)]
 pub struct Resultants<R> {
@@ -193,44 +201,44 @@ impl Section {
         Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
     }
 
-    /// Means over the thickness of the effective plastic strain and of `3 zeta^2` times it; nought for a law without.
+    /// How far the material is, for [`Self::flow`].
     #[inline(always)]
-    pub fn plastic_strain<R: Real, const N: usize>(&self, history: &[R]) -> [R; 2] {
-        let Some(column) = self.plastic_strain else { return [R::zero(); 2] };
-        self.means::<R, N>(|k| history[POINTS + k * self.stride + column])
+    pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
+        let Some(column) = self.plastic_strain else {
+            return Yielded { plastic_strain: [R::zero(); 2], stress: [R::zero(); 2] };
+        };
+        let (mut plastic_strain, mut squares) = ([R::zero(); 2], [R::zero(); 2]);
+        for k in 0..N {
+            let point = &history[POINTS + k * self.stride..];
+            let [x, y, t] = [point[0], point[1], point[2]];
+            let square = x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t));
+            let weight = 0.5 * self.weight[k];
+            for (c, weight) in [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate() {
+                plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
+                squares[c] = R::splat(weight).mul_add(square, squares[c]);
+            }
+        }
+        Yielded { plastic_strain, stress: squares.map(R::sqrt) }
     }
 
-    /// What plastic flow in the last update leaves of stresses beside those of the points, membrane and bending: the
-    /// factor `sig / (sig + 3 G d eps_p)` of the radial return, with means over the thickness; `before` is
-    /// [`Self::plastic_strain`] before the update. One where nothing flowed.
+    /// What plastic flow since `before` does to stresses beside those of the points, for membrane and for bending:
+    /// the factor `sig / (sig + 3 G d eps_p)` by which the radial return shrinks them, and the ratio
+    /// `d sig / (d sig + 3 G d eps_p)` of tangent to elastic stiffness. Both are one where nothing flowed.
     #[inline(always)]
-    pub fn relaxation<R: Real, const N: usize>(&self, history: &[R], before: [R; 2]) -> [R; 2] {
+    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
         let one = R::splat(1.0);
         if self.plastic_strain.is_none() {
-            return [one; 2];
+            return [[one; 2]; 2];
         }
-        let after = self.plastic_strain::<R, N>(history);
-        let squares = self.means::<R, N>(|k| {
-            let [x, y, t] = [0, 1, 2].map(|c| history[POINTS + k * self.stride + c]);
-            x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t))
-        });
+        let after = self.yielded::<R, N>(history);
         let three_g = R::splat(3.0 * self.elastic.shear_modulus());
-        std::array::from_fn(|c| {
-            let lost = three_g * (after[c] - before[c]);
-            one - lost / Real::max(squares[c].sqrt() + lost, R::splat(f64::MIN_POSITIVE))
-        })
-    }
-
-    /// Means over the thickness of a quantity of points and of `3 zeta^2` times it.
-    #[inline(always)]
-    fn means<R: Real, const N: usize>(&self, at: impl Fn(usize) -> R) -> [R; 2] {
-        let mut means = [R::zero(); 2];
-        for k in 0..N {
-            let (weight, value) = (0.5 * self.weight[k], at(k));
-            means[0] = R::splat(weight).mul_add(value, means[0]);
-            means[1] = R::splat(weight * 3.0 * self.zeta[k] * self.zeta[k]).mul_add(value, means[1]);
-        }
-        means
+        let tiny = R::splat(f64::MIN_POSITIVE);
+        let lost: [R; 2] = std::array::from_fn(|c| three_g * (after.plastic_strain[c] - before.plastic_strain[c]));
+        let left = |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
+        [
+            std::array::from_fn(|c| left(after.stress[c], lost[c])),
+            std::array::from_fn(|c| left(after.stress[c] - before.stress[c], lost[c])),
+        ]
     }
 
     /// Whether the strain increments at both faces are those of a healthy step (false if not a number).

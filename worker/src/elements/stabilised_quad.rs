@@ -18,7 +18,8 @@
 //!   gamma = gamma(quad.rs) + X (M2 H)/4 + Y (M1 H)/4
 //!   gamma_xi = eta (s + M2 a),  gamma_eta = xi (s + M1 b),   s = (q_z + H gamma(quad.rs))/4
 //!   ```
-//!   energy `5/6 G t A/6 [X X (s + M2 a)^2 + Y Y (s + M1 b)^2]`.
+//!   energy `5/6 G t A/6 [X X (s + M2 a)^2 + Y Y (s + M1 b)^2]`, each term softer by what the bending of sides of
+//!   length L adds, `1 + 5/6 G t L^2 / (12 D)` (residual bending flexibility, MacNeal 1978).
 //! - Warped elements: a side that climbs by z0 = h z/4 against the plane is stretched by z0 q_z/4 when the element
 //!   is twisted. Its mean goes into the membrane strain, `eps += z0 q_z/4 (XX + YY)`; at the centre alone the twist
 //!   of a warped element would pass for stretching, and thin twisted strips lock. (Membrane strains tied at the sides
@@ -27,12 +28,13 @@
 //!   element asks for none: the modes h and sum lose `h z` times `tx,x + ty,y` and what remains of it with the sign
 //!   of the second difference turned (the drill projection of Belytschko & Leviathan 1994).
 //!
-//! Plastic flow relaxes the stabilising forces of membrane and bending as it does the deviator of the stress at the
-//! centre, by the factor of the radial return `sig_vm / (sig_vm + 3 G d eps_p)`: they then follow the ratio of
-//! strain rates, and only ever lose energy by it. Shear stays elastic, as in the section.
+//! Plastic flow takes the stabilising forces of membrane and bending along, by two factors of the section: they shrink
+//! as the radial return shrinks the deviator, by `sig / (sig + 3 G d eps_p)`, and grow with the ratio of tangent to
+//! elastic stiffness, `d sig / (d sig + 3 G d eps_p)`, but at least with the part's `hourglass_coefficient` of it.
+//! They unload elastically, so that flow takes energy from them. Shear stays elastic, as in the section.
 //!
 //! Valid where one layer of elements follows the stress; where the centre stays elastic nothing bounds the
-//! stabilising forces. Of a part's options, `hourglass`, `hourglass_coefficient` and `warping` are not read.
+//! stabilising forces. Of a part's options, `hourglass` and `warping` are not read.
 
 use super::quad::{self, DRILLING, Generalised, Geometry, Modes, Motion, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
@@ -57,11 +59,13 @@ pub struct StabilisedQuad {
     section: Section,
     /// alpha.
     drilling: f64,
+    /// Fraction of their elastic stiffness that stabilising forces keep in plastic flow, at least.
+    least_stiffness: f64,
 }
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    Ok(Box::new(StabilisedQuad { section, drilling: part.drilling }))
+    Ok(Box::new(StabilisedQuad { section, drilling: part.drilling, least_stiffness: part.hourglass_coefficient }))
 }
 
 /// What the stabilisation needs of the shape.
@@ -137,9 +141,9 @@ impl StabilisedQuad {
 
         // 4. Stress.
         let sound = self.section.healthy(&strains, self.section.current_thickness(section));
-        let before = self.section.plastic_strain::<R, N>(section);
+        let before = self.section.yielded::<R, N>(section);
         let Resultants { n, m, q, work, thickness } = self.section.update::<R, N>(section, &strains, dt);
-        let [keep_n, keep_m] = self.section.relaxation::<R, N>(section, before);
+        let [keep, tangent] = self.section.flow::<R, N>(section, &before);
         let (n, m, q) = (n.map(|n| n * g.area), m.map(|m| m * g.area), q.map(|q| q * g.area));
 
         // 5. Stabilising and drilling forces.
@@ -149,23 +153,35 @@ impl StabilisedQuad {
         // A single point through the thickness bears no bending.
         let bending = R::splat(if N > 1 { 1.0 / 12.0 } else { 0.0 }) * thickness * thickness * membrane;
         let shear = R::splat(SHEAR_CORRECTION * elastic.shear_modulus()) * thickness * third;
+        let one = R::splat(1.0);
+        // 5/6 G t L^2 over 12 times the bending stiffness, L = p/2 or q/2 the length along xi or eta.
+        let bends = R::splat(SHEAR_CORRECTION / 8.0 * (1.0 - elastic.poisson)) / (thickness * thickness);
+        let (p2, q2) = (dot2(s.p, s.p), dot2(s.q, s.q));
         let nu_xy = R::splat(elastic.poisson) * s.j[2];
         let [jxx, jyy, _] = s.j;
         let rates = [q_tx, q_ty, rate_xi, rate_eta, q_x, q_y];
         let more = [
             bending * jyy.mul_add(q_tx, nu_xy * q_ty),
             bending * jxx.mul_add(q_ty, nu_xy * q_tx),
-            shear * dot2(s.q, s.q) * rate_xi,
-            shear * dot2(s.p, s.p) * rate_eta,
+            shear * q2 * rate_xi / bends.mul_add(p2, one),
+            shear * p2 * rate_eta / bends.mul_add(q2, one),
             membrane * jxx.mul_add(q_x, -(nu_xy * q_y)),
             membrane * jyy.mul_add(q_y, -(nu_xy * q_x)),
         ];
-        let one = R::splat(1.0);
-        let keep = [keep_m, keep_m, one, one, keep_n, keep_n];
+        // Membrane is 0 and bending 1 in what the section tells; shear stays elastic.
+        let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
+        let tangent = tangent.map(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
         let mut energy = R::zero();
         for c in 0..STABILISING {
             let old = stabilising[c];
-            let new = keep[c] * (old + more[c]);
+            let new = match kind[c] {
+                Some(kind) => {
+                    // Unloading is elastic: with the tangent it would give back more than it took.
+                    let loading = (old * more[c]).gt(R::zero());
+                    keep[kind] * R::select(loading, tangent[kind], one).mul_add(more[c], old)
+                }
+                None => old + more[c],
+            };
             stabilising[c] = new;
             energy = (old + new).mul_add(rates[c], energy);
         }

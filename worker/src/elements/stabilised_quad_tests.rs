@@ -69,8 +69,7 @@ fn warped_squares_turn_freely() {
     }
 }
 
-/// In steady plastic flow the stabilising force is the share of the flow stress that the ratio of rates asks for,
-/// not what an elastic material would have gathered.
+/// In steady plastic flow the stabilising force is that of a few steps, not what an elastic material would gather.
 #[test]
 fn flow_relaxes_the_stabilising_forces() {
     let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -91,9 +90,10 @@ fn flow_relaxes_the_stabilising_forces() {
     let (plain, flowing) = (gathered(elastic(E, NU, 1.0)), gathered(steel));
     // Elastic: E t/16 times Jxx = 4/3, times four times the corners' 1e-3.
     assert_close(plain, E * 0.1 / 16.0 * (4.0 / 3.0) * 4e-3, 0.05 * plain, "shear of a tenth");
-    // Relaxation with the rate 3 G d eps_p / sig_y and d eps_p = 1e-4/sqrt(3) leaves the growth of some steps.
+    // Relaxation with the rate 3 G d eps_p / sig_y and d eps_p = 1e-4/sqrt(3) leaves the growth of some steps, each
+    // of which is the least without hardening.
     let steps = yields / (3.0 * 0.5 * E / (1.0 + NU) * 1e-4 / 3.0_f64.sqrt());
-    assert_close(flowing, plain / 1000.0 * steps, 0.2 * flowing, "as above, and one step of the return");
+    assert_close(flowing, 0.03 * plain / 1000.0 * steps, 0.2 * flowing, "as above, and one step of the return");
 }
 
 /// The one kernel, run on single numbers and on lanes.
@@ -105,7 +105,7 @@ fn lanes_are_the_scalar_kernel() {
     let part = Part { thinning: true, ..part_of("stabilised_quad", 0.05) };
     let law = materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
     let section = Section::new(&part, law).map_err(|p| format!("{p:?}")).unwrap();
-    let shell = StabilisedQuad { section, drilling: 0.01 };
+    let shell = StabilisedQuad { section, drilling: 0.01, least_stiffness: 0.03 };
     let fields = singles_and_lanes(
         &shell,
         |modes, history| shell.respond::<Lane, 5>(modes, history, 0.5),
