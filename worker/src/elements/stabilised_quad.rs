@@ -6,7 +6,7 @@
 //!
 //! With `X = grad xi`, `Y = grad eta` at the centre, `H = (h x, h y)`, `beta = (ty, -tx)`, `q_x = gam vx` and so on,
 //! ```text
-//! J = XX + YY,   [Jxx, Jxy, Jyy] = A/3 [X1 X1 + Y1 Y1, X1 X2 + Y1 Y2, X2 X2 + Y2 Y2]
+//! J = A/3 (XX + YY),   Jxx = A/3 (X1 X1 + Y1 Y1) and so on
 //! ```
 //! - Membrane: the assumed strain for bending in the plane without dilation (Belytschko & Bindeman 1991, QBI),
 //!   `eps_x = (q_x f,x - nu q_y f,y)/4`, `eps_y = (q_y f,y - nu q_x f,x)/4`, no shear, `f = xi eta`:
@@ -77,7 +77,7 @@ struct Slopes<R> {
     inv_a: R,
     to_xi: [R; 2],
     to_eta: [R; 2],
-    /// A^2 times J: xx, yy, xy [length^2].
+    /// 3 A times J: xx, yy, xy [length^2].
     j: [R; 3],
 }
 
@@ -212,18 +212,15 @@ impl StabilisedQuad {
             moment[c][0] = g.b1[c].mul_add(drill[c], moment[c][0]);
             moment[c][1] = g.b2[c].mul_add(drill[c], moment[c][1]);
         }
-        for c in 0..2 {
+        let [[x_13, x_24], [y_13, y_24]] = [0, 1].map(|c| {
             let on_beta_q = sixteenth * s.p[c].mul_add(on_xi, -(h[c] * q_xi));
             let on_beta_p = sixteenth * s.q[c].mul_add(on_eta, -(h[c] * q_eta));
-            let (on_13, on_24) = (on_beta_q + on_beta_p, on_beta_q - on_beta_p);
-            if c == 0 {
-                moment[0][1] += on_13;
-                moment[1][1] += on_24;
-            } else {
-                moment[0][0] = moment[0][0] - on_13;
-                moment[1][0] = moment[1][0] - on_24;
-            }
-        }
+            [on_beta_q + on_beta_p, on_beta_q - on_beta_p]
+        });
+        moment[0][1] += x_13;
+        moment[1][1] += x_24;
+        moment[0][0] -= y_13;
+        moment[1][0] -= y_24;
         let energies = [work * g.area, R::splat(0.5) * energy];
         Response::new(&g, &self.section, (force, moment), energies, sound)
     }
