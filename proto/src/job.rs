@@ -202,23 +202,26 @@ pub struct Part {
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,
-    /// Formulation of the four-node shells (`belytschko_tsay` if left out) or the solids (`hexahedron`).
+    /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
+    /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape.
+    /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
     /// Integration points through the thickness, 1 to 10.
     #[serde(default = "five")]
     pub points: usize,
-    /// Hourglass control: `stiffness` or `viscous`, for solids also `assumed_strain`.
+    /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also `assumed_strain`.
     #[serde(default)]
     pub hourglass: HourglassForm,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
-    /// shells and 0.05 for solids. `assumed_strain` has none.
+    /// shells and 0.05 for solids. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
+    /// plastic flow. `assumed_strain` has none.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
     /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one.
     #[serde(default = "bulk_viscosity")]
     pub bulk_viscosity: [f64; 2],
-    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads.
+    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`.
     #[serde(default)]
     pub warping: bool,
     /// Update the thickness from the strain through it.

@@ -1,5 +1,6 @@
 //! What is particular to the four-node shell.
 
+use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
 use super::*;
 use crate::materials;
@@ -50,7 +51,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
             let mut noise = Noise(17);
             for _ in 0..20 {
                 let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
-                let g = Geometry::new(&coordinate_modes(&nodes));
+                let g = Geometry::new(&quad::coordinate_modes(&nodes));
                 let l: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| 1e-9 * noise.next()));
                 for (node, at) in nodes.into_iter().enumerate() {
                     // Linear in the coordinates of the plane; off the plane, the rotation that goes with it.
@@ -95,48 +96,9 @@ fn hourglass_modes_have_their_stiffness() {
     }
 }
 
-/// Verification C16: large simple shear gives the same stress and force from whichever corner one counts.
-#[test]
-fn numbering_does_not_matter() {
-    let mut noise = Noise(31);
-    let spins: [[f64; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| 0.01 * noise.next()));
-    let mut first = None;
-    for turn in 0..4 {
-        let corner = |c: usize| (c + turn) % 4;
-        let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.02], [0.0, 1.0, 0.0]];
-        let part = Part { warping: true, drilling: 0.1, hourglass_coefficient: Some(0.1), ..part(0.05) };
-        let order: [u32; 4] = std::array::from_fn(|c| corner(c) as u32);
-        let mut patch = Patch::new(part, elastic(E, NU, 1.0), &nodes, &[order]);
-        for (w, spin) in patch.w.iter_mut().zip(&spins) {
-            w[..3].copy_from_slice(spin);
-        }
-        for _ in 0..200 {
-            (0..4).for_each(|node| patch.v[node] = [0.01 * nodes[node][1] + 1e-3 * spins[node][0], 0.0, 0.0, 0.0]);
-            patch.step(1.0);
-        }
-        let stress = patch.fields(0).stress;
-        let mut forces = [([0.0; 3], [0.0; 3]); 4];
-        (0..4).for_each(|c| forces[corner(c)] = patch.corner(0, c));
-        let (stress0, forces0) = *first.get_or_insert((stress, forces));
-        for c in 0..6 {
-            assert_close(stress[c], stress0[c], 1e-11 * E, "round-off over 200 steps");
-        }
-        for node in 0..4 {
-            for i in 0..3 {
-                assert_close(forces[node].0[i], forces0[node].0[i], 1e-11 * E * 0.05, "round-off over 200 steps");
-                assert_close(forces[node].1[i], forces0[node].1[i], 1e-12 * E * 0.05, "round-off over 200 steps");
-            }
-        }
-    }
-    // Axes that follow one edge or the other give 2 G and 1.159 G.
-    let shear = first.unwrap().0[3] / (0.5 * E / (1.0 + NU));
-    assert!(shear > 1.159 && shear < 2.0, "the bisector is between the edges: {shear}");
-}
-
 /// The one kernel, run on single numbers and on lanes.
 #[test]
 fn lanes_are_the_scalar_kernel() {
-    let mut noise = Noise(41);
     let rate = ("cowper_symonds".to_string(), Param::List(vec![0.04, 5.0]));
     let mut steel = material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate]);
@@ -145,39 +107,12 @@ fn lanes_are_the_scalar_kernel() {
         let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
         let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
         let shell = BelytschkoTsay { section: section(), hourglass, warping: true, drilling: 0.01 };
-        let mut wide = vec![Lane::splat(0.0); shell.columns()];
-        shell.start(&mut wide);
-        let mut alone: Vec<Vec<f64>> = (0..LANES).map(|l| wide.iter().map(|c| c.as_array()[l]).collect()).collect();
-        for _ in 0..40 {
-            let mut random = |size: f64| -> [f64; LANES] {
-                let sizes = [0.0, 0.01, 1.0, 10.0];
-                std::array::from_fn(|lane| size * sizes[lane] * noise.next())
-            };
-            let shape = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.1, 0.05]];
-            let x: [[[f64; LANES]; 3]; 3] = shape.map(|row| row.map(|c| random(0.002).map(|r| c + r)));
-            let v: [[[f64; LANES]; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
-            let w: [[[f64; LANES]; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
-            let to = |v: [f64; LANES]| Lane::new(v);
-            let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
-            let lanes = shell.respond::<Lane, 5>(&modes, &mut wide, 0.5);
-            for (lane, history) in alone.iter_mut().enumerate() {
-                let to = |v: [f64; LANES]| v[lane];
-                let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
-                let one = shell.respond::<f64, 5>(&modes, history, 0.5);
-                let pairs = lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));
-                for (many, one) in pairs.flat_map(|(many, one)| many.iter().zip(one)) {
-                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
-                }
-                for (many, one) in wide.iter().zip(history) {
-                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
-                }
-                assert_eq!(lanes.stable_dt.as_array()[lane].to_bits(), one.stable_dt.to_bits());
-                assert_eq!(lanes.internal.as_array()[lane].to_bits(), one.internal.to_bits());
-                assert_eq!(lanes.hourglass.as_array()[lane].to_bits(), one.hourglass.to_bits());
-            }
-        }
-        let plastic = (0..LANES).map(|lane| shell.fields(&wide, lane, &SKEW).plastic_strain);
-        let plastic: Vec<_> = plastic.collect();
+        let wide = singles_and_lanes(
+            &shell,
+            |modes, history| shell.respond::<Lane, 5>(modes, history, 0.5),
+            |modes, history| shell.respond::<f64, 5>(modes, history, 0.5),
+        );
+        let plastic = wide.map(|fields| fields.plastic_strain);
         assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");
     }
 }

@@ -9,9 +9,15 @@ mod hexahedron;
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
+mod quad;
 mod section;
 #[cfg(test)]
+mod shell_benchmarks;
+#[cfg(test)]
 pub(crate) mod solid_testing;
+mod stabilised_quad;
+#[cfg(test)]
+mod statics;
 #[cfg(test)]
 pub(crate) mod testing;
 
@@ -157,7 +163,7 @@ pub enum Build {
 }
 
 /// Every formulation.
-pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, c0_triangle::ROW, hexahedron::ROW];
+pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW];
 
 /// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.

@@ -21,18 +21,19 @@ fn patch(part: Part, triangular: bool) -> Patch {
 }
 
 /// All shells of this crate, plain and with every option on, on the distorted patch bent out of its plane.
-fn shells() -> Vec<(&'static str, Patch)> {
-    let plain = part(0.01);
-    let mut all = Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
-    all.hourglass = HourglassForm::Viscous;
-    let rows = [("quads", plain.clone(), false), ("quads, all options", all, false), ("triangles", plain, true)];
-    rows.map(|(name, part, triangular)| {
-        let mut patch = patch(part, triangular);
-        let mut noise = Noise(3);
-        patch.x.iter_mut().for_each(|x| x[2] = 0.02 * noise.next());
-        (name, patch)
-    })
-    .into()
+fn shells() -> Vec<(String, Patch)> {
+    let every = |(element, triangular): (&str, bool)| {
+        let plain = part_of(element, 0.01);
+        let mut all = Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
+        all.hourglass = HourglassForm::Viscous;
+        [(element.to_string(), plain), (format!("{element}, all options"), all)].map(|(name, part)| {
+            let mut patch = patch(part, triangular);
+            let mut noise = Noise(3);
+            patch.x.iter_mut().for_each(|x| x[2] = 0.02 * noise.next());
+            (name, patch)
+        })
+    };
+    FORMULATIONS.into_iter().flat_map(every).collect()
 }
 
 fn shake(patch: &mut Patch, noise: &mut Noise, size: f64) {
@@ -45,16 +46,16 @@ fn shake(patch: &mut Patch, noise: &mut Noise, size: f64) {
 /// Verification A21: u = 1e-3 (x + y/2), v = 1e-3 (y + x/2) give 4000/3, 4000/3 and 400 in every element.
 #[test]
 fn membrane_patch_is_exact() {
-    for triangular in [false, true] {
+    for (element, triangular) in FORMULATIONS {
         // In one step of a strain so small that its square is round-off.
-        let mut patch = patch(part(0.001), triangular);
+        let mut patch = patch(part_of(element, 0.001), triangular);
         stretch(&mut patch, 1e-12);
         patch.forces(1.0);
         check_membrane(&patch, 1e-9, 1e-9, "strain of 1e-12, and round-off");
 
         // In many steps to the full strain. Its logarithm differs by half its square, and the axes of differently
         // shaped elements turn apart by a fraction of it.
-        let mut patch = self::patch(part(0.001), triangular);
+        let mut patch = self::patch(part_of(element, 0.001), triangular);
         stretch(&mut patch, 1e-6);
         (0..1000).for_each(|_| _ = patch.step(1.0));
         check_membrane(&patch, 1e-3, 1e-3, "strain of 1.5e-3");
@@ -95,7 +96,7 @@ fn rigid_rotation_leaves_no_stress() {
     let axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8], [0.48, -0.64, 0.6]];
     for (name, start) in shells() {
         for axis in axes {
-            let mut patch = Patch { history: start.history.clone(), x: start.x.clone(), ..patch_like(&start, name) };
+            let mut patch = Patch { history: start.history.clone(), x: start.x.clone(), ..patch_like(&start, &name) };
             let angle = axis.map(|c: f64| c * turn);
             for step in 1..=100 {
                 let drift = [0.01, -0.02, 0.03];
@@ -151,7 +152,7 @@ fn forces_and_moments_balance_in_any_motion() {
 fn reported_energy_is_the_work_of_corner_forces() {
     for (name, start) in shells() {
         let off = |steps: usize| {
-            let mut patch = patch_like(&start, name);
+            let mut patch = patch_like(&start, &name);
             let mut noise = Noise(23);
             shake(&mut patch, &mut noise, 1.0);
             let (shape_v, shape_w) = (patch.v.clone(), patch.w.clone());
@@ -176,11 +177,52 @@ fn reported_energy_is_the_work_of_corner_forces() {
     }
 }
 
+/// Verification C16: large simple shear gives the same stress and force from whichever corner one counts.
+#[test]
+fn numbering_does_not_matter() {
+    let mut noise = Noise(31);
+    let spins: [[f64; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| 0.01 * noise.next()));
+    for element in QUADS {
+        let mut first = None;
+        for turn in 0..4 {
+            let corner = |c: usize| (c + turn) % 4;
+            let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.02], [0.0, 1.0, 0.0]];
+            let part =
+                Part { warping: true, drilling: 0.1, hourglass_coefficient: Some(0.1), ..part_of(element, 0.05) };
+            let order: [u32; 4] = std::array::from_fn(|c| corner(c) as u32);
+            let mut patch = Patch::new(part, elastic(E, NU, 1.0), &nodes, &[order]);
+            for (w, spin) in patch.w.iter_mut().zip(&spins) {
+                w[..3].copy_from_slice(spin);
+            }
+            for _ in 0..200 {
+                (0..4).for_each(|node| patch.v[node] = [0.01 * nodes[node][1] + 1e-3 * spins[node][0], 0.0, 0.0, 0.0]);
+                patch.step(1.0);
+            }
+            let stress = patch.fields(0).stress;
+            let mut forces = [([0.0; 3], [0.0; 3]); 4];
+            (0..4).for_each(|c| forces[corner(c)] = patch.corner(0, c));
+            let (stress0, forces0) = *first.get_or_insert((stress, forces));
+            for c in 0..6 {
+                assert_close(stress[c], stress0[c], 1e-11 * E, "round-off over 200 steps");
+            }
+            for node in 0..4 {
+                for i in 0..3 {
+                    assert_close(forces[node].0[i], forces0[node].0[i], 1e-11 * E * 0.05, "round-off over 200 steps");
+                    assert_close(forces[node].1[i], forces0[node].1[i], 1e-12 * E * 0.05, "round-off over 200 steps");
+                }
+            }
+        }
+        // Axes that follow one edge or the other give 2 G and 1.159 G.
+        let shear = first.unwrap().0[3] / (0.5 * E / (1.0 + NU));
+        assert!(shear > 1.159 && shear < 2.0, "{element}: the bisector is between the edges: {shear}");
+    }
+}
+
 #[test]
 fn lanes_do_not_see_their_neighbours() {
     let table = [[0.0, 0.25], [0.01, 0.3], [0.05, 0.35]];
     let rate = Param::List(vec![0.04, 5.0]);
-    for triangular in [false, true] {
+    for (element, triangular) in FORMULATIONS {
         let (nodes, quads) = grid(4, 1, 4.0, 1.0);
         let mut noise = Noise(5);
         let nodes: Vec<_> = nodes.iter().map(|x| x.map(|c| c + 0.05 * noise.next())).collect();
@@ -188,7 +230,7 @@ fn lanes_do_not_see_their_neighbours() {
         let mut material: Material = material("j2", 7.8e-6, &[("youngs_modulus", 210.0), ("poisson", 0.3)]);
         material.parameters.insert("hardening".into(), Param::Table(table.map(|row| row.to_vec()).into()));
         material.parameters.insert("cowper_symonds".into(), rate.clone());
-        let part = Part { warping: true, thinning: true, ..part(0.1) };
+        let part = Part { warping: true, thinning: true, ..part_of(element, 0.1) };
         let orders = [[0, 1, 2, 3], [2, 3, 1, 0], [1, 1, 1, 1], [3, 0, 3, 2]];
         let runs = orders.map(|order| {
             let quads = order.map(|element: usize| quads[element]);
@@ -222,17 +264,17 @@ fn lanes_do_not_see_their_neighbours() {
 
 #[test]
 fn padding_adds_nothing_and_ranges_add_up() {
-    for triangular in [false, true] {
+    for (element, triangular) in FORMULATIONS {
         let (nodes, quads) = grid(5, 2, 5.0, 2.0);
         let cells = if triangular { triangles(&quads)[..10].to_vec() } else { quads };
-        let mut patch = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells);
+        let mut patch = Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &cells);
         shake(&mut patch, &mut Noise(2), 1e-4);
         let (history, x) = (patch.history.clone(), patch.x.clone());
         let whole = patch.step(1.0);
         let force = patch.force.clone();
         let single: f64 = (0..10)
-            .map(|element| {
-                let mut one = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells[element..=element]);
+            .map(|index| {
+                let mut one = Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &cells[index..=index]);
                 (one.v, one.w) = (patch.v.clone(), patch.w.clone());
                 one.step(1.0).internal
             })
@@ -260,10 +302,10 @@ fn padding_adds_nothing_and_ranges_add_up() {
 
 #[test]
 fn trouble_is_told() {
-    for triangular in [false, true] {
+    for (element, triangular) in FORMULATIONS {
         let (nodes, quads) = grid(4, 1, 4.0, 1.0);
         let cells = if triangular { triangles(&quads) } else { quads };
-        let fresh = || Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &cells);
+        let fresh = || Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &cells);
         assert_eq!(fresh().step(1.0).trouble, None);
         for spoil in [
             // Not a number, stretched by more than half, and (quads) a corner pushed across the diagonal.
@@ -278,13 +320,15 @@ fn trouble_is_told() {
             assert!(patch.step(1.0).trouble.is_some());
         }
     }
-    let (nodes, quads) = grid(4, 1, 4.0, 1.0);
-    let mut patch = Patch::new(part(0.1), elastic(E, NU, 1.0), &nodes, &quads);
-    let element = &patch.element;
-    let dent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0]];
-    assert!(element.stable_dt(&dent).is_nan(), "a re-entrant corner has a negative Jacobian");
-    patch.x[0] = [0.9, 0.9, 0.0, 0.0];
-    assert!(patch.forces(1.0).trouble.is_some(), "a re-entrant corner is trouble in the step too");
+    for element in QUADS {
+        let (nodes, quads) = grid(4, 1, 4.0, 1.0);
+        let mut patch = Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &quads);
+        let element = &patch.element;
+        let dent = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0]];
+        assert!(element.stable_dt(&dent).is_nan(), "a re-entrant corner has a negative Jacobian");
+        patch.x[0] = [0.9, 0.9, 0.0, 0.0];
+        assert!(patch.forces(1.0).trouble.is_some(), "a re-entrant corner is trouble in the step too");
+    }
 }
 
 #[test]

@@ -61,6 +61,14 @@ pub struct Strains<R> {
     pub gamma: [R; 2],
 }
 
+/// Means over the thickness for membrane, and weighed by `3 zeta^2` for bending.
+pub struct Yielded<R> {
+    /// Effective plastic strain.
+    plastic_strain: [R; 2],
+    /// Von Mises stress, by its square [force/length^2].
+    stress: [R; 2],
+}
+
 /// Stress resultants, in the element's axes.
 #[derive(Clone, Copy)]
 pub struct Resultants<R> {
@@ -207,6 +215,46 @@ impl Section {
             front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
         }
         Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
+    }
+
+    /// How far the material is, for [`Self::flow`].
+    #[inline(always)]
+    pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
+        let Some(column) = self.plastic_strain else {
+            return Yielded { plastic_strain: [R::zero(); 2], stress: [R::zero(); 2] };
+        };
+        let (mut plastic_strain, mut squares) = ([R::zero(); 2], [R::zero(); 2]);
+        for k in 0..N {
+            let point = &history[POINTS + k * self.stride..];
+            let [x, y, t] = [point[0], point[1], point[2]];
+            let square = x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t));
+            let weight = 0.5 * self.weight[k];
+            for (c, weight) in [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate() {
+                plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
+                squares[c] = R::splat(weight).mul_add(square, squares[c]);
+            }
+        }
+        Yielded { plastic_strain, stress: squares.map(R::sqrt) }
+    }
+
+    /// What plastic flow since `before` does to stresses beside those of the points, for membrane and for bending:
+    /// the factor `sig / (sig + 3 G d eps_p)` by which the radial return shrinks them, and the ratio
+    /// `d sig / (d sig + 3 G d eps_p)` of tangent to elastic stiffness. Both are one where nothing flowed.
+    #[inline(always)]
+    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
+        let one = R::splat(1.0);
+        if self.plastic_strain.is_none() {
+            return [[one; 2]; 2];
+        }
+        let after = self.yielded::<R, N>(history);
+        let three_g = R::splat(3.0 * self.elastic.shear_modulus());
+        let tiny = R::splat(f64::MIN_POSITIVE);
+        let lost: [R; 2] = std::array::from_fn(|c| three_g * (after.plastic_strain[c] - before.plastic_strain[c]));
+        let left = |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
+        [
+            std::array::from_fn(|c| left(after.stress[c], lost[c])),
+            std::array::from_fn(|c| left(after.stress[c] - before.stress[c], lost[c])),
+        ]
     }
 
     /// Whether the strain increments at both faces are those of a healthy step (false if not a number).

@@ -24,6 +24,18 @@ pub fn part(thickness: f64) -> Part {
     }
 }
 
+/// Formulations, and whether they are of triangles.
+pub const FORMULATIONS: [(&str, bool); 3] =
+    [("belytschko_tsay", false), ("stabilised_quad", false), ("c0_triangle", true)];
+
+/// Those of quads.
+pub const QUADS: [&str; 2] = [FORMULATIONS[0].0, FORMULATIONS[1].0];
+
+/// A part with the usual options of one formulation.
+pub fn part_of(element: &str, thickness: f64) -> Part {
+    Part { element: Some(element.into()), ..part(thickness) }
+}
+
 /// A material from its law and numbers.
 pub fn material(law: &str, density: f64, numbers: &[(&str, f64)]) -> Material {
     let parameters = numbers.iter().map(|&(key, value)| (key.to_string(), Param::Number(value))).collect();

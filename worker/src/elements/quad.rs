@@ -1,0 +1,480 @@
+//! What four-node shells with one point in their plane share: frame, gradients, strains, drilling, corner forces.
+//!
+//! Frame at x(t): normal n along `r31 x r42`; in-plane axes from the bisector frame,
+//! `e1 ~ a/|a| + (b/|b|) x n`, `e2 = n x e1` with a, b the mean directions of xi and eta, so that numbering an
+//! element from another corner only turns its axes by a right angle. With `y24 = y2 - y4` and so on
+//! ```text
+//! A = |r31 x r42| / 2,   B1 = [y24, y31, y42, y13] / 2A,   B2 = [x42, x13, x24, x31] / 2A
+//! K = dt grad v (3 x 2)           velocity gradient at the centre times the step, on x(t)
+//! e = sym K - K'K/2,  eps = e + ee
+//! kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]          gamma = dt [B1 vz + mean ty, B2 vz - mean tx]
+//! ```
+//! I - K is the inverse of the deformation gradient of the step, so e is its Almansi strain: it vanishes in any
+//! finite rigid rotation; eps is the logarithmic strain to second order. gamma takes the rotation of the plane from
+//! K as a finite one, so that it vanishes too when the nodes turn with the element.
+//!
+//! Corner forces by virtual power with the same B. Two additions:
+//! - Hourglass rates `gam (tx, ty, vz, vx, vy)` with `gam_I = h_I - (h x) B1_I - (h y) B2_I` (Flanagan & Belytschko
+//!   1981). They leave out what a finite rotation of a warped element does to its corners off the plane, and the
+//!   forces carry the couple that belongs to it; without it a warped element resists rigid rotation and feeds it
+//!   angular momentum.
+//! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element.
+//!
+//! Everything about four corners is held as three or four modes, of which the corners are sums:
+//! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
+
+use super::section::{Section, Strains, angle_by_sine};
+use super::{GroupNodes, GroupTotals, NodeView, Pass, PassTotals};
+use crate::lanes::{LANES, Lane, Real, cross, dot};
+
+/// Generalised hourglass rates: of tx, ty, vz, vx, vy.
+pub const HOURGLASS: usize = 5;
+/// Columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
+pub const DRILLING: usize = 4;
+
+/// Corner vectors of an element as modes.
+pub struct Modes<R> {
+    /// 1 - 3, 2 - 4 and h of coordinates [length].
+    pub x: [[R; 3]; 3],
+    /// The same of velocities [length/time].
+    pub v: [[R; 3]; 3],
+    /// The same and the sum, of rotational velocities [1/time].
+    pub w: [[R; 3]; 4],
+}
+
+/// What one pass over a group gives, in global axes.
+pub struct Response<R: Real> {
+    /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
+    pub force: [[R; 3]; 3],
+    /// Corner moments: the same with `+ sum` everywhere [force length].
+    pub moment: [[R; 3]; 4],
+    /// Increase of internal energy, of hourglass and drilling energy [energy].
+    pub internal: R,
+    pub hourglass: R,
+    /// Stable step [time].
+    pub stable_dt: R,
+    /// Lanes whose element is sound.
+    pub sound: R::Mask,
+}
+
+/// Frame and shape of an element.
+pub struct Geometry<R: Real> {
+    pub e1: [R; 3],
+    pub e2: [R; 3],
+    pub n: [R; 3],
+    pub area: R,
+    /// 1/2A [1/length^2].
+    pub inv_2a: R,
+    /// Modes 13, 24 and h of the coordinates in the plane, and h off it [length].
+    pub x: [R; 3],
+    pub y: [R; 3],
+    pub hz: R,
+    /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
+    pub b1: [R; 2],
+    pub b2: [R; 2],
+    /// A over the longest side [length].
+    pub length: R,
+    /// Lanes with all four corner Jacobians above nought.
+    pub convex: R::Mask,
+}
+
+impl<R: Real> Geometry<R> {
+    #[inline(always)]
+    pub fn new(x: &[[R; 3]; 3]) -> Self {
+        let [x13, x24, h] = *x;
+        let one = R::splat(1.0);
+        let half = R::splat(0.5);
+        let raw = cross(x13, x24);
+        let two_a = dot(raw, raw).sqrt();
+        let inv_2a = one / two_a;
+        let n = raw.map(|c| c * inv_2a);
+        // Both lie in the plane already. Scaled by each other's length instead of divided by their own.
+        let a: [R; 3] = std::array::from_fn(|i| x24[i] - x13[i]);
+        let b: [R; 3] = std::array::from_fn(|i| -(x13[i] + x24[i]));
+        let (len_a, len_b) = (dot(a, a).sqrt(), dot(b, b).sqrt());
+        let bxn = cross(b, n);
+        let e1: [R; 3] = std::array::from_fn(|i| a[i].mul_add(len_b, bxn[i] * len_a));
+        let inv = one / dot(e1, e1).sqrt();
+        let e1 = e1.map(|c| c * inv);
+        let e2 = cross(n, e1);
+        let x = [dot(e1, x13), dot(e1, x24), dot(e1, h)];
+        let y = [dot(e2, x13), dot(e2, x24), dot(e2, h)];
+        let hz = dot(n, h);
+
+        // Half the sides of the element that its plane sees: 2 - 1 = -(p + s), 3 - 2 = -(q - s), ...
+        let side = |ux: R, uy: R| ux.mul_add(ux, uy * uy);
+        let [px, py] = [x[0] - x[1], y[0] - y[1]];
+        let [qx, qy] = [x[0] + x[1], y[0] + y[1]];
+        let [sx, sy] = [x[2], y[2]];
+        let longest = Real::max(
+            Real::max(side(px + sx, py + sy), side(px - sx, py - sy)),
+            Real::max(side(qx + sx, qy + sy), side(qx - sx, qy - sy)),
+        );
+        // Sides above are doubled; every side also climbs by half of hz.
+        let longest = hz.mul_add(hz, longest);
+        let area = half * two_a;
+        // Corner Jacobians are A +- (p x s)/4 +- (q x s)/4.
+        let lopsided = px.mul_add(sy, -(py * sx)).abs() + qx.mul_add(sy, -(qy * sx)).abs();
+        Self {
+            e1,
+            e2,
+            n,
+            area,
+            inv_2a,
+            b1: [y[1] * inv_2a, -(y[0] * inv_2a)],
+            b2: [-(x[1] * inv_2a), x[0] * inv_2a],
+            x,
+            y,
+            hz,
+            length: two_a / longest.sqrt(),
+            convex: area.gt(R::splat(0.25) * lopsided),
+        }
+    }
+
+    /// Components of a vector in the element's axes.
+    #[inline(always)]
+    pub fn local(&self, v: [R; 3]) -> [R; 3] {
+        [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
+    }
+
+    /// The vector with these components in the element's axes.
+    #[inline(always)]
+    pub fn global(&self, v: [R; 3]) -> [R; 3] {
+        std::array::from_fn(|i| v[0].mul_add(self.e1[i], v[1].mul_add(self.e2[i], v[2] * self.n[i])))
+    }
+
+    /// B1 and B2 on a nodal column that has the modes u13 and u24.
+    #[inline(always)]
+    pub fn gradient(&self, u13: R, u24: R) -> [R; 2] {
+        [self.b1[0].mul_add(u13, self.b1[1] * u24), self.b2[0].mul_add(u13, self.b2[1] * u24)]
+    }
+
+    /// gam on a nodal column that has the mode h and this gradient.
+    #[inline(always)]
+    pub fn gamma(&self, h: R, gradient: [R; 2]) -> R {
+        self.x[2].neg_mul_add(gradient[0], self.y[2].neg_mul_add(gradient[1], h))
+    }
+
+    /// Modes 13 and 24 of `B1_I s1 + B2_I s2`.
+    #[inline(always)]
+    pub fn spread(&self, s1: R, s2: R) -> [R; 2] {
+        [self.b1[0].mul_add(s1, self.b2[0] * s2), self.b1[1].mul_add(s1, self.b2[1] * s2)]
+    }
+}
+
+/// Motion of an element in a step, in its axes: increments of the step.
+pub struct Motion<R> {
+    /// Modes 13, 24 and h of displacement [length].
+    pub u: [[R; 3]; 3],
+    /// The same and the sum, of rotation.
+    pub t: [[R; 3]; 4],
+    /// Gradients: k[i][j] of displacement i by coordinate j, tx and ty of the rotations [1/length].
+    pub k: [[R; 2]; 3],
+    pub tx: [R; 2],
+    pub ty: [R; 2],
+    /// Almansi strain xx, yy, xy.
+    pub almansi: [R; 3],
+    /// Rotation of the element about its normal.
+    pub spin: R,
+    /// Third column of K, as if I - K were a rotation.
+    k_z: [R; 3],
+}
+
+impl<R: Real> Motion<R> {
+    /// The motion and the strains that go with it.
+    #[inline(always)]
+    pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
+        let step = R::splat(dt);
+        let [half, quarter] = [0.5, 0.25].map(R::splat);
+        let u = modes.v.map(|v| g.local(v).map(|c| c * step));
+        let t = modes.w.map(|w| g.local(w).map(|c| c * step));
+        let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
+        let tx = g.gradient(t[0][0], t[1][0]);
+        let ty = g.gradient(t[0][1], t[1][1]);
+
+        let product = |i: usize, j: usize| k[0][i].mul_add(k[0][j], k[1][i].mul_add(k[1][j], k[2][i] * k[2][j]));
+        let e_xx = half.neg_mul_add(product(0, 0), k[0][0]);
+        let e_yy = half.neg_mul_add(product(1, 1), k[1][1]);
+        let e_xy = half * (k[0][1] + k[1][0] - product(0, 1));
+        let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
+        let xy2 = e_xy * e_xy;
+        let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
+        let kappa = [ty[0], -tx[1], ty[1] - tx[0]];
+
+        // The third column of K, and from it the angles that the plane turned by.
+        let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
+        let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
+        let tilt2 = k_xz.mul_add(k_xz, k_yz * k_yz);
+        // 1 - sqrt(1 - tilt2)
+        let [c4, c3, c2] = [5.0 / 64.0, 0.125, 0.25].map(R::splat);
+        let k_zz = half * tilt2 * tilt2.mul_add(tilt2.mul_add(tilt2.mul_add(c4, c3), c2), R::splat(1.0));
+        let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
+        let angle = angle_by_sine(dot(sine, sine));
+        let gamma = [angle.mul_add(sine[0], quarter * t[3][1]), (-quarter).mul_add(t[3][0], angle * sine[1])];
+        let spin = angle * sine[2];
+        let motion = Self { u, t, k, tx, ty, almansi: [e_xx, e_yy, e_xy], spin, k_z: [k_xz, k_yz, k_zz] };
+        (motion, Strains { eps, kappa, gamma })
+    }
+
+    /// Increments of the hourglass modes tx, ty, vz, vx, vy.
+    #[inline(always)]
+    pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
+        let Self { u, t, k, .. } = self;
+        let [k_xz, k_yz, k_zz] = self.k_z;
+        [
+            g.gamma(t[2][0], self.tx),
+            g.gamma(t[2][1], self.ty),
+            g.gamma(k_zz.neg_mul_add(g.hz, u[2][2]), k[2]),
+            g.gamma(k_xz.neg_mul_add(g.hz, u[2][0]), k[0]),
+            g.gamma(k_yz.neg_mul_add(g.hz, u[2][1]), k[1]),
+        ]
+    }
+
+    /// How far nodes turn about n beyond the element: modes 13, 24, h and sum.
+    #[inline(always)]
+    pub fn ahead(&self) -> [R; DRILLING] {
+        let t = &self.t;
+        [t[0][2], t[1][2], t[2][2], R::splat(4.0).neg_mul_add(self.spin, t[3][2])]
+    }
+}
+
+/// Brings the drilling moments up to date; gives twice the energy, on top of `energy`.
+#[inline(always)]
+pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: [R; DRILLING], energy: R) -> R {
+    let mut energy = energy;
+    for c in 0..DRILLING {
+        let old = moments[c];
+        // Modes weigh one half and one quarter.
+        let new = (if c < 2 { stiff } else { R::splat(0.5) * stiff }).mul_add(ahead[c], old);
+        moments[c] = new;
+        energy = (old + new).mul_add(ahead[c], energy);
+    }
+    energy
+}
+
+/// Coefficient of [`drill`], for a stiffness of `alpha G t A/4` a node.
+#[inline(always)]
+pub fn drilling_stiffness<R: Real>(section: &Section, alpha: f64, thickness: R, area: R) -> R {
+    R::splat(0.125 * alpha * section.elastic.shear_modulus()) * thickness * area
+}
+
+/// What acts on the motions of an element, in its axes.
+pub struct Generalised<'a, R> {
+    /// Resultants times the area: membrane [force], moments [force length], shear [force].
+    pub n: [R; 3],
+    pub m: [R; 3],
+    pub q: [R; 2],
+    /// On the hourglass increments [force length] twice, [force] thrice.
+    pub hourglass: [R; HOURGLASS],
+    /// Drilling moments [force length].
+    pub drilling: &'a [R],
+    /// Couple on the spin, beyond that of drilling, shared by the in-plane forces [force length].
+    pub couple: R,
+}
+
+impl<R: Real> Generalised<'_, R> {
+    /// Modes of the corner forces and moments, in the axes of the element.
+    #[inline(always)]
+    pub fn corners(&self, g: &Geometry<R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
+        let [half, quarter] = [0.5, 0.25].map(R::splat);
+        let ([nx, ny, nxy], [mx, my, mxy], [qx, qy]) = (self.n, self.m, self.q);
+        let [hg_tx, hg_ty, hg_z, hg_x, hg_y] = self.hourglass;
+        let drill = self.drilling;
+        let couple = half * (R::splat(-4.0).mul_add(drill[3], self.couple));
+        let (hx, hy) = (g.x[2], g.y[2]);
+        let fx = g.spread(hx.neg_mul_add(hg_x, nx), hy.neg_mul_add(hg_x, nxy) - couple);
+        let fy = g.spread(hx.neg_mul_add(hg_y, nxy) + couple, hy.neg_mul_add(hg_y, ny));
+        let fz = g.spread(hx.neg_mul_add(hg_z, g.hz.mul_add(hg_x, qx)), hy.neg_mul_add(hg_z, g.hz.mul_add(hg_y, qy)));
+        let mtx = g.spread(-hx.mul_add(hg_tx, mxy), -hy.mul_add(hg_tx, my));
+        let mty = g.spread(hx.neg_mul_add(hg_ty, mx), hy.neg_mul_add(hg_ty, mxy));
+        let force = [[fx[0], fy[0], fz[0]], [fx[1], fy[1], fz[1]], [hg_x, hg_y, hg_z]];
+        let moment = [
+            [mtx[0], mty[0], drill[0]],
+            [mtx[1], mty[1], drill[1]],
+            [hg_tx, hg_ty, drill[2]],
+            [-(quarter * qy), quarter * qx, drill[3]],
+        ];
+        (force, moment)
+    }
+}
+
+impl<R: Real> Response<R> {
+    /// From corner modes in the axes of the element; `energies` are the internal and the hourglass one;
+    /// `sound` are the lanes whose strains are those of a healthy step.
+    #[inline(always)]
+    pub fn new(
+        g: &Geometry<R>,
+        section: &Section,
+        (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
+        [internal, hourglass]: [R; 2],
+        sound: R::Mask,
+    ) -> Self {
+        let force = force.map(|f| g.global(f));
+        let moment = moment.map(|m| g.global(m));
+        // A sum tells of what is not finite wherever it is.
+        let mut total = R::zero();
+        for c in 0..3 {
+            total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
+            total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
+        }
+        let sound = R::both(R::both(sound, g.convex), total.le(R::splat(f64::MAX)));
+        let inv_c = R::splat(1.0 / section.elastic.plate_wave_speed());
+        Self { force, moment, internal, hourglass, stable_dt: g.length * inv_c, sound }
+    }
+}
+
+/// Runs `respond` over all groups of a range.
+#[inline(always)]
+pub fn run(
+    pass: Pass<'_>,
+    columns: usize,
+    mut respond: impl FnMut(&Modes<Lane>, &mut [Lane], f64) -> Response<Lane>,
+) -> PassTotals {
+    let dt = pass.dt;
+    pass.shells(columns, |group, nodes, history, force, moment| {
+        let response = respond(&gather(group, nodes), history, dt);
+        scatter(&response, force, moment);
+        GroupTotals {
+            stable_dt: response.stable_dt,
+            internal: response.internal,
+            hourglass: response.hourglass,
+            sound: response.sound,
+        }
+    })
+}
+
+/// Corner values of a group as modes. Differences are taken row by row, before the rows become lanes.
+#[inline(always)]
+fn gather(group: &GroupNodes<4>, nodes: &NodeView<'_>) -> Modes<Lane> {
+    // One length for all three columns: one check for each node.
+    let n = nodes.x.len();
+    let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
+    let zero = Lane::splat(0.0);
+    let (mut mx, mut mv, mut mw) = ([[zero; LANES]; 3], [[zero; LANES]; 3], [[zero; LANES]; 4]);
+    for lane in 0..LANES {
+        let corner: [usize; 4] = std::array::from_fn(|c| group[c][lane] as usize);
+        let modes = |column: &[[f64; 4]]| {
+            let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
+            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)]
+        };
+        let rows = modes(x);
+        (mx[0][lane], mx[1][lane], mx[2][lane]) = (rows[0], rows[1], h_from_sides(x, corner));
+        let rows = modes(v);
+        (mv[0][lane], mv[1][lane], mv[2][lane]) = (rows[0], rows[1], rows[2]);
+        let rows = modes(w);
+        (mw[0][lane], mw[1][lane], mw[2][lane], mw[3][lane]) = (rows[0], rows[1], rows[2], rows[3]);
+    }
+    Modes { x: mx.map(components), v: mv.map(components), w: mw.map(components) }
+}
+
+/// Mode h of coordinates from differences of neighbours, which are small: `(1 - 2) + (3 - 4)`.
+#[inline(always)]
+fn h_from_sides(x: &[[f64; 4]], corner: [usize; 4]) -> Lane {
+    let [a, b, c, d] = corner.map(|node| Lane::new(x[node]));
+    (a - b) + (c - d)
+}
+
+/// The three components of rows that hold one vector each.
+#[inline(always)]
+fn components(rows: [Lane; LANES]) -> [Lane; 3] {
+    let [x, y, z, _] = Lane::transpose(rows);
+    [x, y, z]
+}
+
+/// Modes to corners, lanes to rows.
+#[inline(always)]
+fn scatter(response: &Response<Lane>, force: &mut [[f64; 4]; LANES * 4], moment: &mut [[f64; 4]; LANES * 4]) {
+    let rows = |v: [Lane; 3]| Lane::transpose([v[0], v[1], v[2], Lane::splat(0.0)]);
+    let [f13, f24, fh] = response.force.map(rows);
+    let [m13, m24, mh, ms] = response.moment.map(rows);
+    for lane in 0..LANES {
+        let slot = 4 * lane;
+        force[slot] = (fh[lane] + f13[lane]).to_array();
+        force[slot + 1] = (f24[lane] - fh[lane]).to_array();
+        force[slot + 2] = (fh[lane] - f13[lane]).to_array();
+        force[slot + 3] = (-(f24[lane] + fh[lane])).to_array();
+        let (even, odd) = (ms[lane] + mh[lane], ms[lane] - mh[lane]);
+        moment[slot] = (even + m13[lane]).to_array();
+        moment[slot + 1] = (odd + m24[lane]).to_array();
+        moment[slot + 2] = (even - m13[lane]).to_array();
+        moment[slot + 3] = (odd - m24[lane]).to_array();
+    }
+}
+
+/// Modes 13, 24 and h of the corners of one element.
+pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+    let mode = |f: &dyn Fn(usize) -> f64| std::array::from_fn(f);
+    [mode(&|i| x[0][i] - x[2][i]), mode(&|i| x[1][i] - x[3][i]), mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i]))]
+}
+
+/// Mass and rotational inertia that an element gives to each of its corners.
+pub fn corner_mass(section: &Section, x: &[[f64; 3]; 4]) -> (f64, f64) {
+    let area = Geometry::new(&coordinate_modes(x)).area;
+    let mass = 0.25 * section.elastic.density * section.thickness * area;
+    (mass, mass * section.inertia_per_mass(area))
+}
+
+/// Area over the longest side over the wave speed [time]; NaN for an element that is not convex.
+pub fn stable_dt(section: &Section, x: &[[f64; 3]; 4]) -> f64 {
+    let geometry = Geometry::new(&coordinate_modes(x));
+    if !geometry.convex {
+        return f64::NAN;
+    }
+    geometry.length / section.elastic.plate_wave_speed()
+}
+
+/// Axes e1, e2 and n of an element.
+pub fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+    let Geometry { e1, e2, n, .. } = Geometry::new(&coordinate_modes(x));
+    [e1, e2, n]
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::super::testing::Noise;
+    use super::super::{Element, ElementFields};
+    use super::*;
+
+    /// Runs one kernel on lanes and on single numbers through the same motions, small in the first lane and large in
+    /// the last, and compares bits; gives the fields of the lanes.
+    pub fn singles_and_lanes(
+        shell: &dyn Element,
+        lanes_of: impl Fn(&Modes<Lane>, &mut [Lane]) -> Response<Lane>,
+        one_of: impl Fn(&Modes<f64>, &mut [f64]) -> Response<f64>,
+    ) -> [ElementFields; LANES] {
+        let mut noise = Noise(41);
+        let mut wide = vec![Lane::splat(0.0); shell.columns()];
+        shell.start(&mut wide);
+        let mut alone: Vec<Vec<f64>> = (0..LANES).map(|l| wide.iter().map(|c| c.as_array()[l]).collect()).collect();
+        for _ in 0..40 {
+            let mut random = |size: f64| -> [f64; LANES] {
+                let sizes = [0.0, 0.01, 1.0, 10.0];
+                std::array::from_fn(|lane| size * sizes[lane] * noise.next())
+            };
+            let shape = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.1, 0.05]];
+            let x: [[[f64; LANES]; 3]; 3] = shape.map(|row| row.map(|c| random(0.002).map(|r| c + r)));
+            let v: [[[f64; LANES]; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+            let w: [[[f64; LANES]; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+            let to = |v: [f64; LANES]| Lane::new(v);
+            let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+            let lanes = lanes_of(&modes, &mut wide);
+            for (lane, history) in alone.iter_mut().enumerate() {
+                let to = |v: [f64; LANES]| v[lane];
+                let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+                let one = one_of(&modes, history);
+                let pairs = lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));
+                for (many, one) in pairs.flat_map(|(many, one)| many.iter().zip(one)) {
+                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+                }
+                for (many, one) in wide.iter().zip(history) {
+                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+                }
+                assert_eq!(lanes.stable_dt.as_array()[lane].to_bits(), one.stable_dt.to_bits());
+                assert_eq!(lanes.internal.as_array()[lane].to_bits(), one.internal.to_bits());
+                assert_eq!(lanes.hourglass.as_array()[lane].to_bits(), one.hourglass.to_bits());
+            }
+        }
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        std::array::from_fn(|lane| shell.fields(&wide, lane, &square))
+    }
+}
