@@ -32,7 +32,7 @@
 use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
     Build, Built, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, four,
-    with_points,
+    let_go, with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
@@ -84,6 +84,19 @@ struct Response<R: Real> {
     stable_dt: R,
     /// Lanes whose element is sound.
     sound: R::Mask,
+}
+
+impl<R: Real> Response<R> {
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    fn let_go(&mut self, failed: R::Mask) {
+        let_go(failed, self.force.as_flattened_mut());
+        let_go(failed, self.moment.as_flattened_mut());
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
 }
 
 /// Frame and shape of an element.
@@ -349,14 +362,20 @@ impl BelytschkoTsay {
         }
         let sound = R::both(R::both(sound, g.convex), total.le(R::splat(f64::MAX)));
         let inv_c = R::splat(1.0 / self.section.elastic.plate_wave_speed());
-        Response {
+        let mut response = Response {
             force,
             moment,
             internal: work * g.area,
             hourglass: half * energy,
             stable_dt: g.length * inv_c,
             sound,
+        };
+        if let Some(failed) = self.section.failed_lanes(section) {
+            response.let_go(failed);
+            let_go(failed, hourglass);
+            let_go(failed, drill);
         }
+        response
     }
 
     /// Coefficients of tx, ty, vz, vx, vy.
@@ -488,6 +507,10 @@ impl Element for BelytschkoTsay {
             return f64::NAN;
         }
         geometry.length / self.section.elastic.plate_wave_speed()
+    }
+
+    fn failed(&self, history: &[Lane], lane: usize) -> bool {
+        self.section.has_failed(history, lane)
     }
 
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
