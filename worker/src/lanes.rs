@@ -52,6 +52,11 @@ pub trait Real:
     /// `self`, above zero, to the power `exponent` in the lanes of `mask`, one elsewhere.
     fn powf_where(self, exponent: f64, mask: Self::Mask) -> Self;
 
+    /// Natural logarithm of what is above zero.
+    fn ln(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+
     /// `self < other`; false for what is not a number, as are the others.
     fn lt(self, other: Self) -> Self::Mask;
     /// `self <= other`.
@@ -64,6 +69,8 @@ pub trait Real:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Lanes that are in both.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Lanes that are in one of the two, or in both.
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Whether any lane is in `mask`. Use it only to skip work that would change nothing.
     fn any(mask: Self::Mask) -> bool;
 
@@ -116,6 +123,14 @@ impl Real for f64 {
         if mask { Lane::splat(self).powf_where(exponent, Lane::splat(f64::from_bits(u64::MAX))).lane(0) } else { 1.0 }
     }
     #[inline(always)]
+    fn ln(self) -> Self {
+        Real::ln(Lane::splat(self)).lane(0) // as a lane computes it, to the last bit
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Real::exp(Lane::splat(self)).lane(0)
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> bool {
         self < other
     }
@@ -138,6 +153,10 @@ impl Real for f64 {
     #[inline(always)]
     fn both(a: bool, b: bool) -> bool {
         a && b
+    }
+    #[inline(always)]
+    fn either(a: bool, b: bool) -> bool {
+        a || b
     }
     #[inline(always)]
     fn any(mask: bool) -> bool {
@@ -186,6 +205,14 @@ impl Real for Lane {
         let power = (self.ln() * Lane::splat(exponent)).exp();
         Real::select(mask, power, Lane::splat(1.0))
     }
+    #[inline]
+    fn ln(self) -> Self {
+        self.ln()
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        self.exp()
+    }
     #[inline(always)]
     fn lt(self, other: Self) -> Self {
         self.simd_lt(other)
@@ -209,6 +236,10 @@ impl Real for Lane {
     #[inline(always)]
     fn both(a: Self, b: Self) -> Self {
         a & b
+    }
+    #[inline(always)]
+    fn either(a: Self, b: Self) -> Self {
+        a | b
     }
     #[inline(always)]
     fn any(mask: Self) -> bool {
@@ -254,7 +285,10 @@ mod tests {
             R::select(a.le(b), a, c),
             R::select(a.ge(b), a, c),
             R::select(R::both(mask, c.ge(b)), a, c),
+            R::select(R::either(mask, c.ge(b)), a, c),
             a.powf_where(0.3, mask),
+            a.ln(),
+            a.exp(),
         ]
     }
 

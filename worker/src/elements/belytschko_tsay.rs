@@ -13,7 +13,7 @@
 
 use super::quad::{self, DRILLING, Generalised, Geometry, HOURGLASS, Modes, Motion, Response};
 use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section};
-use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, with_points};
+use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, let_go, with_points};
 use crate::lanes::{Lane, Real};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::{HourglassForm, Part};
@@ -121,8 +121,8 @@ impl BelytschkoTsay {
 
         // 4. Corner forces, mode by mode.
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));
-        let hourglass = std::array::from_fn(|c| hourglass[c]);
-        let (mut force, moment) = Generalised { n, m, q, hourglass, drilling: drill, couple }.corners(&g);
+        let resisting = std::array::from_fn(|c| hourglass[c]);
+        let (mut force, moment) = Generalised { n, m, q, hourglass: resisting, drilling: drill, couple }.corners(&g);
         if let Some(Warping { bc1, bc2, .. }) = &warping {
             let [mx, my, mxy] = m;
             for c in 0..2 {
@@ -131,7 +131,13 @@ impl BelytschkoTsay {
             }
         }
         let energies = [work * g.area, R::splat(0.5) * energy];
-        Response::new(&g, &self.section, (force, moment), energies, sound)
+        let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
+        if let Some(failed) = self.section.failed_lanes(section) {
+            response.let_go(failed);
+            let_go(failed, hourglass);
+            let_go(failed, drill);
+        }
+        response
     }
 
     /// Coefficients of tx, ty, vz, vx, vy.
@@ -180,6 +186,10 @@ impl Element for BelytschkoTsay {
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         quad::stable_dt(&self.section, four(x))
+    }
+
+    fn failed(&self, history: &[Lane], lane: usize) -> bool {
+        self.section.has_failed(history, lane)
     }
 
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {

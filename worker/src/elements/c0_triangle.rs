@@ -27,7 +27,7 @@
 use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
     Build, Built, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, four,
-    with_points,
+    let_go, with_points,
 };
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
@@ -72,6 +72,19 @@ pub struct Response<R: Real> {
     hourglass: R,
     stable_dt: R,
     sound: R::Mask,
+}
+
+impl<R: Real> Response<R> {
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    fn let_go(&mut self, failed: R::Mask) {
+        let_go(failed, self.force.as_flattened_mut());
+        let_go(failed, self.moment.as_flattened_mut());
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
 }
 
 /// Frame and shape of an element.
@@ -263,14 +276,19 @@ impl C0Triangle {
         }
         let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(f64::MAX)));
         let elastic = &self.section.elastic;
-        Response {
+        let mut response = Response {
             force,
             moment,
             internal: resultants.work * g.area,
             hourglass: half * energy,
             stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
             sound,
+        };
+        if let Some(failed) = self.section.failed_lanes(section) {
+            response.let_go(failed);
+            let_go(failed, own);
         }
+        response
     }
 
     fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
@@ -361,6 +379,10 @@ impl Element for C0Triangle {
             return f64::NAN;
         }
         geometry.stable_length(self.section.elastic.poisson) / self.section.elastic.plate_wave_speed()
+    }
+
+    fn failed(&self, history: &[Lane], lane: usize) -> bool {
+        self.section.has_failed(history, lane)
     }
 
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {

@@ -15,7 +15,8 @@
 //! Corner forces are those of virtual power with B at x(t); hourglass resistance is in `hourglass`.
 //!
 //! Bulk viscosity in compression, `q = rho L (b1 c_d d + b2 L d^2)`, d the rate of -ln V, L = c_d times the stable step
-//! without it (the side of a cube, or a little less). It is no part of the stress; its work is internal energy.
+//! without it (the side of a cube, or a little less). It is no part of the stress; its work is
+//! internal energy.
 //!
 //! Stable step: with `G = sum B_I B_I'` and m/8 at each corner, the frequencies of the mean-gradient stiffness are those
 //! of `eps -> (8 V/m) (sig G + G sig)/2`, of which the largest is at most
@@ -32,10 +33,12 @@ mod modes;
 
 use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
-use super::{Build, Built, Element, ElementFields, ElementRow, GroupTotals, Pass, PassTotals, section};
+use super::{
+    Build, Built, Element, ElementFields, ElementRow, GroupTotals, Pass, PassTotals, failed_column, let_go, section,
+};
 use crate::lanes::{Lane, Real, dot};
 use crate::materials::{Elastic, PointReal, Solid, SolidPoint};
-use crumple_proto::job::Part;
+use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
@@ -48,6 +51,8 @@ const HOURGLASS_COEFFICIENT: f64 = 0.05;
 const STRAIN_LIMIT: f64 = 0.5;
 /// Components of stress, at the start of the law's state.
 const STRESS: usize = 6;
+/// Columns between the law's state and hourglass: volume at the start [length^3], bulk viscosity [force/length^2].
+const OWN: usize = 2;
 
 /// Parameters of the hexahedron.
 pub struct Hexahedron {
@@ -60,6 +65,8 @@ pub struct Hexahedron {
     state: usize,
     /// Where the law keeps its effective plastic strain, if it has any.
     plastic_strain: Option<usize>,
+    /// Where it marks that it has failed, if it does.
+    failed: Option<usize>,
 }
 
 fn build(part: &Part, law: Box<dyn Solid>) -> Built {
@@ -88,6 +95,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
         bulk_viscosity: viscosity,
         state: STRESS + history.len(),
         plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| STRESS + column),
+        failed: failed_column(history).map(|column| STRESS + column),
         law,
     }))
 }
@@ -105,12 +113,24 @@ struct Response<R: Real> {
     sound: R::Mask,
 }
 
+impl<R: Real> Response<R> {
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    fn let_go(&mut self, failed: R::Mask) {
+        let_go(failed, self.force.as_flattened_mut());
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
+}
+
 impl Hexahedron {
     /// One element in each lane; the reference and the fast kernel are this one function.
     #[inline(always)]
     fn respond<R: PointReal>(&self, x: &Modes<R>, v: &Modes<R>, history: &mut [R], dt: f64) -> Response<R> {
         let (state, own) = history.split_at_mut(self.state);
-        let (first_volume, hourglass) = own.split_at_mut(1);
+        let ([first_volume, viscosity], hourglass) = own.split_first_chunk_mut().expect("columns() of them");
         // Nothing has moved before the first step: no time, no rate.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let [one, half] = [1.0, 0.5].map(R::splat);
@@ -134,9 +154,8 @@ impl Hexahedron {
         // 3. Shape at the end of the step, and what it bears.
         let gradient = Gradient::new(x);
         let volume = gradient.volume();
-        let start = R::select(first_volume[0].gt(R::zero()), first_volume[0], volume);
-        first_volume[0] = start;
-        let density = R::splat(self.elastic.density) * start / volume;
+        *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
+        let density = R::splat(self.elastic.density) * *first_volume / volume;
         let gram = gradient.gram();
         let step = undamped_step(&self.elastic, &gram, density);
 
@@ -164,10 +183,13 @@ impl Hexahedron {
             half_turn: &turn,
             gram_trace: gram[0] + gram[1] + gram[2],
             density,
-            tangent: tangent(&self.elastic, &before, &after, &eps),
+            tangent: match self.hourglass.form {
+                HourglassForm::AssumedStrain => tangent(&self.elastic, &before, &after, &eps),
+                _ => one,
+            },
             per_time,
         };
-        let (resistance, hourglass) = self.hourglass.update(&self.elastic, &step, hourglass);
+        let (resistance, resisted) = self.hourglass.update(&self.elastic, &step, hourglass);
 
         // 6. Forces of the modes: all that multiplies B is one tensor.
         let mut force = [[R::zero(); 3]; 7];
@@ -193,7 +215,8 @@ impl Hexahedron {
 
         // 7. Energy and health. A sum tells of what is not finite wherever it is.
         let mean: [R; STRESS] = std::array::from_fn(|c| half * (before[c] + after[c]));
-        let mut work = -(q * (eps[0] + eps[1] + eps[2]));
+        let mut work = -(half * (*viscosity + q) * (eps[0] + eps[1] + eps[2]));
+        *viscosity = q;
         let mut total = R::zero();
         let mut largest = R::zero();
         for c in 0..STRESS {
@@ -207,7 +230,15 @@ impl Hexahedron {
         }
         let whole = R::both(gradient.volume64.gt(R::zero()), gradient.centre.gt(R::zero()));
         let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.le(R::splat(f64::MAX)));
-        Response { force, internal: work * mid_gradient.volume(), hourglass, stable_dt, sound: R::both(whole, calm) }
+        let sound = R::both(whole, calm);
+        let internal = work * mid_gradient.volume();
+        let mut response = Response { force, internal, hourglass: resisted, stable_dt, sound };
+        if let Some(column) = self.failed {
+            let failed = state[column].gt(half);
+            response.let_go(failed);
+            let_go(failed, hourglass);
+        }
+        response
     }
 
     /// lambda + 2 mu [force/length^2].
@@ -286,7 +317,7 @@ fn eight(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
 
 impl Element for Hexahedron {
     fn columns(&self) -> usize {
-        self.state + 1 + hourglass::COLUMNS
+        self.state + OWN + hourglass::COLUMNS
     }
 
     fn start(&self, history: &mut [Lane]) {
@@ -324,6 +355,10 @@ impl Element for Hexahedron {
         undamped_step(&self.elastic, &gradient.gram(), self.elastic.density) * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
+    fn failed(&self, history: &[Lane], lane: usize) -> bool {
+        self.failed.is_some_and(|column| history[column].lane(lane) > 0.5)
+    }
+
     fn fields(&self, history: &[Lane], lane: usize, _x: &[[f64; 3]]) -> ElementFields {
         let at = |column: usize| history[column].lane(lane);
         let stress: [f64; STRESS] = std::array::from_fn(at);
@@ -334,10 +369,14 @@ impl Element for Hexahedron {
             stress,
             von_mises: (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt(),
             thickness: 0.0,
+            failed: self.failed(history, lane),
         }
     }
 }
 
+#[cfg(test)]
+#[path = "hexahedron_scenes.rs"]
+mod scenes;
 #[cfg(test)]
 #[path = "hexahedron_tests.rs"]
 mod tests;

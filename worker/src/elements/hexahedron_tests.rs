@@ -3,8 +3,8 @@
 use super::super::solid_testing::*;
 use super::super::testing::*;
 use super::*;
-
-use crumple_proto::job::HourglassForm;
+use crate::lanes::LANES;
+use crate::materials;
 
 const E: f64 = 1e6;
 const NU: f64 = 0.25;
@@ -189,4 +189,124 @@ fn forces_and_moments_balance_and_do_the_work_that_is_booked() {
             HourglassForm::Viscous => assert!(booked > 1e-6 * peak, "hourglass motion is damped: {booked:e}"),
         }
     }
+}
+
+/// Verification C10 (d): no hourglass force in any linear field of a distorted element.
+#[test]
+fn hourglass_forces_vanish_in_linear_fields() {
+    for form in FORMS {
+        let mut noise = Noise(23);
+        for _ in 0..10 {
+            let mut solids = cubes(form, 0.15);
+            let l: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| 1e-3 * noise.next()));
+            solids.go(|x| std::array::from_fn(|i| x[i] + dot(l[i], x)));
+            let columns = solids.element.columns();
+            let own = &solids.history[columns - hourglass::COLUMNS..columns];
+            let largest = own.iter().flat_map(|c| c.to_array()).fold(0.0, |m: f64, h| m.max(h.abs()));
+            assert!(largest < 1e-12 * E, "round-off: {largest:e}");
+        }
+    }
+}
+
+/// All laws and forms, each lane as it would be alone, with elements that yield, fail and stay at rest side by side.
+#[test]
+fn every_lane_is_what_it_would_be_alone() {
+    let steel = [("youngs_modulus", 210.0), ("poisson", 0.3)];
+    let with = |law: &str, more: &[(&str, f64)]| material(law, 7.85e-6, &[&steel, more].concat());
+    let cook = [("a", 0.8), ("b", 0.6), ("n", 0.17), ("c", 0.01), ("reference_rate", 1e-3), ("m", 1.1)];
+    let heat = [("melting_temperature", 1540.0), ("reference_temperature", 20.0), ("specific_heat", 460.0)];
+    let materials = [
+        with("elastic", &[]),
+        with("j2", &[("yield_stress", 0.25), ("hardening_modulus", 1.0)]),
+        with("j2", &[("yield_stress", 0.25), ("failure_strain", 0.03)]),
+        with("johnson_cook", &[&cook[..], &heat[..]].concat()),
+    ];
+    for steel in &materials {
+        for form in FORMS {
+            let law = materials::build_solid(steel).map_err(|p| format!("{p:?}")).unwrap();
+            let history = law.history();
+            let element = Hexahedron {
+                elastic: law.elastic(),
+                hourglass: Hourglass { form, coefficient: 0.05 },
+                bulk_viscosity: [0.06, 1.5],
+                state: STRESS + history.len(),
+                plastic_strain: None,
+                failed: failed_column(history).map(|column| STRESS + column),
+                law,
+            };
+            let columns = element.columns();
+            let mut wide = vec![Lane::splat(0.0); columns];
+            let mut alone = vec![vec![0.0; columns]; LANES];
+            let mut noise = Noise(9);
+            let mut x: [Modes<f64>; LANES] = std::array::from_fn(|_| {
+                let (nodes, _) = distorted(0.1);
+                modes_of_corners(&std::array::from_fn(|c| nodes[[0, 1, 4, 3, 9, 10, 13, 12][c]]))
+            });
+            for _ in 0..40 {
+                let v: [Modes<f64>; LANES] = [0.0, 1e-4, 3e-3, 3e-2]
+                    .map(|size| std::array::from_fn(|_| std::array::from_fn(|_| size * noise.next())));
+                for (x, v) in x.iter_mut().zip(&v) {
+                    x.iter_mut().flatten().zip(v.iter().flatten()).for_each(|(x, v)| *x += 0.01 * v);
+                }
+                let lanes = |modes: &[Modes<f64>; LANES]| -> Modes<Lane> {
+                    std::array::from_fn(|k| {
+                        std::array::from_fn(|i| Lane::new(std::array::from_fn(|lane| modes[lane][k][i])))
+                    })
+                };
+                let group = element.respond(&lanes(&x), &lanes(&v), &mut wide, 0.01);
+                for lane in 0..LANES {
+                    let one = element.respond(&x[lane], &v[lane], &mut alone[lane], 0.01);
+                    let same = |a: Lane, b: f64| assert_eq!(a.lane(lane).to_bits(), b.to_bits(), "{}", steel.law);
+                    let forces = group.force.iter().flatten().zip(one.force.iter().flatten());
+                    forces.for_each(|(a, b)| same(*a, *b));
+                    same(group.internal, one.internal);
+                    same(group.hourglass, one.hourglass);
+                    same(group.stable_dt, one.stable_dt);
+                    wide.iter().zip(&alone[lane]).for_each(|(a, b)| same(*a, *b));
+                }
+            }
+        }
+    }
+}
+
+/// Corners of a cell are in the same order in `modes_of`, in `corners_of` and in the mesh.
+#[test]
+fn modes_and_corners_are_each_others_transpose() {
+    let mut noise = Noise(31);
+    let x: [f64; 8] = std::array::from_fn(|_| noise.next());
+    let f: [f64; 7] = std::array::from_fn(|_| noise.next());
+    let by_modes: f64 = modes::modes_of(x).iter().zip(&f).map(|(a, b)| a * b).sum();
+    let by_corners: f64 = modes::corners_of(f).iter().zip(&x).map(|(a, b)| a * b).sum();
+    assert_close(by_modes, by_corners, 1e-14, "round-off");
+}
+
+#[test]
+fn an_inverted_or_wildly_strained_element_is_trouble() {
+    let mut solids = cubes(HourglassForm::Stiffness, 0.0);
+    assert_eq!(solids.go(|x| x).trouble, None);
+    assert_eq!(solids.go(|x| [x[0], x[1], 0.4 * x[2]]).trouble, Some(0), "strained by 0.86 in one step");
+    let mut solids = cubes(HourglassForm::Stiffness, 0.0);
+    assert!(solids.go(|x| [x[0], x[1], -x[2]]).trouble.is_some(), "inside out");
+    assert!(solids.stable_dt().is_nan() || solids.element.stable_dt(&solids.corners(0)).is_nan());
+    solids.v[3][1] = f64::NAN;
+    assert!(solids.forces(1.0).trouble.is_some());
+}
+
+/// A failed element bears nothing, limits no step and is no trouble.
+#[test]
+fn a_failed_element_lets_go() {
+    let steel = [("youngs_modulus", E), ("poisson", NU), ("yield_stress", 1e3), ("failure_strain", 0.05)];
+    let (nodes, cells) = distorted(0.1);
+    let part = || solid_part(HourglassForm::AssumedStrain, None);
+    let mut solids = Solids::new(part(), material("j2", 1.0, &steel), &nodes, &cells);
+    for step in 0..100 {
+        solids.go(|x| [1.002 * x[0], x[1], x[2]]);
+        if step == 5 {
+            assert!(solids.largest() > 1.0 && !solids.fields(0).failed);
+        }
+    }
+    let totals = solids.go(|x| [3.0 * x[0], x[1], x[2]]);
+    assert!((0..8).all(|e| solids.fields(e).failed && solids.fields(e).von_mises == 0.0));
+    assert_eq!((solids.largest(), totals.internal, totals.trouble), (0.0, 0.0, None));
+    assert_eq!(totals.stable_dt, f64::INFINITY);
 }

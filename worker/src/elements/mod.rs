@@ -105,8 +105,10 @@ pub struct ElementFields {
     pub stress: [f64; 6],
     /// Largest von Mises stress over the thickness [force/length^2].
     pub von_mises: f64,
-    /// Current thickness [length].
+    /// Current thickness [length], nought for solids.
     pub thickness: f64,
+    /// Whether its law has failed at every point: it bears nothing any more.
+    pub failed: bool,
 }
 
 /// Elements of one part, all of one shape. Holds parameters only; the state is in the history columns.
@@ -127,6 +129,10 @@ pub trait Element: Send + Sync {
     /// Stable step of one element, before the safety factor [time]; NaN if it is inverted or not finite.
     /// `x` are the coordinates of its slots.
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64;
+
+    /// Whether the law of the element in `lane` of a group with this history has failed at every point. Such an element
+    /// gives no force, limits no step and is never in trouble.
+    fn failed(&self, history: &[Lane], lane: usize) -> bool;
 
     /// Fields of the element in `lane` of a group with this history at slot coordinates `x`.
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields;
@@ -229,6 +235,17 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
         let what = format!("part {}: no {corners}-node element '{name}'", section::label(part));
         unknown_name("element", what, name, &names)
     })
+}
+
+/// The column in which a law marks its failed points, if it does, among its history columns.
+fn failed_column(history: &[&str]) -> Option<usize> {
+    history.iter().position(|&name| name == "failed")
+}
+
+/// Noughts in the lanes that have failed.
+#[inline(always)]
+fn let_go<R: crate::lanes::Real>(failed: R::Mask, values: &mut [R]) {
+    values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
 }
 
 /// What a kernel tells of a group, lane by lane.

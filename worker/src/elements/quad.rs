@@ -24,7 +24,7 @@
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
 use super::section::{Section, Strains, angle_by_sine};
-use super::{GroupNodes, GroupTotals, NodeView, Pass, PassTotals};
+use super::{GroupNodes, GroupTotals, NodeView, Pass, PassTotals, let_go};
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 
 /// Generalised hourglass rates: of tx, ty, vz, vx, vy.
@@ -55,6 +55,19 @@ pub struct Response<R: Real> {
     pub stable_dt: R,
     /// Lanes whose element is sound.
     pub sound: R::Mask,
+}
+
+impl<R: Real> Response<R> {
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    pub fn let_go(&mut self, failed: R::Mask) {
+        let_go(failed, self.force.as_flattened_mut());
+        let_go(failed, self.moment.as_flattened_mut());
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
 }
 
 /// Frame and shape of an element.

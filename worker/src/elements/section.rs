@@ -13,7 +13,7 @@ use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::problem::Problem;
 
-use super::ElementFields;
+use super::{ElementFields, failed_column};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -48,6 +48,8 @@ pub struct Section {
     thinning: bool,
     /// Where a point keeps its effective plastic strain, if its law has any.
     plastic_strain: Option<usize>,
+    /// Where it marks that it has failed, if its law does.
+    failed: Option<usize>,
 }
 
 /// Strain increments of a step, in the element's axes.
@@ -126,6 +128,7 @@ impl Section {
             stride: 3 + history.len(),
             thinning: part.thinning,
             plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| 3 + column),
+            failed: failed_column(history).map(|column| 3 + column),
             law,
         })
     }
@@ -162,6 +165,7 @@ impl Section {
         dt: f64,
     ) -> Resultants<R> {
         let half = R::splat(0.5);
+        let failed = self.failed_lanes(history);
         let (front, points) = history.split_at_mut(POINTS);
         let points = &mut points[..N * self.stride];
         let thickness = front[THICKNESS];
@@ -201,6 +205,7 @@ impl Section {
         for c in 0..2 {
             let old = front[SHEAR + c];
             let new = shear.mul_add(strains.gamma[c], old);
+            let new = failed.map_or(new, |failed| R::select(failed, R::zero(), new));
             front[SHEAR + c] = new;
             work = (half_t * (old + new)).mul_add(strains.gamma[c], work);
             q[c] = thickness * new;
@@ -257,6 +262,20 @@ impl Section {
         ]
     }
 
+    /// Lanes all of whose points have failed; `None` if the law never fails.
+    #[inline(always)]
+    pub fn failed_lanes<R: Real>(&self, history: &[R]) -> Option<R::Mask> {
+        let column = self.failed?;
+        let marks = (0..self.points).map(|k| history[POINTS + k * self.stride + column]);
+        Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
+    }
+
+    /// Whether all points of one element have failed.
+    pub fn has_failed(&self, history: &[Lane], lane: usize) -> bool {
+        let mark = |k: usize, column: usize| history[POINTS + k * self.stride + column].lane(lane);
+        self.failed.is_some_and(|column| (0..self.points).all(|k| mark(k, column) > 0.5))
+    }
+
     /// Whether the strain increments at both faces are those of a healthy step (false if not a number).
     #[inline(always)]
     pub fn healthy<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
@@ -291,6 +310,7 @@ impl Section {
             stress: [global(0, 0), global(1, 1), global(2, 2), global(0, 1), global(1, 2), global(2, 0)],
             von_mises,
             thickness: at(THICKNESS),
+            failed: self.has_failed(history, lane),
         }
     }
 }

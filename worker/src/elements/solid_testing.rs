@@ -133,7 +133,7 @@ impl Solids {
         masses
     }
 
-    /// Largest step of the mesh's elements, alone or by the last pass.
+    /// Stable step of the mesh's elements.
     pub fn stable_dt(&self) -> f64 {
         (0..self.cells.len()).map(|e| self.element.stable_dt(&self.corners(e))).fold(f64::INFINITY, f64::min)
     }

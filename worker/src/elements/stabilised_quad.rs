@@ -38,7 +38,7 @@
 
 use super::quad::{self, DRILLING, Generalised, Geometry, Modes, Motion, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
-use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, with_points};
+use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, let_go, with_points};
 use crate::lanes::{Lane, Real};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
@@ -205,10 +205,10 @@ impl StabilisedQuad {
         };
         let (force, mut moment) = forces.corners(&g);
         let (q_xi, q_eta) = (dot2(q, s.to_xi), dot2(q, s.to_eta));
-        let drill = [-(g.hz * (drill[2] + drill[3])), -(g.hz * (drill[2] - drill[3]))];
+        let tilting = [-(g.hz * (drill[2] + drill[3])), -(g.hz * (drill[2] - drill[3]))];
         for c in 0..2 {
-            moment[c][0] = g.b1[c].mul_add(drill[c], moment[c][0]);
-            moment[c][1] = g.b2[c].mul_add(drill[c], moment[c][1]);
+            moment[c][0] = g.b1[c].mul_add(tilting[c], moment[c][0]);
+            moment[c][1] = g.b2[c].mul_add(tilting[c], moment[c][1]);
         }
         let [[x_13, x_24], [y_13, y_24]] = [0, 1].map(|c| {
             let on_beta_q = sixteenth * s.p[c].mul_add(on_xi, -(h[c] * q_xi));
@@ -220,7 +220,13 @@ impl StabilisedQuad {
         moment[0][0] -= y_13;
         moment[1][0] -= y_24;
         let energies = [work * g.area, R::splat(0.5) * energy];
-        Response::new(&g, &self.section, (force, moment), energies, sound)
+        let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
+        if let Some(failed) = self.section.failed_lanes(section) {
+            response.let_go(failed);
+            let_go(failed, stabilising);
+            let_go(failed, drill);
+        }
+        response
     }
 }
 
@@ -245,6 +251,10 @@ impl Element for StabilisedQuad {
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         quad::stable_dt(&self.section, four(x))
+    }
+
+    fn failed(&self, history: &[Lane], lane: usize) -> bool {
+        self.section.has_failed(history, lane)
     }
 
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {

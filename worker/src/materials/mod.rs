@@ -5,7 +5,9 @@
 
 mod elastic;
 mod j2;
+mod johnson_cook;
 mod parameters;
+mod plasticity;
 
 pub(crate) use parameters::unknown_name;
 
@@ -162,7 +164,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW];
+pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW, johnson_cook::LAW];
 
 /// The law of a shell's material, or everything that is wrong with the material, with paths relative to it.
 pub fn build(material: &Material) -> Built {

@@ -5,7 +5,8 @@
 //! any hexahedron. Corner forces are `sum over a of P_a gamma_aI`, whose power is `P_a . dq_a/dt`.
 //!
 //! - *Stiffness*: `dP = (kappa/16) (lambda + 2 mu) V (B_iI B_iI) dq`, P turning with the element. On a cube of side L a
-//!   mode alone has the frequency `sqrt(6 kappa) c_d/L`.
+//!   mode alone has the frequency `sqrt(6 kappa) c_d/L`. It grows with lambda and so stiffens what is nearly
+//!   incompressible: a thick cylinder of six elements radially is 3.4 % stiff at nu = 0.49 and kappa = 0.05.
 //! - *Viscous*: `P = r/4 sqrt(k rho V) dq/dt` with k = dP/dq above at kappa = 1: the fraction r of the critical
 //!   damping of the mode.
 //! - *Assumed strain*, after Belytschko & Bindeman 1993 (ASQBI): the hourglass modes give strains that are linear in xi,
@@ -26,7 +27,7 @@ use crate::lanes::{Real, dot};
 use crate::materials::Elastic;
 use crumple_proto::job::HourglassForm;
 
-/// History columns, in any form: P of the four modes [force/length^0], or nine S and three T [force/length^2].
+/// History columns, in any form: P of the four modes [force], or nine S and three T [force/length^2].
 pub const COLUMNS: usize = 3 * HOURGLASS_MODES;
 /// Least fraction of the elastic stiffness of the assumed-strain form that is left in plastic flow.
 const LEAST_TANGENT: f64 = 0.02;
@@ -54,7 +55,7 @@ pub struct Step<'a, R> {
     pub gram_trace: R,
     /// Mass over volume at the end [mass/length^3].
     pub density: R,
-    /// Deviatoric stress increment over the elastic one.
+    /// Deviatoric stress increment over the elastic one; for assumed strain only.
     pub tangent: R,
     /// One over the step, nought for no step [1/time].
     pub per_time: f64,

@@ -1,10 +1,13 @@
 //! Strain paths with known ends. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in the usual drivers.
 
-use super::super::build;
+use super::super::{Curve, Failure, Rate};
 use super::*;
 use crate::lanes::LANES;
+use crate::materials::build;
 use crumple_proto::partition::{Material, Param};
 
+/// Columns per point: stress xx, yy, xy, effective plastic strain.
+const COLUMNS: usize = 4;
 const E: f64 = 210.0;
 const NU: f64 = 0.3;
 const YIELD: f64 = 0.25;
@@ -191,7 +194,9 @@ fn every_lane_is_what_it_would_be_alone() {
 #[test]
 fn bisection_finds_what_halley_finds() {
     let elastic = Elastic { youngs_modulus: E, poisson: NU, density: 1.0 };
-    let law = J2::new(elastic, YIELD, 1.0, &[(0.01, -0.5)], None);
+    let curve = Curve::lines(YIELD, 1.0, &[(0.01, -0.5)]);
+    let (rate, thermal, failure) = (Rate::None, None, Failure::None);
+    let law = Plasticity { elastic, yield_stress: YIELD, curve, rate, thermal, failure };
     let start = Return { p: 1.6, q: 4.8, eps_p: 0.005, scale: 1.2, y: 0.0 };
     let (mut halley, mut halved) = ([start], start);
     law.solve(&mut halley, &[true]);

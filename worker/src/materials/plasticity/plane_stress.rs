@@ -1,4 +1,4 @@
-//! J2 in plane stress: projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d = sig_y - sig_x`,
+//! Plane stress: projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d = sig_y - sig_x`,
 //! `t = sig_xy` of the elastic trial and the multiplier `x` [length^2/force],
 //! ```text
 //! sig_vm^2(x) = p / A^2 + q / B^2,   p = s^2/4,   q = 3/4 d^2 + 3 t^2,   A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
@@ -15,12 +15,14 @@
 //! nearly so elsewhere, with `sqrt(v)` as the rational function that agrees to the fourth power of v - 1.
 //! Two or three steps reach 1e-10 of the yield stress.
 
-use super::{J2, TOLERANCE};
+use super::{Damage, Plasticity, TOLERANCE};
 use crate::lanes::{Lane, Real};
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 
-/// Columns per point: stress xx, yy, xy, effective plastic strain.
-const COLUMNS: usize = 4;
+/// Columns of stress per point: xx, yy, xy.
+const STRESS: usize = 3;
+/// Effective plastic strain comes next.
+const STRAIN: usize = STRESS;
 /// Halley steps before bisection takes over. Two or three do, unless a table turns up sharply.
 const HALLEY_STEPS: usize = 20;
 /// Halvings of the bracket; 60 leave nothing of it.
@@ -49,7 +51,7 @@ struct Denominators<R> {
     d_beta: R,
 }
 
-impl J2 {
+impl Plasticity {
     /// Slopes of alpha and beta in y beside hardening, in yield stresses.
     #[inline(always)]
     fn moduli(&self) -> [f64; 2] {
@@ -57,9 +59,9 @@ impl J2 {
         [0.5 * youngs_modulus / (1.0 - poisson), 3.0 * self.elastic.shear_modulus()].map(|m| m / self.yield_stress)
     }
 
-    /// All points of a group.
+    /// All points of a group, each with so many columns.
     #[inline(always)]
-    fn stress<R: Real>(&self, points: Points<'_, R>, dt: f64) {
+    fn stress<R: Real, const COLUMNS: usize>(&self, points: Points<'_, R>, dt: f64) {
         let [c11, c12, g] = self.elastic.plane_stress().map(R::splat);
         let per_yield2 = 1.0 / (self.yield_stress * self.yield_stress);
         let [of_s, of_d, of_t] = [0.25, 0.75, 3.0].map(|factor| R::splat(factor * per_yield2));
@@ -86,21 +88,26 @@ impl J2 {
             let (s, d) = (state[0] + state[1], state[1] - state[0]);
             let p = of_s * s * s;
             let q = (of_d * d).mul_add(d, of_t * state[2] * state[2]);
-            let sig_y = self.yield_curve(state[3]).0;
-            let mut over = (p + q).gt(sig_y * sig_y);
-            let mut scale = R::splat(1.0);
-            if self.rate.is_some() && R::any(over) {
-                let e_xy = R::splat(0.5) * eps[2];
-                let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
-                scale = self.rate_factor(sum + sum, dt, over);
+            let sig_y = self.yield_curve(state[STRAIN]).0;
+            let mut scale = self.thermal_factor(&state[STRAIN..]);
+            let soft = scale * sig_y;
+            let mut over = (p + q).gt(soft * soft);
+            if self.rate.counts() && R::any(over) {
+                scale = scale * self.rate_factor(square(eps), dt, over);
                 let scaled = scale * sig_y;
                 over = (p + q).gt(scaled * scaled);
             }
+            if COLUMNS > STRAIN + 1 {
+                over = R::both(over, Self::alive(&state[STRAIN..]));
+            }
             yields[k] = over;
-            returns[k] = Return { p, q, eps_p: state[3], scale, y: zero };
+            returns[k] = Return { p, q, eps_p: state[STRAIN], scale, y: zero };
             any |= R::any(over);
         }
         if !any {
+            if COLUMNS > STRAIN + 1 {
+                states.iter_mut().for_each(|state| Self::let_go(state, STRAIN));
+            }
             return;
         }
 
@@ -120,9 +127,16 @@ impl J2 {
             state[0] = R::select(yields, half * (s - d), state[0]);
             state[1] = R::select(yields, half * (s + d), state[1]);
             state[2] = R::select(yields, state[2] * inv_b, state[2]);
-            state[3] = R::select(yields, state[3] + back.y, state[3]);
+            let y = R::select(yields, back.y, zero);
+            state[STRAIN] += y;
             let eps_z = thickness_strain[k];
             thickness_strain[k] = R::select(yields, thinning.mul_add(s - s0, eps_z), eps_z);
+            if COLUMNS > STRAIN + 1 {
+                let mean = R::splat(1.0 / 3.0 / self.yield_stress) * (state[0] + state[1]);
+                let damage = Damage { y, sig_y, mean, square: square(strain[k]), dt };
+                self.suffer(&damage, yields, &mut state[STRAIN..]);
+                Self::let_go(state, STRAIN);
+            }
         }
     }
 
@@ -211,18 +225,36 @@ impl J2 {
     }
 }
 
-impl PlaneStress for J2 {
+/// `e:e` of the isochoric strain increment with these components in the plane.
+#[inline(always)]
+fn square<R: Real>(eps: [R; 3]) -> R {
+    let e_xy = R::splat(0.5) * eps[2];
+    let sum = eps[0].mul_add(eps[0] + eps[1], eps[1].mul_add(eps[1], e_xy * e_xy));
+    sum + sum
+}
+
+impl Plasticity {
+    #[inline(always)]
+    fn points<R: Real>(&self, points: Points<'_, R>, dt: f64) {
+        match self.names().len() {
+            1 => self.stress::<R, 4>(points, dt),
+            _ => self.stress::<R, 7>(points, dt),
+        }
+    }
+}
+
+impl PlaneStress for Plasticity {
     fn history(&self) -> &'static [&'static str] {
-        &["plastic_strain"]
+        self.names()
     }
     fn elastic(&self) -> Elastic {
         self.elastic
     }
     fn update(&self, points: Points<'_, Lane>, dt: f64) {
-        self.stress(points, dt);
+        self.points(points, dt);
     }
     fn update_one(&self, points: Points<'_, f64>, dt: f64) {
-        self.stress(points, dt);
+        self.points(points, dt);
     }
 }
 

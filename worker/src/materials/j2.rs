@@ -1,5 +1,4 @@
-//! J2 (von Mises) plasticity with isotropic hardening: in plane stress (`plane_stress`), in three dimensions (`solid`).
-//! Both return the elastic trial to the yield surface along the flow rule, whatever the size of the step.
+//! J2 (von Mises) plasticity with isotropic hardening. The return to the yield surface is in `plasticity`.
 //!
 //! Yield stress `sig_y(eps_p)` [force/length^2], one of
 //! - `yield_stress` and, if wanted, the plastic modulus `hardening_modulus`: `yield_stress + hardening_modulus eps_p`;
@@ -10,34 +9,18 @@
 //! as isochoric, so `e:e = 2 (e_x^2 + e_y^2 + e_x e_y + e_xy^2)`).
 //! It is not filtered and does not count while the trial is below the static yield stress.
 //!
-//! Left out: kinematic hardening, failure, transverse shear in the yield condition (as in most shell codes).
-
-mod plane_stress;
-mod solid;
+//! `failure_strain`: the effective plastic strain at which a point fails and bears no stress any more.
+//!
+//! Left out: kinematic hardening, transverse shear in the yield condition of shells (as in most shell codes).
 
 use super::parameters::Parameters;
+use super::plasticity::{Curve, Failure, Plasticity, Rate};
 use super::{Built, BuiltSolid, Elastic, Law};
-use crate::lanes::Real;
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law { name: "j2", build, solid };
-
-/// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
-const TOLERANCE: f64 = 1e-10;
-struct J2 {
-    elastic: Elastic,
-    /// Yield stress at no plastic strain [force/length^2]. The return works in units of it, in which its powers
-    /// neither overflow nor vanish, whatever the units of the job.
-    yield_stress: f64,
-    /// Slope there, in yield stresses.
-    slope: f64,
-    /// Plastic strains where the slope changes, and by how much, in yield stresses.
-    ramps: Vec<(f64, f64)>,
-    /// C [1/time] and 1/p.
-    rate: Option<(f64, f64)>,
-}
 
 fn build(material: &Material) -> Built {
     let mut parameters = Parameters::new(material);
@@ -52,20 +35,25 @@ fn solid(material: &Material) -> BuiltSolid {
 }
 
 /// The law with what is left to read.
-fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<J2, Vec<Problem>> {
+fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, Vec<Problem>> {
     let (yield_stress, slope, ramps) = hardening(&mut parameters);
     let rate = match parameters.get("cowper_symonds") {
-        None => None,
+        None => Rate::None,
         Some(Param::List(list)) if list.len() == 2 && list.iter().all(|v| v.is_finite() && *v > 0.0) => {
-            Some((list[0], 1.0 / list[1]))
+            Rate::CowperSymonds { c: list[0], inv_p: 1.0 / list[1] }
         }
         Some(_) => {
             parameters.wrong("cowper_symonds", "is not [C, p]", "give two numbers above 0: C in 1/time, and p");
-            None
+            Rate::None
         }
     };
+    let failure = match parameters.optional("failure_strain", "above 0", |f| f > 0.0) {
+        Some(strain) => Failure::Strain(strain),
+        None => Failure::None,
+    };
     parameters.finish()?;
-    Ok(J2::new(elastic, yield_stress, slope, &ramps, rate))
+    let curve = Curve::lines(yield_stress, slope, &ramps);
+    Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure })
 }
 
 /// Yield stress, first slope, and changes of slope.
@@ -108,35 +96,4 @@ fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     slopes.push(0.0);
     let ramps = rows[1..].iter().zip(slopes.windows(2)).map(|(row, s)| (row[0], s[1] - s[0])).collect();
     (rows[0][1], slopes[0], ramps)
-}
-
-impl J2 {
-    /// From stresses in the job's units.
-    fn new(elastic: Elastic, yield_stress: f64, slope: f64, ramps: &[(f64, f64)], rate: Option<(f64, f64)>) -> Self {
-        let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
-        Self { elastic, yield_stress, slope: slope / yield_stress, ramps, rate }
-    }
-
-    /// Yield stress and plastic modulus at a plastic strain. Ramps instead of a search: no lane waits for another.
-    #[inline(always)]
-    fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
-        let mut modulus = R::splat(self.slope);
-        let mut sig_y = modulus.mul_add(eps_p, R::splat(1.0));
-        for &(start, change) in &self.ramps {
-            let beyond = eps_p - R::splat(start);
-            let change = R::select(beyond.gt(R::zero()), R::splat(change), R::zero());
-            sig_y = change.mul_add(beyond, sig_y);
-            modulus += change;
-        }
-        (sig_y, modulus)
-    }
-
-    /// Factor of Cowper and Symonds in the lanes of `mask`, one elsewhere; `square` is `e:e` of the strain increment's
-    /// deviator.
-    #[inline(always)]
-    fn rate_factor<R: Real>(&self, square: R, dt: f64, mask: R::Mask) -> R {
-        let Some((c, inv_p)) = self.rate else { return R::splat(1.0) };
-        let rate = (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(1.0 / (dt * c));
-        R::select(mask, R::splat(1.0) + rate.powf_where(inv_p, mask), R::splat(1.0))
-    }
 }
