@@ -4,6 +4,7 @@ pub use crate::agreement::Agreed;
 use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
+use crate::contact::enforce::Bodies;
 use crate::energy::{Ledger, momentum};
 use crate::halo::Halo;
 use crate::membership::{Local, Share, settle};
@@ -108,7 +109,7 @@ impl Engine {
         let mut engine = Self {
             clock: Clock::start(&settings, stable_dt),
             walls: Walls::new(&settings.walls),
-            contact: settings.contact.as_ref().map(Contact::new),
+            contact: settings.contact.as_ref().map(|c| Contact::new(c, &bodies(&settings))),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
             timer: Timer::new(),
@@ -239,4 +240,13 @@ impl Engine {
         self.clock.rows += 1;
         post(wire, 0, Tag::Report, &ToMaster::History(Box::new(row)))
     }
+}
+
+/// What contact knows of the bodies. Parts whose material cannot be built are refused before the start.
+fn bodies(settings: &Settings) -> Bodies {
+    let modulus = |part: &crumple_proto::job::Part| {
+        let material = settings.materials.iter().find(|m| m.name == part.material);
+        material.and_then(|m| crate::materials::build(m).ok()).map_or(0.0, |law| law.elastic().youngs_modulus)
+    };
+    Bodies { safety: settings.safety, moduli: settings.parts.iter().map(modulus).collect() }
 }

@@ -6,7 +6,7 @@ use super::validate::Findings;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
-use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
 use crumple_worker::contact::initial::initial_penetrations;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block};
@@ -15,6 +15,16 @@ use crumple_worker::materials;
 /// Names of the contact laws.
 pub fn contact_laws() -> Vec<&'static str> {
     CONTACT_LAWS.iter().map(|law| law.name).collect()
+}
+
+/// Names of the ways in which the Lagrange law iterates.
+pub fn iterations() -> Vec<&'static str> {
+    ITERATIONS.iter().map(|iteration| iteration.0).collect()
+}
+
+/// Names of the forms of the penalty stiffness.
+pub fn penalty_forms() -> &'static [&'static str] {
+    PENALTY_FORMS
 }
 
 /// Names of the global searches.
