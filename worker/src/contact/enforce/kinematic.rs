@@ -81,10 +81,12 @@ impl ContactLaw for Kinematic {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let new_pressed = (pressed + pair.turn * more).max(0.0);
         let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, self.friction);
-        let change = (new_pressed - pressed).abs().max((new_sheared - sheared).norm());
+        let change = (new_pressed - pressed).abs();
+        // Friction under a light load is small against the gap's tolerance, and wanted all the same.
+        let turns = (new_sheared - sheared).norm() > self.tolerance * self.friction * new_pressed;
         let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.mid);
         let ends = pressed > 0.0 && new_pressed == 0.0;
-        (ends || change > floor.max(self.tolerance * new_pressed.max(pressed)))
+        (ends || turns || change > floor.max(self.tolerance * new_pressed.max(pressed)))
             .then(|| pair.normal * new_pressed + new_sheared)
     }
 

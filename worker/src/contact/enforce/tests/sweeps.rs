@@ -121,25 +121,36 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
     }
 }
 
-/// C15: with a cap on sweeps what is left over stays bounded, takes no energy from anywhere, and shows as penetration.
+/// C15: with too few sweeps for a light node between two heavy plates the plates sink in, and it shows; the node stays
+/// between them. Gauss-Seidel takes no energy from anywhere. Split masses, whose remembered forces go on pushing when they
+/// should long have ended, do: they must be given sweeps.
 #[test]
-fn too_few_sweeps_leave_penetration_and_make_no_energy() {
-    for iteration in ["split", "gauss_seidel"] {
-        let at = |z: f64, v: f64| {
-            square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], p.mass))
-        };
+fn too_few_sweeps_leave_penetration_that_shows() {
+    let energy = |iteration: &str, sweeps: usize| {
+        let at =
+            |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
         let points: Vec<_> = at(-THICK, 1.0).chain(at(THICK, -1.0)).chain([mass([0.0; 3], [0.0; 3], 0.004)]).collect();
-        let job = ContactJob { sweeps: 10, iteration: iteration.into(), ..job("lagrange") };
+        let job = ContactJob { sweeps, iteration: iteration.into(), ..job("lagrange") };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
         let mut most = before;
         for _ in 0..200 {
             scene.step();
             most = most.max(scene.energy());
+            assert!(scene.x(0).z < scene.x(8).z && scene.x(8).z < scene.x(4).z, "{iteration}: expelled");
         }
-        eprintln!("{iteration}: 10 sweeps, penetration {:.2e} of the thickness", scene.contact.penetration);
-        assert!(most <= before * (1.0 + 1e-12), "{iteration}: energy {most} of {before}");
-        assert!(scene.contact.penetration > 1e-3, "{iteration}: reported");
-        assert!(scene.momentum().norm() < 1e-12 && scene.x(8).norm() < THICK, "{iteration}: not expelled");
+        assert!(scene.momentum().norm() < 1e-12 * 8.0, "{iteration}: round-off");
+        eprintln!(
+            "{iteration}, {sweeps} sweeps: energy {:.4} at most, {:.2e} deep",
+            most / before,
+            scene.contact.penetration
+        );
+        assert_eq!(scene.contact.penetration > 0.05, sweeps < 100, "{iteration}: {}", scene.contact.penetration);
+        most / before
+    };
+    assert!(energy("gauss_seidel", 10) < 1.0 + 1e-12);
+    for iteration in ["split", "gauss_seidel"] {
+        assert!(energy(iteration, 20_000) < 1.0 + 1e-12, "{iteration}");
     }
+    energy("split", 10);
 }
