@@ -106,12 +106,14 @@ fn overlap(pair: &Pair) -> f64 {
     pair.gap.max(-CORRECT * pair.thickness)
 }
 
-/// Tangential distance from the stick point after a step in which a node that sticks ends where the law left it, and one
-/// that slides begins anew [length].
+/// Tangential distance from the stick point after the step, nought where the node slides [length]. It slides if the force
+/// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
+/// leave it a little short of the cone.
 fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
     let (pressed, sheared) = split(&pair.force, &pair.normal);
     let (_, sliding) = split(velocity, &pair.normal);
-    let sticks = pressed > 0.0 && sheared.norm() < friction * pressed * (1.0 - 1e-9);
+    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.mid * pair.compliance[1]);
+    let sticks = pressed > 0.0 && back.norm() < friction * pressed * (1.0 - 1e-9);
     if sticks { pair.slip + sliding * steps.dt } else { V3::zeros() }
 }
 

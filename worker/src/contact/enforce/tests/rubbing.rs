@@ -81,12 +81,13 @@ fn coulomb_friction_of_the_penalty_law() {
 /// follows the pull and changes its sign once at most; the block comes back to where it was.
 #[test]
 fn friction_follows_a_reversing_pull_without_chatter() {
-    // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 1 % of mu N.
-    let (mu, n, period) = (0.3, 2e3 / 0.3, 200);
-    let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
+    let (mu, period) = (0.3, 200);
     let stiff = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e6, ..job("penalty") };
-    for of in [job("lagrange"), gauss_seidel, job("kinematic"), job("penalty"), stiff] {
+    for of in [job("kinematic"), job("penalty"), stiff] {
         let name = format!("{} {} {}", of.law, of.iteration, of.penalty_form);
+        // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 0.25 % of mu N; for a penalty
+        // so small that the block sinks in by a third of the thickness.
+        let n = if of.law == "penalty" { 2e3 / mu } else { 8e3 / mu };
         let mut scene = plate(&ContactJob { friction: mu, ..of.clone() }, 0.0, 0.0, n);
         let block = scene.nodes.len() - 1;
         scene.nodes.x[block][0] = 9.0; // midway
@@ -104,11 +105,14 @@ fn friction_follows_a_reversing_pull_without_chatter() {
                 let work = scene.step();
                 let v = scene.v(block).x;
                 dissipated -= work.friction;
-                expected += mu * n * v.abs() * dt;
                 mean += scene.x(block).x / period as f64;
                 widest = (scene.x(block).x.min(widest.0), scene.x(block).x.max(widest.1));
                 let force = scene.pairs()[0].force.x;
-                if pull.abs() < mu * n && v.abs() < 0.05 {
+                // Where a penalty sticks, the block swings on its spring and nothing is lost.
+                if force.abs() > 0.99 * mu * scene.pairs()[0].force.z {
+                    expected += mu * n * v.abs() * dt;
+                }
+                if pull.abs() < mu * n && v.abs() < 0.1 {
                     since += 1;
                     if last_sign * force < 0.0 {
                         (quickest, since, changes) = (quickest.min(since), 0, changes + 1);
