@@ -5,7 +5,7 @@
 //! mid-step velocity with all present forces felt. The total normal force may not pull; the tangential one sticks to the
 //! stick point within the cone mu f_n. How pairs take turns, and whose masses c is made of, is [`Iteration`].
 
-use super::{ContactLaw, GAP, Iteration, LawRow, Steps, overlap, split, within_cone};
+use super::{ContactLaw, GAP, Iteration, LawRow, Steps, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 
@@ -66,9 +66,6 @@ impl ContactLaw for Lagrange {
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
-        let (pressed, sheared) = split(&pair.force, &pair.normal);
-        let (_, sliding) = split(velocity, &pair.normal);
-        let sticks = pressed > 0.0 && sheared.norm() < self.friction * pressed * (1.0 - 1e-9);
-        if sticks { pair.slip + sliding * steps.dt } else { V3::zeros() }
+        stuck(pair, velocity, self.friction, steps)
     }
 }

@@ -82,8 +82,9 @@ fn coulomb_friction_of_the_penalty_law() {
 #[test]
 fn friction_follows_a_reversing_pull_without_chatter() {
     let (mu, period) = (0.3, 200);
+    let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
     let stiff = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e6, ..job("penalty") };
-    for of in [job("kinematic"), job("penalty"), stiff] {
+    for of in [job("lagrange"), gauss_seidel, job("kinematic"), job("penalty"), stiff] {
         let name = format!("{} {} {}", of.law, of.iteration, of.penalty_form);
         // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 0.25 % of mu N; for a penalty
         // so small that the block sinks in by a third of the thickness.
