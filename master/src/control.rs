@@ -368,6 +368,7 @@ impl<'a> Control<'a> {
                 penetration_max: self.history.penetration,
                 searches: mean(|c| c.searches),
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
+                capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
             state_digest: summary::state_digest(&mut self.states),
         };

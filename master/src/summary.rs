@@ -93,6 +93,8 @@ pub struct ContactSummary {
     pub searches: f64,
     /// Sweeps per cycle, mean over workers.
     pub sweeps_per_cycle: f64,
+    /// Pairs whose penalty stiffness was lowered so that the step stays stable, mean over cycles.
+    pub capped_per_cycle: f64,
 }
 
 /// CPU accounting of the workers, waiting left out; renewals are in neither sum of cycles [s].

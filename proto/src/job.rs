@@ -312,7 +312,7 @@ pub struct Fix {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Name of the law in the worker's table: `lagrange` or `penalty`.
+    /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`.
     pub law: String,
     /// Coulomb friction coefficient.
     pub friction: f64,
@@ -321,14 +321,26 @@ pub struct Contact {
     /// Distance that candidates reach beyond contact, so that the search need not run every step [length];
     /// 0 for a quarter of the median element side.
     pub skin: f64,
-    /// Most sweeps over all pairs within a step (Lagrange).
+    /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `split`, all from the same
+    /// state with nodal masses split among their pairs; `gauss_seidel`, one after the other in ascending (node, segment);
+    /// `jacobi`, all from the same state with full masses, which diverges where many or heavy nodes sit on one segment.
+    pub iteration: String,
+    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D).
     pub sweeps: usize,
-    /// Relative change below which a pair's force is left as it is (Lagrange).
+    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic).
     pub tolerance: f64,
     /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7).
     pub weighting: String,
-    /// Scale of the penalty stiffness (penalty).
+    /// Fraction beta of the correction that the surface with the lower node ids takes as slave of the other, which takes
+    /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
+    pub partition: f64,
+    /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
+    /// modulus, area and longest diagonal, E A / d.
+    pub penalty_form: String,
+    /// Scale of the penalty stiffness, of either form (penalty).
     pub penalty_scale: f64,
+    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up.
+    pub penalty_cap: bool,
     /// Parts that take part; all if empty.
     pub parts: Vec<u32>,
 }
@@ -340,10 +352,14 @@ impl Default for Contact {
             friction: 0.0,
             search: "cells".into(),
             skin: 0.0,
+            iteration: "split".into(),
             sweeps: 20,
             tolerance: 1e-3,
             weighting: "shape".into(),
+            partition: 0.5,
+            penalty_form: "soft".into(),
             penalty_scale: 0.1,
+            penalty_cap: true,
             parts: Vec::new(),
         }
     }

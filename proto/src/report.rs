@@ -137,6 +137,8 @@ pub struct Closing {
     pub searches: u64,
     /// Contact sweeps done.
     pub sweeps: u64,
+    /// Contact pairs held softer than the job asks, summed over cycles.
+    pub capped: u64,
     /// Whether the run was stopped by an order.
     pub stopped: bool,
 }

@@ -4,6 +4,7 @@ pub use crate::agreement::Agreed;
 use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
+use crate::contact::enforce::Bodies;
 use crate::energy::{Ledger, momentum};
 use crate::halo::Halo;
 use crate::loads::Loads;
@@ -116,7 +117,7 @@ impl Engine {
             walls: Walls::new(&settings.walls),
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
-            contact: settings.contact.as_ref().map(Contact::new),
+            contact: settings.contact.as_ref().map(|c| Contact::new(c, &bodies(&settings))),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
             timer: Timer::new(),
@@ -249,4 +250,13 @@ impl Engine {
         self.clock.rows += 1;
         post(wire, 0, Tag::Report, &ToMaster::History(Box::new(row)))
     }
+}
+
+/// What contact knows of the bodies. Parts whose material cannot be built are refused before the start.
+fn bodies(settings: &Settings) -> Bodies {
+    let modulus = |part: &crumple_proto::job::Part| {
+        let material = settings.materials.iter().find(|m| m.name == part.material);
+        material.and_then(|m| crate::materials::build(m).ok()).map_or(0.0, |law| law.elastic().youngs_modulus)
+    };
+    Bodies { safety: settings.safety, moduli: settings.parts.iter().map(modulus).collect() }
 }

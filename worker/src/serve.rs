@@ -66,7 +66,11 @@ impl Worker {
             if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
                 self.engine.agreement.urgency = 1.0;
             }
+            let capped = self.capped();
             let agreed = step(&mut self.engine, wire)?;
+            if capped == 0 && self.capped() > 0 {
+                self.tell_of_caps(wire)?;
+            }
             if let Some(elem) = agreed.trouble {
                 self.tell_trouble(wire, elem)?;
                 break;
@@ -114,6 +118,22 @@ impl Worker {
         let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt) else { return Ok(()) };
         let trouble = Trouble { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
         post(wire, 0, Tag::Report, &ToMaster::Trouble(trouble))
+    }
+
+    fn capped(&self) -> u64 {
+        self.engine.contact.as_ref().map_or(0, |c| c.capped)
+    }
+
+    /// Says once that penalties are softer than the job asks; the summary says how many in the end.
+    fn tell_of_caps(&self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let (pairs, clock) = (self.capped(), &self.engine.clock);
+        let warning = format!(
+            "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was lowered, as it will be from now \
+             on where the step would become unstable; nodes sink in deeper than the job asks for (a lower time.safety \
+             leaves more room, a lower contact.penalty_scale asks for less)",
+            clock.cycle, clock.time
+        );
+        post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
     /// CPU time of the cycle so far, waiting left out.
@@ -229,6 +249,7 @@ impl Worker {
             bytes: traffic.bytes,
             searches: e.contact.as_ref().map_or(0, |c| c.searches),
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
+            capped: e.contact.as_ref().map_or(0, |c| c.capped),
             stopped: self.stopped,
         };
         let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();

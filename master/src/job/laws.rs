@@ -7,7 +7,7 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
-use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
 use crumple_worker::contact::initial::initial_penetrations;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block, formulation};
@@ -16,6 +16,16 @@ use crumple_worker::materials;
 /// Names of the contact laws.
 pub fn contact_laws() -> Vec<&'static str> {
     CONTACT_LAWS.iter().map(|law| law.name).collect()
+}
+
+/// Names of the ways in which the Lagrange law iterates.
+pub fn iterations() -> Vec<&'static str> {
+    ITERATIONS.iter().map(|iteration| iteration.0).collect()
+}
+
+/// Names of the forms of the penalty stiffness.
+pub fn penalty_forms() -> &'static [&'static str] {
+    PENALTY_FORMS
 }
 
 /// Names of the global searches.

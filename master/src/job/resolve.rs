@@ -130,6 +130,15 @@ fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     numbers.word("contact.law", &contact.law, &laws::contact_laws());
     numbers.word("contact.search", &contact.search, &laws::searches());
     numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
+    numbers.word("contact.iteration", &contact.iteration, &laws::iterations());
+    numbers.word("contact.penalty_form", &contact.penalty_form, laws::penalty_forms());
+    let (beta, wanted) = (contact.partition, "between 0 and 1; 0.5 treats both surfaces alike");
+    numbers.need((0.0..=1.0).contains(&beta), "contact.partition", beta, wanted);
+    if contact.law == "penalty" && contact.penalty_cap && job.time.safety >= 1.0 {
+        let message = format!("safety = {} leaves a penalty no room below the stable step", job.time.safety);
+        let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
+        numbers.findings.add(Problem::error("time.safety", message, help));
+    }
     numbers.need(contact.friction >= 0.0, "contact.friction", contact.friction, "0 or above");
     numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (a quarter of the median side) or above");
     numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");

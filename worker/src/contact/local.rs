@@ -207,6 +207,10 @@ fn look(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> Opt
         slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
         compliance: [0.0; 2],
         users: [0; 5],
+        guess: V3::zeros(),
+        turn: 1.0,
+        mass: 0.0,
+        stiffness: 0.0,
         own: true,
     };
     Some(Find { pair, impact, opening, offset, gap })

@@ -2,7 +2,8 @@
 //!
 //! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search?
 //! 2. local search (`local.rs`), every step: which of them does it meet in this step?
-//! 3. enforcement (`enforce/`): forces, iterated over all pairs, those of other workers included (`pairs.rs`)
+//! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
+//!    (`pairs.rs`)
 
 pub mod enforce;
 pub mod geometry;
@@ -11,6 +12,7 @@ pub mod local;
 pub mod pairs;
 pub mod search;
 pub mod surface;
+mod sweep;
 
 use crate::halo::Halo;
 use crate::motion::Motion;
@@ -19,11 +21,12 @@ use crate::wall::Walls;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
-use enforce::{CONTACT_LAWS, ContactLaw, Steps};
+use enforce::{Bodies, CONTACT_LAWS, ContactLaw, Steps};
 use geometry::V3;
 use pairs::{Memory, PairTable, push};
 use search::{SEARCHES, Search};
 use surface::Surface;
+use sweep::Sweeps;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
@@ -37,6 +40,8 @@ pub struct Contact {
     candidate_start: Vec<u32>,
     candidates: Vec<u32>,
     since_search: Motion,
+    /// Stiffness per segment, empty unless the law wants it [force/length].
+    stiffness: Vec<f64>,
     /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
     memory_start: Vec<u32>,
     memories: Vec<Memory>,
@@ -47,6 +52,8 @@ pub struct Contact {
     pub searches: u64,
     /// Sweeps so far.
     pub sweeps: u64,
+    /// Pairs that were held softer than the job asks so that the step stays stable, summed over the steps so far.
+    pub capped: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
     pub penetration: f64,
 }
@@ -71,13 +78,13 @@ impl Contact {
     ///
     /// # Panics
     /// On a law or search that is not in the tables; the master checks names before it deals out work.
-    pub fn new(job: &ContactJob) -> Self {
+    pub fn new(job: &ContactJob, bodies: &Bodies) -> Self {
         let law =
             CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
         let method =
             SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
-            law: (law.build)(job),
+            law: (law.build)(job, bodies),
             find: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
@@ -85,12 +92,14 @@ impl Contact {
             candidate_start: Vec::new(),
             candidates: Vec::new(),
             since_search: Motion::since(&[]),
+            stiffness: Vec::new(),
             memory_start: Vec::new(),
             memories: Vec::new(),
             table: PairTable::default(),
             free: Vec::new(),
             searches: 0,
             sweeps: 0,
+            capped: 0,
             penetration: 0.0,
         }
     }
@@ -98,6 +107,8 @@ impl Contact {
     /// Takes a new surface and what its slaves remember; candidates must be searched again.
     pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
         self.surface = surface;
+        let stiffness = self.surface.segments.iter().map(|s| self.law.segment_stiffness(s, &nodes.x0));
+        self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.memories.clear();
         self.memory_start.clear();
         self.candidate_start.clear();
@@ -167,6 +178,11 @@ impl Contact {
             }
         }
         for p in &mut pairs {
+            p.weigh_slave(nodes);
+            if !self.stiffness.is_empty() {
+                let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
+                p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
+            }
             p.force = self.law.start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
         }
@@ -201,29 +217,8 @@ impl Contact {
         if t.pairs.is_empty() {
             return Ok(());
         }
-        t.soften(nodes, self.law.splits_mass());
-        feel(t, &self.free, nodes, walls, steps);
-        let workers = (wire.size() - 1) as u64;
-        let mut quiet = 0;
-        for _ in 0..self.law.sweeps() {
-            self.sweeps += 1;
-            let mut changed = false;
-            for p in t.pairs.iter_mut().filter(|p| p.own) {
-                if let Some(force) = self.law.update(p, &p.relative_velocity(&nodes.next_v), steps) {
-                    p.force = force;
-                    changed = true;
-                }
-            }
-            quiet = if changed { 0 } else { quiet + 1 };
-            if t.is_common() {
-                quiet = t.swap_forces(wire, quiet)?;
-            }
-            feel(t, &self.free, nodes, walls, steps);
-            // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
-            if quiet >= if t.is_common() { workers } else { 1 } {
-                break;
-            }
-        }
+        let mut sweeps = Sweeps { law: self.law.as_ref(), nodes, free: &self.free, walls, steps };
+        self.sweeps += sweeps.run(t, wire)?;
         Ok(())
     }
 
@@ -247,6 +242,7 @@ impl Contact {
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
             work.friction += steps.mid * sheared.dot(&velocity);
             p.slip = self.law.slip(p, &velocity, steps);
+            self.capped += u64::from(self.law.is_capped(p, steps));
         }
         for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
             let (a, b) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
@@ -264,15 +260,5 @@ impl Contact {
             *end = self.memories.len() as u32;
         }
         work
-    }
-}
-
-/// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
-fn feel(t: &mut PairTable, free: &[Row], nodes: &mut Nodes, walls: &Walls, steps: Steps) {
-    t.add_up();
-    for (k, &n) in t.touched.iter().enumerate() {
-        let n = n as usize;
-        let v = push(&free[k], &t.total[k], &nodes.inv_mass[n], steps.mid);
-        nodes.next_v[n] = walls.stop(&nodes.x[n], v, &nodes.inv_mass[n], steps.dt);
     }
 }

@@ -3,6 +3,8 @@
 //! A worker owns the pairs of the nodes that it owns. It learns of every other pair that touches one of its local
 //! nodes, so that it can add up the contact force on each of them alone, in ascending (node, segment).
 
+mod order;
+
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::halo::Halo;
@@ -10,6 +12,9 @@ use crate::nodes::{Nodes, Row, row};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::transport::{Lost, Tag, Transport};
+
+/// A node that is held fixed counts as this many times the mass of the segment that it meets.
+pub const HELD: f64 = 1e6;
 
 /// A node on a segment.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +50,15 @@ pub struct Pair {
     pub compliance: [f64; 2],
     /// Pairs that touch each of the five nodes, 0 where this one has no share.
     pub users: [u32; 5],
+    /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
+    /// gets, for laws that predict and correct [force].
+    pub guess: V3,
+    /// See `guess`.
+    pub turn: f64,
+    /// Mass of the node along the normal, with what holds it [mass].
+    pub mass: f64,
+    /// Stiffness of the segment, for laws that have one for it [force/length].
+    pub stiffness: f64,
     /// Whether this worker owns the pair.
     pub own: bool,
 }
@@ -112,6 +126,7 @@ struct WirePair {
     nodes: [NodeId; 4],
     weight: [f64; 4],
     force: [f64; 3],
+    mass: f64,
 }
 const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
 
@@ -137,6 +152,7 @@ pub struct PairTable {
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
     common: Vec<Common>,
+    order: order::Order,
     incidence: Vec<(u32, u32, u8)>,
     words: Vec<u64>,
 }
@@ -257,13 +273,45 @@ impl PairTable {
     /// Adds up the contact force on every touched node.
     pub fn add_up(&mut self) {
         for t in 0..self.touched.len() {
-            let mut sum = V3::zeros();
-            for &(p, r) in &self.roles[self.start[t] as usize..self.start[t + 1] as usize] {
-                let pair = &self.pairs[p as usize];
-                if r == 0 { sum += pair.force } else { sum -= pair.force * pair.weight[r as usize - 1] }
-            }
-            self.total[t] = sum;
+            self.total[t] = self.force_at(t);
         }
+    }
+
+    /// Pairs that touch the node at place `t` of `touched`, ascending, and its role in each.
+    fn roles_at(&self, t: usize) -> &[(u32, u8)] {
+        &self.roles[self.start[t] as usize..self.start[t + 1] as usize]
+    }
+
+    /// Sum of the forces of all pairs on the node at place `t` of `touched` [force].
+    fn force_at(&self, t: usize) -> V3 {
+        let mut sum = V3::zeros();
+        for &(p, r) in self.roles_at(t) {
+            let pair = &self.pairs[p as usize];
+            if r == 0 { sum += pair.force } else { sum -= pair.force * pair.weight[r as usize - 1] }
+        }
+        sum
+    }
+
+    /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at place `t` of `touched`
+    /// takes as a segment's node [force], [mass].
+    pub fn pressed_on(&self, t: usize) -> (V3, f64) {
+        let (mut force, mut mass) = (V3::zeros(), 0.0);
+        for &(p, r) in self.roles_at(t).iter().filter(|(_, r)| *r > 0) {
+            let pair = &self.pairs[p as usize];
+            if pair.guess != V3::zeros() {
+                force += pair.guess * pair.weight[r as usize - 1];
+                mass += pair.mass * pair.weight[r as usize - 1];
+            }
+        }
+        (force, mass)
+    }
+
+    /// Whether a node of the own pair's segment is itself a slave that is pushed back from the pair's side.
+    pub fn is_mutual(&self, pair: &Pair) -> bool {
+        let places = (1..5).filter(|&r| pair.share(r) != 0.0);
+        let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
+        let mut slaves = places.flat_map(|t| self.roles_at(t)).filter(|(_, r)| *r == 0);
+        slaves.any(|&(q, _)| (self.pairs[q as usize].force + self.pairs[q as usize].guess).dot(&pair.normal) < 0.0)
     }
 
     /// Whether other workers know some of these pairs.
@@ -277,11 +325,23 @@ impl PairTable {
     /// # Errors
     /// A worker is gone.
     pub fn swap_forces(&mut self, wire: &mut dyn Transport, quiet: u64) -> Result<u64, Lost> {
+        self.swap(wire, quiet, |pair| &mut pair.force)
+    }
+
+    /// Exchanges the guesses of pairs that several workers know.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn swap_guesses(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        self.swap(wire, 0, |pair| &mut pair.guess).map(|_| ())
+    }
+
+    fn swap(&mut self, wire: &mut dyn Transport, quiet: u64, of: fn(&mut Pair) -> &mut V3) -> Result<u64, Lost> {
         for c in &self.common {
             self.words.clear();
             self.words.push(quiet);
             for &i in &c.sent {
-                let f = &self.pairs[i as usize].force;
+                let f = of(&mut self.pairs[i as usize]);
                 self.words.extend([f.x, f.y, f.z].map(f64::to_bits));
             }
             wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
@@ -291,7 +351,7 @@ impl PairTable {
             wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
             least = least.min(self.words[0]);
             for (&i, f) in c.received.iter().zip(self.words[1..].chunks_exact(3)) {
-                self.pairs[i as usize].force =
+                *of(&mut self.pairs[i as usize]) =
                     V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
             }
         }
@@ -308,6 +368,21 @@ impl Pair {
     /// How far the contact point or the slave follows the node in role `r`.
     fn follows(&self, r: usize) -> f64 {
         if r == 0 { 1.0 } else { self.shape[r - 1] }
+    }
+
+    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the one with the
+    /// lower node ids, the rest for the other.
+    pub fn turn_of(&self, nodes: &Nodes, partition: f64) -> f64 {
+        let lowest = self.nodes[1..].iter().map(|&n| nodes.id[n as usize]).min();
+        if lowest.is_some_and(|id| self.slave < id) { partition } else { 1.0 - partition }
+    }
+
+    /// Notes the slave's mass along the normal; own pairs only.
+    pub fn weigh_slave(&mut self, nodes: &Nodes) {
+        let segment: f64 = self.nodes[1..].iter().map(|&n| nodes.mass[n as usize]).sum();
+        let (n, inv) = (&self.normal, &nodes.inv_mass[self.nodes[0] as usize]);
+        let moves = n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2];
+        self.mass = if moves * HELD * segment > 1.0 { 1.0 / moves } else { HELD * segment };
     }
 
     /// Local nodes that the pair's force acts on.
@@ -343,7 +418,7 @@ impl Pair {
 impl WirePair {
     fn of(p: &Pair, nodes: &Nodes) -> Self {
         let ids = [p.nodes[1], p.nodes[2], p.nodes[3], p.nodes[4]].map(|n| nodes.id[n as usize]);
-        Self { slave: p.slave, segment: p.segment, nodes: ids, weight: p.weight, force: p.force.into() }
+        Self { slave: p.slave, segment: p.segment, nodes: ids, weight: p.weight, force: p.force.into(), mass: p.mass }
     }
 
     fn pair(&self, nodes: &Nodes) -> Pair {
@@ -365,6 +440,10 @@ impl WirePair {
             slip: V3::zeros(),
             compliance: [0.0; 2],
             users: [0; 5],
+            guess: V3::zeros(),
+            turn: 1.0,
+            mass: self.mass,
+            stiffness: 0.0,
             own: false,
         }
     }

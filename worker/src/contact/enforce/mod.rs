@@ -1,12 +1,18 @@
 //! Contact laws. One file per law, one row in [`CONTACT_LAWS`].
 
+mod kinematic;
 mod lagrange;
 mod penalty;
 #[cfg(test)]
 mod tests;
 
+pub use lagrange::ITERATIONS;
+pub use penalty::FORMS as PENALTY_FORMS;
+
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::contact::surface::Segment;
+use crate::nodes::Row;
 use crumple_proto::job::Contact;
 
 /// Steps of the central difference scheme around the present time.
@@ -18,35 +24,98 @@ pub struct Steps {
     pub mid: f64,
 }
 
+/// What laws know of the bodies that touch.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Fraction of the elements' stable step that is used.
+    pub safety: f64,
+    /// Young's modulus per part [force/length^2].
+    pub moduli: Vec<f64>,
+}
+
+/// How the forces of all pairs, which feel each other through common nodes, come about within a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Iteration {
+    /// All pairs are updated from the same state, each nodal mass split among the pairs that use it. Converges whatever
+    /// the masses: an update is damped by no less than the coupling.
+    Split,
+    /// The same with full masses. For n nodes of mass m on the centre of a segment of masses M each sweep multiplies the
+    /// error by `-(n-1) (1/4M) / (1/m + 1/4M)`: it diverges where many or heavy nodes sit on one segment.
+    Jacobi,
+    /// One pair after the other in ascending (node, segment), each with full masses and feeling those before it.
+    /// Projected Gauss-Seidel: converges whatever the masses, faster than `Split` where nodes have few pairs.
+    GaussSeidel,
+    /// First guesses for all pairs, then corrections by how segments would move under all of them. Where two surfaces are
+    /// slaves of each other, one of them gets this fraction of the correction.
+    Correct {
+        /// See above.
+        partition: f64,
+    },
+}
+
 /// How the force of a pair follows from its gap and relative velocity.
 ///
-/// All pairs are updated from the same state, then their forces are added up, sweep after sweep. A law leaves a
-/// force exactly as it is once it is good enough: when no force changes any more, further sweeps would change
-/// nothing, and stopping early is not felt in the bits.
+/// Forces are updated sweep after sweep. A law leaves a force exactly as it is once it is good enough: when no force
+/// changes any more, further sweeps would change nothing, and stopping early is not felt in the bits.
 pub trait ContactLaw: Send + Sync {
     /// Most sweeps within a step.
     fn sweeps(&self) -> usize;
-    /// Whether the mass of a node is split among its pairs.
-    fn splits_mass(&self) -> bool;
+    /// How sweeps are made.
+    fn iteration(&self) -> Iteration;
+    /// Stiffness that contact with a segment has, from its material and its initial shape at coordinates `x0`
+    /// [force/length]; `None` from laws that want none.
+    fn segment_stiffness(&self, _segment: &Segment, _x0: &[Row]) -> Option<f64> {
+        None
+    }
     /// Force that a pair starts the step with, given what is remembered.
     fn start(&self, pair: &Pair, steps: Steps) -> V3;
+    /// First guess of what is to be added to a pair's force, as if its segment stood still; for [`Iteration::Correct`].
+    fn guess(&self, _pair: &Pair, _velocity: &V3, _steps: Steps) -> V3 {
+        V3::zeros()
+    }
     /// New force of a pair whose node moves with `velocity` relative to the contact point at the next mid-step,
     /// all present forces felt; `None` if the present force is good enough.
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
     /// Tangential distance from the stick point after the step.
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3;
+    /// Whether the pair is held softer than the job asks, so that the step stays stable.
+    fn is_capped(&self, _pair: &Pair, _steps: Steps) -> bool {
+        false
+    }
 }
 
 /// A row of the table of laws.
 pub struct LawRow {
     /// Name in the job.
     pub name: &'static str,
-    /// Makes the law from the job's numbers.
-    pub build: fn(&Contact) -> Box<dyn ContactLaw>,
+    /// Makes the law from the job's numbers. Panics on names that the master's checks refuse.
+    pub build: fn(&Contact, &Bodies) -> Box<dyn ContactLaw>,
 }
 
 /// All contact laws.
-pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, penalty::LAW];
+pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW];
+
+/// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed.
+const GAP: f64 = 1e-4;
+/// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a step leaves over is
+/// far below; a node that comes upon a segment from its rim must not be thrown out within a step.
+const CORRECT: f64 = 0.002;
+
+/// The gap that is to be closed, or the part of a penetration that is to be taken out in this step [length].
+fn overlap(pair: &Pair) -> f64 {
+    pair.gap.max(-CORRECT * pair.thickness)
+}
+
+/// Tangential distance from the stick point after the step, nought where the node slides [length]. It slides if the force
+/// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
+/// leave it a little short of the cone.
+fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
+    let (pressed, sheared) = split(&pair.force, &pair.normal);
+    let (_, sliding) = split(velocity, &pair.normal);
+    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.mid * pair.compliance[1]);
+    let sticks = pressed > 0.0 && back.norm() < friction * pressed * (1.0 - 1e-9);
+    if sticks { pair.slip + sliding * steps.dt } else { V3::zeros() }
+}
 
 /// The part of `f` along `normal`, and the rest.
 fn split(f: &V3, normal: &V3) -> (f64, V3) {

@@ -1,23 +1,58 @@
-//! Soft penalty: a spring between node and contact point whose stiffness follows from their masses and the step,
-//! `k = scale / (c dt mid)` with the compliance c = 1/M1 + 1/M2, so that it stays below the central difference
-//! limit whatever the material (the kind that LS-DYNA calls SOFT=1; Hallquist, LS-DYNA theory manual, ch. 29).
-//! Friction is a tangential spring of the same stiffness from the stick point, held within the cone.
+//! Penalty: a spring between node and contact point, and one from the stick point, held within the friction cone.
+//!
+//! Two forms of its stiffness k, with the compliance c = 1/M1 + 1/M2 of the pair:
+//! - *soft*, from masses and the step, `k = scale / (c dt mid)`: below the central difference limit whatever the
+//!   material (the kind that LS-DYNA calls SOFT=1; Hallquist, LS-DYNA theory manual, ch. 29);
+//! - *stiffness*, from the segment's material and shape, `k = scale E A / d` with the shell's area A and longest
+//!   diagonal d as the mesh is given (same source, ch. 29, the standard penalty). The step may be too long for it.
+//!
+//! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
+//! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
+//! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
+//! stable while `k c dt mid <= 4 (1 - safety^2)`, and no stiffness above that is used unless the job says so.
 
-use super::{ContactLaw, LawRow, Steps, split, within_cone};
+use super::{Bodies, ContactLaw, Iteration, LawRow, Steps, split, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::contact::surface::Segment;
+use crate::nodes::Row;
+use crumple_proto::job::Contact;
 
-pub(super) const LAW: LawRow =
-    LawRow { name: "penalty", build: |c| Box::new(Penalty { friction: c.friction, scale: c.penalty_scale }) };
+pub(super) const LAW: LawRow = LawRow { name: "penalty", build: |c, bodies| Box::new(Penalty::new(c, bodies)) };
+
+/// Forms of the stiffness, as a job names them.
+pub const FORMS: &[&str] = &["soft", "stiffness"];
 
 struct Penalty {
     friction: f64,
     scale: f64,
+    /// Young's modulus per part, if stiffness comes from the material.
+    moduli: Option<Vec<f64>>,
+    /// Most `k c dt mid`.
+    most: f64,
 }
 
 impl Penalty {
+    fn new(job: &Contact, bodies: &Bodies) -> Self {
+        let moduli = (job.penalty_form == "stiffness").then(|| bodies.moduli.clone());
+        let room = 4.0 * (1.0 - bodies.safety * bodies.safety);
+        let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
+        Self { friction: job.friction, scale: job.penalty_scale, moduli, most }
+    }
+
+    /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
+    fn wanted(&self, pair: &Pair, steps: Steps) -> (f64, f64) {
+        let [soft_n, soft_t] = pair.compliance.map(|c| c * steps.dt * steps.mid);
+        if soft_n <= 0.0 {
+            return (0.0, 0.0); // both sides are held fixed
+        }
+        let k = if self.moduli.is_some() { self.scale * pair.stiffness } else { self.scale / soft_n };
+        (k, self.most / soft_n.max(soft_t))
+    }
+
     fn stiffness(&self, pair: &Pair, steps: Steps) -> f64 {
-        if pair.compliance[0] > 0.0 { self.scale / (pair.compliance[0] * steps.dt * steps.mid) } else { 0.0 }
+        let (k, most) = self.wanted(pair, steps);
+        k.min(most)
     }
 }
 
@@ -26,8 +61,18 @@ impl ContactLaw for Penalty {
         1
     }
 
-    fn splits_mass(&self) -> bool {
-        true
+    fn iteration(&self) -> Iteration {
+        Iteration::Split
+    }
+
+    fn segment_stiffness(&self, segment: &Segment, x0: &[Row]) -> Option<f64> {
+        let [a, b, c, d] = segment.corners(x0);
+        let (one, other) = (c - a, d - b);
+        // A triangle, whose fourth corner is its third, has no diagonals; its longest side stands for them.
+        let third = if segment.is_triangle() { (b - a).norm() } else { 0.0 };
+        let longest = one.norm().max(other.norm()).max(third);
+        let area = 0.5 * one.cross(&other).norm();
+        self.moduli.as_ref().map(|moduli| moduli[segment.part as usize] * area / longest)
     }
 
     fn start(&self, _: &Pair, _: Steps) -> V3 {
@@ -50,5 +95,10 @@ impl ContactLaw for Penalty {
         let stretched = sheared / -k;
         let (_, sliding) = split(velocity, &pair.normal);
         stretched + sliding * steps.dt
+    }
+
+    fn is_capped(&self, pair: &Pair, steps: Steps) -> bool {
+        let (k, most) = self.wanted(pair, steps);
+        k > most && pair.force != V3::zeros()
     }
 }

@@ -1,0 +1,164 @@
+//! The order in which pairs are updated one by one, so that each feels all pairs before it wherever they touch.
+//!
+//! The order is ascending (node, segment), on any number of workers. Two pairs without a common node do not feel each
+//! other, so only pairs that touch wait for one another: a pair comes in a later *phase* than the pairs of other workers
+//! that it touches and that come before it, and not before own ones. Within a phase every worker goes through its own
+//! pairs in ascending order, then forces travel. What is computed is what one worker alone computes, to the last bit;
+//! phases are a timetable and nothing of them is left in the result.
+
+use super::{Pair, PairTable};
+use crate::contact::geometry::V3;
+use crumple_proto::transport::{Lost, Tag, Transport};
+
+/// Marks a role of a pair that touches no local node.
+const NOWHERE: u32 = u32::MAX;
+
+/// When which pair is updated.
+#[derive(Debug, Default)]
+pub struct Order {
+    /// Phase of each pair.
+    phase: Vec<u32>,
+    /// For each pair the places of its nodes in the table's `touched`, or [`NOWHERE`].
+    slots: Vec<[u32; 5]>,
+    /// Own pairs in ascending (phase, node, segment).
+    own: Vec<u32>,
+    /// Number of phases of the pairs that are known here.
+    phases: u32,
+}
+
+impl PairTable {
+    /// Lays down the phases of all pairs that are known here.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn lay_order(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let mut order = std::mem::take(&mut self.order);
+        order.slots.clear();
+        order.slots.resize(self.pairs.len(), [NOWHERE; 5]);
+        for t in 0..self.touched.len() {
+            for &(p, r) in self.roles_at(t) {
+                order.slots[p as usize][r as usize] = t as u32;
+            }
+        }
+        order.phase.clear();
+        order.phase.resize(self.pairs.len(), 0);
+        let workers = (wire.size() - 1) as u64;
+        let mut quiet = 0;
+        // Phases only rise, from the lowest that others' may be. They stand when nobody has raised one for as many rounds
+        // as there are workers: news travels one worker per round.
+        loop {
+            let changed = self.raise_phases(&mut order);
+            quiet = if changed { 0 } else { quiet + 1 };
+            if self.common.is_empty() {
+                break;
+            }
+            quiet = self.swap_phases(wire, &mut order, quiet)?;
+            if quiet >= workers {
+                break;
+            }
+        }
+        order.own.clear();
+        order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].own));
+        order.own.sort_by_key(|&i| order.phase[i as usize]);
+        order.phases = order.phase.iter().map(|p| p + 1).max().unwrap_or(0);
+        self.order = order;
+        Ok(())
+    }
+
+    /// Brings the phases of own pairs up to date with all that come before them; whether one has changed.
+    fn raise_phases(&self, order: &mut Order) -> bool {
+        let mut earliest = vec![0u32; self.touched.len()];
+        let mut changed = false;
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let slots = || order.slots[i].iter().filter(|&&t| t != NOWHERE).map(|&t| t as usize);
+            let next = if pair.own {
+                let phase = slots().map(|t| earliest[t]).max().unwrap_or(0);
+                changed |= phase != order.phase[i];
+                order.phase[i] = phase;
+                phase
+            } else {
+                order.phase[i] + 1
+            };
+            slots().for_each(|t| earliest[t] = earliest[t].max(next));
+        }
+        changed
+    }
+
+    fn swap_phases(&mut self, wire: &mut dyn Transport, order: &mut Order, quiet: u64) -> Result<u64, Lost> {
+        for c in &self.common {
+            self.words.clear();
+            self.words.push(quiet);
+            self.words.extend(c.sent.iter().map(|&i| u64::from(order.phase[i as usize])));
+            wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
+        }
+        let mut least = quiet;
+        for c in &self.common {
+            wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
+            least = least.min(self.words[0]);
+            c.received.iter().zip(&self.words[1..]).for_each(|(&i, &p)| order.phase[i as usize] = p as u32);
+        }
+        Ok(least)
+    }
+
+    /// One sweep in order. `update` gives a pair's new force, if it has one; `feel` takes a place in `touched`,
+    /// the node there and the total force that it is to feel. Whether a force of an own pair has changed.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn sweep_in_order<S>(
+        &mut self,
+        wire: &mut dyn Transport,
+        state: &mut S,
+        update: impl Fn(&Pair, &S) -> Option<V3>,
+        feel: impl Fn(&mut S, u32, u32, &V3),
+    ) -> Result<bool, Lost> {
+        let order = std::mem::take(&mut self.order);
+        let mut own = order.own.iter().peekable();
+        let mut changed = false;
+        for phase in 0..order.phases {
+            while let Some(&i) = own.next_if(|&&i| order.phase[i as usize] == phase) {
+                if let Some(force) = update(&self.pairs[i as usize], state) {
+                    changed = true;
+                    self.put(i, force, &order, state, &feel);
+                }
+            }
+            for c in &self.common {
+                let due = c.sent.iter().filter(|&&i| order.phase[i as usize] == phase);
+                let forces = due.flat_map(|&i| <[f64; 3]>::from(self.pairs[i as usize].force)).map(f64::to_bits);
+                self.words.clear();
+                self.words.extend(forces);
+                if !self.words.is_empty() {
+                    wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
+                }
+            }
+            for c in 0..self.common.len() {
+                let due = |i: &&u32| order.phase[**i as usize] == phase;
+                let expected: Vec<u32> = self.common[c].received.iter().filter(due).copied().collect();
+                if expected.is_empty() {
+                    continue;
+                }
+                let mut words = std::mem::take(&mut self.words);
+                wire.recv(self.common[c].worker + 1, Tag::Sweep, &mut words)?;
+                for (i, f) in expected.into_iter().zip(words.chunks_exact(3)) {
+                    let force = V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
+                    if force != self.pairs[i as usize].force {
+                        self.put(i, force, &order, state, &feel);
+                    }
+                }
+                self.words = words;
+            }
+        }
+        self.order = order;
+        Ok(changed)
+    }
+
+    /// Gives a pair a new force and lets its nodes feel it.
+    fn put<S>(&mut self, i: u32, force: V3, order: &Order, state: &mut S, feel: &impl Fn(&mut S, u32, u32, &V3)) {
+        self.pairs[i as usize].force = force;
+        for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
+            let total = self.force_at(t as usize);
+            self.total[t as usize] = total;
+            feel(state, t, self.touched[t as usize], &total);
+        }
+    }
+}

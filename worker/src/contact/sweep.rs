@@ -1,0 +1,127 @@
+//! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by prediction and
+//! correction in one.
+
+use crate::contact::enforce::{ContactLaw, Iteration, Steps};
+use crate::contact::geometry::V3;
+use crate::contact::pairs::{Pair, PairTable, push};
+use crate::nodes::{Nodes, Row};
+use crate::wall::Walls;
+use crumple_proto::transport::{Lost, Transport};
+
+/// What all pairs act on.
+pub struct Sweeps<'a> {
+    /// The law.
+    pub law: &'a dyn ContactLaw,
+    /// Nodes; those that pairs touch are brought to the velocities with contact and walls.
+    pub nodes: &'a mut Nodes,
+    /// Velocities without contact of the nodes in the table's `touched` [length/time].
+    pub free: &'a [Row],
+    /// Rigid walls.
+    pub walls: &'a Walls,
+    /// Steps around the present time.
+    pub steps: Steps,
+}
+
+impl Sweeps<'_> {
+    /// Sweeps until all forces are good enough or the law has had enough; returns the number of sweeps.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<u64, Lost> {
+        let iteration = self.law.iteration();
+        t.soften(self.nodes, iteration == Iteration::Split);
+        if iteration == Iteration::GaussSeidel {
+            t.lay_order(wire)?;
+        }
+        self.feel(t);
+        let workers = (wire.size() - 1) as u64;
+        let (mut quiet, mut sweeps) = (0, 0);
+        for _ in 0..self.law.sweeps() {
+            sweeps += 1;
+            let changed = match iteration {
+                Iteration::Split | Iteration::Jacobi => self.all_at_once(t),
+                Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p), Self::feel_at)?,
+                Iteration::Correct { partition } => self.correct(t, partition, wire)?,
+            };
+            quiet = if changed { 0 } else { quiet + 1 };
+            if t.is_common() {
+                quiet = t.swap_forces(wire, quiet)?;
+            }
+            self.feel(t);
+            // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
+            if quiet >= if t.is_common() { workers } else { 1 } {
+                break;
+            }
+        }
+        Ok(sweeps)
+    }
+
+    fn updated(&self, p: &Pair) -> Option<V3> {
+        self.law.update(p, &p.relative_velocity(&self.nodes.next_v), self.steps)
+    }
+
+    /// All own pairs from the same state; whether a force has changed.
+    fn all_at_once(&self, t: &mut PairTable) -> bool {
+        let mut changed = false;
+        for p in t.pairs.iter_mut().filter(|p| p.own) {
+            if let Some(force) = self.updated(p) {
+                p.force = force;
+                changed = true;
+            }
+        }
+        changed
+    }
+
+    /// Guesses what all pairs still need, sees how segments would move under that, each slave's mass and force shared
+    /// among a segment's nodes, and corrects the forces of own pairs; whether one has changed.
+    fn correct(&mut self, t: &mut PairTable, partition: f64, wire: &mut dyn Transport) -> Result<bool, Lost> {
+        for p in t.pairs.iter_mut().filter(|p| p.own) {
+            p.guess = self.law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+        }
+        if t.is_common() {
+            t.swap_guesses(wire)?;
+        }
+        let turn = |p: &Pair| if p.own && t.is_mutual(p) { p.turn_of(self.nodes, partition) } else { 1.0 };
+        let turns: Vec<f64> = t.pairs.iter().map(turn).collect();
+        t.pairs.iter_mut().zip(turns).for_each(|(p, turn)| p.turn = turn);
+        // The slave of a pair is taken where it goes now, the segment where all guesses would take it.
+        let now = |v: &Row| V3::new(v[0], v[1], v[2]);
+        let slaves: Vec<V3> =
+            t.pairs.iter().filter(|p| p.own).map(|p| now(&self.nodes.next_v[p.nodes[0] as usize])).collect();
+        for (k, &n) in t.touched.iter().enumerate() {
+            let (force, mass) = t.pressed_on(k);
+            let total = self.nodes.mass[n as usize] + mass;
+            let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
+            self.bring(n, push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.mid));
+        }
+        let mut changed = false;
+        for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
+            let moved = now(&self.nodes.next_v[p.nodes[0] as usize]);
+            let velocity = p.relative_velocity(&self.nodes.next_v) + slave - moved;
+            if let Some(force) = self.law.update(p, &velocity, self.steps) {
+                p.force = force;
+                changed = true;
+            }
+        }
+        Ok(changed)
+    }
+
+    /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
+    fn feel(&mut self, t: &mut PairTable) {
+        t.add_up();
+        for (k, total) in t.total.iter().enumerate() {
+            self.feel_at(k as u32, t.touched[k], total);
+        }
+    }
+
+    fn feel_at(&mut self, k: u32, n: u32, total: &V3) {
+        let v = push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.mid);
+        self.bring(n, v);
+    }
+
+    /// Node `n` goes with velocity `v` unless a wall stops it.
+    fn bring(&mut self, n: u32, v: Row) {
+        let n = n as usize;
+        self.nodes.next_v[n] = self.walls.stop(&self.nodes.x[n], v, &self.nodes.inv_mass[n], self.steps.dt);
+    }
+}
