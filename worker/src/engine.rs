@@ -12,6 +12,7 @@ use crate::migrate::{centre, migrate};
 use crate::motion::Motion;
 use crate::nodes::Nodes;
 use crate::prescribed::Prescribed;
+use crate::rigid::Bodies;
 use crate::time::Clock;
 use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -89,6 +90,8 @@ pub struct Engine {
     pub loads: Loads,
     /// Prescribed motions.
     pub prescribed: Prescribed,
+    /// Rigid bodies, all of the scene.
+    pub bodies: Bodies,
     /// Energies.
     pub ledger: Ledger,
     /// How held nodes have moved since the boxes were last renewed.
@@ -116,6 +119,7 @@ impl Engine {
             walls: Walls::new(&settings.walls),
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
+            bodies: Bodies::start(wire, &settings, &local.nodes)?,
             contact: settings.contact.as_ref().map(Contact::new),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
@@ -159,6 +163,7 @@ impl Engine {
         surface: Option<crate::contact::surface::Surface>,
         memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::Memory>,
     ) {
+        self.bodies.settle(&self.nodes);
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
             let slack = self.halo.slack(&self.nodes);
@@ -230,14 +235,20 @@ impl Engine {
     /// # Errors
     /// The master is gone.
     pub fn send_row(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        let (momentum, angular_momentum) = momentum(&self.nodes);
+        let (momentum, mut angular_momentum) = momentum(&self.nodes);
+        let mut energies = self.ledger.energies(&self.nodes);
+        if self.nodes.me == 0 {
+            let (energy, angular) = self.bodies.beyond();
+            energies.kinetic += energy;
+            (0..3).for_each(|c| angular_momentum[c] += angular[c]);
+        }
         let smallest = self.blocks.smallest_step(&self.nodes);
         let row = HistoryPart {
             row: self.clock.rows,
             cycle: self.clock.cycle,
             time: self.clock.time,
             dt: self.clock.dt,
-            energies: self.ledger.energies(&self.nodes),
+            energies,
             momentum,
             angular_momentum,
             wall_impulse: self.walls.impulse.clone(),

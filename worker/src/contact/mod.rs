@@ -15,6 +15,7 @@ pub mod surface;
 use crate::halo::Halo;
 use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, xyz};
+use crate::rigid::Bodies;
 use crate::wall::Walls;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::Contact as ContactJob;
@@ -124,7 +125,7 @@ impl Contact {
     }
 
     /// Refreshes candidates if nodes may have used up the skin.
-    pub fn refresh_candidates(&mut self, nodes: &Nodes) {
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, bodies: &Bodies) {
         let fresh = !self.candidate_start.is_empty();
         if fresh && 2.0 * self.since_search.update(&nodes.x).residual <= self.skin {
             return;
@@ -136,7 +137,10 @@ impl Contact {
         let boxes: Vec<_> = s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.half, largest) + self.skin)).collect();
         let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
         let mut found = (self.find)(&boxes, &points);
-        found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));
+        found.retain(|&(g, p)| {
+            let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
+            !corners.contains(&slave) && !bodies.are_one(slave, corners)
+        });
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -191,16 +195,21 @@ impl Contact {
         wire: &mut dyn Transport,
         nodes: &mut Nodes,
         walls: &Walls,
+        bodies: &mut Bodies,
         steps: Steps,
     ) -> Result<(), Lost> {
         let t = &mut self.table;
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
-        if t.pairs.is_empty() {
+        let coupled = bodies.meet(wire, &t.touched, nodes)?;
+        if t.pairs.is_empty() && !coupled {
             return Ok(());
         }
-        t.soften(nodes, self.law.splits_mass());
-        feel(t, &self.free, nodes, walls, steps);
+        t.soften(nodes, bodies, self.law.splits_mass());
+        feel(t, &self.free, nodes, walls, bodies, steps);
+        if coupled {
+            bodies.feel(wire, nodes, (&t.touched, &t.total), walls, steps, true)?;
+        }
         let workers = (wire.size() - 1) as u64;
         let mut quiet = 0;
         for _ in 0..self.law.sweeps() {
@@ -216,7 +225,14 @@ impl Contact {
             if t.is_common() {
                 quiet = t.swap_forces(wire, quiet)?;
             }
-            feel(t, &self.free, nodes, walls, steps);
+            feel(t, &self.free, nodes, walls, bodies, steps);
+            if coupled {
+                // All workers hear of each other, and end together.
+                if !bodies.feel(wire, nodes, (&t.touched, &t.total), walls, steps, changed)? {
+                    break;
+                }
+                continue;
+            }
             // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
             if quiet >= if t.is_common() { workers } else { 1 } {
                 break;
@@ -265,10 +281,10 @@ impl Contact {
     }
 }
 
-/// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
-fn feel(t: &mut PairTable, free: &[Row], nodes: &mut Nodes, walls: &Walls, steps: Steps) {
+/// Adds up the forces of all pairs on the nodes that they touch and lets those of no rigid body feel them, and walls.
+fn feel(t: &mut PairTable, free: &[Row], nodes: &mut Nodes, walls: &Walls, bodies: &Bodies, steps: Steps) {
     t.add_up();
-    for (k, &n) in t.touched.iter().enumerate() {
+    for (k, &n) in t.touched.iter().enumerate().filter(|(_, n)| bodies.of(**n).is_none()) {
         let n = n as usize;
         let v = push(&free[k], &t.total[k], &nodes.inv_mass[n], steps.mid);
         nodes.next_v[n] = walls.stop(&nodes.x[n], v, &nodes.inv_mass[n], steps.dt);

@@ -6,6 +6,7 @@
 use crate::contact::geometry::V3;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, Row, row};
+use crate::rigid::Bodies;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::transport::{Lost, Tag, Transport};
@@ -232,7 +233,7 @@ impl PairTable {
     /// Sets how softly own pairs answer. With `split`, the mass of a node is divided among the pairs that touch it,
     /// which lets simultaneous updates converge whatever the masses
     /// (the update is then damped by no less than the coupling).
-    pub fn soften(&mut self, nodes: &Nodes, split: bool) {
+    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, split: bool) {
         self.pairs.iter_mut().for_each(|p| p.users = [0; 5]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
@@ -245,7 +246,7 @@ impl PairTable {
             let mut soft = [0.0; 2];
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
             for r in (0..5).filter(|&r| pair.users[r] > 0) {
-                let inv = &nodes.inv_mass[pair.nodes[r] as usize];
+                let inv = bodies.inv_mass(pair.nodes[r], nodes);
                 let moved = if split { f64::from(pair.users[r]) } else { 1.0 } * pair.share(r) * pair.follows(r);
                 let n = &pair.normal;
                 soft[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
