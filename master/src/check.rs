@@ -100,7 +100,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
     for (i, &part) in model.elements.part.iter().enumerate() {
         let figure = &mut figures[part as usize];
         figure.0 += 1;
-        figure.1 += model.elements.mass[i] * model.elements.mass_factor[i];
+        figure.1 += model.elements.mass_with_scaling(i);
     }
     let mut rows = vec![["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from)];
     for (index, (part, (count, mass))) in parts.iter().zip(figures).enumerate() {
@@ -195,6 +195,11 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
         let faces: usize = l.pressures.iter().map(|p| p.faces.len()).sum();
         let (gravity, forces, motions) = (l.gravity.len(), l.forces.len(), l.motions.len());
         writeln!(out, "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, {motions} motions")?;
+    }
+    let bodies = &model.settings.rigid;
+    if !bodies.is_empty() {
+        let members: usize = bodies.iter().map(|b| b.nodes.len()).sum();
+        writeln!(out, "rigid        {} bodies of {members} nodes", bodies.len())?;
     }
     match &model.settings.contact {
         None => writeln!(out, "contact      none"),

@@ -1,8 +1,10 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
 mod loads;
+mod rigid;
 
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
+pub use rigid::Rigid;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -68,7 +70,10 @@ pub struct Job {
     /// Pressures on faces; they add up.
     #[serde(default)]
     pub pressure: Vec<Pressure>,
-    /// Prescribed motions of node sets.
+    /// Rigid bodies.
+    #[serde(default)]
+    pub rigid: Vec<Rigid>,
+    /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
     pub motion: Vec<Motion>,
     /// Contact; without this table nothing touches anything but rigid walls.
@@ -123,11 +128,13 @@ pub struct Time {
     /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity` on every node, and the
     /// like for rotations [1/time].
     pub damping: f64,
+    /// Largest step that is used [time]; 0 for no limit. A model of rigid bodies alone needs one.
+    pub dt_max: f64,
 }
 
 impl Default for Time {
     fn default() -> Self {
-        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0, damping: 0.0 }
+        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0, damping: 0.0, dt_max: 0.0 }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! - [`ids`], [`mesh`], [`job`], [`problem`]: what the user brings and what is wrong with it
 //! - [`quality`]: how good the elements' shapes are
-//! - [`partition`]: what one worker receives; [`loads`]: what acts on the model
+//! - [`partition`]: what one worker receives; [`loads`], [`rigid`]: what acts on the model, and what of it is rigid
 //! - [`boxes`]: the boxes that tile space
 //! - [`message`], [`report`], [`wire`]: the conversation between master and workers
 //! - [`transport`]: the wires, threads or MPI
@@ -17,5 +17,6 @@ pub mod partition;
 pub mod problem;
 pub mod quality;
 pub mod report;
+pub mod rigid;
 pub mod transport;
 pub mod wire;

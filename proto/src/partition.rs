@@ -5,11 +5,12 @@ use crate::ids::{ElemId, NodeId};
 use crate::job::{Contact, Part, Wall};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
+use crate::rigid::RigidBody;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it but loaded nodes and faces grows with the mesh.
+/// What every worker knows of the job; nothing in it but loaded nodes and faces and rigid bodies grows with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
     /// Simulated time to run to [time].
@@ -34,6 +35,10 @@ pub struct Settings {
     pub walls: Vec<Wall>,
     /// Loads and prescribed motions.
     pub loads: Loads,
+    /// Rigid bodies; no two have a node in common.
+    pub rigid: Vec<RigidBody>,
+    /// Largest step [time], 0 for none.
+    pub dt_max: f64,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.
     pub contact: Option<Contact>,
     /// Width b of the box buffer [length].

@@ -32,6 +32,8 @@ pub struct Block {
     pub count: usize,
     /// Groups that hold all the shared elements; these are computed first.
     pub front: usize,
+    /// Whether the part is rigid: its elements compute no forces and set no step.
+    pub rigid: bool,
     /// Slots per element.
     slots: usize,
     /// Local nodes: per group one row per slot.
@@ -102,7 +104,9 @@ impl Blocks {
             first += run.len();
         }
         let mut all = Self {
-            mass_scaled: elements.iter().any(|e: &LocalElement| e.record.mass_factor != 1.0),
+            mass_scaled: elements
+                .iter()
+                .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_rigid(settings, e.record.part)),
             elements,
             blocks,
             force: Vec::new(),
@@ -159,7 +163,7 @@ impl Blocks {
             let slots = base..base + b.corner_slots();
             base = slots.end;
             let range = if front { 0..b.front } else { b.front..b.group_count() };
-            if range.is_empty() {
+            if range.is_empty() || b.rigid {
                 continue;
             }
             let out = CornerForces { force: &mut self.force[slots.clone()], moment: &mut self.moment[slots] };
@@ -200,7 +204,7 @@ impl Blocks {
     }
 
     /// Adds the gathered corner masses to the nodes, in ascending element id.
-    pub fn gather_masses(&self, nodes: &mut Nodes) {
+    pub fn gather_masses(&mut self, nodes: &mut Nodes) {
         for i in 0..nodes.held {
             for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
                 nodes.mass[i] += self.force[slot as usize][0];
@@ -208,6 +212,8 @@ impl Blocks {
             }
             nodes.invert_mass(i);
         }
+        // Rigid elements leave their slots as they are.
+        self.force.fill([0.0; 4]);
     }
 
     /// Smallest stable step at the present coordinates and the element that has it (lowest id among equals).
@@ -219,7 +225,11 @@ impl Blocks {
         };
         let of_block =
             |b: &Block| self.elements[b.first..b.first + b.count].iter().map(|e| step(b, e)).collect::<Vec<_>>();
-        self.blocks.iter().flat_map(of_block).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        self.blocks
+            .iter()
+            .filter(|b| !b.rigid)
+            .flat_map(of_block)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
 
     /// What is wrong with an own element, and what to try; `None` for another worker's.
@@ -245,6 +255,11 @@ impl Blocks {
     }
 }
 
+/// Whether a part belongs to a rigid body.
+fn is_rigid(settings: &Settings, part: u32) -> bool {
+    settings.rigid.iter().any(|r| r.parts.contains(&part))
+}
+
 impl Block {
     fn new(settings: &Settings, run: &[LocalElement], histories: &[Vec<f64>], first: usize) -> Self {
         let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
@@ -258,6 +273,7 @@ impl Block {
             history: vec![Lane::from([0.0; LANES]); groups * columns],
             front: run.iter().filter(|e| e.shared).count().div_ceil(LANES),
             count: run.len(),
+            rigid: is_rigid(settings, run[0].record.part),
             first,
             element,
         };

@@ -4,7 +4,7 @@ pub use crate::agreement::Agreed;
 use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
-use crate::contact::enforce::Bodies;
+use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum};
 use crate::halo::Halo;
 use crate::loads::Loads;
@@ -13,6 +13,7 @@ use crate::migrate::{centre, migrate};
 use crate::motion::Motion;
 use crate::nodes::Nodes;
 use crate::prescribed::Prescribed;
+use crate::rigid::Bodies;
 use crate::time::Clock;
 use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -90,6 +91,8 @@ pub struct Engine {
     pub loads: Loads,
     /// Prescribed motions.
     pub prescribed: Prescribed,
+    /// Rigid bodies, all of the scene.
+    pub bodies: Bodies,
     /// Energies.
     pub ledger: Ledger,
     /// How held nodes have moved since the boxes were last renewed.
@@ -117,7 +120,8 @@ impl Engine {
             walls: Walls::new(&settings.walls),
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
-            contact: settings.contact.as_ref().map(|c| Contact::new(c, &bodies(&settings))),
+            bodies: Bodies::start(wire, &settings, &local.nodes)?,
+            contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
             timer: Timer::new(),
@@ -160,6 +164,7 @@ impl Engine {
         surface: Option<crate::contact::surface::Surface>,
         memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::Memory>,
     ) {
+        self.bodies.settle(&self.nodes);
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
             let slack = self.halo.slack(&self.nodes);
@@ -231,14 +236,20 @@ impl Engine {
     /// # Errors
     /// The master is gone.
     pub fn send_row(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        let (momentum, angular_momentum) = momentum(&self.nodes);
+        let (momentum, mut angular_momentum) = momentum(&self.nodes);
+        let mut energies = self.ledger.energies(&self.nodes);
+        if self.nodes.me == 0 {
+            let (energy, angular) = self.bodies.beyond();
+            energies.kinetic += energy;
+            (0..3).for_each(|c| angular_momentum[c] += angular[c]);
+        }
         let smallest = self.blocks.smallest_step(&self.nodes);
         let row = HistoryPart {
             row: self.clock.rows,
             cycle: self.clock.cycle,
             time: self.clock.time,
             dt: self.clock.dt,
-            energies: self.ledger.energies(&self.nodes),
+            energies,
             momentum,
             angular_momentum,
             wall_impulse: self.walls.impulse.clone(),
@@ -253,10 +264,10 @@ impl Engine {
 }
 
 /// What contact knows of the bodies. Parts whose material cannot be built are refused before the start.
-fn bodies(settings: &Settings) -> Bodies {
+fn elasticity(settings: &Settings) -> Elasticity {
     let modulus = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);
         material.and_then(|m| crate::materials::build(m).ok()).map_or(0.0, |law| law.elastic().youngs_modulus)
     };
-    Bodies { safety: settings.safety, moduli: settings.parts.iter().map(modulus).collect() }
+    Elasticity { safety: settings.safety, moduli: settings.parts.iter().map(modulus).collect() }
 }

@@ -4,7 +4,8 @@
 //! - [`engine`]: owns everything; [`nodes`], [`blocks`]: columns of nodes and elements
 //! - [`elements`], [`materials`]: formulations and laws, one file each; [`lanes`]: numbers they are written in
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
-//! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time
+//! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time;
+//!   [`rigid`]: bodies that do not deform
 //! - [`membership`], [`migrate`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
 //!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
 //! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files
@@ -26,6 +27,7 @@ pub mod motion;
 pub mod nodes;
 pub mod output;
 pub mod prescribed;
+pub mod rigid;
 pub mod serve;
 pub mod step;
 #[cfg(test)]

@@ -20,7 +20,8 @@ pub struct Loads {
     forces: Vec<NodalForce>,
     pressures: Vec<Pressure>,
     faces: Vec<LoadedFace>,
-    damping: f64,
+    /// Damping [1/time].
+    pub damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
 }
@@ -43,6 +44,8 @@ struct LoadedFace {
     nodes: [u32; 4],
     /// Whether other workers wait for its corner forces.
     front: bool,
+    /// Whether the element is rigid: nothing else puts forces into its slots.
+    rigid: bool,
     /// Forces on its nodes at the present time [force].
     force: [Row; 4],
 }
@@ -84,6 +87,7 @@ impl Loads {
                             slots: corners.map(|c| slot + c),
                             nodes: corners.map(|c| e.nodes[c]),
                             front: i < b.front * LANES,
+                            rigid: b.rigid,
                             force: [[0.0; 4]; 4],
                         }
                     }));
@@ -94,6 +98,9 @@ impl Loads {
 
     /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest.
     pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, front: bool) {
+        for face in self.faces.iter().filter(|f| f.front == front && f.rigid) {
+            face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
+        }
         for face in self.faces.iter_mut().filter(|f| f.front == front) {
             let p = &self.pressures[face.pressure];
             let pressure = p.pressure * factor(&self.curves, p.curve, time);

@@ -17,30 +17,45 @@ pub struct Prescribed {
     motions: Vec<Motion>,
 }
 
+/// How far a motion has gone.
 #[derive(Debug)]
-struct Motion {
-    job: MotionJob,
+pub struct Course {
+    /// How it is given.
+    pub form: MotionForm,
+    amount: Vector3<f64>,
     curve: Curve,
-    nodes: Vec<u32>,
 }
 
-impl Motion {
+impl Course {
+    /// Of a motion; `curves` are those of the job.
+    pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
+        let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
+        Self { form: job.form, amount: Vector3::from(job.amount), curve }
+    }
+
     /// Displacement, or rotation vector, from time 0 to `time`.
-    fn amount(&self, time: f64) -> Vector3<f64> {
-        let factor = match self.job.form {
+    pub fn amount(&self, time: f64) -> Vector3<f64> {
+        let factor = match self.form {
             MotionForm::Displacement => self.curve.value(time),
             MotionForm::Velocity | MotionForm::Spin { .. } => self.curve.integral(time),
             MotionForm::Acceleration => self.curve.second_integral(time),
         };
-        Vector3::from(self.job.amount) * factor
+        self.amount * factor
     }
+}
+
+#[derive(Debug)]
+struct Motion {
+    job: MotionJob,
+    course: Course,
+    nodes: Vec<u32>,
 }
 
 impl Prescribed {
     /// From the job; nothing moves before [`Prescribed::settle`].
     pub fn new(job: &LoadJob) -> Self {
-        let curve = |m: &MotionJob| m.curve.map_or_else(Curve::one, |c| Curve::new(&job.curves[c]));
-        let motion = |m: &MotionJob| Motion { job: m.clone(), curve: curve(m), nodes: Vec::new() };
+        let course = |m: &MotionJob| Course::new(m, &job.curves);
+        let motion = |m: &MotionJob| Motion { job: m.clone(), course: course(m), nodes: Vec::new() };
         Self { motions: job.motions.iter().map(motion).collect() }
     }
 
@@ -54,7 +69,7 @@ impl Prescribed {
     /// Sets the velocities with which held nodes reach their places at the end of the step.
     pub fn prescribe(&self, nodes: &mut Nodes, time: f64, dt: f64) {
         for m in &self.motions {
-            let (now, next) = (m.amount(time), m.amount(time + dt));
+            let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
             let turns = match m.job.form {
                 MotionForm::Spin { centre } => Some((Vector3::from(centre), Rotation3::new(next))),
                 _ => None,

@@ -11,7 +11,20 @@ use crumple_proto::transport::{Lost, Transport};
 pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
     let steps = engine.clock.steps();
     let Engine {
-        settings, clock, nodes, blocks, halo, contact, walls, ledger, motion, timer, loads, prescribed, ..
+        settings,
+        clock,
+        nodes,
+        blocks,
+        halo,
+        contact,
+        walls,
+        ledger,
+        motion,
+        timer,
+        loads,
+        prescribed,
+        bodies,
+        ..
     } = engine;
 
     let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, true); // elements at shared nodes first
@@ -29,6 +42,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     nodes.accelerate(steps.mid); // contact and walls not yet felt
     loads.damp(nodes, steps.mid);
     prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
+    bodies.accelerate(wire, nodes, loads.damping, clock.time, steps)?;
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
@@ -38,32 +52,37 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
             timer.lap(Phase::Halo);
         }
-        contact.refresh_candidates(nodes);
+        contact.refresh_candidates(nodes, bodies);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);
         timer.lap(Phase::Local);
         contact.share_pairs(wire, nodes, halo)?;
         timer.lap(Phase::Halo);
-        contact.enforce(wire, nodes, walls, steps)?; // gap(t + dt) >= 0
+        contact.enforce(wire, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
         timer.lap(Phase::Contact);
     }
+    let mut on_walls = 0.0;
     if !walls.is_empty() {
         let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
-        ledger.book_wall(walls.keep_out(nodes, &pushed, steps.dt));
+        on_walls = walls.keep_out(nodes, &pushed, steps.dt);
         timer.lap(Phase::Advance);
     }
+    let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
+    ledger.book_wall(on_walls + on_bodies.wall);
     if let Some(contact) = contact {
         ledger.book_contact(contact.close(nodes, steps)); // with the velocities that walls leave
         timer.lap(Phase::Contact);
     }
 
-    ledger.book_external(loads.work(nodes, steps) + prescribed.work(nodes, contact.as_ref(), steps));
+    let led = prescribed.work(nodes, contact.as_ref(), steps);
+    ledger.book_external(loads.work(nodes, steps) + led + on_bodies.external);
 
     let agreed = engine.agreement.finish(wire)?;
     timer.lap(Phase::Halo);
     if agreed.trouble.is_none() {
         engine.at_present_time(wire)?; // history, while velocities before and after are both known
         engine.nodes.advance(steps.dt);
+        engine.bodies.advance(&mut engine.nodes, steps.dt);
         engine.clock.tick();
         engine.clock.choose(&engine.settings, agreed.stable_dt);
         engine.timer.lap(Phase::Advance);

@@ -16,6 +16,8 @@ pub fn settings() -> Settings {
         parts: Vec::new(),
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
+        rigid: Vec::new(),
+        dt_max: 0.0,
         contact: None,
         buffer: 1.0,
         force_every: 0,

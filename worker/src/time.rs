@@ -48,7 +48,8 @@ impl Clock {
     /// Takes the global smallest stable step of the elements. The run ends on time; what is left of less than two steps
     /// is halved, since a last step of next to nothing would make enormous velocities of whatever gap is to be closed.
     pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
-        let dt = settings.safety * stable_dt;
+        let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
+        let dt = (settings.safety * stable_dt).min(largest);
         self.min_dt = self.min_dt.min(dt);
         let left = (settings.end_time - self.time).max(0.0);
         self.dt = if left <= dt { left } else { dt.min(0.5 * left) };

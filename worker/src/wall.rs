@@ -39,6 +39,11 @@ impl Walls {
         self.walls.is_empty()
     }
 
+    /// Unit normal, distance of the plane from the origin along it, and friction of each wall.
+    pub fn planes(&self) -> impl Iterator<Item = (Vector3<f64>, f64, f64)> + '_ {
+        self.walls.iter().map(|w| (w.normal, w.offset, w.friction))
+    }
+
     /// The velocity with which a free node at `x` that wants to move with `v` ends the step outside of all walls.
     /// Depends on nothing else, so every holder of a node computes the same.
     #[inline]

@@ -73,14 +73,14 @@ pub fn resolve(
             loads.pressures.push(Pressure { faces, pressure: p.pressure, curve });
         }
     }
-    for (i, m) in job.motion.iter().enumerate() {
+    for (i, m) in job.motion.iter().enumerate().filter(|(_, m)| m.rigid.is_none()) {
         loads.motions.extend(motion(m, i, &curves, mesh, sets, start, findings));
     }
     loads
 }
 
 /// Names of curves, and where their factors start.
-struct Curves<'j> {
+pub struct Curves<'j> {
     names: Vec<&'j str>,
     starts: Vec<Option<f64>>,
 }
@@ -107,6 +107,11 @@ impl<'j> Curves<'j> {
                 findings.add(Problem::error(format!("{path}.{}", k + 1), message, help));
             }
         }
+        Self::quietly(job)
+    }
+
+    /// The same without looking for faults.
+    pub fn quietly(job: &'j Job) -> Self {
         let start = |points: &[[f64; 2]]| {
             let after = points.partition_point(|p| p[0] <= 0.0);
             match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
@@ -181,16 +186,13 @@ fn loaded_faces(
     Some(faces)
 }
 
-/// A motion in numbers; its degrees of freedom are marked as not free, and none may be so already.
-fn motion(
+/// A motion in numbers, without nodes and degrees of freedom, and the latter as far as they are given.
+pub fn motion_form(
     m: &MotionSpec,
     i: usize,
     curves: &Curves<'_>,
-    mesh: &Mesh,
-    sets: &NodeSets<'_>,
-    start: &mut NodeStart,
     findings: &mut Findings,
-) -> Option<Motion> {
+) -> Option<(Motion, Option<u64>)> {
     let path = format!("motion.{i}");
     let curve = curves.find(&m.curve, &format!("{path}.curve"), findings);
     let forms = [
@@ -212,12 +214,31 @@ fn motion(
             findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
         }
     }
-    let dofs = match (m.dofs.is_empty(), form) {
-        (false, _) => dof_bits(&m.dofs, &format!("{path}.dofs"), findings),
-        (true, MotionForm::Spin { .. }) => 0b11_1111,
-        (true, _) => 0b111,
+    let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
+    Some((Motion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
+}
+
+/// A motion of nodes in numbers; its degrees of freedom are marked as not free, and none may be so already.
+fn motion(
+    m: &MotionSpec,
+    i: usize,
+    curves: &Curves<'_>,
+    mesh: &Mesh,
+    sets: &NodeSets<'_>,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) -> Option<Motion> {
+    let path = format!("motion.{i}");
+    let form = motion_form(m, i, curves, findings);
+    let Some(name) = &m.nodes else {
+        let help = "name a node set as `nodes`, or a `rigid` body";
+        findings.add(Problem::error(&path, "a motion moves nothing", help));
+        return None;
     };
-    let nodes = sets.indices(&m.nodes, format!("{path}.nodes"), findings)?;
+    let nodes = sets.indices(name, format!("{path}.nodes"), findings)?;
+    let (motion, dofs) = form?;
+    let all = if matches!(motion.form, MotionForm::Spin { .. }) { 0b11_1111 } else { 0b111 };
+    let dofs = dofs.unwrap_or(all);
     let clashes: Vec<usize> = nodes.iter().copied().filter(|&n| start.fixed[n] & dofs != 0).collect();
     if let Some(&first) = clashes.first() {
         let twice = DOFS.iter().enumerate().filter(|(bit, _)| start.fixed[first] & dofs & (1 << bit) != 0);
@@ -233,7 +254,7 @@ fn motion(
         findings.add(Problem::error(&path, message, help));
     }
     nodes.iter().for_each(|&n| start.fixed[n] |= dofs);
-    Some(Motion { nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(), dofs, form, amount, curve })
+    Some(Motion { nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(), dofs, ..motion })
 }
 
 /// Fixes the degrees of freedom that planes of symmetry take.

@@ -14,6 +14,7 @@ mod loads;
 mod mesh;
 pub mod report;
 mod resolve;
+mod rigid;
 mod sets;
 pub mod state;
 pub mod tree;
@@ -146,6 +147,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let mut nodes = state::nodes(&job, &mesh, &sets, findings);
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
+    settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
     if findings.any_error() {
         return None;
     }
@@ -303,10 +305,11 @@ impl Model {
         )
     }
 
-    /// First time step: safety times the smallest stable step [time], and the index of the element that sets it.
+    /// First time step: safety times the smallest stable step, `dt_max` at most [time], and the index of the element that sets it.
     pub fn first_dt(&self) -> (f64, usize) {
         let (at, dt) = state::smallest(&self.elements.stable_dt).expect("a sound model has elements");
-        (self.settings.safety * dt, at)
+        let most = if self.settings.dt_max > 0.0 { self.settings.dt_max } else { f64::INFINITY };
+        ((self.settings.safety * dt).min(most), at)
     }
 
     /// Mass of all elements, without what scaling adds [mass].

@@ -24,6 +24,8 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     numbers.need((0.0..1.0).contains(&time.dt_min_ratio), "time.dt_min_ratio", time.dt_min_ratio, "from 0 to below 1");
     numbers.need(time.mass_scaling_dt >= 0.0, "time.mass_scaling_dt", time.mass_scaling_dt, "0 (none) or above");
 
+    numbers.need(time.dt_max >= 0.0, "time.dt_max", time.dt_max, "0 (no limit) or above");
+
     let output = &job.output;
     let interval = output.history_interval;
     numbers.need(interval >= 0.0, "output.history_interval", interval, "0 (a two-hundredth of the run) or above");
@@ -182,7 +184,7 @@ impl Numbers<'_> {
 }
 
 /// The settings that all workers get, defaults filled in; lengths come from the sides of the mesh's elements.
-/// Loads need the mesh and come later. Beside them, for each of their parts its place in the job.
+/// Loads and rigid bodies need the mesh and come later. Beside them, for each of their parts its place in the job.
 pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
@@ -210,6 +212,8 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         parts,
         walls,
         loads: Loads::default(),
+        rigid: Vec::new(),
+        dt_max: job.time.dt_max,
         contact,
         buffer: or(job.parallel.buffer, 0.5 * smallest),
         force_every: job.parallel.force_every,

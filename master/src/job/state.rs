@@ -43,11 +43,11 @@ impl NodeStart {
 pub struct ElementStart {
     /// Index of its part in the settings.
     pub part: Vec<u32>,
-    /// Mass without mass scaling [mass].
+    /// Mass without mass scaling; of rigid elements as the job gives it [mass].
     pub mass: Vec<f64>,
-    /// Factor on its density by mass scaling.
+    /// Factor on its density by mass scaling, or by the mass that is given to a rigid body.
     pub mass_factor: Vec<f64>,
-    /// Stable step with mass scaling, before the safety factor [time].
+    /// Stable step with mass scaling, before the safety factor; infinite where rigid [time].
     pub stable_dt: Vec<f64>,
 }
 
@@ -82,10 +82,22 @@ impl<'m> NodeSets<'m> {
         Some(nodes)
     }
 
+    /// Place in the mesh of a node that an element uses.
+    pub fn place(&self, id: NodeId) -> Option<usize> {
+        self.index.get(&id).copied()
+    }
+
     /// Ids of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a set.
     pub fn ids(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<NodeId>> {
         let nodes = self.indices(name, path, findings)?;
         Some(nodes.into_iter().map(|n| self.mesh.nodes[n].id).collect())
+    }
+}
+
+impl ElementStart {
+    /// Mass of an element with what scaling adds [mass].
+    pub fn mass_with_scaling(&self, i: usize) -> f64 {
+        if self.stable_dt[i].is_finite() { self.mass[i] * self.mass_factor[i] } else { self.mass[i] }
     }
 }
 
@@ -146,6 +158,7 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
     let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
     let mut start = ElementStart::default();
     let mut unsound = (0, None);
+    let mut bodies: Vec<Option<usize>> = Vec::new();
     for element in &mesh.elements {
         let part = part_of[&element.part];
         let Some(formulation) = blocks.element(part, element.shape) else { continue };
@@ -158,10 +171,24 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
         let wanted = job.time.mass_scaling_dt;
         // The stable step goes with the root of the density.
         let factor = if wanted > dt { (wanted / dt).powi(2) } else { 1.0 };
+        let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
         start.part.push(part as u32);
         start.mass.push(mass);
-        start.mass_factor.push(factor);
-        start.stable_dt.push(dt * factor.sqrt());
+        start.mass_factor.push(if rigid.is_some() { 1.0 } else { factor });
+        start.stable_dt.push(if rigid.is_some() { f64::INFINITY } else { dt * factor.sqrt() });
+        bodies.push(rigid);
+    }
+    for (b, given) in job.rigid.iter().enumerate().filter_map(|(b, r)| Some((b, r.mass?))) {
+        let own: Vec<usize> = (0..bodies.len()).filter(|&e| bodies[e] == Some(b)).collect();
+        let factor = given / own.iter().map(|&e| start.mass[e]).sum::<f64>();
+        for e in own {
+            start.mass[e] *= factor;
+            start.mass_factor[e] = factor;
+        }
+    }
+    if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
+        let help = "add dt_max to [time]: rigid bodies set no time step";
+        findings.add(Problem::error("time", "all elements are rigid", help));
     }
     if let (count, Some(first)) = unsound {
         let message = match count {
@@ -187,7 +214,8 @@ pub fn warnings(
 ) -> Vec<Problem> {
     let mut warnings = Vec::new();
     let still = nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
-    if still && !settings.loads.act() {
+    let led = settings.rigid.iter().any(|r| !r.motions.is_empty());
+    if still && !led && !settings.loads.act() {
         let message = "nothing moves: no node has an initial velocity, and there are no loads";
         warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]] or a load"));
     }
@@ -229,7 +257,7 @@ pub fn warnings(
 
 /// Mass that scaling adds to all elements [mass].
 pub fn scaled_mass(elements: &ElementStart) -> f64 {
-    elements.mass.iter().zip(&elements.mass_factor).map(|(m, f)| m * (f - 1.0)).sum()
+    (0..elements.mass.len()).map(|i| elements.mass_with_scaling(i) - elements.mass[i]).sum()
 }
 
 /// The first of the smallest values, and its place.

@@ -59,14 +59,19 @@ pub struct Pressure {
     pub curve: Option<String>,
 }
 
-/// Prescribed motion of a node set by exactly one of `velocity`, `displacement`, `acceleration` and `spin`.
+/// Prescribed motion of a node set or a rigid body by exactly one of `velocity`, `displacement`, `acceleration` and `spin`.
 /// Nothing that is met keeps the nodes from it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// Node set.
-    pub nodes: String,
-    /// Any of x, y, z, rx, ry, rz: what is prescribed; the rest stays free. If left out, x, y, z, and with `spin` all six.
+    /// Node set; either this or `rigid`.
+    #[serde(default)]
+    pub nodes: Option<String>,
+    /// Name of a rigid body: its centre is moved, and it turns about its centre.
+    #[serde(default)]
+    pub rigid: Option<String>,
+    /// Any of x, y, z, rx, ry, rz: what is prescribed; the rest stays free. If left out, x, y, z, and with `spin` all six
+    /// (of a rigid body rx, ry, rz).
     /// Rotations named without `spin` are held.
     #[serde(default)]
     pub dofs: Vec<String>,
@@ -82,7 +87,7 @@ pub struct Motion {
     /// Rotational velocity about a fixed axis through `centre` [1/time].
     #[serde(default)]
     pub spin: Option<[f64; 3]>,
-    /// A point of the axis [length].
+    /// A point of the axis [length]; not for a rigid body.
     #[serde(default)]
     pub centre: [f64; 3],
     /// Factor over time; 1 without it.

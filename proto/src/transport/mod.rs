@@ -35,6 +35,8 @@ pub enum Tag {
     Pairs,
     /// Contact forces of one sweep.
     Sweep,
+    /// What acts on rigid bodies.
+    Bodies,
     /// Global maximum.
     Maximum,
     /// Set-up and migration.

@@ -17,11 +17,12 @@ mod sweep;
 use crate::halo::Halo;
 use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, xyz};
+use crate::rigid::Bodies;
 use crate::wall::Walls;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
-use enforce::{Bodies, CONTACT_LAWS, ContactLaw, Steps};
+use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
 use geometry::V3;
 use pairs::{Memory, PairTable, push};
 use search::{SEARCHES, Search};
@@ -78,13 +79,13 @@ impl Contact {
     ///
     /// # Panics
     /// On a law or search that is not in the tables; the master checks names before it deals out work.
-    pub fn new(job: &ContactJob, bodies: &Bodies) -> Self {
+    pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
         let law =
             CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
         let method =
             SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
-            law: (law.build)(job, bodies),
+            law: (law.build)(job, parts),
             find: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
@@ -136,7 +137,7 @@ impl Contact {
     }
 
     /// Refreshes candidates if nodes may have used up the skin.
-    pub fn refresh_candidates(&mut self, nodes: &Nodes) {
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, bodies: &Bodies) {
         let fresh = !self.candidate_start.is_empty();
         if fresh && 2.0 * self.since_search.update(&nodes.x).residual <= self.skin {
             return;
@@ -149,7 +150,10 @@ impl Contact {
             s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.scale, largest) + self.skin)).collect();
         let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
         let mut found = (self.find)(&boxes, &points);
-        found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));
+        found.retain(|&(g, p)| {
+            let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
+            !corners.contains(&slave) && !bodies.are_one(slave, corners)
+        });
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -209,15 +213,17 @@ impl Contact {
         wire: &mut dyn Transport,
         nodes: &mut Nodes,
         walls: &Walls,
+        bodies: &mut Bodies,
         steps: Steps,
     ) -> Result<(), Lost> {
         let t = &mut self.table;
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
-        if t.pairs.is_empty() {
+        let coupled = bodies.meet(wire, &t.touched, nodes)?;
+        if t.pairs.is_empty() && !coupled {
             return Ok(());
         }
-        let mut sweeps = Sweeps { law: self.law.as_ref(), nodes, free: &self.free, walls, steps };
+        let mut sweeps = Sweeps { law: self.law.as_ref(), nodes, free: &self.free, walls, bodies, coupled, steps };
         self.sweeps += sweeps.run(t, wire)?;
         Ok(())
     }

@@ -9,6 +9,7 @@ use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, Row, row};
+use crate::rigid::Bodies;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::transport::{Lost, Tag, Transport};
@@ -247,7 +248,7 @@ impl PairTable {
     /// Sets how softly own pairs answer. With `split`, the mass of a node is divided among the pairs that touch it,
     /// which lets simultaneous updates converge whatever the masses
     /// (the update is then damped by no less than the coupling).
-    pub fn soften(&mut self, nodes: &Nodes, split: bool) {
+    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, split: bool) {
         self.pairs.iter_mut().for_each(|p| p.users = [0; 5]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
@@ -260,8 +261,10 @@ impl PairTable {
             let mut soft = [0.0; 2];
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
             for r in (0..5).filter(|&r| pair.users[r] > 0) {
-                let inv = &nodes.inv_mass[pair.nodes[r] as usize];
-                let moved = if split { f64::from(pair.users[r]) } else { 1.0 } * pair.share(r) * pair.follows(r);
+                let inv = bodies.inv_mass(pair.nodes[r], nodes);
+                // The nodes of a rigid body feel a sweep's forces together, when it is over.
+                let together = split || bodies.of(pair.nodes[r]).is_some();
+                let moved = if together { f64::from(pair.users[r]) } else { 1.0 } * pair.share(r) * pair.follows(r);
                 let n = &pair.normal;
                 soft[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);

@@ -5,6 +5,7 @@ use crate::contact::enforce::{ContactLaw, Iteration, Steps};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::{Pair, PairTable, push};
 use crate::nodes::{Nodes, Row};
+use crate::rigid::Bodies;
 use crate::wall::Walls;
 use crumple_proto::transport::{Lost, Transport};
 
@@ -18,6 +19,10 @@ pub struct Sweeps<'a> {
     pub free: &'a [Row],
     /// Rigid walls.
     pub walls: &'a Walls,
+    /// Rigid bodies; their nodes go where the bodies go.
+    pub bodies: &'a mut Bodies,
+    /// Whether a pair touches a body, on any worker.
+    pub coupled: bool,
     /// Steps around the present time.
     pub steps: Steps,
 }
@@ -29,11 +34,12 @@ impl Sweeps<'_> {
     /// A worker is gone.
     pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<u64, Lost> {
         let iteration = self.law.iteration();
-        t.soften(self.nodes, iteration == Iteration::Split);
+        t.soften(self.nodes, self.bodies, iteration == Iteration::Split);
         if iteration == Iteration::GaussSeidel {
             t.lay_order(wire)?;
         }
         self.feel(t);
+        self.move_bodies(t, wire, true)?;
         let workers = (wire.size() - 1) as u64;
         let (mut quiet, mut sweeps) = (0, 0);
         for _ in 0..self.law.sweeps() {
@@ -48,12 +54,27 @@ impl Sweeps<'_> {
                 quiet = t.swap_forces(wire, quiet)?;
             }
             self.feel(t);
+            if self.coupled {
+                // All workers hear of each other, and end together.
+                if !self.move_bodies(t, wire, changed)? {
+                    break;
+                }
+                continue;
+            }
             // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
             if quiet >= if t.is_common() { workers } else { 1 } {
                 break;
             }
         }
         Ok(sweeps)
+    }
+
+    /// Lets rigid bodies feel the forces of all pairs; whether `changed` holds on any worker.
+    fn move_bodies(&mut self, t: &PairTable, wire: &mut dyn Transport, changed: bool) -> Result<bool, Lost> {
+        if !self.coupled {
+            return Ok(changed);
+        }
+        self.bodies.feel(wire, self.nodes, (&t.touched, &t.total), self.walls, self.steps, changed)
     }
 
     fn updated(&self, p: &Pair) -> Option<V3> {
@@ -119,8 +140,11 @@ impl Sweeps<'_> {
         self.bring(n, v);
     }
 
-    /// Node `n` goes with velocity `v` unless a wall stops it.
+    /// Node `n` goes with velocity `v` unless a wall stops it, or it belongs to a rigid body.
     fn bring(&mut self, n: u32, v: Row) {
+        if self.bodies.of(n).is_some() {
+            return;
+        }
         let n = n as usize;
         self.nodes.next_v[n] = self.walls.stop(&self.nodes.x[n], v, &self.nodes.inv_mass[n], self.steps.dt);
     }

@@ -61,6 +61,8 @@ pub fn settings(part: Part, material: Material) -> Settings {
         parts: vec![part],
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
+        rigid: Vec::new(),
+        dt_max: 0.0,
         contact: None,
         buffer: 0.0,
         force_every: 0,

@@ -24,9 +24,9 @@ pub struct Steps {
     pub mid: f64,
 }
 
-/// What laws know of the bodies that touch.
+/// What laws know of the parts that touch.
 #[derive(Clone, Debug, Default)]
-pub struct Bodies {
+pub struct Elasticity {
     /// Fraction of the elements' stable step that is used.
     pub safety: f64,
     /// Young's modulus per part [force/length^2].
@@ -89,7 +89,7 @@ pub struct LawRow {
     /// Name in the job.
     pub name: &'static str,
     /// Makes the law from the job's numbers. Panics on names that the master's checks refuse.
-    pub build: fn(&Contact, &Bodies) -> Box<dyn ContactLaw>,
+    pub build: fn(&Contact, &Elasticity) -> Box<dyn ContactLaw>,
 }
 
 /// All contact laws.

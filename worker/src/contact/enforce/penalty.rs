@@ -11,14 +11,14 @@
 //! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
 //! stable while `k c dt mid <= 4 (1 - safety^2)`, and no stiffness above that is used unless the job says so.
 
-use super::{Bodies, ContactLaw, Iteration, LawRow, Steps, split, within_cone};
+use super::{ContactLaw, Elasticity, Iteration, LawRow, Steps, split, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
 use crate::nodes::Row;
 use crumple_proto::job::Contact;
 
-pub(super) const LAW: LawRow = LawRow { name: "penalty", build: |c, bodies| Box::new(Penalty::new(c, bodies)) };
+pub(super) const LAW: LawRow = LawRow { name: "penalty", build: |c, parts| Box::new(Penalty::new(c, parts)) };
 
 /// Forms of the stiffness, as a job names them.
 pub const FORMS: &[&str] = &["soft", "stiffness"];
@@ -33,9 +33,9 @@ struct Penalty {
 }
 
 impl Penalty {
-    fn new(job: &Contact, bodies: &Bodies) -> Self {
-        let moduli = (job.penalty_form == "stiffness").then(|| bodies.moduli.clone());
-        let room = 4.0 * (1.0 - bodies.safety * bodies.safety);
+    fn new(job: &Contact, parts: &Elasticity) -> Self {
+        let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
+        let room = 4.0 * (1.0 - parts.safety * parts.safety);
         let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
         Self { friction: job.friction, scale: job.penalty_scale, moduli, most }
     }

@@ -6,13 +6,14 @@ mod penalty;
 mod rubbing;
 mod sweeps;
 
-use super::{Bodies, CONTACT_LAWS, Steps};
+use super::{CONTACT_LAWS, Elasticity, Steps};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::contact::{Contact, ContactWork};
 use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
+use crate::rigid::Bodies;
 use crate::wall::Walls;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
@@ -84,7 +85,7 @@ impl Scene {
             node_half: vec![HALF; points.len()],
             node_scale: vec![HALF; points.len()],
         };
-        let mut contact = Contact::new(job, &Bodies { safety: 0.9, moduli: vec![MODULUS] });
+        let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS] });
         contact.renew(surface, &nodes, |_| Vec::new());
         let mut ends = connect(2);
         let wire = ends.remove(1);
@@ -103,10 +104,10 @@ impl Scene {
             nodes.force[j][2] -= tension;
         }
         nodes.accelerate(steps.mid);
-        contact.refresh_candidates(nodes);
+        contact.refresh_candidates(nodes, &Bodies::default());
         contact.find_pairs(nodes, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
-        contact.enforce(wire, nodes, &Walls::default(), *steps).unwrap();
+        contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
         let work = contact.close(nodes, *steps);
         nodes.advance(steps.dt);
         self.work += work.total;

@@ -1,0 +1,258 @@
+//! Rigid bodies made of shells: falling, guided, led, in contact, on any number of workers. Units mm, ms, kg.
+
+use crumple::job::Model;
+use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_worker::engine::Engine;
+use std::collections::BTreeMap;
+
+/// Bodies of square shells of side 10 / n, one part each.
+#[derive(Default)]
+struct Scene {
+    nodes: Vec<[f64; 3]>,
+    shells: Vec<(usize, [usize; 4])>,
+    parts: usize,
+}
+
+impl Scene {
+    /// A plate in the plane z = `at[2]`, `cells` squares of side `side`.
+    fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) -> usize {
+        self.parts += 1;
+        let first = self.nodes.len() + 1;
+        let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
+        for i in 0..=cells[0] {
+            self.nodes.extend((0..=cells[1]).map(|j| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]]));
+        }
+        for i in 0..cells[0] {
+            let shell = |j| (self.parts, [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+            self.shells.extend((0..cells[1]).map(shell));
+        }
+        self.parts
+    }
+
+    /// A closed box from `at` on with `cells` squares of side `side` along its edges.
+    fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) -> usize {
+        self.parts += 1;
+        let mut known: BTreeMap<[usize; 3], usize> = BTreeMap::new();
+        for axis in 0..3 {
+            let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+            for level in [0, cells[axis]] {
+                for i in 0..cells[a] {
+                    for j in 0..cells[b] {
+                        let mut corner = |u: usize, v: usize| {
+                            let mut place = [0; 3];
+                            (place[axis], place[a], place[b]) = (level, i + u, j + v);
+                            *known.entry(place).or_insert_with(|| {
+                                self.nodes.push([0, 1, 2].map(|c| at[c] + side * place[c] as f64));
+                                self.nodes.len()
+                            })
+                        };
+                        let quad = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                        let outward = if level == 0 { [quad[0], quad[3], quad[2], quad[1]] } else { quad };
+                        self.shells.push((self.parts, outward));
+                    }
+                }
+            }
+        }
+        self.parts
+    }
+
+    /// The job, with sets of all nodes of each part, `part_1` and so on; `rest` is the rest of it.
+    fn job(&self, end_time: f64, rest: &str) -> Model {
+        let nodes =
+            self.nodes.iter().zip(1..).map(|([x, y, z], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, {z:?}],\n"));
+        let shells = self
+            .shells
+            .iter()
+            .zip(1..)
+            .map(|((p, [a, b, c, d]), id): (_, u32)| format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n"));
+        let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
+        let set = |p: usize| {
+            let mut ids: Vec<usize> = self.shells.iter().filter(|s| s.0 == p).flat_map(|s| s.1).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            format!("part_{p} = {ids:?}, ")
+        };
+        let sets: String = (1..=self.parts).map(set).collect();
+        let part = |p| format!("[[part]]\nid = {p}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        let parts: String = (1..=self.parts).map(part).collect();
+        let text = format!(
+            "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ {sets} }}\n\
+             [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+             youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
+        );
+        let there = tempfile::tempdir().unwrap();
+        let path = there.path().join("rigid.toml");
+        std::fs::write(&path, text).unwrap();
+        read(&path, &[])
+    }
+}
+
+fn cube(rest: &str, end_time: f64, look: impl FnMut(&Engine)) -> Engine {
+    let mut scene = Scene::default();
+    scene.cuboid([0.0; 3], [2, 2, 2], 5.0);
+    run_alone(&scene.job(end_time, &format!("[[rigid]]\nname = \"cube\"\nparts = [1]\n{rest}")), look)
+}
+
+/// Catalogue A13: a cube of 1 kg falls 100 mm under g = 9.81 m/s2: it meets the floor after 142.78 ms with 1.40071 m/s,
+/// and stays there: the impact is plastic.
+#[test]
+fn a_rigid_cube_falls_and_lands() {
+    let rest = "mass = 1.0\n[time]\ndt_max = 0.05\n[[gravity]]\nacceleration = [0.0, 0.0, -9.81e-3]\n\
+                [[wall]]\npoint = [0.0, 0.0, -100.0]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.3\n";
+    let (mut landed, mut fastest) = (0.0, 0.0f64);
+    let mut dip = 0.0f64;
+    let end = cube(rest, 160.0, |e| {
+        let v = e.bodies.bodies[0].last.velocity.z;
+        if v < -1.0 {
+            landed = e.clock.time;
+        }
+        fastest = fastest.min(v);
+        dip = (0..e.nodes.held).map(|i| e.nodes.x[i][2] + 100.0).fold(dip, f64::min);
+    });
+    assert!((end.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
+    assert!((landed - 142.78).abs() < 0.06, "to a step: {landed}");
+    assert!((fastest + 1.40071).abs() < 1.5 * 0.05 * 9.81e-3, "mid-step, and to a step: {fastest}");
+    assert!(end.bodies.bodies[0].last.velocity.norm() < 1e-9 && end.bodies.bodies[0].last_spin.norm() < 1e-9);
+    assert!(dip > -1e-9, "no node goes below: {dip}");
+    let wall = end.ledger.energies(&end.nodes).wall;
+    assert!((wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3, "all is lost: {wall}");
+}
+
+/// A body that is guided along x goes with F / m whatever else pulls at it, and one that may turn about z only turns
+/// with M / J.
+#[test]
+fn guided_bodies_follow_what_is_left_free() {
+    let dofs = |list: &str| {
+        format!(
+            "fixed = [{list}]\n[time]\ndt_max = 0.01\n[[load]]\nnodes = \"part_1\"\nforce = [0.3, 0.7, -0.2]\nmoment = [1.0, 2.0, 3.0]\n"
+        )
+    };
+    let end = cube(&dofs("\"y\", \"z\", \"rx\", \"ry\", \"rz\""), 1.0, |_| {});
+    let body = &end.bodies.bodies[0];
+    let way = 0.5 * 0.3 / body.mass;
+    assert!(
+        (body.centre.x - 5.0 - way).abs() < 1e-11 * way && body.centre.y == 5.0 && body.turn.angle() == 0.0,
+        "{}",
+        body.centre
+    );
+    let end = cube(&dofs("\"x\", \"y\", \"z\", \"rx\", \"ry\""), 1e-2, |_| {});
+    let body = &end.bodies.bodies[0];
+    // The cube is alike about all axes; 1/2 M/J t^2, and a half-step more at mid-steps.
+    let spin = 3.0 / body.inertia[(2, 2)] * (end.clock.time - 0.5 * end.clock.last_dt);
+    assert!(
+        (body.last_spin.z / spin - 1.0).abs() < 1e-9 && body.last_spin.x.abs() < 1e-12,
+        "{} {spin}",
+        body.last_spin
+    );
+}
+
+/// Led by its spin, a cube that carries a deformable plate does ten turns: its nodes end where they began.
+#[test]
+fn a_led_body_takes_its_nodes_along() {
+    let turns = 10.0 * std::f64::consts::TAU;
+    let rest = format!(
+        "[time]\ndt_max = 0.01\n[[motion]]\nrigid = \"cube\"\nspin = [{:?}, 0.0, {:?}]\n[[motion]]\nrigid = \"cube\"\nvelocity = [1.0, 2.0, 3.0]\n",
+        0.6 * turns,
+        0.8 * turns
+    );
+    let end = cube(&rest, 1.0, |_| {});
+    let off =
+        |i: usize| (0..3).map(|c| (end.nodes.x[i][c] - end.nodes.x0[i][c] - (c + 1) as f64).abs()).fold(0.0, f64::max);
+    let worst = (0..end.nodes.held).map(off).fold(0.0, f64::max);
+    assert!(worst < 1e-11, "63 radians in 100 steps, eps each, on 10 mm: {worst:e}");
+}
+
+/// A rigid cube flies into a free elastic plate, off its middle: linear and angular momentum of both are kept to
+/// round-off, energy does not grow, and the plate takes its share.
+#[test]
+fn contact_with_a_deformable_plate_keeps_momentum() {
+    let mut scene = Scene::default();
+    scene.cuboid([8.0, 12.0, 2.0], [2, 2, 2], 5.0);
+    scene.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
+    for law in ["lagrange", "penalty"] {
+        let rest = format!(
+            "[[rigid]]\nname = \"cube\"\nparts = [1]\n[[initial_velocity]]\nnodes = \"part_1\"\nvelocity = [0.0, 1.0, -10.0]\n\
+             spin = [0.1, 0.2, 0.3]\ncentre = [13.0, 17.0, 7.0]\n[contact]\nlaw = \"{law}\"\nfriction = 0.2\n"
+        );
+        let sums = |e: &Engine| {
+            let (p, l) = crumple_worker::energy::momentum(&e.nodes);
+            [p, l]
+        };
+        let (mut first, mut worst, mut pairs, mut deepest) = (None, [0.0f64; 2], 0, 0.0f64);
+        let end = run_alone(&scene.job(0.6, &rest), |e| {
+            let now = sums(e);
+            let first = *first.get_or_insert(now);
+            for k in 0..2 {
+                worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
+            }
+            let contact = e.contact.as_ref().unwrap();
+            pairs += contact.own_pairs().count();
+            deepest = deepest.max(contact.penetration);
+        });
+        let body = &end.bodies.bodies[0];
+        let energies = end.ledger.energies(&end.nodes);
+        let initial = 0.5 * body.mass * 101.0;
+        eprintln!("{law}: momentum {worst:?}, {energies:?}, initial {initial}, penetration {deepest}");
+        assert!(pairs > 20 && body.last.velocity.z > -9.0, "they do meet: {pairs}, {}", body.last.velocity);
+        let p = body.mass * 10.0;
+        assert!(worst[0] < 1e-12 * p, "{law}: round-off of a thousand steps: {worst:?} of {p}");
+        // Positions and velocities are half a step apart, which shifts L by F x v dt/2 within a contact only.
+        assert!(worst[1] < 0.01 * p * 10.0, "{law}: {worst:?}");
+        let kept = energies.kinetic + energies.internal + energies.hourglass;
+        assert!(kept < initial * 1.01, "{law}: {kept} of {initial}");
+        assert!(deepest < 0.5, "{law}: the mid-surfaces keep their distance: {deepest}");
+    }
+}
+
+/// Catalogue C06: a rigid cube that starts 0.1 mm deep in a plate that is held fixed is let out gradually: the law gives
+/// back 0.002 of the depth per step, so that it goes with no more than twice 0.002 d / dt, not with d / dt, and gains
+/// less than 1e-3 J.
+#[test]
+fn an_initial_penetration_does_not_throw_a_body_out() {
+    let mut scene = Scene::default();
+    scene.cuboid([8.0, 12.0, 0.9], [2, 2, 2], 5.0);
+    scene.plate([0.0, 0.0, 0.0], [6, 6], 5.0);
+    let rest = "[[rigid]]\nname = \"cube\"\nparts = [1]\n[contact]\n[[fix]]\nnodes = \"part_2\"\n\
+                dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+    let (mut fastest, mut energy) = (0.0f64, 0.0f64);
+    let end = run_alone(&scene.job(0.3, rest), |e| {
+        fastest = fastest.max(e.bodies.bodies[0].last.velocity.norm());
+        energy = energy.max(e.bodies.bodies[0].energy());
+    });
+    eprintln!("{fastest} m/s, {energy} J, against {} m/s", 0.1 / end.clock.first_dt);
+    assert!(fastest < 2.0 * 0.002 * 0.1 / end.clock.first_dt && energy < 1e-3, "{fastest} {energy}");
+}
+
+/// A rigid cube that carries a deformable plate by shared nodes, falls and slides on a wall, is hit by a second rigid
+/// body and by an elastic one: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+#[test]
+fn bits_do_not_depend_on_workers() {
+    let mut scene = Scene::default();
+    scene.cuboid([0.0, 0.0, 0.0], [3, 3, 3], 5.0);
+    scene.cuboid([2.0, 3.0, 17.0], [4, 2, 2], 5.0);
+    scene.plate([-5.0, -3.0, 29.0], [5, 5], 5.0);
+    // A flap on the first cube: shares the nodes of one edge.
+    let edge: Vec<usize> =
+        (0..4).map(|j| scene.nodes.iter().position(|n| *n == [15.0, 5.0 * j as f64, 15.0]).unwrap() + 1).collect();
+    scene.parts += 1;
+    let first = scene.nodes.len() + 1;
+    scene.nodes.extend((0..4).map(|j| [20.0, 5.0 * j as f64, 15.0]));
+    scene.shells.extend((0..3).map(|j| (4, [edge[j], first + j, first + j + 1, edge[j + 1]])));
+    let rest = "[time]\ndamping = 0.05\n[[rigid]]\nname = \"lower\"\nparts = [1]\n[[rigid]]\nname = \"upper\"\nparts = [2]\nmass = 0.03\n\
+                inertia = [1.0, 1.5, 1.2, 0.1, 0.0, 0.2]\n\
+                [[wall]]\npoint = [0.0, 0.0, -0.4]\nnormal = [0.1, 0.0, 1.0]\nfriction = 0.2\n\
+                [[gravity]]\nacceleration = [0.0, 0.0, -5.0]\n[[pressure]]\nparts = [2, 4]\npressure = 0.001\n\
+                [[initial_velocity]]\nnodes = \"part_2\"\nvelocity = [0.5, -1.0, -6.0]\nspin = [0.2, 0.3, -0.1]\ncentre = [12.0, 8.0, 22.0]\n\
+                [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -9.0]\n[contact]\nfriction = 0.3\n";
+    let model = scene.job(2.0, rest);
+    let serial = run_side_by_side(&model, 1, 1500, 0);
+    let met: usize = serial.pairs.iter().map(Vec::len).sum();
+    assert!(serial.trouble.is_none() && met > 1000, "{met} pairs in {} cycles", serial.pairs.len());
+    for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
+        let parallel = run_side_by_side(&model, workers, 1500, force);
+        for (cycle, (a, b)) in serial.pairs.iter().zip(&parallel.pairs).enumerate() {
+            assert_eq!(a, b, "{workers} workers, renewed every {force}: pairs in cycle {cycle}");
+        }
+        assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+}

@@ -1,0 +1,433 @@
+//! Rigid bodies: nodes that move together, on any number of workers.
+//!
+//! Every worker has all bodies and computes the same for each, to the bit: what acts on members is gathered from their
+//! owners and added up in ascending node id. Contact is coupled within its sweeps: all forces on a body are felt by all
+//! of its nodes before any is updated again.
+//!
+//! Members are not free to anything else; their velocities are those that take them from place to place,
+//! `x = c + R r`, exactly.
+
+pub mod body;
+#[cfg(test)]
+mod tests;
+mod walls;
+
+use crate::contact::enforce::Steps;
+use crate::contact::geometry::V3;
+use crate::nodes::{Nodes, Row, row, xyz};
+use crate::wall::Walls;
+use body::{Body, Momentum};
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::Settings;
+use crumple_proto::rigid::RigidBody as BodyJob;
+use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
+use nalgebra::Matrix3;
+use walls::Push;
+
+/// Marks a node that is no member.
+const NONE: u32 = u32::MAX;
+
+/// What acts on a member: force and moment, or a contact force alone.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Acting {
+    body: u64,
+    node: NodeId,
+    force: [f64; 3],
+    angular: [f64; 3],
+}
+
+/// A member as all workers learn of it at the start.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireMember {
+    body: u64,
+    node: NodeId,
+    mass: f64,
+    inertia: f64,
+    x: [f64; 3],
+    v: [f64; 3],
+    w: [f64; 3],
+}
+
+/// A member that is local here.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    local: u32,
+    body: u32,
+    /// Place in the body's list.
+    index: u32,
+}
+
+/// All rigid bodies.
+#[derive(Debug, Default)]
+pub struct Bodies {
+    jobs: Vec<BodyJob>,
+    /// The bodies, in the order of the job.
+    pub bodies: Vec<Body>,
+    /// Inertia that a job gives beyond that of the nodal masses, which the sums over nodes leave out.
+    beyond: Vec<Matrix3<f64>>,
+    /// Places of all members against the centre at time 0, per body in ascending node id [length].
+    arms: Vec<Vec<V3>>,
+    members: Vec<Member>,
+    /// Exterior copies of members.
+    copies: Vec<Member>,
+    /// Body of each local node; empty without bodies.
+    body_of: Vec<u32>,
+    /// Momenta without contact and walls.
+    free: Vec<Momentum>,
+    /// Factor on the compliance of single nodal masses that contact sees, per body.
+    share: Vec<f64>,
+    /// Whether contact pairs touch a body in this step.
+    coupled: bool,
+    /// What damping gave each body in this step.
+    damped: Vec<(V3, V3)>,
+    /// Impulses of walls in this step.
+    pushes: Vec<Push>,
+    acting: Vec<Acting>,
+    words: Vec<u64>,
+}
+
+/// Work on bodies that sums over nodes do not see [energy].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BodyWork {
+    /// Of walls.
+    pub wall: f64,
+    /// Of damping and of what leads bodies.
+    pub external: f64,
+}
+
+impl Bodies {
+    /// Learns of all members from the workers that own them; all workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn start(wire: &mut dyn Transport, settings: &Settings, nodes: &Nodes) -> Result<Self, Lost> {
+        let mut all = Self { jobs: settings.rigid.clone(), ..Self::default() };
+        if all.jobs.is_empty() {
+            return Ok(all);
+        }
+        let mut mine: Vec<WireMember> = Vec::new();
+        for (b, job) in all.jobs.iter().enumerate() {
+            let owned = job.nodes.iter().filter_map(|&id| nodes.held_number(id)).map(|n| n as usize);
+            mine.extend(owned.filter(|&i| nodes.is_own(i)).map(|i| WireMember {
+                body: b as u64,
+                node: nodes.id[i],
+                mass: nodes.mass[i],
+                inertia: nodes.inertia[i],
+                x: xyz(&nodes.x[i]),
+                v: xyz(&nodes.v[i]),
+                w: xyz(&nodes.w[i]),
+            }));
+        }
+        let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); wire.size() - 1];
+        let parcels = exchange_all(wire, parcels)?;
+        let mut members: Vec<WireMember> =
+            parcels.iter().flat_map(|w| bytemuck::cast_slice::<u64, WireMember>(w)).copied().collect();
+        members.sort_unstable_by_key(|m| (m.body, m.node));
+        for (b, job) in all.jobs.iter().enumerate() {
+            let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
+            let (body, beyond) = assemble(job, &settings.loads.curves, &own);
+            all.arms.push(own.iter().map(|m| V3::from(m.x) - body.centre).collect());
+            all.bodies.push(body);
+            all.beyond.push(beyond);
+        }
+        all.share = vec![0.0; all.bodies.len()];
+        all.damped = vec![(V3::zeros(), V3::zeros()); all.bodies.len()];
+        Ok(all)
+    }
+
+    /// Finds the members that are here.
+    pub fn settle(&mut self, nodes: &Nodes) {
+        self.members.clear();
+        self.copies.clear();
+        self.body_of.clear();
+        if self.jobs.is_empty() {
+            return;
+        }
+        self.body_of.resize(nodes.len(), NONE);
+        for (b, job) in self.jobs.iter().enumerate() {
+            for (index, &id) in job.nodes.iter().enumerate() {
+                if let Some(n) = nodes.number(id) {
+                    self.body_of[n as usize] = b as u32;
+                    let held = (n as usize) < nodes.held;
+                    let list = if held { &mut self.members } else { &mut self.copies };
+                    list.push(Member { local: n, body: b as u32, index: index as u32 });
+                }
+            }
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// The body of local node `n`.
+    pub fn of(&self, n: u32) -> Option<usize> {
+        self.body_of.get(n as usize).filter(|&&b| b != NONE).map(|&b| b as usize)
+    }
+
+    /// Whether a node and a segment belong to one body: they cannot move against each other.
+    pub fn are_one(&self, slave: u32, segment: &[u32; 4]) -> bool {
+        self.of(slave).is_some_and(|b| segment.iter().all(|&n| self.of(n) == Some(b)))
+    }
+
+    /// Momenta at the next mid-step without contact and walls, and velocities of held members with them.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn accelerate(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        damping: f64,
+        time: f64,
+        steps: Steps,
+    ) -> Result<(), Lost> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        self.acting.clear();
+        for m in self.members.iter().filter(|m| nodes.is_own(m.local as usize)) {
+            let i = m.local as usize;
+            let (force, moment) = (V3::from(xyz(&nodes.force[i])), V3::from(xyz(&nodes.moment[i])));
+            let arm = V3::from(xyz(&nodes.x[i])) - self.bodies[m.body as usize].centre;
+            act(&mut self.acting, m.body as usize, nodes.id[i], &force, &(arm.cross(&force) + moment));
+        }
+        self.gather(wire, false)?;
+        for body in &mut self.bodies {
+            body.begin(time, steps.dt);
+        }
+        self.push_all(steps.mid);
+        let b = 0.5 * damping * steps.mid;
+        for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
+            *damped = body.damp(b);
+        }
+        self.free.clear();
+        self.free.extend(self.bodies.iter().map(|b| b.next));
+        self.coupled = false;
+        for m in &self.members {
+            let body = &self.bodies[m.body as usize];
+            let arm = V3::from(xyz(&nodes.x[m.local as usize])) - body.centre;
+            nodes.next_v[m.local as usize] = row(body.velocity_at(&arm).into());
+        }
+        Ok(())
+    }
+
+    /// Before the sweeps of contact over the local nodes `touched`: whether any pair touches a body, on any worker.
+    ///
+    /// Simultaneous updates converge if the compliances they assume bound the real one. The nodal masses of a body,
+    /// were they loose, do so; and so do the compliances of its k touched nodes, each times k. The smaller bound is
+    /// taken, as a factor on the former.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn meet(&mut self, wire: &mut dyn Transport, touched: &[u32], nodes: &Nodes) -> Result<bool, Lost> {
+        if self.is_empty() {
+            return Ok(false);
+        }
+        let mut met = vec![(0u64, 0.0f64); self.bodies.len()];
+        for &n in touched.iter().filter(|&&n| nodes.is_own(n as usize)) {
+            let Some(b) = self.of(n) else { continue };
+            let (body, i) = (&self.bodies[b], n as usize);
+            let arm = V3::from(xyz(&nodes.x[i])) - body.centre;
+            let heavy = nodes.mass[i] * (1.0 / body.mass + arm.norm_squared() * body.softest);
+            met[b] = (met[b].0 + 1, met[b].1.max(heavy));
+        }
+        let message: Vec<u64> = met.iter().flat_map(|m| [m.0, m.1.to_bits()]).collect();
+        let mine = wire.rank();
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.send(w, Tag::Bodies, &message)?;
+        }
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.recv(w, Tag::Bodies, &mut self.words)?;
+            for (m, o) in met.iter_mut().zip(self.words.chunks_exact(2)) {
+                *m = (m.0 + o[0], m.1.max(f64::from_bits(o[1])));
+            }
+        }
+        self.coupled = met.iter().any(|m| m.0 > 0);
+        for ((share, body), (count, heavy)) in self.share.iter_mut().zip(&self.bodies).zip(met) {
+            *share = if body.is_led() { 0.0 } else { (count as f64 * heavy).min(1.0) };
+        }
+        Ok(self.coupled)
+    }
+
+    /// Inverse mass that contact sees at local node `n`.
+    pub fn inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        match self.of(n) {
+            Some(b) if nodes.mass[n as usize] > 0.0 => [self.share[b] / nodes.mass[n as usize]; 4],
+            _ => nodes.inv_mass[n as usize],
+        }
+    }
+
+    /// Lets bodies feel the contact forces `total` on the nodes `touched`, and walls; brings these nodes' velocities up
+    /// to date. Returns whether `changed` holds on any worker.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn feel(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        (touched, total): (&[u32], &[V3]),
+        walls: &Walls,
+        steps: Steps,
+        changed: bool,
+    ) -> Result<bool, Lost> {
+        self.acting.clear();
+        for (&n, force) in touched.iter().zip(total).filter(|(n, _)| nodes.is_own(**n as usize)) {
+            if let Some(b) = self.of(n) {
+                let arm = V3::from(xyz(&nodes.x[n as usize])) - self.bodies[b].centre;
+                act(&mut self.acting, b, nodes.id[n as usize], force, &arm.cross(force));
+            }
+        }
+        let changed = self.gather(wire, changed)?;
+        for (body, free) in self.bodies.iter_mut().zip(&self.free) {
+            body.next = *free;
+        }
+        self.push_all(steps.mid);
+        self.keep_out(walls, steps.dt);
+        for &n in touched {
+            if let Some(b) = self.of(n) {
+                let body = &self.bodies[b];
+                let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;
+                nodes.next_v[n as usize] = row(body.velocity_at(&arm).into());
+            }
+        }
+        Ok(changed)
+    }
+
+    /// Where bodies go in the step, once all that acts is known: velocities of members and their copies. Returns the work on bodies
+    /// that sums over nodes do not see, on the first worker only.
+    pub fn finish(&mut self, nodes: &mut Nodes, walls: &mut Walls, time: f64, steps: Steps) -> BodyWork {
+        if self.is_empty() {
+            return BodyWork::default();
+        }
+        if !self.coupled {
+            self.keep_out(walls, steps.dt);
+        }
+        self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
+        // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
+        for m in self.members.iter().chain(&self.copies) {
+            let (body, i) = (&self.bodies[m.body as usize], m.local as usize);
+            let place = body.next_place(&self.arms[m.body as usize][m.index as usize], steps.dt);
+            (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) / steps.dt);
+        }
+        for m in &self.members {
+            nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
+        }
+        if nodes.me == 0 { self.book(walls) } else { BodyWork::default() }
+    }
+
+    /// Books impulses of walls and gives the work of walls, damping and constraints.
+    fn book(&self, walls: &mut Walls) -> BodyWork {
+        let mut work = BodyWork::default();
+        for p in &self.pushes {
+            let body = &self.bodies[p.body];
+            work.wall += body.work(&p.impulse, &p.arm.cross(&p.impulse));
+            (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c]);
+        }
+        for (body, (impulse, angular)) in self.bodies.iter().zip(&self.damped) {
+            work.external += body.work(impulse, angular) + body.led();
+        }
+        work
+    }
+
+    /// Ends the step: bodies and their held members are at their new places.
+    pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.bodies.iter_mut().for_each(|b| b.advance(dt));
+        for m in &self.members {
+            let body = &self.bodies[m.body as usize];
+            let place = body.centre + body.turn * self.arms[m.body as usize][m.index as usize];
+            nodes.x[m.local as usize] = row(place.into());
+        }
+    }
+
+    /// Kinetic energy and angular momentum of inertia beyond that of nodal masses, before and after the step.
+    pub fn beyond(&self) -> (f64, V3) {
+        let (mut energy, mut angular) = (0.0, V3::zeros());
+        for (body, inertia) in self.bodies.iter().zip(&self.beyond) {
+            for spin in [body.last_spin, body.next_spin] {
+                let own = body.turn.inverse_transform_vector(&spin);
+                energy += 0.25 * own.dot(&(inertia * own));
+                angular += body.turn * (inertia * own) * 0.5;
+            }
+        }
+        (energy, angular)
+    }
+
+    /// Adds the impulses of what acts, in ascending node id.
+    fn push_all(&mut self, mid: f64) {
+        for run in self.acting.chunk_by(|a, b| a.body == b.body) {
+            let (mut force, mut angular) = (V3::zeros(), V3::zeros());
+            for a in run {
+                force += V3::from(a.force);
+                angular += V3::from(a.angular);
+            }
+            self.bodies[run[0].body as usize].push(&(force * mid), &(angular * mid));
+        }
+    }
+
+    /// Adds what acts on other workers' members, in ascending (body, node); returns whether any worker says `flag`.
+    fn gather(&mut self, wire: &mut dyn Transport, flag: bool) -> Result<bool, Lost> {
+        let mine = wire.rank();
+        let mut any = flag;
+        self.words.clear();
+        self.words.push(u64::from(flag));
+        self.words.extend_from_slice(bytemuck::cast_slice(&self.acting));
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.send(w, Tag::Bodies, &self.words)?;
+        }
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.recv(w, Tag::Bodies, &mut self.words)?;
+            any |= self.words[0] != 0;
+            self.acting.extend_from_slice(bytemuck::cast_slice(&self.words[1..]));
+        }
+        self.acting.sort_unstable_by_key(|a| (a.body, a.node));
+        Ok(any)
+    }
+
+    /// Keeps members out of walls.
+    fn keep_out(&mut self, walls: &Walls, dt: f64) {
+        self.pushes.clear();
+        if !walls.is_empty() {
+            for (b, (body, arms)) in self.bodies.iter_mut().zip(&self.arms).enumerate() {
+                walls::keep_out(b, body, arms, walls, dt, &mut self.pushes);
+            }
+        }
+    }
+}
+
+/// Notes what acts on an own member, if anything.
+fn act(acting: &mut Vec<Acting>, body: usize, node: NodeId, force: &V3, angular: &V3) {
+    if *force != V3::zeros() || *angular != V3::zeros() {
+        acting.push(Acting { body: body as u64, node, force: (*force).into(), angular: (*angular).into() });
+    }
+}
+
+/// A body from its members in ascending node id, with the nodes' velocities, and its inertia beyond theirs.
+fn assemble(job: &BodyJob, curves: &[Vec<[f64; 2]>], members: &[&WireMember]) -> (Body, Matrix3<f64>) {
+    let (mut mass, mut first, mut momentum) = (0.0, V3::zeros(), V3::zeros());
+    for m in members {
+        mass += m.mass;
+        first += V3::from(m.x) * m.mass;
+        momentum += V3::from(m.v) * m.mass;
+    }
+    let (centre, velocity) = (first / mass, momentum / mass);
+    let (mut own, mut angular) = (Matrix3::zeros(), V3::zeros());
+    for m in members {
+        let arm = V3::from(m.x) - centre;
+        own += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * m.mass;
+        own += Matrix3::identity() * m.inertia;
+        angular += arm.cross(&(V3::from(m.v) - velocity)) * m.mass + V3::from(m.w) * m.inertia;
+    }
+    let given = job.inertia.map(|[xx, yy, zz, xy, yz, zx]| Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz));
+    let inertia = given.unwrap_or(own);
+    if given.is_some() {
+        // The spin that the nodes' velocities describe, with the inertia that is given.
+        angular = inertia * own.try_inverse().map_or(V3::zeros(), |i| i * angular);
+    }
+    (Body::new(job, curves, mass, inertia, centre, Momentum::new(velocity, angular)), inertia - own)
+}
