@@ -10,7 +10,8 @@ use super::{Bench, Check};
 /// Bars of nu = 0.
 pub const BAR: Elastic = Elastic { nu: 0.0, ..STEEL };
 const LENGTH: f64 = 1.0;
-const THICKNESS: f64 = 0.01;
+/// Less than any side here: where a side is shorter than the shell is thick, the strip touches itself.
+const THICKNESS: f64 = 3e-3;
 const V: f64 = 10.0;
 
 /// A01 on a matching mesh.
@@ -73,14 +74,17 @@ fn meet(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Resul
 fn rows(m: &Met, variant: &str, v: [f64; 2]) -> Vec<Row> {
     const D: &str = "[D] one-dimensional wave theory";
     let us = 1e6;
-    vec![
-        Row::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0)).near(386.68, 0.01, D),
-        Row::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress).near(203.0, 0.01, D),
-        Row::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(v[1], 0.01 * V, D),
-        Row::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(v[0], 0.01 * V, D),
-        Row::new("change of momentum / m v", variant, "", m.run.momentum_drift(0, m.scale)).at_most(1e-10, "exact"),
-        m.run.energy_row(variant, 1e-3),
-    ]
+    m.run.with_energy(
+        variant,
+        1e-3,
+        vec![
+            Row::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0)).near(386.68, 0.01, D),
+            Row::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress).near(203.0, 0.01, D),
+            Row::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(v[1], 0.01 * V, D),
+            Row::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(v[0], 0.01 * V, D),
+            Row::new("change of momentum / m v", variant, "", m.run.momentum_drift(0, m.scale)).at_most(1e-10, "exact"),
+        ],
+    )
 }
 
 fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {

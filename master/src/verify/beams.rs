@@ -12,6 +12,8 @@ use std::f64::consts::{PI, TAU};
 
 /// A15.
 pub const BEAMS: Check = Check { name: "beams", quick: true, run: beams };
+/// A15, free ends on finer meshes.
+pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: true, run: free_beam };
 /// A16, simply supported.
 pub const PLATE: Check = Check { name: "simply supported plate", quick: false, run: supported };
 /// A16, FV12.
@@ -112,8 +114,43 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             let tolerance = if i == 2 { 0.015 } else { 0.01 };
             let quantity = format!("{support}, frequency {}", i + 1);
             let source = if support == "simply supported" && i < 2 { "[D] Timoshenko" } else { "[D] Euler-Bernoulli" };
-            all.push(Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source));
+            let row = Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source);
+            all.push(row.known(
+                "the rotational inertia of a corner is raised to A/7 a mass for the sake of the step; free ends feel it, \
+                 and it vanishes with the second order of the mesh size",
+            ));
         }
+    }
+    Ok(all)
+}
+
+/// The first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and the order of their error.
+fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
+    let mut all = Vec::new();
+    for (k, f, number) in [(4.73004074, 531.7, 1), (7.85320462, 1465.5, 2)] {
+        let mut errors = Vec::new();
+        for n in [20, 40, 80] {
+            let mut scene = Scene::new(3.2 / f);
+            let grid = scene.grid(1, [n, n / 10], |x, y| [LENGTH * x, WIDTH * y, 0.0]);
+            scene.elastic("steel", BAR);
+            scene.part(1, "steel", DEPTH, "");
+            let of = clamped(k, (k.cosh() - k.cos()) / (k.sinh() - k.sin()), -1.0);
+            let shape = pluck(&mut scene, &grid, |x| {
+                let (value, slope) = of(x[0] / LENGTH);
+                (value, [slope / LENGTH, 0.0])
+            });
+            let ours = frequency(bench, &format!("A15 free {number} by {n}"), &scene, &shape, 2)?;
+            let variant = format!("{n} by {} shells", n / 10);
+            all.push(
+                Row::new(format!("free-free, frequency {number}"), variant, "Hz", ours)
+                    .beside(f, "[D] Euler-Bernoulli"),
+            );
+            errors.push(ours - f);
+        }
+        // Mesh error by differences, so that shear and rotary inertia of the beam itself do not count.
+        let order = ((errors[1] - errors[0]) / (errors[2] - errors[1])).log2();
+        let quantity = format!("free-free, frequency {number}, order");
+        all.push(Row::new(quantity, "20, 40, 80 shells", "", order).near(2.0, 0.15, "[D] second order"));
     }
     Ok(all)
 }
@@ -242,25 +279,29 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
     let variant = "40 by 2 shells, ten turns";
     let [_, start] = run.momentum;
     let end = crumple_worker::energy::momentum(&run.engine.nodes).1;
-    Ok(vec![
-        Row::new("mean stress at the middle", variant, "MPa", 1e-6 * stress / samples).near(
-            39.25,
-            0.01,
-            "[D] rho w^2 L^2/8",
-        ),
-        Row::new("mean stretch of an end", variant, "um", 1e6 * stretch / samples).near(
-            12.46,
-            0.01,
-            "[D] rho w^2 (L/2)^3/3E",
-        ),
-        Row::new("change of angular momentum", variant, "", (end[2] / start[2] - 1.0).abs()).at_most(1e-10, "exact"),
-        Row::new("mass", variant, "kg", mass(&run.engine, bar.all())).near(
-            BAR.rho * LENGTH * WIDTH * DEPTH,
-            1e-12,
-            "exact",
-        ),
-        run.energy_row(variant, 1e-3),
-    ])
+    Ok(run.with_energy(
+        variant,
+        1e-3,
+        vec![
+            Row::new("mean stress at the middle", variant, "MPa", 1e-6 * stress / samples).near(
+                39.25,
+                0.01,
+                "[D] rho w^2 L^2/8",
+            ),
+            Row::new("mean stretch of an end", variant, "um", 1e6 * stretch / samples).near(
+                12.46,
+                0.01,
+                "[D] rho w^2 (L/2)^3/3E",
+            ),
+            Row::new("change of angular momentum", variant, "", (end[2] / start[2] - 1.0).abs())
+                .at_most(1e-10, "exact"),
+            Row::new("mass", variant, "kg", mass(&run.engine, bar.all())).near(
+                BAR.rho * LENGTH * WIDTH * DEPTH,
+                1e-12,
+                "exact",
+            ),
+        ],
+    ))
 }
 
 fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -287,7 +328,7 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         let drift = (late[0] / late[1] - early[0] / early[1]).abs();
         let variant = format!("one shell, {how}, ten turns");
         all.push(Row::new("drift of the size", &variant, "", drift).at_most(1e-6, "limit of the catalogue"));
-        all.push(run.energy_row(&variant, 1e-3));
+        all.extend(run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
 }

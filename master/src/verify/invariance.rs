@@ -47,7 +47,7 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                 Row::new("friction work given back / energy at the start", &variant, "", rising / run.initial)
                     .at_most(1e-6, "gate of the catalogue: friction only takes"),
             );
-            all.push(run.energy_row(&variant, 1e-2));
+            all.extend(run.energy_rows(&variant, 1e-2));
         }
     }
     Ok(all)

@@ -62,7 +62,8 @@ fn led(
 }
 
 fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
-    let mut across = 0.0;
+    // Where to begin: elastic, and once it yields without change of volume. The rest is corrected.
+    let (mut across, mut yielded) = (-STEEL.nu * 0.05, false);
     let (mut last, mut worst, mut normal) = (([0.0; 2], ElementFields::default()), 0.0f64, 0.0f64);
     led(
         bench,
@@ -70,6 +71,9 @@ fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
         MODULUS,
         20_000.0,
         |_, dt, f| {
+            if !yielded && f.is_some_and(|f| f.plastic_strain > 0.0) {
+                (across, yielded) = (-0.5 * 0.05, true);
+            }
             // The width follows so that it carries no stress.
             across -= 0.2 * f.map_or(0.0, |f| f.stress[1]) / (STEEL.e * dt);
             [0.05, across]

@@ -120,10 +120,15 @@ impl Push {
     /// When the force, as a mean over `window`, first rises above and last falls below `half`: a front that dispersion
     /// spreads out passes half its height where the sharp one would be.
     pub fn span(&self, half: f64, window: f64) -> (f64, f64) {
-        let above = |t: f64| self.mean_force(t - 0.5 * window, t + 0.5 * window) > half;
-        let times = || self.samples.iter().map(|s| s.0);
-        let first = times().find(|&t| above(t)).unwrap_or(f64::NAN);
-        let last = times().rev().find(|&t| above(t)).unwrap_or(f64::NAN);
+        let force = |t: f64| self.mean_force(t - 0.5 * window, t + 0.5 * window) - half;
+        // Between two samples on either side of it, by proportion.
+        let crossing = |pair: &[(f64, f64)]| {
+            let (a, b) = (force(pair[0].0), force(pair[1].0));
+            (a * b < 0.0).then(|| pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b))
+        };
+        let mut crossings = self.samples.windows(2).filter_map(crossing);
+        let first = crossings.next().unwrap_or(f64::NAN);
+        let last = crossings.last().unwrap_or(f64::NAN);
         (first, last)
     }
 }

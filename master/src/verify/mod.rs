@@ -13,6 +13,8 @@ mod bars;
 mod beams;
 pub mod bench;
 pub mod catalogue;
+mod contact;
+mod crush;
 mod elements;
 mod invariance;
 mod materials;

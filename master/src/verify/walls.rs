@@ -49,7 +49,8 @@ struct Struck {
     run: Finished,
 }
 
-const THICKNESS: f64 = 0.01;
+/// Less than any side here, see `bars.rs`.
+const THICKNESS: f64 = 1e-3;
 
 impl Flight {
     fn duration(&self) -> f64 {
@@ -126,7 +127,7 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
             0.05,
             "[V:S5] 1/2N: 10 % with 5, 5 % with 10",
         ));
-        all.push(s.run.energy_row(&variant, 1e-3));
+        all.extend(s.run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
 }
@@ -142,13 +143,16 @@ const ROD_FLIGHT: Flight = Flight {
 fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
     let s = ROD_FLIGHT.run(bench, "A03c wall 100", 100, Target::Wall)?;
     let variant = "wall, 100 shells";
-    Ok(vec![
-        Row::new("time of impact", variant, "us", 1e6 * s.span.0).near(49.46, 0.01, "[V:S7] 0.00005 s, [D]"),
-        Row::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0)).near(98.66, 0.01, "[D]"),
-        Row::new("mean force rho c v A", variant, "kN", 1e-3 * s.force).near(133.1, 0.01, "[D]"),
-        Row::new("rebound velocity", variant, "m/s", s.rebound).near(5.1359, 0.01, "[D]"),
-        s.run.energy_row(variant, 1e-3),
-    ])
+    Ok(s.run.with_energy(
+        variant,
+        1e-3,
+        vec![
+            Row::new("time of impact", variant, "us", 1e6 * s.span.0).near(49.46, 0.01, "[V:S7] 0.00005 s, [D]"),
+            Row::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0)).near(98.66, 0.01, "[D]"),
+            Row::new("mean force rho c v A", variant, "kN", 1e-3 * s.force).near(133.1, 0.01, "[D]"),
+            Row::new("rebound velocity", variant, "m/s", s.rebound).near(5.1359, 0.01, "[D]"),
+        ],
+    ))
 }
 
 fn targets(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -162,7 +166,7 @@ fn targets(bench: &Bench) -> Result<Vec<Row>, String> {
         let s = f.run(bench, &format!("A03c {law}"), 100, Target::Shell(law))?;
         let variant = format!("{law}, on a fixed shell");
         all.push(row(&variant, &s));
-        all.push(s.run.energy_row(&variant, 1e-3));
+        all.extend(s.run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
 }
@@ -178,7 +182,7 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     let width = length / N as f64;
     let bar = scene.grid(1, [N, 1], |x, y| [length * x, width * y, 0.0]);
     scene.plastic("steel", BAR, yield_stress, modulus);
-    scene.part(1, "steel", THICKNESS, "points = 2");
+    scene.part(1, "steel", THICKNESS, "points = 2\nthinning = true");
     scene.start(bar.all(), [-v, 0.0, 0.0], [0.0; 3]);
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
@@ -188,17 +192,47 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;
     let stress = push.mean_force(0.4 * time, 1.7 * time) / (width * THICKNESS);
     let variant = "wall, 200 shells, j2";
-    Ok(vec![
-        Row::new("stress behind the plastic front", variant, "MPa", 1e-6 * stress).near(
-            261.2,
-            0.02,
-            "[D] sigma_y + rho c_t (V - v_y)",
-        ),
-        Row::new("strain behind the plastic front", variant, "", strain).near(
-            0.0301,
-            0.02,
-            "[D] sigma_y/E + (V - v_y)/c_t",
-        ),
-        run.energy_row(variant, 1e-3),
-    ])
+    let (finite_stress, finite_strain) = plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
+    const SMALL: &str = "the reference is of small strains; at 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t, see the rows on finite strain";
+    Ok(run.with_energy(
+        variant,
+        1e-3,
+        vec![
+            Row::new("stress behind the plastic front", variant, "MPa", 1e-6 * stress)
+                .near(261.2, 0.02, "[D] sigma_y + rho c_t (V - v_y)")
+                .known(SMALL),
+            Row::new("strain behind the plastic front", variant, "", strain)
+                .near(0.0301, 0.02, "[D] sigma_y/E + (V - v_y)/c_t")
+                .known(SMALL),
+            Row::new("stress behind the plastic front, finite strain", variant, "MPa", 1e-6 * stress).near(
+                1e-6 * finite_stress,
+                0.02,
+                "[D] shock in nominal stress",
+            ),
+            Row::new("strain behind the plastic front, finite strain", variant, "", strain).near(
+                finite_strain,
+                0.02,
+                "[D] shock in nominal stress",
+            ),
+        ],
+    ))
+}
+
+/// Nominal stress [Pa] and strain behind a plastic shock that changes the velocity by `jump` [m/s], where true stress is
+/// `sigma_y + E_t (e - sigma_y/E)` over logarithmic strain e and plastic flow keeps the volume: the area grows by
+/// `exp(e - sigma/E)`. Across a shock `rho jump^2 = (P - P_y) (eps - eps_y)`.
+fn plastic_shock(yield_stress: f64, tangent: f64, jump: f64) -> (f64, f64) {
+    let at_yield = yield_stress / BAR.e;
+    let nominal = |strain: f64| {
+        let e = -(1.0 - strain).ln();
+        let stress = yield_stress + tangent * (e - at_yield);
+        stress * (e - stress / BAR.e).exp()
+    };
+    let (mut low, mut high) = (at_yield, 0.5);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        let jumped = (nominal(middle) - nominal(at_yield)) * (middle - at_yield);
+        if jumped < BAR.rho * jump * jump { low = middle } else { high = middle }
+    }
+    (nominal(low), low)
 }
