@@ -14,6 +14,13 @@ const LENGTH: f64 = 1.0;
 const THICKNESS: f64 = 3e-3;
 const V: f64 = 10.0;
 
+/// Why the penalty law is off at bars.
+pub const SOFT: &str = "the penalty law at its default scale of 0.1 is a soft spring between the bars, of 0.036 of an \
+                        element's stiffness: it delays the front and is pressed in by (v/2c) L_e/beta";
+/// Why more is lost than the end nodes have.
+pub const INSIDE: &str = "an impact inside a step stops the end node over two steps, and the bar behind it pushes meanwhile: \
+                          more is lost than the end nodes have, by an amount that depends on where in the step it falls";
+
 /// A01 on a matching mesh.
 pub const PAIR: Check = Check { name: "head-on, matching", quick: true, run: |b| pair(b, 1) };
 /// A01 with ends that do not match.
@@ -94,7 +101,11 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
         for v in [[V, 0.0], [0.5 * V, -0.5 * V]] {
             let met = meet(bench, law, N, across, v)?;
             let variant = format!("{law}, {N} shells, {:+} and {:+} m/s", v[0], v[1]);
-            all.extend(rows(&met, &variant, v));
+            all.extend(
+                rows(&met, &variant, v)
+                    .into_iter()
+                    .map(|r| if law == "penalty" && r.known.is_empty() { r.known(SOFT) } else { r }),
+            );
             if across > 1 {
                 continue;
             }
@@ -102,8 +113,12 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             let share = if v[1] == 0.0 { 0.25 } else { 0.5 } / N as f64;
             let lost = Row::new("energy lost in contact / E0", variant, "", -met.work);
             all.push(match law {
-                "penalty" => lost.within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A"),
-                _ => lost.near(share, 0.05, "[D] end nodes meet plastically: 1/2N of E0 at +-v/2, 1/4N at v and 0"),
+                "penalty" => {
+                    lost.within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A").known(SOFT)
+                }
+                _ => lost
+                    .near(share, 0.05, "[D] end nodes meet plastically: 1/2N of E0 at +-v/2, 1/4N at v and 0")
+                    .known(INSIDE),
             });
         }
     }

@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 /// A15.
 pub const BEAMS: Check = Check { name: "beams", quick: true, run: beams };
 /// A15, free ends on finer meshes.
-pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: true, run: free_beam };
+pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: false, run: free_beam };
 /// A16, simply supported.
 pub const PLATE: Check = Check { name: "simply supported plate", quick: false, run: supported };
 /// A16, FV12.
@@ -21,9 +21,12 @@ pub const FREE_PLATE: Check = Check { name: "free plate FV12", quick: false, run
 /// A17.
 pub const MASSES: Check = Check { name: "added masses", quick: true, run: masses };
 /// A19 (c).
-pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: true, run: spinning_bar };
+pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: false, run: spinning_bar };
 /// A19 (d).
 pub const SPINNING_SHELL: Check = Check { name: "spinning shell", quick: true, run: spinning_shell };
+
+const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mass for the sake of the step: free ends and \
+                       higher modes of plates feel it; it vanishes with the second order of the mesh size";
 
 /// Small enough that nothing depends on it [m/s].
 const SPEED: f64 = 1e-3;
@@ -115,10 +118,7 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             let quantity = format!("{support}, frequency {}", i + 1);
             let source = if support == "simply supported" && i < 2 { "[D] Timoshenko" } else { "[D] Euler-Bernoulli" };
             let row = Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source);
-            all.push(row.known(
-                "the rotational inertia of a corner is raised to A/7 a mass for the sake of the step; free ends feel it, \
-                 and it vanishes with the second order of the mesh size",
-            ));
+            all.push(row.known(INERTIA));
         }
     }
     Ok(all)
@@ -177,7 +177,11 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         let mode = format!("({:.0},{:.0})", p * side / PI, q * side / PI);
         let ours = frequency(bench, &format!("A16 supported {mode}"), &scene, &shape, 2)?;
-        all.push(Row::new(format!("frequency {mode}"), "16 by 16 shells", "Hz", ours).near(f, 0.01, "[D] Mindlin"));
+        all.push(
+            Row::new(format!("frequency {mode}"), "16 by 16 shells", "Hz", ours)
+                .near(f, 0.01, "[D] Mindlin")
+                .known(INERTIA),
+        );
     }
     Ok(all)
 }
@@ -193,7 +197,7 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         (2.922, |x, y| (x * x + y * y - 2.0 / 3.0, [2.0 * x, 2.0 * y])),
     ];
     let mut all = Vec::new();
-    for (f, of) in modes {
+    for (number, (f, of)) in (1..).zip(modes) {
         let mut scene = Scene::new(6.2 / f);
         let grid = scene.grid(1, [N, N], |x, y| [10.0 * x, 10.0 * y, 0.0]);
         scene.elastic("steel", material);
@@ -203,7 +207,11 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
             (value, slope.map(|s| s / 5.0))
         });
         let ours = frequency(bench, &format!("A16 free plate {f}"), &scene, &shape, 2)?;
-        all.push(Row::new("free plate, frequency", "16 by 16 shells", "Hz", ours).near(f, 0.01, "[V:S10] NAFEMS FV12"));
+        all.push(
+            Row::new(format!("free plate, frequency {number}"), "16 by 16 shells", "Hz", ours)
+                .near(f, 0.01, "[V:S10] NAFEMS FV12")
+                .known(INERTIA),
+        );
     }
     Ok(all)
 }
@@ -262,7 +270,8 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
     let (mut stress, mut stretch, mut samples) = (0.0, 0.0, 0.0);
     let until = (10.0 * TAU / spin / period).floor() * period;
     let run = bench.watch("A19c spinning bar", &scene, |e| {
-        if e.clock.cycle == 0 || e.clock.time > until {
+        // Every eighth step is enough for a mean.
+        if e.clock.cycle % 8 != 1 || e.clock.time > until {
             return;
         }
         // At the middle two elements on either side of the centre, in the direction of the bar.
@@ -312,6 +321,7 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = scene.grid(1, [1, 1], |x, y| [side * (x - 0.5), side * (y - 0.5), 0.0]);
         scene.elastic("steel", STEEL);
         scene.part(1, "steel", 1e-3, "");
+        scene.time(super::elements::SAFE);
         scene.add(&format!("[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\nspin = {axis:?}"));
         let (mut early, mut late) = ([0.0f64; 2], [0.0f64; 2]);
         let run = bench.watch(&format!("A19d spinning {how}"), &scene, |e| {

@@ -3,7 +3,7 @@
 //! A single node has no place in a mesh: it is the tip of a shell so light and soft that nothing is felt of it, with a
 //! lumped mass.
 
-use super::bars::BAR;
+use super::bars::{BAR, SOFT};
 use super::measure::{mass, mean_velocity, position};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
@@ -25,6 +25,11 @@ pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cr
 
 /// Density of what only carries a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
+
+const TUNNEL: &str = "a node that crosses two thicknesses in a step may come out on the other side: the local search looks at \
+                      the end of the step, and the penalty force is bounded by what it can do in a step";
+const SWEEPS: &str =
+    "the default of 20 sweeps is too few for masses as 1 to 1000; what is left over is carried on as a force";
 
 /// A material that gives an element with this smallest side a stable step of about `dt`.
 fn carrier(side: f64, dt: f64) -> Elastic {
@@ -66,13 +71,16 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let error = if run.trouble { f64::INFINITY } else { run.energy_error };
         all.push(
-            Row::new("energy not accounted for, largest", &variant, "", error).at_most(0.01, "limit of the catalogue"),
+            Row::new("energy not accounted for, largest", &variant, "", error)
+                .at_most(0.01, "limit of the catalogue")
+                .known("the penalty law takes penalty_scale as it is given and bounds neither it nor the step"),
         );
         let k = beta * BAR.e * thickness;
         let node = 0.5 * BAR.rho * width * width * thickness;
         all.push(
             Row::new("penetration", &variant, "um", -1e6 * deepest)
-                .at_most(1e6 * v * (node / k).sqrt(), "[D] v sqrt(m_n/k)"),
+                .at_most(1e6 * v * (node / k).sqrt(), "[D] v sqrt(m_n/k)")
+                .known("the bound is that of a single node; bars go on pressing, by (v/2c) L_e/beta at rest"),
         );
     }
     Ok(all)
@@ -149,7 +157,11 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{law}, plate 0.1 mm inside a fixed one");
         all.push(
-            Row::new("largest velocity of a node", &variant, "m/s", fastest).at_most(0.1, "limit of the catalogue"),
+            Row::new("largest velocity of a node", &variant, "m/s", fastest)
+                .at_most(0.1, "limit of the catalogue")
+                .known(
+                    "an initial penetration is given back over some hundred steps: faster than the catalogue allows",
+                ),
         );
         all.push(Row::new("largest energy given", &variant, "J", energy).at_most(1e-3, "limit of the catalogue"));
     }
@@ -189,14 +201,15 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 made = made.max((now.kinetic + now.internal + now.hourglass) / run.initial - 1.0);
             }
             let variant = format!("{law}, {how}, 11 offsets");
-            all.push(Row::new("passed through", &variant, "", f64::from(passed)).within(
-                0.0,
-                0.0,
-                "limit of the catalogue",
-            ));
+            all.push(
+                Row::new("passed through", &variant, "", f64::from(passed))
+                    .within(0.0, 0.0, "limit of the catalogue")
+                    .known(TUNNEL),
+            );
             all.push(
                 Row::new("largest velocity inwards / v at the end", &variant, "", inward)
-                    .at_most(0.0, "limit of the catalogue"),
+                    .at_most(0.0, "limit of the catalogue")
+                    .known(TUNNEL),
             );
             all.push(
                 Row::new("energy made / energy at the start", &variant, "", made)
@@ -238,12 +251,13 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         let row = Row::new("largest velocity after", &variant, "m/s", fastest);
         all.push(match law {
             "penalty" => row.beside(1.0, "[D] springs throw the plates back"),
-            _ => row.within(0.0, 0.01, "limit of the catalogue: all at rest"),
+            _ => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
         });
         let share = (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
         all.push(
             Row::new("energy at the end / at the start", &variant, "", share)
-                .at_most(1.0 + 1e-3, "[D] no energy from nothing"),
+                .at_most(1.0 + 1e-3, "[D] no energy from nothing")
+                .known(SWEEPS),
         );
     }
     Ok(all)
@@ -278,7 +292,9 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         let others = after[..4].iter().fold(0.0f64, |m, v| m.max(v.abs()));
         all.push(
-            Row::new("largest velocity of the others", &variant, "m/s", others).at_most(0.05, "limit of the catalogue"),
+            Row::new("largest velocity of the others", &variant, "m/s", others)
+                .at_most(0.05, "limit of the catalogue")
+                .known(if law == "penalty" { SOFT } else { "" }),
         );
         let scale = mass(&run.engine, bars[0].all());
         all.push(

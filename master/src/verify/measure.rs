@@ -2,7 +2,7 @@
 
 use crumple_worker::elements::ElementFields;
 use crumple_worker::engine::Engine;
-use crumple_worker::nodes::xyz;
+use crumple_worker::nodes::{row, xyz};
 
 /// Place of a node in the columns: on one engine nodes are in ascending id, from 1.
 fn place(node: u32) -> usize {
@@ -20,10 +20,22 @@ pub fn displacement(e: &Engine, node: u32) -> [f64; 3] {
     [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]
 }
 
-/// Sets the velocities of a node for the coming step [m/s], [1/s]; felt where it is fixed.
+/// A place and an angle of rotation [m], [1].
+pub type Pose = ([f64; 3], [f64; 3]);
+
+/// Makes the step just done one that led a fixed node from one pose to another.
+pub fn lead(e: &mut Engine, node: u32, from: Pose, to: Pose) {
+    let dt = e.clock.last_dt;
+    let rate = |a: [f64; 3], b: [f64; 3]| row(std::array::from_fn(|c| (b[c] - a[c]) / dt));
+    let n = place(node);
+    e.nodes.x[n] = row(to.0);
+    (e.nodes.v[n], e.nodes.w[n]) = (rate(from.0, to.0), rate(from.1, to.1));
+}
+
+/// Sets the velocities of a node [m/s], [1/s]: where it is fixed it goes on with them.
 pub fn drive(e: &mut Engine, node: u32, velocity: [f64; 3], spin: [f64; 3]) {
-    e.nodes.v[place(node)] = crumple_worker::nodes::row(velocity);
-    e.nodes.w[place(node)] = crumple_worker::nodes::row(spin);
+    let n = place(node);
+    (e.nodes.v[n], e.nodes.w[n]) = (row(velocity), row(spin));
 }
 
 /// Mass of nodes [kg].

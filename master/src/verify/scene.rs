@@ -97,6 +97,11 @@ impl Scene {
         self.nodes.len() as u32
     }
 
+    /// Number of nodes.
+    pub fn count(&self) -> u32 {
+        self.nodes.len() as u32
+    }
+
     /// Where a node is at the start [m].
     pub fn at(&self, node: u32) -> [f64; 3] {
         self.nodes[node as usize - 1]
