@@ -331,7 +331,7 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
             let turns = e.clock.time * spin / TAU;
             // It swings about the stretch of its own rotation; a drift is a change of the mean from turn to turn.
             let mean = if turns < 1.0 { &mut early } else { &mut late };
-            if turns < 1.0 || turns >= 9.0 {
+            if !(1.0..9.0).contains(&turns) {
                 *mean = [mean[0] + e.clock.last_dt * diagonal, mean[1] + e.clock.last_dt];
             }
         })?;

@@ -250,7 +250,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// One square shell, all of it led; part `points` and nodes numbered from `first`.
+/// One square shell, all of it led, with its corners counted from number `first`.
 fn square(side: f64, thickness: f64, lift: f64, first: usize, end: f64) -> Scene {
     let mut scene = Scene::new(end);
     let corners = [[0.0, 0.0, 0.0], [side, 0.0, 0.0], [side, side, lift], [0.0, side, 0.0]];

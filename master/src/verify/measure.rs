@@ -140,7 +140,7 @@ impl Push {
         };
         let mut crossings = self.samples.windows(2).filter_map(crossing);
         let first = crossings.next().unwrap_or(f64::NAN);
-        let last = crossings.last().unwrap_or(f64::NAN);
+        let last = crossings.next_back().unwrap_or(f64::NAN);
         (first, last)
     }
 }
