@@ -28,6 +28,11 @@ pub enum Command {
     Run(RunArgs),
     /// Read and check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(JobArgs),
+    /// Run the catalogue of verification cases: ours against exact, published and computed references.
+    ///
+    /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit code 3 if a case is
+    /// outside its tolerance.
+    Verify(VerifyArgs),
 }
 
 /// What a job is and how it is changed.
@@ -57,6 +62,20 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// `crumple verify`.
+#[derive(Args, Clone, Debug)]
+pub struct VerifyArgs {
+    /// Only these entries of the catalogue, such as A01,C02.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Only the quick cases: a second or two each.
+    #[arg(long)]
+    pub quick: bool,
+    /// Folder for the table and the jobs.
+    #[arg(long, value_name = "DIR", default_value = "out/verify")]
+    pub out: PathBuf,
 }
 
 impl JobArgs {

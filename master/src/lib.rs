@@ -4,6 +4,7 @@
 //! - [`job`]: from a job file to a sound model, or to everything that is wrong with it
 //! - [`check`]: `crumple check`
 //! - [`launch`]: `crumple run`, on threads or under MPI
+//! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
 
@@ -12,6 +13,7 @@ pub mod check;
 pub mod cli;
 pub mod control;
 pub mod decompose;
+pub mod embedded;
 pub mod fields;
 pub mod history;
 pub mod job;
@@ -19,3 +21,4 @@ pub mod launch;
 pub mod progress;
 pub mod stop;
 pub mod summary;
+pub mod verify;

@@ -2,39 +2,13 @@
 
 pub mod program;
 
-use crumple::decompose::{Centres, bisect};
+pub use crumple::embedded::{PairIds, Trace, run_side_by_side};
+
+use crumple::embedded;
 use crumple::job::{self, Model};
-use crumple::summary::state_digest;
-use crumple_proto::boxes::CutTree;
-use crumple_proto::ids::{ElemId, NodeId, SegmentId};
-use crumple_proto::partition::NodeRecord;
-use crumple_proto::transport::{Transport, threads};
 use crumple_worker::engine::Engine;
-use crumple_worker::membership::Share;
-use crumple_worker::step::step;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-
-/// A contact pair by its ids.
-pub type PairIds = (NodeId, SegmentId);
-
-/// What a run of engines side by side gives.
-pub struct Trace {
-    /// Pairs of all workers per cycle, ascending; a pair that two workers own would be there twice.
-    pub pairs: Vec<Vec<PairIds>>,
-    /// State at the end, all nodes.
-    pub nodes: Vec<NodeRecord>,
-    /// Renewals of boxes.
-    pub renewals: u64,
-    /// Element in trouble, if the run had to end.
-    pub trouble: Option<ElemId>,
-}
-
-impl Trace {
-    /// Digest of the state.
-    pub fn digest(&self) -> String {
-        state_digest(&mut self.nodes.clone())
-    }
-}
 
 /// A folder of `cases/`.
 pub fn case(name: &str) -> PathBuf {
@@ -50,105 +24,18 @@ pub fn read(path: &Path, sets: &[&str]) -> Model {
     job::read(path, &sets).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// Element centres at the start.
-fn centres(model: &Model) -> Vec<[f64; 3]> {
-    let of_id: std::collections::HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let centre = |e: &crumple_proto::mesh::MeshElement| {
-        let corners = e.corners();
-        std::array::from_fn(|c| corners.iter().map(|n| of_id[n][c]).sum::<f64>() / corners.len() as f64)
-    };
-    model.mesh.elements.iter().map(centre).collect()
-}
-
-/// Runs `cycles` cycles on `workers` engines. Boxes are renewed when exterior copies run out, and every `force_every`
-/// cycles (0 for never), in turn within the old boxes and with boxes cut in another direction.
-///
-/// # Panics
-/// When a worker is lost.
-pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every: u64) -> Trace {
-    let centres = centres(model);
-    let cut = |stretch: [f64; 3]| {
-        let stretched = centres.iter().map(|c| std::array::from_fn(|k| c[k] * stretch[k])).collect();
-        let mut tree = bisect(&mut Centres(stretched), workers).expect("no worker is asked");
-        for entry in &mut tree.entries {
-            if let crumple_proto::boxes::Cut::Plane { axis, at, .. } = entry {
-                *at /= stretch[*axis];
-            }
-        }
-        tree
-    };
-    // Stretching an axis makes it the longest, so that cuts go across it.
-    let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
-    let (elements, nodes) = model.records();
-    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
-    for (e, &c) in elements.iter().zip(&centres) {
-        let share = &mut shares[trees[0].worker_of(c)];
-        share.elements.push((*e, Vec::new()));
-        share.nodes.extend(e.nodes.iter().filter_map(|n| nodes.iter().find(|r| r.id == *n)));
-    }
-    let mut ends = threads::connect(workers + 1);
-    let master = ends.remove(0); // history rows pile up unread
-    let plan = Plan { cycles, force_every, trees };
-    let traces: Vec<Trace> = std::thread::scope(|scope| {
-        let plan = &plan;
-        let run = |(mut end, share)| scope.spawn(move || one_engine(model, &mut end, share, plan));
-        let threads: Vec<_> = ends.into_iter().zip(shares).map(run).collect();
-        threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
-    });
-    drop(master);
-    let mut all =
-        Trace { pairs: vec![Vec::new(); traces[0].pairs.len()], nodes: Vec::new(), renewals: 0, trouble: None };
-    for t in traces {
-        all.pairs.iter_mut().zip(t.pairs).for_each(|(a, b)| a.extend(b));
-        all.nodes.extend(t.nodes);
-        (all.renewals, all.trouble) = (t.renewals, t.trouble);
-    }
-    all.pairs.iter_mut().for_each(|p| p.sort_unstable());
-    all
-}
-
 /// Runs a job on one engine to its end; `look` sees the engine after each step.
 ///
 /// # Panics
 /// When an element is in trouble.
 pub fn run_alone(model: &Model, mut look: impl FnMut(&Engine)) -> Engine {
-    let (elements, nodes) = model.records();
-    let share = Share { elements: elements.into_iter().map(|e| (e, Vec::new())).collect(), nodes, ..Share::default() };
-    let mut ends = threads::connect(2);
-    let (mut wire, _master) = (ends.remove(1), ends.remove(0));
-    let mut engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share).expect("one worker");
-    while !engine.clock.is_over(&engine.settings) {
-        let agreed = step(&mut engine, &mut wire).expect("one worker");
-        assert_eq!(agreed.trouble, None, "cycle {}", engine.clock.cycle);
-        look(&engine);
-    }
-    engine
-}
-
-struct Plan {
-    cycles: u64,
-    force_every: u64,
-    trees: [CutTree; 3],
-}
-
-fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan) -> Trace {
-    let tree = plan.trees[0].clone();
-    let mut engine = Engine::new(wire, model.settings.clone(), tree, share).expect("all workers live");
-    let mut trace = Trace { pairs: Vec::new(), nodes: Vec::new(), renewals: 0, trouble: None };
-    while engine.clock.cycle < plan.cycles && !engine.clock.is_over(&engine.settings) {
-        let agreed = step(&mut engine, wire).expect("all workers live");
-        trace.pairs.push(engine.contact.iter().flat_map(|c| c.own_pairs()).collect());
-        trace.trouble = agreed.trouble;
-        if agreed.trouble.is_some() {
-            break;
+    let after_each_step = |e: &mut Engine| {
+        if e.clock.cycle > 0 {
+            look(e);
         }
-        let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
-        if forced || agreed.urgency > 0.7 {
-            trace.renewals += 1;
-            let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
-            engine.renew(wire, plan.trees[which].clone()).expect("all workers live");
-        }
-    }
-    trace.nodes = (0..engine.nodes.held).filter(|&i| engine.nodes.is_own(i)).map(|i| engine.nodes.record(i)).collect();
-    trace
+        ControlFlow::Continue(())
+    };
+    let ended = embedded::run_alone(model, after_each_step).expect("one worker");
+    assert_eq!(ended.trouble, None, "cycle {}", ended.engine.clock.cycle);
+    ended.engine
 }

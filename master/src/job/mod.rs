@@ -66,6 +66,11 @@ pub struct Model {
 pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     let path = find(path).map_err(Report::from_problem)?;
     let text = load(&path).map_err(Report::from_problem)?;
+    read_text(path, text, sets)
+}
+
+/// Reads and checks a job that is at hand as text; files that it names are looked for beside `path`.
+pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, Report> {
     let (tree, errors) = match Node::parse(&text) {
         Ok(tree) => (tree, Vec::new()),
         Err(errors) => (Node::table(tree::Place::Whole), errors),

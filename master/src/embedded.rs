@@ -1,0 +1,150 @@
+//! Engines in this process without a master, watched step by step: verification, tests and studies share this.
+
+use crate::decompose::{Centres, bisect};
+use crate::job::Model;
+use crate::summary::state_digest;
+use crumple_proto::boxes::{Cut, CutTree};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
+use crumple_proto::mesh::MeshElement;
+use crumple_proto::partition::NodeRecord;
+use crumple_proto::transport::{Lost, Transport, threads};
+use crumple_worker::engine::Engine;
+use crumple_worker::membership::Share;
+use crumple_worker::step::step;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+/// A contact pair by its ids.
+pub type PairIds = (NodeId, SegmentId);
+
+/// How a run on one engine ended.
+pub struct Ended {
+    /// The engine as it is then.
+    pub engine: Engine,
+    /// Element in trouble, if the run had to end.
+    pub trouble: Option<ElemId>,
+}
+
+/// Runs a job on one engine in this thread. `look` is called at every time from 0 to the end: it sees coordinates at
+/// `clock.time`, velocities half a step before, and may set the velocities of fixed degrees of freedom, which then move
+/// the coming step of `clock.dt` with them; it may also end the run.
+///
+/// # Errors
+/// The engine could not be set up.
+pub fn run_alone(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFlow<()>) -> Result<Ended, Lost> {
+    let (elements, nodes) = model.records();
+    let share = Share { elements: elements.into_iter().map(|e| (e, Vec::new())).collect(), nodes, ..Share::default() };
+    let mut ends = threads::connect(2);
+    let (mut wire, _master) = (ends.remove(1), ends.remove(0)); // history rows pile up unread
+    let mut engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share)?;
+    let mut trouble = None;
+    while look(&mut engine).is_continue() && trouble.is_none() && !engine.clock.is_over(&engine.settings) {
+        trouble = step(&mut engine, &mut wire)?.trouble;
+    }
+    Ok(Ended { engine, trouble })
+}
+
+/// What a run of engines side by side gives.
+pub struct Trace {
+    /// Pairs of all workers per cycle, ascending; a pair that two workers own would be there twice.
+    pub pairs: Vec<Vec<PairIds>>,
+    /// State at the end, all nodes.
+    pub nodes: Vec<NodeRecord>,
+    /// Renewals of boxes.
+    pub renewals: u64,
+    /// Element in trouble, if the run had to end.
+    pub trouble: Option<ElemId>,
+}
+
+impl Trace {
+    /// Digest of the state.
+    pub fn digest(&self) -> String {
+        state_digest(&mut self.nodes.clone())
+    }
+}
+
+/// Element centres at the start.
+fn centres(model: &Model) -> Vec<[f64; 3]> {
+    let of_id: HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let centre = |e: &MeshElement| {
+        let corners = e.corners();
+        std::array::from_fn(|c| corners.iter().map(|n| of_id[n][c]).sum::<f64>() / corners.len() as f64)
+    };
+    model.mesh.elements.iter().map(centre).collect()
+}
+
+/// Runs `cycles` cycles on `workers` engines. Boxes are renewed when exterior copies run out, and every `force_every`
+/// cycles (0 for never), in turn within the old boxes and with boxes cut in another direction.
+///
+/// # Panics
+/// When a worker is lost.
+pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every: u64) -> Trace {
+    let centres = centres(model);
+    let cut = |stretch: [f64; 3]| {
+        let stretched = centres.iter().map(|c| std::array::from_fn(|k| c[k] * stretch[k])).collect();
+        let mut tree = bisect(&mut Centres(stretched), workers).expect("no worker is asked");
+        for entry in &mut tree.entries {
+            if let Cut::Plane { axis, at, .. } = entry {
+                *at /= stretch[*axis];
+            }
+        }
+        tree
+    };
+    // Stretching an axis makes it the longest, so that cuts go across it.
+    let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
+    for (e, &c) in elements.iter().zip(&centres) {
+        let share = &mut shares[trees[0].worker_of(c)];
+        share.elements.push((*e, Vec::new()));
+        share.nodes.extend(e.nodes.iter().filter_map(|n| record.get(n).copied()));
+    }
+    let mut ends = threads::connect(workers + 1);
+    let master = ends.remove(0); // history rows pile up unread
+    let plan = Plan { cycles, force_every, trees };
+    let traces: Vec<Trace> = std::thread::scope(|scope| {
+        let plan = &plan;
+        let run = |(mut end, share)| scope.spawn(move || one_engine(model, &mut end, share, plan));
+        let threads: Vec<_> = ends.into_iter().zip(shares).map(run).collect();
+        threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
+    });
+    drop(master);
+    let mut all =
+        Trace { pairs: vec![Vec::new(); traces[0].pairs.len()], nodes: Vec::new(), renewals: 0, trouble: None };
+    for t in traces {
+        all.pairs.iter_mut().zip(t.pairs).for_each(|(a, b)| a.extend(b));
+        all.nodes.extend(t.nodes);
+        (all.renewals, all.trouble) = (t.renewals, t.trouble);
+    }
+    all.pairs.iter_mut().for_each(|p| p.sort_unstable());
+    all
+}
+
+struct Plan {
+    cycles: u64,
+    force_every: u64,
+    trees: [CutTree; 3],
+}
+
+fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan) -> Trace {
+    let tree = plan.trees[0].clone();
+    let mut engine = Engine::new(wire, model.settings.clone(), tree, share).expect("all workers live");
+    let mut trace = Trace { pairs: Vec::new(), nodes: Vec::new(), renewals: 0, trouble: None };
+    while engine.clock.cycle < plan.cycles && !engine.clock.is_over(&engine.settings) {
+        let agreed = step(&mut engine, wire).expect("all workers live");
+        trace.pairs.push(engine.contact.iter().flat_map(|c| c.own_pairs()).collect());
+        trace.trouble = agreed.trouble;
+        if agreed.trouble.is_some() {
+            break;
+        }
+        let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
+        if forced || agreed.urgency > 0.7 {
+            trace.renewals += 1;
+            let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
+            engine.renew(wire, plan.trees[which].clone()).expect("all workers live");
+        }
+    }
+    trace.nodes = (0..engine.nodes.held).filter(|&i| engine.nodes.is_own(i)).map(|i| engine.nodes.record(i)).collect();
+    trace
+}

@@ -1,0 +1,155 @@
+//! `crumple verify`: the catalogue of verification cases, each run in this process and compared with its reference.
+//!
+//! - `catalogue.rs`: every entry, in order: its checks, and what of it is not covered and why
+//! - `row.rs`: a quantity, ours against the reference; `report.rs`: the table
+//! - `scene.rs`: a job in the making; `bench.rs`: runs it, watched; `measure.rs`: what is read off a run
+//! - one file per family of entries: `bars.rs`, `walls.rs`, `beams.rs`, ...
+//!
+//! A check builds its job as the text of a job file, so that all of it goes through the reader, and `DIR/jobs` holds every
+//! job that was run, for `crumple run`. Units are SI. Marks of the sources: [V] read in the cited source, [D] derived,
+//! [C] computed for comparison with an independent program, [U] not verified.
+
+mod bars;
+mod beams;
+pub mod bench;
+pub mod catalogue;
+mod contact;
+mod crush;
+mod elements;
+mod invariance;
+mod materials;
+mod measure;
+mod report;
+mod row;
+mod scene;
+mod walls;
+
+pub use bench::Bench;
+pub use catalogue::CATALOGUE;
+pub use row::Row;
+
+use crate::cli::VerifyArgs;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Exit codes, as README.md lists them.
+const PASSED: u8 = 0;
+const BAD_INPUT: u8 = 2;
+const OUTSIDE: u8 = 3;
+
+/// An entry of the catalogue.
+pub struct Entry {
+    /// Its id, such as A01.
+    pub id: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// What is run for it; empty if nothing can be yet.
+    pub checks: &'static [Check],
+    /// What of it is not covered and why; empty if all is.
+    pub open: &'static str,
+}
+
+/// One comparison that is run as a whole.
+pub struct Check {
+    /// What distinguishes it within its entry.
+    pub name: &'static str,
+    /// Takes a second or two at most: a test runs it too.
+    pub quick: bool,
+    /// Runs it; an error says why there is nothing to compare.
+    pub run: fn(&Bench) -> Result<Vec<Row>, String>,
+}
+
+/// What a check gave.
+pub struct Outcome {
+    /// Entry of the catalogue.
+    pub id: &'static str,
+    /// Name of the check.
+    pub name: &'static str,
+    /// Its rows, or why there are none.
+    pub rows: Result<Vec<Row>, String>,
+}
+
+impl Outcome {
+    /// Whether all of it is within its tolerances.
+    pub fn passes(&self) -> bool {
+        self.rows.as_ref().is_ok_and(|rows| rows.iter().all(Row::passes))
+    }
+}
+
+/// `crumple verify`; returns the exit code.
+pub fn run(args: &VerifyArgs) -> u8 {
+    let unknown: Vec<&str> =
+        args.only.iter().map(String::as_str).filter(|id| !CATALOGUE.iter().any(|e| e.id == *id)).collect();
+    if !unknown.is_empty() {
+        let known: Vec<&str> = CATALOGUE.iter().map(|e| e.id).collect();
+        eprintln!("error: the catalogue has no {}", unknown.join(", "));
+        eprintln!("  it has {}", known.join(", "));
+        return BAD_INPUT;
+    }
+    let wanted = |e: &&Entry| args.only.is_empty() || args.only.iter().any(|id| id == e.id);
+    let entries: Vec<&Entry> = CATALOGUE.iter().filter(wanted).collect();
+    let checks: Vec<(&'static str, &'static Check)> = CATALOGUE
+        .iter()
+        .filter(wanted)
+        .flat_map(|e| e.checks.iter().map(|c| (e.id, c)))
+        .filter(|(_, c)| c.quick || !args.quick)
+        .collect();
+    let jobs = args.out.join("jobs");
+    if let Err(error) = std::fs::create_dir_all(&jobs) {
+        eprintln!("error: {} cannot be made: {error}; choose another folder with --out", jobs.display());
+        return BAD_INPUT;
+    }
+    let outcomes = run_all(&checks, &Bench::new(Some(jobs)));
+    let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
+    print!("{}", report.markdown());
+    if let Err(error) = write(&args.out, &report) {
+        eprintln!("error: {}: {error}; choose another folder with --out", args.out.display());
+        return BAD_INPUT;
+    }
+    if outcomes.iter().all(Outcome::passes) { PASSED } else { OUTSIDE }
+}
+
+fn write(out: &Path, report: &report::Report<'_>) -> std::io::Result<()> {
+    std::fs::write(out.join("VERIFICATION.md"), report.markdown())?;
+    std::fs::write(out.join("verification.json"), report.json())
+}
+
+/// Runs checks, several at a time, and shows how far it is; outcomes in the order of the checks.
+fn run_all(checks: &[(&'static str, &'static Check)], bench: &Bench) -> Vec<Outcome> {
+    let bar = std::io::stderr().is_terminal().then(|| {
+        let bar = ProgressBar::new(checks.len() as u64);
+        let style = ProgressStyle::with_template("{bar:20} {pos}/{len} elapsed {elapsed} remaining {eta} {wide_msg}");
+        style.into_iter().for_each(|s| bar.set_style(s));
+        bar
+    });
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&(id, check)) = checks.get(index) else { return };
+            let began = Instant::now();
+            let outcome = Outcome { id, name: check.name, rows: (check.run)(bench) };
+            let verdict = if outcome.passes() { "pass" } else { "FAIL" };
+            let line = format!("{id} {}: {verdict} ({:.1} s)", check.name, began.elapsed().as_secs_f64());
+            match &bar {
+                Some(bar) => {
+                    bar.println(line);
+                    bar.inc(1);
+                }
+                None => eprintln!("{line}"),
+            }
+            done.lock().unwrap_or_else(|held| held.into_inner()).push((index, outcome));
+        }
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..cores).for_each(|_| _ = scope.spawn(work)));
+    bar.iter().for_each(|b| b.finish_and_clear());
+    let mut done = done.into_inner().unwrap_or_else(|held| held.into_inner());
+    done.sort_by_key(|d| d.0);
+    done.into_iter().map(|d| d.1).collect()
+}

@@ -1,0 +1,122 @@
+//! The table of all rows, as Markdown and as JSON.
+
+use super::row::{Row, short};
+use super::{Entry, Outcome};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// What was run and what came out.
+pub struct Report<'a> {
+    /// The entries that were asked for.
+    pub entries: &'a [&'a Entry],
+    /// Outcomes of their checks, in order.
+    pub outcomes: &'a [Outcome],
+    /// Whether slow checks were left out.
+    pub quick: bool,
+}
+
+const HEAD: &str = "# Verification
+
+Written by `crumple verify`: ours against exact, published and computed references, in SI units. A row is a quantity of a
+run; its variant names contact law, element and mesh. Marks of the sources: [V] read in the cited source, [D] derived,
+[C] computed with an independent program, [U] not verified. Rows without a tolerance are shown for orientation only.
+";
+
+impl Report<'_> {
+    /// The table for people.
+    pub fn markdown(&self) -> String {
+        let mut text = String::from(HEAD);
+        let rows = || self.outcomes.iter().filter_map(|o| o.rows.as_ref().ok()).flatten();
+        let gated = rows().filter(|r| r.verdict() != "recorded").count();
+        let failed = rows().filter(|r| !r.passes()).count();
+        let broken = self.outcomes.iter().filter(|o| o.rows.is_err()).count();
+        let run = self.entries.iter().filter(|e| self.of(e).next().is_some()).count();
+        let quick = if self.quick { " (quick checks only)" } else { "" };
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            text,
+            "\n{run} of {} entries run{quick}; {gated} quantities with a bound, {failed} outside of it; {broken} checks \
+             could not be run.\n",
+            self.entries.len()
+        );
+        text.push_str("| case | quantity | variant | reference | ours | error | tolerance | source | |\n");
+        text.push_str("|---|---|---|---|---|---|---|---|---|\n");
+        for entry in self.entries {
+            for outcome in self.of(entry) {
+                match &outcome.rows {
+                    Ok(rows) => rows.iter().for_each(|r| text.push_str(&line(entry.id, r))),
+                    Err(why) => {
+                        let _ = writeln!(text, "| {} | {} | | | | | | {why} | **FAIL** |", entry.id, outcome.name);
+                    }
+                }
+            }
+        }
+        let known = || rows().filter(|r| !r.known.is_empty());
+        if known().next().is_some() {
+            text.push_str("\n## Known shortcomings\n\n");
+            let mut said: Vec<&str> = Vec::new();
+            for outcome in self.outcomes {
+                for row in outcome.rows.iter().flatten().filter(|r| !r.known.is_empty() && !r.passes()) {
+                    if !said.contains(&row.known) {
+                        said.push(row.known);
+                        let _ = writeln!(text, "- {} {}: {}", outcome.id, row.quantity, row.known);
+                    }
+                }
+            }
+        }
+        let open: Vec<_> = self.entries.iter().filter(|e| !e.open.is_empty()).collect();
+        if !open.is_empty() {
+            text.push_str("\n## Not covered\n\n| case | | what is missing, and why |\n|---|---|---|\n");
+            for e in open {
+                let _ = writeln!(text, "| {} | {} | {} |", e.id, e.title, e.open);
+            }
+        }
+        text
+    }
+
+    /// The same for programs.
+    pub fn json(&self) -> String {
+        let entry = |e: &&Entry| {
+            let checks: Vec<Value> = self.of(e).map(check).collect();
+            json!({ "id": e.id, "title": e.title, "checks": checks, "not_covered": e.open })
+        };
+        let entries: Vec<Value> = self.entries.iter().map(entry).collect();
+        format!("{:#}\n", json!({ "quick": self.quick, "entries": entries }))
+    }
+
+    fn of<'b>(&'b self, entry: &Entry) -> impl Iterator<Item = &'b Outcome> + use<'b> {
+        let id = entry.id;
+        self.outcomes.iter().filter(move |o| o.id == id)
+    }
+}
+
+fn line(id: &str, r: &Row) -> String {
+    let with_unit = |x: f64| match (x.is_nan(), r.unit) {
+        (true, _) => "-".into(),
+        (false, "") => short(x),
+        (false, unit) => format!("{} {unit}", short(x)),
+    };
+    format!(
+        "| {id} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+        r.quantity,
+        r.variant,
+        with_unit(r.reference),
+        with_unit(r.ours),
+        r.error_text(),
+        r.tolerance_text(),
+        r.source,
+        r.verdict()
+    )
+}
+
+fn check(o: &Outcome) -> Value {
+    let row = |r: &Row| {
+        let mut value = json!(r);
+        value["passes"] = json!(r.passes());
+        value
+    };
+    match &o.rows {
+        Ok(rows) => json!({ "name": o.name, "rows": rows.iter().map(row).collect::<Vec<_>>() }),
+        Err(why) => json!({ "name": o.name, "error": why }),
+    }
+}

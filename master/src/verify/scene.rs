@@ -1,0 +1,225 @@
+//! A job in the making: mesh rows by code, the rest as the text of a job file. SI units.
+
+use std::fmt::Write;
+
+/// Steel of the catalogue: Young's modulus [Pa], Poisson's ratio, density [kg/m^3].
+pub const STEEL: Elastic = Elastic { e: 210e9, nu: 0.3, rho: 7850.0 };
+
+/// An elastic material.
+#[derive(Clone, Copy, Debug)]
+pub struct Elastic {
+    /// Young's modulus [Pa].
+    pub e: f64,
+    /// Poisson's ratio.
+    pub nu: f64,
+    /// Density [kg/m^3].
+    pub rho: f64,
+}
+
+impl Elastic {
+    /// The same with another Poisson's ratio.
+    pub fn with_nu(self, nu: f64) -> Self {
+        Self { nu, ..self }
+    }
+
+    /// Speed of waves in a bar, `sqrt(E/rho)` [m/s].
+    pub fn c(&self) -> f64 {
+        (self.e / self.rho).sqrt()
+    }
+
+    /// Speed of waves in a plate, `sqrt(E/rho/(1-nu^2))` [m/s].
+    pub fn c_plate(&self) -> f64 {
+        self.c() / (1.0 - self.nu * self.nu).sqrt()
+    }
+}
+
+/// A job in the making; ids of nodes and elements count from 1.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    end_time: f64,
+    nodes: Vec<[f64; 3]>,
+    shells: Vec<Vec<u32>>,
+    sets: Vec<(String, Vec<u32>)>,
+    keys: String,
+    /// Top-level tables that must be one: lines of `[time]`.
+    time: String,
+}
+
+/// A regular patch of nodes.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    nodes: Vec<u32>,
+    across: usize,
+}
+
+impl Grid {
+    /// Node at step i along, j across.
+    pub fn at(&self, i: usize, j: usize) -> u32 {
+        self.nodes[i * (self.across + 1) + j]
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Nodes at step i along.
+    pub fn row(&self, i: usize) -> Vec<u32> {
+        (0..=self.across).map(|j| self.at(i, j)).collect()
+    }
+
+    /// Steps along.
+    pub fn along(&self) -> usize {
+        self.nodes.len() / (self.across + 1) - 1
+    }
+
+    /// Nodes on the rim.
+    pub fn rim(&self) -> Vec<u32> {
+        let (n, m) = (self.along(), self.across);
+        let on_rim = |i: usize, j: usize| i == 0 || j == 0 || i == n || j == m;
+        (0..=n)
+            .flat_map(|i| (0..=m).map(move |j| (i, j)))
+            .filter(|&(i, j)| on_rim(i, j))
+            .map(|(i, j)| self.at(i, j))
+            .collect()
+    }
+}
+
+impl Scene {
+    /// An empty scene that runs to `end_time` [s].
+    pub fn new(end_time: f64) -> Self {
+        Self { end_time, ..Self::default() }
+    }
+
+    /// Adds a node [m].
+    pub fn node(&mut self, x: [f64; 3]) -> u32 {
+        self.nodes.push(x);
+        self.nodes.len() as u32
+    }
+
+    /// Number of nodes.
+    pub fn count(&self) -> u32 {
+        self.nodes.len() as u32
+    }
+
+    /// Where a node is at the start [m].
+    pub fn at(&self, node: u32) -> [f64; 3] {
+        self.nodes[node as usize - 1]
+    }
+
+    /// Adds a shell of a part.
+    pub fn shell(&mut self, part: u32, corners: &[u32]) -> u32 {
+        self.shells.push(std::iter::once(part).chain(corners.iter().copied()).collect());
+        self.shells.len() as u32
+    }
+
+    /// Adds a patch of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
+    pub fn grid(&mut self, part: u32, [n, m]: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
+        let nodes = (0..=n)
+            .flat_map(|i| (0..=m).map(move |j| (i, j)))
+            .map(|(i, j)| self.node(place(i as f64 / n as f64, j as f64 / m as f64)))
+            .collect();
+        let grid = Grid { nodes, across: m };
+        for i in 0..n {
+            for j in 0..m {
+                self.shell(part, &[grid.at(i, j), grid.at(i + 1, j), grid.at(i + 1, j + 1), grid.at(i, j + 1)]);
+            }
+        }
+        grid
+    }
+
+    /// Names a set of nodes.
+    pub fn set(&mut self, nodes: &[u32]) -> String {
+        let name = format!("set{}", self.sets.len() + 1);
+        self.sets.push((name.clone(), nodes.to_vec()));
+        name
+    }
+
+    /// Adds lines of a job file.
+    pub fn add(&mut self, keys: &str) {
+        self.keys.push_str(keys);
+        self.keys.push('\n');
+    }
+
+    /// Adds a line to `[time]`.
+    pub fn time(&mut self, line: &str) {
+        self.time.push_str(line);
+        self.time.push('\n');
+    }
+
+    /// Adds an elastic material.
+    pub fn elastic(&mut self, name: &str, m: Elastic) {
+        self.add(&format!(
+            "[[material]]\nname = \"{name}\"\nlaw = \"elastic\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}",
+            m.rho, m.e, m.nu
+        ));
+    }
+
+    /// Adds a material with J2 plasticity: yield stress and plastic modulus [Pa].
+    pub fn plastic(&mut self, name: &str, m: Elastic, yield_stress: f64, modulus: f64) {
+        self.add(&format!(
+            "[[material]]\nname = \"{name}\"\nlaw = \"j2\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}\n\
+             yield_stress = {yield_stress:?}\nhardening_modulus = {modulus:?}",
+            m.rho, m.e, m.nu
+        ));
+    }
+
+    /// Adds a part of shells; `more` are further keys of it.
+    pub fn part(&mut self, id: u32, material: &str, thickness: f64, more: &str) {
+        self.add(&format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = {thickness:?}\n{more}"));
+    }
+
+    /// Fixes degrees of freedom, such as `"x y rz"`.
+    pub fn fix(&mut self, nodes: &[u32], dofs: &str) {
+        let set = self.set(nodes);
+        let dofs: Vec<&str> = dofs.split(' ').collect();
+        self.add(&format!("[[fix]]\nnodes = \"{set}\"\ndofs = {dofs:?}"));
+    }
+
+    /// Gives nodes a velocity [m/s] and, each about itself, a spin [1/s].
+    pub fn start(&mut self, nodes: &[u32], velocity: [f64; 3], spin: [f64; 3]) {
+        let set = self.set(nodes);
+        if spin == [0.0; 3] {
+            self.add(&format!("[[initial_velocity]]\nnodes = \"{set}\"\nvelocity = {velocity:?}"));
+            return;
+        }
+        for &n in nodes {
+            let (one, centre) = (self.set(&[n]), self.at(n));
+            self.add(&format!(
+                "[[initial_velocity]]\nnodes = \"{one}\"\nvelocity = {velocity:?}\nspin = {spin:?}\ncentre = {centre:?}"
+            ));
+        }
+    }
+
+    /// Adds mass to nodes, `mass` [kg] in all.
+    pub fn mass(&mut self, nodes: &[u32], mass: f64) {
+        let set = self.set(nodes);
+        self.add(&format!("[[mass]]\nnodes = \"{set}\"\nmass = {mass:?}"));
+    }
+
+    /// Adds a rigid wall.
+    pub fn wall(&mut self, point: [f64; 3], normal: [f64; 3], friction: f64) {
+        self.add(&format!("[[wall]]\npoint = {point:?}\nnormal = {normal:?}\nfriction = {friction:?}"));
+    }
+
+    /// The job file.
+    pub fn text(&self, title: &str) -> String {
+        let mut text =
+            format!("title = \"{title}\"\nunits = \"m, s, kg\"\nend_time = {:?}\n[mesh]\nnodes = [\n", self.end_time);
+        // Writing into a string cannot fail.
+        for (i, [x, y, z]) in self.nodes.iter().enumerate() {
+            let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", i + 1);
+        }
+        text.push_str("]\nshells = [\n");
+        for (i, shell) in self.shells.iter().enumerate() {
+            let row: Vec<String> = shell.iter().map(u32::to_string).collect();
+            let _ = writeln!(text, "[{}, {}],", i + 1, row.join(", "));
+        }
+        text.push_str("]\n[mesh.node_sets]\n");
+        for (name, nodes) in &self.sets {
+            let _ = writeln!(text, "{name} = {nodes:?}");
+        }
+        let _ = write!(text, "[time]\n{}[output]\nfield_interval = -1.0\n{}", self.time, self.keys);
+        text
+    }
+}

@@ -1,0 +1,59 @@
+//! The quick checks of the catalogue, entry by entry: what is within its tolerance, and what is not, is what the committed
+//! table `tests/verification.json` says. After a change of results, look at the table that `crumple verify` writes, and
+//! commit it.
+
+use crumple::verify::{Bench, CATALOGUE, Row};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Quantity and variant of a row, and whether it passes.
+type Verdicts = BTreeMap<(String, String), bool>;
+
+fn committed(id: &str, check: &str) -> Verdicts {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("verification.json");
+    let table: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let find = |list: &Value, key: &str, name: &str| {
+        list.as_array().unwrap().iter().find(|e| e[key] == name).unwrap_or(&Value::Null).clone()
+    };
+    let checks = find(&table["entries"], "id", id)["checks"].clone();
+    let rows = find(&checks, "name", check)["rows"].clone();
+    let text = |v: &Value| v.as_str().unwrap().to_string();
+    let row = |r: &Value| ((text(&r["quantity"]), text(&r["variant"])), r["passes"].as_bool().unwrap());
+    rows.as_array().unwrap_or_else(|| panic!("{id} {check} is not in the table")).iter().map(row).collect()
+}
+
+fn quick(id: &str) {
+    let entry = CATALOGUE.iter().find(|e| e.id == id).unwrap();
+    let bench = Bench::new(None);
+    for check in entry.checks.iter().filter(|c| c.quick) {
+        let rows = (check.run)(&bench).unwrap_or_else(|why| panic!("{id} {}: {why}", check.name));
+        for r in rows.iter().filter(|r| !r.passes()) {
+            eprintln!("{id} {} ({}): {} against {}; {}", r.quantity, r.variant, r.ours, r.reference, r.known);
+        }
+        let verdict = |r: &Row| ((r.quantity.clone(), r.variant.clone()), r.passes());
+        let now: Verdicts = rows.iter().map(verdict).collect();
+        let then = committed(id, check.name);
+        let changed: Vec<_> = now.iter().filter(|(row, passes)| then.get(*row) != Some(*passes)).collect();
+        assert!(changed.is_empty(), "{id} {}: otherwise than in the table: {changed:?}", check.name);
+        assert_eq!(now.len(), then.len(), "{id} {}: rows of the table are missing", check.name);
+    }
+}
+
+macro_rules! entries {
+    ($($name:ident $id:literal)*) => {
+        $(#[test] fn $name() { quick($id) })*
+        const TESTED: &[&str] = &[$($id),*];
+    };
+}
+
+entries! {
+    a01 "A01" a03 "A03" a06 "A06" a15 "A15" a17 "A17" a19 "A19" a21 "A21" a23 "A23" a26 "A26" a27 "A27"
+    c01 "C01" c02 "C02" c06 "C06" c07 "C07" c10 "C10" c11 "C11" c15 "C15" c16 "C16"
+}
+
+#[test]
+fn every_entry_with_a_quick_check_is_tested() {
+    let quick: Vec<&str> = CATALOGUE.iter().filter(|e| e.checks.iter().any(|c| c.quick)).map(|e| e.id).collect();
+    assert_eq!(quick, TESTED);
+}
