@@ -6,8 +6,12 @@
 mod builder;
 mod options;
 
+#[path = "../bars/mesh.rs"]
+mod bars;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
+#[path = "../plate/mesh.rs"]
+mod plate;
 #[path = "../tumble/mesh.rs"]
 mod tumble;
 
@@ -33,7 +37,7 @@ pub struct Generator {
 }
 
 /// All generators.
-pub const GENERATORS: &[Generator] = &[jeep_frame::GENERATOR, tumble::GENERATOR];
+pub const GENERATORS: &[Generator] = &[bars::GENERATOR, jeep_frame::GENERATOR, plate::GENERATOR, tumble::GENERATOR];
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///

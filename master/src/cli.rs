@@ -28,6 +28,10 @@ pub enum Command {
     Run(RunArgs),
     /// Read and check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
     Check(JobArgs),
+    /// Run a job over a grid of settings: a table of errors and costs, and charts of them.
+    ///
+    /// Goes on where an earlier call with the same folder stopped.
+    Study(StudyArgs),
 }
 
 /// What a job is and how it is changed.
@@ -57,6 +61,19 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// `crumple study`.
+#[derive(Args, Clone, Debug)]
+pub struct StudyArgs {
+    /// The study, a .toml file.
+    pub study: PathBuf,
+    /// Folder for results [default: out/studies/ and the study's name].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Points that run at a time; with more than one their CPU times disturb each other.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = jobs)]
+    pub jobs: usize,
 }
 
 impl JobArgs {
@@ -95,6 +112,10 @@ fn workers(text: &str) -> Result<usize, String> {
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "give a whole number from 1".into())
 }
 
 fn time(text: &str) -> Result<f64, String> {

@@ -5,6 +5,7 @@
 //! - [`check`]: `crumple check`
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
+//! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
 
 pub mod balance;
@@ -18,4 +19,5 @@ pub mod job;
 pub mod launch;
 pub mod progress;
 pub mod stop;
+pub mod study;
 pub mod summary;

@@ -8,5 +8,6 @@ fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
         Command::Check(args) => crumple::check::run(&args),
         Command::Run(args) => crumple::launch::run(&args),
+        Command::Study(args) => crumple::study::run(&args),
     })
 }
