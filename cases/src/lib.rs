@@ -37,7 +37,7 @@ pub struct Generator {
 }
 
 /// All generators.
-pub const GENERATORS: &[Generator] = &[bars::GENERATOR, jeep_frame::GENERATOR, plate::GENERATOR, tumble::GENERATOR];
+pub const GENERATORS: &[Generator] = &[jeep_frame::GENERATOR, bars::GENERATOR, plate::GENERATOR, tumble::GENERATOR];
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///

@@ -32,6 +32,11 @@ pub enum Command {
     ///
     /// Goes on where an earlier call with the same folder stopped.
     Study(StudyArgs),
+    /// Tell what a run did not need, part by part, and the settings that leave it out.
+    Advise {
+        /// Folder of results of a run that completed.
+        dir: PathBuf,
+    },
 }
 
 /// What a job is and how it is changed.

@@ -369,6 +369,7 @@ impl<'a> Control<'a> {
                 searches: mean(|c| c.searches),
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
             },
+            parts: summary::parts(&self.model.job, &self.model.settings.parts, &closings),
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");

@@ -5,9 +5,11 @@
 //! - [`check`]: `crumple check`
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
+//! - [`advise`]: `crumple advise`, what a run did not need
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
 
+pub mod advise;
 pub mod balance;
 pub mod check;
 pub mod cli;

@@ -8,6 +8,7 @@ fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
         Command::Check(args) => crumple::check::run(&args),
         Command::Run(args) => crumple::launch::run(&args),
+        Command::Advise { dir } => crumple::advise::run(&dir),
         Command::Study(args) => crumple::study::run(&args),
     })
 }

@@ -230,6 +230,7 @@ impl Worker {
             searches: e.contact.as_ref().map_or(0, |c| c.searches),
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
             stopped: self.stopped,
+            parts: output::part_records(e),
         };
         let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
         post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))

@@ -9,6 +9,7 @@ pub mod geometry;
 pub mod initial;
 pub mod local;
 pub mod pairs;
+pub mod record;
 pub mod search;
 pub mod surface;
 
@@ -21,6 +22,7 @@ use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use enforce::{CONTACT_LAWS, ContactLaw, Steps};
 use pairs::{Memory, PairTable, push};
+use record::Record;
 use search::{SEARCHES, Search};
 use surface::Surface;
 
@@ -42,6 +44,7 @@ pub struct Contact {
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
     free: Vec<Row>,
+    record: Record,
     /// Global searches so far.
     pub searches: u64,
     /// Sweeps so far.
@@ -87,6 +90,7 @@ impl Contact {
             memories: Vec::new(),
             table: PairTable::default(),
             free: Vec::new(),
+            record: Record::default(),
             searches: 0,
             sweeps: 0,
             penetration: 0.0,
@@ -95,6 +99,7 @@ impl Contact {
 
     /// Takes a new surface and what its slaves remember; candidates must be searched again.
     pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
+        self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
         self.memories.clear();
         self.memory_start.clear();
@@ -110,6 +115,11 @@ impl Contact {
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
+    }
+
+    /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this worker knows.
+    pub fn record_of(&self, part: usize) -> (bool, bool) {
+        self.record.part(&self.surface.segments, part)
     }
 
     /// Active pairs of owned nodes after the last local search, as (node, segment) ids.
@@ -136,6 +146,7 @@ impl Contact {
         let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
         let mut found = (self.find)(&boxes, &points);
         found.retain(|&(g, p)| !s.segments[g as usize].nodes.contains(&s.slaves[p as usize]));
+        found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -164,6 +175,7 @@ impl Contact {
             }
         }
         for p in &mut pairs {
+            self.record.touched(p.nodes);
             p.force = self.law.start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
         }

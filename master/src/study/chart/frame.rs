@@ -67,7 +67,7 @@ impl Frame {
 
     /// A line of the legend: what `sign` draws around a place, and a text, wrapped where it is long.
     pub fn entry(&mut self, text: &str, sign: impl Fn(&mut Sheet, [f64; 2])) {
-        sign(&mut self.sheet, [LEGEND + 12.0, self.below]);
+        sign(&mut self.sheet, [LEGEND + 12.0, self.below + 2.0]);
         for line in wrap(text, LEGEND_WIDTH - 5) {
             self.sheet.text([LEGEND + 32.0, self.below + 2.0], &line, SMALL, Anchor::Start, BLACK);
             self.below += LINE;

@@ -7,6 +7,7 @@ use super::map::curves;
 use super::sheet::{GREY, Sheet, WHITE};
 use crate::study::grid::{number, plain, short};
 use crate::study::results::Row;
+use crate::study::spec::flatten;
 
 /// Draws the chart.
 ///
@@ -77,9 +78,12 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     Ok(frame.close(&x_title, &y_title))
 }
 
-/// Name of the line that a row is on: its series, and what it varies besides.
+/// Name of the line that a row is on: its series, and what it varies besides. What goes side by side with the setting
+/// along x does not count.
 fn name(view: &View<'_>, row: &Row, along: &str) -> String {
-    let others = row.varied.iter().filter(|(k, _)| k != along).map(|(k, v)| format!("{}={}", short(k), plain(v)));
+    let zipped: Vec<String> = flatten(&view.study.series[row.series].zip).into_iter().map(|(k, _)| k).collect();
+    let with_x = |k: &String| k == along || zipped.iter().any(|z| z == along) && zipped.contains(k);
+    let others = row.varied.iter().filter(|(k, _)| !with_x(k)).map(|(k, v)| format!("{}={}", short(k), plain(v)));
     let words: Vec<String> = others.collect();
     let series = &view.study.series[row.series].name;
     if words.is_empty() { series.clone() } else { format!("{series}, {}", words.join(" ")) }

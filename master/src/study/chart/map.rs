@@ -151,15 +151,22 @@ fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
 pub fn curves(view: &View<'_>, frame: &mut Frame) -> Result<(), String> {
     const SAMPLES: usize = 400;
     for (number, curve) in view.chart.curve.iter().enumerate() {
-        let points: Vec<[f64; 2]> = match &curve.formula {
+        let part = |i: usize| i as f64 / SAMPLES as f64;
+        let places: Vec<Option<[f64; 2]>> = match &curve.formula {
             Some(text) => {
                 let y = formula(text)?;
-                let x = |i: usize| frame.x.value(i as f64 / SAMPLES as f64);
-                (0..=SAMPLES).map(|i| [x(i), y(x(i))]).collect()
+                let x = |i: usize| frame.x.value(part(i));
+                (0..=SAMPLES).map(|i| frame.at(x(i), y(x(i)))).collect()
             }
-            None => curve.points.clone(),
+            // Straight on the page, and cut off where the plot ends.
+            None => {
+                let ends: Vec<[f64; 2]> = curve.points.iter().map(|p| [frame.x.at(p[0]), frame.y.at(p[1])]).collect();
+                let between = |w: &[[f64; 2]], i: usize| [0, 1].map(|c| w[0][c] + part(i) * (w[1][c] - w[0][c]));
+                let inside = |at: &[f64; 2]| frame.x.holds(at[0]) && frame.y.holds(at[1]);
+                let all = ends.windows(2).flat_map(|w| (0..=SAMPLES).map(move |i| between(w, i)));
+                all.map(|at| Some(at).filter(inside)).collect()
+            }
         };
-        let places: Vec<Option<[f64; 2]>> = points.iter().map(|p| frame.at(p[0], p[1])).collect();
         let dashed = number % 2 == 1;
         for run in places.split(Option::is_none) {
             let run: Vec<[f64; 2]> = run.iter().flatten().copied().collect();

@@ -13,7 +13,7 @@ use std::sync::Once;
 /// Size of a page in its own units.
 pub const SIZE: [f64; 2] = [1000.0, 620.0];
 /// Pixels per unit in both kinds of files.
-const SCALE: f64 = 2.0;
+const SCALE: f64 = 1.5;
 /// Length of dashes and of the gaps between them.
 const DASH: [f64; 2] = [8.0, 5.0];
 
