@@ -81,7 +81,7 @@ impl Axis {
             let digits = (-step.log10().floor()).max(0.0) as usize;
             let tick = |i: i64| {
                 let value = i as f64 * step;
-                let label = if step >= 1e5 || step < 1e-4 { short(value) } else { format!("{value:.digits$}") };
+                let label = if !(1e-4..1e5).contains(&step) { short(value) } else { format!("{value:.digits$}") };
                 Tick { value, label: Some(label) }
             };
             return (first..=last).map(tick).collect();
