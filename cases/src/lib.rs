@@ -6,6 +6,8 @@
 mod builder;
 mod options;
 
+#[path = "../bars/mesh.rs"]
+mod bars;
 #[path = "../beam/mesh.rs"]
 mod beam;
 #[path = "../brick-wall/mesh.rs"]
@@ -14,6 +16,8 @@ mod brick_wall;
 mod can_crush;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
+#[path = "../plate/mesh.rs"]
+mod plate;
 #[path = "../tumble/mesh.rs"]
 mod tumble;
 
@@ -39,8 +43,15 @@ pub struct Generator {
 }
 
 /// All generators.
-pub const GENERATORS: &[Generator] =
-    &[beam::GENERATOR, brick_wall::GENERATOR, can_crush::GENERATOR, jeep_frame::GENERATOR, tumble::GENERATOR];
+pub const GENERATORS: &[Generator] = &[
+    jeep_frame::GENERATOR,
+    bars::GENERATOR,
+    beam::GENERATOR,
+    brick_wall::GENERATOR,
+    can_crush::GENERATOR,
+    plate::GENERATOR,
+    tumble::GENERATOR,
+];
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///

@@ -315,3 +315,26 @@ fn solids_have_a_good_shape() {
         assert!(q.zero_area.is_empty() && q.dangling.is_empty());
     }
 }
+
+#[test]
+fn bars_meet_end_to_end() {
+    let mesh = made("bars", "elements = 8");
+    assert_sound(&mesh);
+    assert_eq!((mesh.elements.len(), mesh.nodes.len(), pieces(&mesh)), (16, 36, 2));
+    let last = |set: &str, pick: fn(f64, f64) -> f64, start: f64| {
+        let of_set = mesh.nodes.iter().filter(|n| mesh.node_sets[set].contains(&n.id));
+        of_set.map(|n| n.x[0]).fold(start, pick)
+    };
+    let gap = last("two", f64::min, f64::INFINITY) - last("one", f64::max, f64::NEG_INFINITY);
+    // 0.200001 to round-off of coordinates around 100.
+    assert!((gap - 0.200_001).abs() < 1e-12, "{gap}");
+}
+
+#[test]
+fn the_plate_is_held_at_its_rim() {
+    let mesh = made("plate", "elements = 3");
+    assert_sound(&mesh);
+    assert_eq!((mesh.elements.len(), pieces(&mesh)), (36, 1));
+    let count = |set: &str| mesh.node_sets[set].len();
+    assert_eq!((count("rim"), count("inside")), (24, 25));
+}

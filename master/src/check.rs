@@ -19,6 +19,8 @@ const CONTACT_NODE_BYTES: usize = 8 + 8 * 8 + 96;
 pub struct Memory {
     /// Mean over the elements.
     pub per_element: f64,
+    /// Part of it that is history columns of laws and elements.
+    pub history: f64,
     /// For each node.
     pub per_node: f64,
     /// For the whole job, all workers together, with the master's copy.
@@ -38,7 +40,8 @@ pub fn memory(model: &Model) -> Memory {
     let fixed = ELEMENT_BYTES + master.0 + if contact { CONTACT_ELEMENT_BYTES } else { 0 };
     let per_element = fixed as f64 + columns as f64 / elements;
     let per_node = (NODE_BYTES + master.1 + if contact { CONTACT_NODE_BYTES } else { 0 }) as f64;
-    Memory { per_element, per_node, total: per_element * elements + per_node * model.mesh.nodes.len() as f64 }
+    let history = columns as f64 / elements;
+    Memory { per_element, history, per_node, total: per_element * elements + per_node * model.mesh.nodes.len() as f64 }
 }
 
 /// Everything that `crumple check` prints for `workers` workers.
@@ -72,7 +75,7 @@ fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
     steps(model, out)?;
     shapes(model, out)?;
     loads(model, out)?;
-    let memory = memory(model);
+    let (memory, contact) = (memory(model), model.settings.contact.is_some());
     writeln!(
         out,
         "memory       {:.0} bytes an element, {:.0} a node, {:.1} MB in all; {:.1} MB for each of {workers} workers",
@@ -80,6 +83,16 @@ fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
         memory.per_node,
         memory.total / 1e6,
         memory.total / 1e6 / workers as f64
+    )?;
+    writeln!(
+        out,
+        "             of an element: {ELEMENT_BYTES} corner forces and connectivity, {:.0} history, {} contact, {} with the \
+         master; of a node: {NODE_BYTES} rows, {} contact, {} with the master",
+        memory.history,
+        if contact { CONTACT_ELEMENT_BYTES } else { 0 },
+        size_of::<ElementRecord>(),
+        if contact { CONTACT_NODE_BYTES } else { 0 },
+        size_of::<NodeRecord>()
     )?;
     writeln!(out)?;
     if model.warnings.is_empty() {

@@ -33,6 +33,15 @@ pub enum Command {
     /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit code 3 if a case is
     /// outside its tolerance.
     Verify(VerifyArgs),
+    /// Run a job over a grid of settings: a table of errors and costs, and charts of them.
+    ///
+    /// Goes on where an earlier call with the same folder stopped.
+    Study(StudyArgs),
+    /// Tell what a run did not need, part by part, and the settings that leave it out.
+    Advise {
+        /// Folder of results of a run that completed.
+        dir: PathBuf,
+    },
 }
 
 /// What a job is and how it is changed.
@@ -78,6 +87,19 @@ pub struct VerifyArgs {
     pub out: PathBuf,
 }
 
+/// `crumple study`.
+#[derive(Args, Clone, Debug)]
+pub struct StudyArgs {
+    /// The study, a .toml file.
+    pub study: PathBuf,
+    /// Folder for results [default: out/studies/ and the study's name].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Points that run at a time; with more than one their CPU times disturb each other.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = jobs)]
+    pub jobs: usize,
+}
+
 impl JobArgs {
     /// All `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
@@ -114,6 +136,10 @@ fn workers(text: &str) -> Result<usize, String> {
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "give a whole number from 1".into())
 }
 
 fn time(text: &str) -> Result<f64, String> {

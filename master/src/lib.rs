@@ -6,8 +6,11 @@
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
+//! - [`advise`]: `crumple advise`, what a run did not need
+//! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
 
+pub mod advise;
 pub mod balance;
 pub mod check;
 pub mod cli;
@@ -20,5 +23,6 @@ pub mod job;
 pub mod launch;
 pub mod progress;
 pub mod stop;
+pub mod study;
 pub mod summary;
 pub mod verify;

@@ -9,5 +9,7 @@ fn main() -> ExitCode {
         Command::Check(args) => crumple::check::run(&args),
         Command::Run(args) => crumple::launch::run(&args),
         Command::Verify(args) => crumple::verify::run(&args),
+        Command::Advise { dir } => crumple::advise::run(&dir),
+        Command::Study(args) => crumple::study::run(&args),
     })
 }

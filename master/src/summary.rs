@@ -1,8 +1,9 @@
 //! `summary.json`: how a run went.
 
+use crumple_proto::job::{Job, Part};
 use crumple_proto::partition::NodeRecord;
-use crumple_proto::report::{Closing, PHASES};
-use serde::Serialize;
+use crumple_proto::report::{Closing, PHASES, PartRecord};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How a run ended.
@@ -18,7 +19,7 @@ pub enum Status {
 }
 
 /// Mean and largest over workers [s].
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct MeanMax {
     /// Mean.
     pub mean: f64,
@@ -112,6 +113,53 @@ pub struct Cpu {
     pub bytes_per_cycle: f64,
 }
 
+/// A part: what it was given, and what it needed.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct PartSummary {
+    /// Id.
+    pub id: u32,
+    /// Name.
+    pub name: String,
+    /// Law of its material.
+    pub law: String,
+    /// Name of its material.
+    pub material: String,
+    /// Integration points through the thickness.
+    pub points: usize,
+    /// Elements.
+    pub elements: u64,
+    /// Largest effective plastic strain at the end.
+    pub plastic_strain_max: f64,
+    /// Largest von Mises stress at the end [force/length^2]; it may have been larger before.
+    pub von_mises_end: f64,
+    /// Whether it ever came within contact reach and skin of anything; none without contact.
+    pub contact_near: Option<bool>,
+    /// Whether it ever had a contact pair; none without contact.
+    pub contact_pairs: Option<bool>,
+}
+
+/// What became of the parts, over all workers; `parts` are those of the settings, in whose order workers report.
+pub fn parts(job: &Job, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary> {
+    let of = |(number, part): (usize, &Part)| {
+        let mut all = PartRecord::default();
+        closings.iter().filter_map(|c| c.parts.get(number)).for_each(|p| all.add(p));
+        let law = job.material.iter().find(|m| m.name == part.material).map_or(String::new(), |m| m.law.clone());
+        PartSummary {
+            id: part.id,
+            name: part.name.clone(),
+            law,
+            material: part.material.clone(),
+            points: part.points,
+            elements: all.elements,
+            plastic_strain_max: all.plastic_strain,
+            von_mises_end: all.von_mises,
+            contact_near: job.contact.as_ref().map(|_| all.near),
+            contact_pairs: job.contact.as_ref().map(|_| all.touched),
+        }
+    };
+    parts.iter().enumerate().map(of).collect()
+}
+
 /// The whole file.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
@@ -151,6 +199,8 @@ pub struct Summary {
     pub imbalance: MeanMax,
     /// Contact.
     pub contact: ContactSummary,
+    /// Parts, in ascending id.
+    pub parts: Vec<PartSummary>,
     /// blake3 of the state; see [`state_digest`].
     pub state_digest: String,
 }

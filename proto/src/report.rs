@@ -141,4 +141,32 @@ pub struct Closing {
     pub capped: u64,
     /// Whether the run was stopped by an order.
     pub stopped: bool,
+    /// What became of each part, in the order of the settings.
+    pub parts: Vec<PartRecord>,
+}
+
+/// What became of one worker's elements of a part, and of the surfaces of the part that it saw.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartRecord {
+    /// Elements at the end.
+    pub elements: u64,
+    /// Largest effective plastic strain at the end.
+    pub plastic_strain: f64,
+    /// Largest von Mises stress at the end [force/length^2].
+    pub von_mises: f64,
+    /// Whether a global search ever found a candidate among its nodes and segments: within contact reach and skin.
+    pub near: bool,
+    /// Whether any of its nodes was ever part of a contact pair.
+    pub touched: bool,
+}
+
+impl PartRecord {
+    /// Takes in what another worker knows of the part.
+    pub fn add(&mut self, o: &Self) {
+        self.elements += o.elements;
+        self.plastic_strain = self.plastic_strain.max(o.plastic_strain);
+        self.von_mises = self.von_mises.max(o.von_mises);
+        self.near |= o.near;
+        self.touched |= o.touched;
+    }
 }

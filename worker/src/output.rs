@@ -4,6 +4,7 @@ use crate::engine::Engine;
 use crate::nodes::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
 use crumple_proto::boxes::Aabb;
+use crumple_proto::report::PartRecord;
 use std::io;
 use std::path::Path;
 
@@ -33,6 +34,25 @@ pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<
         write_piece(engine, &folder.join(vtu::exterior_name(me)), engine.nodes.len(), &exterior_cells(engine))?;
     }
     Ok(())
+}
+
+/// What became of the parts: own elements, and the surfaces that this worker saw.
+pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
+    let mut parts = vec![PartRecord::default(); engine.settings.parts.len()];
+    for b in &engine.blocks.blocks {
+        for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
+            let (history, lane) = b.fields_source(i);
+            let f = b.element.fields(history, lane, &x);
+            let (plastic_strain, von_mises) = (f.plastic_strain, f.von_mises);
+            let one = PartRecord { elements: 1, plastic_strain, von_mises, ..PartRecord::default() };
+            parts[e.record.part as usize].add(&one);
+        }
+    }
+    for (number, part) in parts.iter_mut().enumerate() {
+        (part.near, part.touched) = engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
+    }
+    parts
 }
 
 fn own_cells(engine: &Engine) -> CellColumns {

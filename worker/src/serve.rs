@@ -251,6 +251,7 @@ impl Worker {
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
             capped: e.contact.as_ref().map_or(0, |c| c.capped),
             stopped: self.stopped,
+            parts: output::part_records(e),
         };
         let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
         post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))

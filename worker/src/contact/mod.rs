@@ -10,6 +10,7 @@ pub mod geometry;
 pub mod initial;
 pub mod local;
 pub mod pairs;
+pub mod record;
 pub mod search;
 pub mod surface;
 mod sweep;
@@ -25,6 +26,7 @@ use crumple_proto::transport::{Lost, Transport};
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
 use geometry::V3;
 use pairs::{Memory, PairTable, push};
+use record::Record;
 use search::{SEARCHES, Search};
 use surface::Surface;
 use sweep::Sweeps;
@@ -49,6 +51,7 @@ pub struct Contact {
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
     free: Vec<Row>,
+    record: Record,
     /// Global searches so far.
     pub searches: u64,
     /// Sweeps so far.
@@ -98,6 +101,7 @@ impl Contact {
             memories: Vec::new(),
             table: PairTable::default(),
             free: Vec::new(),
+            record: Record::default(),
             searches: 0,
             sweeps: 0,
             capped: 0,
@@ -107,6 +111,7 @@ impl Contact {
 
     /// Takes a new surface and what its slaves remember; candidates must be searched again.
     pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
+        self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
         let stiffness = self.surface.segments.iter().map(|s| self.law.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
@@ -124,6 +129,11 @@ impl Contact {
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
+    }
+
+    /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this worker knows.
+    pub fn record_of(&self, part: usize) -> (bool, bool) {
+        self.record.part(&self.surface.segments, part)
     }
 
     /// Active pairs of owned nodes after the last local search, as (node, segment) ids.
@@ -154,6 +164,7 @@ impl Contact {
             let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
             !corners.contains(&slave) && !bodies.are_one(slave, corners)
         });
+        found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -187,6 +198,7 @@ impl Contact {
                 let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
                 p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
             }
+            self.record.touched(p.nodes);
             p.force = self.law.start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
         }

@@ -1,0 +1,46 @@
+//! A square plate in the plane z = 0, held at its rim. Lengths in mm.
+//!
+//! Node sets `rim` (all four edges) and `inside` (the rest).
+
+use crate::builder::Builder;
+use crate::{Generator, OptionRow, Options};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+
+/// The row of this file in the table of generators.
+pub const GENERATOR: Generator = Generator { name: "plate", options: OPTIONS, build };
+
+const OPTIONS: &[OptionRow] =
+    &[("elements", 10.0, "quads along half a side, 1 to 500"), ("side", 200.0, "side of the plate [mm]")];
+
+fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
+    let mut wrong = Vec::new();
+    let half = options.count("elements", 1..=500, &mut wrong);
+    let side = options.real("side", 1.0..=1e5, &mut wrong);
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let n = 2 * half;
+    let quad = side / n as f64;
+    let mut mesh = Builder::default();
+    let at = |i: usize| quad * i as f64 - 0.5 * side;
+    let rows: Vec<Vec<usize>> = (0..=n).map(|j| (0..=n).map(|i| mesh.point([at(i), at(j), 0.0])).collect()).collect();
+    for pair in rows.windows(2) {
+        mesh.strip(1, &pair[1], &pair[0], false);
+    }
+    let ends = [0, n];
+    let on_rim = |i: usize, j: usize| ends.contains(&i) || ends.contains(&j);
+    let rim = rows
+        .iter()
+        .enumerate()
+        .flat_map(|(j, row)| row.iter().enumerate().filter(move |(i, _)| on_rim(*i, j)).map(|(_, &node)| node));
+    mesh.set("rim", rim.collect::<Vec<_>>());
+    mesh.set(
+        "inside",
+        rows.iter()
+            .enumerate()
+            .flat_map(|(j, row)| row.iter().enumerate().filter(move |(i, _)| !on_rim(*i, j)).map(|(_, &node)| node))
+            .collect::<Vec<_>>(),
+    );
+    Ok(mesh.finish(quad))
+}

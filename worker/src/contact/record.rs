@@ -1,0 +1,85 @@
+//! Which parts ever came near to contact, and which ever had a pair: what `crumple advise` asks after a run.
+//!
+//! Nodes are marked, not segments: a part counts as near or touched when any node of its segments is marked. Parts that
+//! share nodes count together, so that no part is called free of contact that was not.
+
+use crate::contact::surface::Segment;
+
+/// A node that was in a candidate, or in a pair.
+const NEAR: u8 = 1;
+const TOUCHED: u8 = 2;
+
+/// Marks of local nodes since the surface was last renewed, and of parts before.
+#[derive(Debug, Default)]
+pub struct Record {
+    nodes: Vec<u8>,
+    parts: Vec<u8>,
+}
+
+impl Record {
+    /// Books the marks of nodes to the parts of `segments`; nodes are to be numbered anew, `count` of them.
+    pub fn renew(&mut self, segments: &[Segment], count: usize) {
+        self.parts = self.of_parts(segments);
+        self.nodes.clear();
+        self.nodes.resize(count, 0);
+    }
+
+    /// Marks a candidate: a node and a segment that are within reach of each other.
+    pub fn near(&mut self, slave: u32, segment: &Segment) {
+        self.nodes[slave as usize] |= NEAR;
+        segment.nodes.iter().for_each(|&n| self.nodes[n as usize] |= NEAR);
+    }
+
+    /// Marks the nodes of a pair.
+    pub fn touched(&mut self, nodes: [u32; 5]) {
+        nodes.iter().for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
+    }
+
+    /// Whether a part ever was near, and whether it was ever touched, by the index of the part.
+    pub fn part(&self, segments: &[Segment], part: usize) -> (bool, bool) {
+        let marks = self.of_parts(segments).get(part).copied().unwrap_or(0);
+        (marks & NEAR != 0, marks & TOUCHED != 0)
+    }
+
+    fn of_parts(&self, segments: &[Segment]) -> Vec<u8> {
+        let mut parts = self.parts.clone();
+        for s in segments {
+            let marks = s.nodes.iter().fold(0, |m, &n| m | self.nodes.get(n as usize).copied().unwrap_or(0));
+            let part = s.part as usize;
+            parts.resize(parts.len().max(part + 1), 0);
+            parts[part] |= marks;
+        }
+        parts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::surface::NOT_LOCAL;
+    use crumple_proto::ids::{ElemId, SegmentId};
+
+    #[test]
+    fn parts_keep_their_marks_when_nodes_get_new_numbers() {
+        let segment = |part, nodes| Segment {
+            id: SegmentId::new(ElemId(1), 0),
+            nodes,
+            behind: [NOT_LOCAL; 4],
+            half: 1.0,
+            scale: 1.0,
+            part,
+            own: true,
+        };
+        let before = [segment(0, [0, 1, 2, 3]), segment(1, [4, 5, 6, 7]), segment(2, [8, 9, 10, 11])];
+        let mut record = Record::default();
+        record.renew(&[], 12);
+        record.near(0, &before[1]);
+        assert_eq!(record.part(&before, 0), (true, false));
+        assert_eq!(record.part(&before, 1), (true, false));
+        assert_eq!(record.part(&before, 2), (false, false));
+        record.touched([5, 0, 1, 2, 3]);
+        record.renew(&before, 4);
+        let after = [segment(2, [0, 1, 2, 3])];
+        assert_eq!([0, 1, 2].map(|p| record.part(&after, p)), [(true, true), (true, true), (false, false)]);
+    }
+}
