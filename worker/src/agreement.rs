@@ -15,7 +15,7 @@ use crumple_proto::transport::{Lost, MaxReduction, Transport};
 /// What workers agree on in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreed {
-    /// Smallest stable step of all elements [time].
+    /// Smallest stable step of all elements, or less if contact surfaces would pass through each other in it [time].
     pub stable_dt: f64,
     /// Element that is in trouble, the lowest id if there are several.
     pub trouble: Option<ElemId>,
@@ -23,6 +23,20 @@ pub struct Agreed {
     pub order: u64,
     /// Largest relative motion as a fraction of what exterior copies cover.
     pub urgency: f64,
+    /// Whether elements have failed.
+    pub eroded: bool,
+}
+
+/// What a worker knows after its element forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    /// Of its elements.
+    pub totals: PassTotals,
+    /// Whether elements have failed since membership was settled.
+    pub eroded: bool,
+    /// Largest velocity components of the nodes of contact surfaces, then the largest of their negatives; minus
+    /// infinity without any [length/time].
+    pub velocities: [f64; 6],
 }
 
 /// The maximum that is under way, and what this worker puts into it.
@@ -35,13 +49,16 @@ pub struct Agreement {
     pub urgency: f64,
 }
 
+/// Step, trouble, order, urgency, failure, and the range of the velocities of what can touch.
+const WORDS: usize = 11;
+
 /// Ids count downwards from here, so that the lowest wins a maximum.
 const TOP: f64 = ElemId::LARGEST.0 as f64 + 1.0;
 
 impl Agreement {
     /// Nothing agreed yet.
     pub fn new() -> Self {
-        Self { reduction: MaxReduction::new(4), order: 0, urgency: 0.0 }
+        Self { reduction: MaxReduction::new(WORDS), order: 0, urgency: 0.0 }
     }
 
     /// Puts in what this worker knows after its element forces.
@@ -53,38 +70,60 @@ impl Agreement {
         wire: &mut dyn Transport,
         blocks: &Blocks,
         nodes: &Nodes,
-        totals: &PassTotals,
+        known: &Known,
         clock: &Clock,
         settings: &Settings,
     ) -> Result<(), Lost> {
         let scaled = || blocks.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
-        let stable_dt = if blocks.mass_scaled { scaled() } else { totals.stable_dt };
+        let stable_dt = if blocks.mass_scaled { scaled() } else { known.totals.stable_dt };
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
-        let culprit = totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
+        let culprit = known.totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
         let trouble = culprit.map_or(0.0, |id| TOP - id.0 as f64);
         let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
-        self.reduction.begin(wire, &[-step, trouble, self.order as f64, self.urgency])
+        let mut words = [0.0; WORDS];
+        words[..5].copy_from_slice(&[-step, trouble, self.order as f64, self.urgency, f64::from(known.eroded)]);
+        words[5..].copy_from_slice(&known.velocities);
+        self.reduction.begin(wire, &words)
     }
 
-    /// What all agree on.
+    /// What all agree on; `thinnest` is the smallest scale of a contact surface [length].
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn finish(&mut self, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
+    pub fn finish(&mut self, wire: &mut dyn Transport, thinnest: f64) -> Result<Agreed, Lost> {
         let max = self.reduction.finish(wire)?;
         let trouble = (max[1] > 0.0).then(|| ElemId((TOP - max[1]) as u64));
-        Ok(Agreed { stable_dt: -max[0], trouble, order: max[2] as u64, urgency: max[3] })
+        let stable_dt = (-max[0]).min(contact_dt(&max[5..], thinnest));
+        Ok(Agreed { stable_dt, trouble, order: max[2] as u64, urgency: max[3], eroded: max[4] > 0.0 })
     }
 
-    /// The global minimum of a first stable step.
+    /// The global minimum of a first stable step, contact included as in [`Agreement::finish`].
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn first_step(&mut self, wire: &mut dyn Transport, stable_dt: f64) -> Result<f64, Lost> {
-        self.reduction.begin(wire, &[-stable_dt, 0.0, 0.0, 0.0])?;
-        Ok(-self.reduction.finish(wire)?[0])
+    pub fn first_step(
+        &mut self,
+        wire: &mut dyn Transport,
+        stable_dt: f64,
+        velocities: [f64; 6],
+        thinnest: f64,
+    ) -> Result<f64, Lost> {
+        let mut words = [0.0; WORDS];
+        words[0] = -stable_dt;
+        words[5..].copy_from_slice(&velocities);
+        self.reduction.begin(wire, &words)?;
+        let max = self.reduction.finish(wire)?;
+        Ok((-max[0]).min(contact_dt(&max[5..], thinnest)))
     }
+}
+
+/// Step in which no two nodes of contact surfaces come nearer to each other than by the smallest sum of two scales: what
+/// is about to touch is then seen before it is through (the reach of the local search is half as much again) [time].
+fn contact_dt(velocities: &[f64], thinnest: f64) -> f64 {
+    let range = [0, 1, 2].map(|c| velocities[c] + velocities[3 + c]);
+    let fastest = range.iter().map(|r| r * r).sum::<f64>().sqrt();
+    if range[0] >= 0.0 && fastest > 0.0 { 2.0 * thinnest / fastest } else { f64::INFINITY }
 }
 
 impl Default for Agreement {

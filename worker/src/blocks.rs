@@ -20,6 +20,8 @@ pub struct LocalElement {
     pub nodes: [u32; 8],
     /// Whether one of its nodes is held by another worker too.
     pub shared: bool,
+    /// Whether it had failed when membership was last settled: it bears nothing and cannot be touched.
+    pub failed: bool,
 }
 
 /// Elements of one part and shape.
@@ -114,9 +116,23 @@ impl Blocks {
             gather_start: Vec::new(),
             gather: Vec::new(),
         };
+        let failed: Vec<usize> = all.newly_failed().collect();
+        failed.into_iter().for_each(|i| all.elements[i].failed = true);
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = all.force.clone();
         all
+    }
+
+    /// Own elements that have failed since membership was last settled, as indices into `elements`.
+    pub fn newly_failed(&self) -> impl Iterator<Item = usize> + '_ {
+        let fallible = self.blocks.iter().filter(|b| b.element.can_fail());
+        fallible.flat_map(|b| {
+            let has = move |i: &usize| {
+                let (history, lane) = b.lane_history(*i);
+                b.element.failed(history, lane)
+            };
+            (0..b.count).filter(has).map(|i| b.first + i).filter(|&i| !self.elements[i].failed)
+        })
     }
 
     /// Corner slots of own elements.
@@ -223,8 +239,10 @@ impl Blocks {
             let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
             (if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() }, e.record.id)
         };
-        let of_block =
-            |b: &Block| self.elements[b.first..b.first + b.count].iter().map(|e| step(b, e)).collect::<Vec<_>>();
+        let of_block = |b: &Block| {
+            let own = self.elements[b.first..b.first + b.count].iter();
+            own.filter(|e| !e.failed).map(|e| step(b, e)).collect::<Vec<_>>()
+        };
         self.blocks
             .iter()
             .filter(|b| !b.rigid)

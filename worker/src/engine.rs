@@ -6,6 +6,7 @@ use crate::blocks::Blocks;
 use crate::contact::Contact;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum};
+use crate::erosion::erode;
 use crate::halo::Halo;
 use crate::loads::Loads;
 use crate::membership::{Local, Share, settle};
@@ -114,7 +115,10 @@ impl Engine {
         let local = settle(wire, &settings, share, true)?;
         let mut agreement = Agreement::new();
         let own = local.blocks.smallest_step(&local.nodes).map_or(f64::INFINITY, |s| s.0);
-        let stable_dt = agreement.first_step(wire, own)?;
+        let surface = local.surface.as_ref();
+        let velocities = surface.map_or([f64::NEG_INFINITY; 6], |s| s.velocities(&local.nodes));
+        let thinnest = surface.map_or(f64::INFINITY, |s| s.thinnest);
+        let stable_dt = agreement.first_step(wire, own, velocities, thinnest)?;
         let mut engine = Self {
             clock: Clock::start(&settings, stable_dt),
             walls: Walls::new(&settings.walls),
@@ -157,6 +161,15 @@ impl Engine {
         self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
         Ok(())
+    }
+
+    /// Takes failed elements out of the contact surface. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn erode(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        erode(wire, &mut self.blocks, &self.nodes)?;
+        self.renew(wire, self.tree.clone())
     }
 
     fn begin_membership(

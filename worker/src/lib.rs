@@ -6,7 +6,7 @@
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
 //! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time;
 //!   [`rigid`]: bodies that do not deform
-//! - [`membership`], [`migrate`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
+//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
 //!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
 //! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files
 
@@ -17,6 +17,7 @@ pub mod curve;
 pub mod elements;
 pub mod energy;
 pub mod engine;
+pub mod erosion;
 pub mod halo;
 pub mod lanes;
 pub mod loads;

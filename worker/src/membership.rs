@@ -100,7 +100,10 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     shared.iter().flatten().for_each(|&i| is_shared[i as usize] = true);
     let elements = share.elements.into_iter().map(|(record, history)| {
         let local = record.nodes.map(|n| nodes.held_number(n).expect("a share holds all nodes of its elements"));
-        (LocalElement { record, nodes: local, shared: local.iter().any(|&n| is_shared[n as usize]) }, history)
+        (
+            LocalElement { record, nodes: local, shared: local.iter().any(|&n| is_shared[n as usize]), failed: false },
+            history,
+        )
     });
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);
@@ -199,8 +202,11 @@ fn copy_exterior(
 ) -> Result<(), Lost> {
     let workers = held_bounds.len();
     let me = nodes.me as usize;
-    let scales = exchange_all(wire, vec![vec![surface.largest_scale().to_bits()]; workers])?;
-    let largest = scales.iter().map(|w| f64::from_bits(w[0])).fold(0.0, f64::max);
+    let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
+    let scales = exchange_all(wire, vec![vec![surface.largest_scale().to_bits(), smallest.to_bits()]; workers])?;
+    let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
+    let largest = of_all(0).fold(0.0, f64::max);
+    surface.thinnest = of_all(1).fold(f64::INFINITY, f64::min);
     let grow = contact::reach(largest, largest) + settings.buffer;
     let slave_box = Aabb::around(surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])));
     let slave_boxes = share_boxes(wire, &slave_box)?;

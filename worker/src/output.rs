@@ -41,6 +41,9 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut parts = vec![PartRecord::default(); engine.settings.parts.len()];
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            if e.failed {
+                continue; // it is no more to be seen
+            }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let (history, lane) = b.fields_source(i);
             let f = b.element.fields(history, lane, &x);
@@ -60,6 +63,9 @@ fn own_cells(engine: &Engine) -> CellColumns {
     let inner = engine.own_box().grown(-0.5 * engine.settings.buffer);
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
+            if e.failed {
+                continue; // it is no more to be seen
+            }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let (history, lane) = b.fields_source(i);
             let f = b.element.fields(history, lane, &x);

@@ -1,6 +1,8 @@
 //! THE TIME STEP. Start reading here.
 
+use crate::agreement::Known;
 use crate::engine::{Agreed, Engine, Phase};
+use crate::erosion;
 use crumple_proto::transport::{Lost, Transport};
 
 /// One central-difference step from t to t + dt; the same dt on every worker.
@@ -34,7 +36,10 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     loads.add_pressures(blocks, nodes, clock.time, false);
     ledger.book_elements(&totals);
     timer.lap(Phase::Elements);
-    engine.agreement.begin(wire, blocks, nodes, &totals, clock, settings)?;
+    let eroded = clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
+    let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
+    let known = Known { totals, eroded, velocities };
+    engine.agreement.begin(wire, blocks, nodes, &known, clock, settings)?;
     halo.recv_corners(wire, blocks)?;
     timer.lap(Phase::Halo);
     blocks.assemble(nodes); // in ascending global element id: same bits for any worker count
@@ -77,7 +82,8 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     let led = prescribed.work(nodes, contact.as_ref(), steps);
     ledger.book_external(loads.work(nodes, steps) + led + on_bodies.external);
 
-    let agreed = engine.agreement.finish(wire)?;
+    let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
+    let agreed = engine.agreement.finish(wire, thinnest)?;
     timer.lap(Phase::Halo);
     if agreed.trouble.is_none() {
         engine.at_present_time(wire)?; // history, while velocities before and after are both known
@@ -86,6 +92,9 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         engine.clock.tick();
         engine.clock.choose(&engine.settings, agreed.stable_dt);
         engine.timer.lap(Phase::Advance);
+        if agreed.eroded {
+            engine.erode(wire)?; // surfaces without what has failed
+        }
     }
     Ok(agreed)
 }

@@ -131,6 +131,11 @@ impl Contact {
         self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
     }
 
+    /// Range of the velocities of what can touch, see [`Surface::velocities`].
+    pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
+        self.surface.velocities(nodes)
+    }
+
     /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this worker knows.
     pub fn record_of(&self, part: usize) -> (bool, bool) {
         self.record.part(&self.surface.segments, part)

@@ -45,6 +45,8 @@ pub struct Surface {
     pub node_half: Vec<f64>,
     /// [`Segment::scale`] per held node, the largest of its segments; 0 off the surface [length].
     pub node_scale: Vec<f64>,
+    /// Smallest scale of a segment of any worker [length].
+    pub thinnest: f64,
 }
 
 impl Segment {
@@ -77,7 +79,7 @@ pub fn contact_parts(settings: &Settings) -> Vec<Option<f64>> {
 
 /// The segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &[Option<f64>]) -> Vec<Segment> {
-    let Some(half) = parts[e.record.part as usize] else { return Vec::new() };
+    let Some(half) = parts[e.record.part as usize].filter(|_| !e.failed) else { return Vec::new() };
     let shape = e.record.shape;
     let shell = shape.is_shell();
     let scale = if shell { half } else { SOLID_SCALE * shortest_edge(e, nodes) };
@@ -117,6 +119,7 @@ impl Surface {
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.held],
             node_scale: vec![0.0; nodes.held],
+            thinnest: f64::INFINITY,
         };
         for i in 0..s.segments.len() {
             let g = s.segments[i];
@@ -134,6 +137,18 @@ impl Surface {
     /// Largest scale of a held node [length].
     pub fn largest_scale(&self) -> f64 {
         self.node_scale.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Largest velocity components of the slaves, then the largest of their negatives; minus infinity without any
+    /// [length/time].
+    pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
+        let mut range = [f64::NEG_INFINITY; 6];
+        for v in self.slaves.iter().map(|&i| &nodes.v[i as usize]) {
+            for c in 0..3 {
+                (range[c], range[3 + c]) = (range[c].max(v[c]), range[3 + c].max(-v[c]));
+            }
+        }
+        range
     }
 
     /// Finds the slaves: owned nodes that lie on the surface.

@@ -385,6 +385,10 @@ impl Element for C0Triangle {
         self.section.has_failed(history, lane)
     }
 
+    fn can_fail(&self) -> bool {
+        self.section.can_fail()
+    }
+
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
         let Geometry { e1, e2, n, .. } = Geometry::new(sides(four(x)));
         self.section.fields(history, lane, &[e1, e2, n])

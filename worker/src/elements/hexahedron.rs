@@ -359,6 +359,10 @@ impl Element for Hexahedron {
         self.failed.is_some_and(|column| history[column].lane(lane) > 0.5)
     }
 
+    fn can_fail(&self) -> bool {
+        self.failed.is_some()
+    }
+
     fn fields(&self, history: &[Lane], lane: usize, _x: &[[f64; 3]]) -> ElementFields {
         let at = |column: usize| history[column].lane(lane);
         let stress: [f64; STRESS] = std::array::from_fn(at);

@@ -134,6 +134,9 @@ pub trait Element: Send + Sync {
     /// gives no force, limits no step and is never in trouble.
     fn failed(&self, history: &[Lane], lane: usize) -> bool;
 
+    /// Whether its law can fail at all.
+    fn can_fail(&self) -> bool;
+
     /// Fields of the element in `lane` of a group with this history at slot coordinates `x`.
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields;
 }

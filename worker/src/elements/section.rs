@@ -270,6 +270,11 @@ impl Section {
         Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
     }
 
+    /// Whether its law can fail.
+    pub fn can_fail(&self) -> bool {
+        self.failed.is_some()
+    }
+
     /// Whether all points of one element have failed.
     pub fn has_failed(&self, history: &[Lane], lane: usize) -> bool {
         let mark = |k: usize, column: usize| history[POINTS + k * self.stride + column].lane(lane);

@@ -257,6 +257,10 @@ impl Element for StabilisedQuad {
         self.section.has_failed(history, lane)
     }
 
+    fn can_fail(&self) -> bool {
+        self.section.can_fail()
+    }
+
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
         self.section.fields(history, lane, &quad::axes(four(x)))
     }

@@ -84,6 +84,7 @@ impl Scene {
             slaves: slaves.to_vec(),
             node_half: vec![HALF; points.len()],
             node_scale: vec![HALF; points.len()],
+            thinnest: HALF,
         };
         let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS] });
         contact.renew(surface, &nodes, |_| Vec::new());

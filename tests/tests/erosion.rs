@@ -1,0 +1,139 @@
+//! Element deletion: what fails leaves the contact surface, and what was behind it is touched from then on, whichever
+//! workers own the one and the other.
+
+use crumple::job::{self, Model};
+use crumple_tests::{run_alone, run_side_by_side};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Side of all cubes [mm].
+const SIDE: f64 = 5.0;
+/// Gap between rod and plate at the start [mm].
+const GAP: f64 = 0.5;
+
+/// Rows of cubes, and the nodes that they use; ids go on from those before.
+#[derive(Default)]
+struct Rows {
+    nodes: String,
+    solids: String,
+    node: usize,
+    solid: usize,
+}
+
+impl Rows {
+    /// `count` cubes from `from` on, of the part that `part` gives for a layer; returns the id of the first node.
+    fn block(&mut self, count: [usize; 3], from: [f64; 3], part: impl Fn(usize) -> u32) -> usize {
+        let first = self.node + 1;
+        let [a, b, c] = count;
+        let id = |i: usize, j: usize, k: usize| first + (k * (b + 1) + j) * (a + 1) + i;
+        for k in 0..=c {
+            for j in 0..=b {
+                for i in 0..=a {
+                    let x: [f64; 3] = std::array::from_fn(|n| from[n] + SIDE * [i, j, k][n] as f64);
+                    writeln!(self.nodes, "[{}, {:?}, {:?}, {:?}],", id(i, j, k), x[0], x[1], x[2]).unwrap();
+                }
+            }
+        }
+        for n in 0..a * b * c {
+            let (i, j, k) = (n % a, n / a % b, n / (a * b));
+            self.solid += 1;
+            write!(self.solids, "[{}, {}", self.solid, part(k)).unwrap();
+            for (di, dj, dk) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+            {
+                write!(self.solids, ", {}", id(i + di, j + dj, k + dk)).unwrap();
+            }
+            self.solids += "],\n";
+        }
+        self.node += (a + 1) * (b + 1) * (c + 1);
+        first
+    }
+}
+
+/// A rod of one cube's width strikes a plate whose upper layer is brittle and whose lower one is not.
+fn rod_on_plate() -> Model {
+    let mut rows = Rows::default();
+    let plate = rows.block([5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
+    let rod = rows.block([1, 1, 4], [10.5, 9.5, 2.0 * SIDE + GAP], |_| 3);
+    let set = |ids: std::ops::Range<usize>| ids.map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        r#"
+        title = "A rod through a brittle layer"
+        units = "mm, ms, kg"
+        end_time = 0.25
+        [mesh]
+        nodes = [{}]
+        solids = [{}]
+        node_sets = {{ floor = [{}], rod = [{}] }}
+        [[material]]
+        name = "tough"
+        law = "elastic"
+        density = 7.85e-6
+        youngs_modulus = 200.0
+        poisson = 0.3
+        [[material]]
+        name = "brittle"
+        law = "j2"
+        density = 7.85e-6
+        youngs_modulus = 200.0
+        poisson = 0.3
+        yield_stress = 0.2
+        failure_strain = 0.05
+        [[part]]
+        id = 1
+        material = "tough"
+        [[part]]
+        id = 2
+        material = "brittle"
+        [[part]]
+        id = 3
+        material = "tough"
+        [[fix]]
+        nodes = "floor"
+        dofs = ["x", "y", "z"]
+        [[initial_velocity]]
+        nodes = "rod"
+        velocity = [0.0, 0.0, -100.0]
+        [contact]
+        "#,
+        rows.nodes,
+        rows.solids,
+        set(plate..plate + 36),
+        set(rod..rod + 20),
+    );
+    job::read_text(PathBuf::from("rod.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// The rod goes through the brittle layer and is stopped and thrown back by the one beneath, whose faces only come to
+/// light when the first is gone: without them it would fall through all the plate.
+#[test]
+fn what_was_behind_a_failed_element_is_touched() {
+    let model = rod_on_plate();
+    let top = |e: &crumple_worker::engine::Engine| e.contact.as_ref().map_or(0, |c| c.surface.segments.len());
+    let (mut at_start, mut lowest, mut failed) = (None, f64::INFINITY, 0);
+    let end = run_alone(&model, |e| {
+        at_start.get_or_insert(top(e));
+        let rod = e.nodes.id.iter().zip(&e.nodes.x).filter(|(id, _)| id.0 > 108);
+        lowest = rod.fold(lowest, |low: f64, (_, x)| low.min(x[2]));
+        failed = e.blocks.elements.iter().filter(|b| b.failed).count();
+    });
+    assert!(failed > 0 && top(&end) > at_start.unwrap(), "{failed} failed: each bares up to five faces");
+    // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth of its height.
+    assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");
+    assert!(lowest > SIDE - 0.5, "and to be stopped by the lower one: {lowest}");
+    let speed =
+        end.nodes.id.iter().zip(&end.nodes.v).filter(|(id, _)| id.0 > 108).map(|(_, v)| v[2]).sum::<f64>() / 20.0;
+    assert!(speed > 0.0, "thrown back: {speed}");
+}
+
+/// Surfaces, and with them the bits, do not depend on who owns what has failed and what lies behind.
+#[test]
+fn deletion_gives_the_same_bits_on_any_number_of_workers() {
+    let model = rod_on_plate();
+    let alone = run_side_by_side(&model, 1, 400, 0);
+    assert_eq!(alone.trouble, None);
+    for (workers, every) in [(2, 0), (3, 7), (5, 0)] {
+        let many = run_side_by_side(&model, workers, 400, every);
+        assert_eq!(many.pairs, alone.pairs, "{workers} workers");
+        assert_eq!(many.digest(), alone.digest(), "{workers} workers");
+    }
+}
