@@ -51,7 +51,7 @@ pub struct Blocks {
     pub blocks: Vec<Block>,
     /// Internal forces of corners, own then received ones [force].
     pub force: Vec<Row>,
-    /// Internal moments of corners [force length].
+    /// Internal moments of corners; empty where nothing can turn [force length].
     pub moment: Vec<Row>,
     /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
     pub mass_scaled: bool,
@@ -115,7 +115,7 @@ impl Blocks {
             gather: Vec::new(),
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
-        all.moment = all.force.clone();
+        all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
         all
     }
 
@@ -152,7 +152,9 @@ impl Blocks {
             self.gather_start[i + 1] += self.gather_start[i];
         }
         self.force.resize(own + foreign.len(), [0.0; 4]);
-        self.moment.resize(own + foreign.len(), [0.0; 4]);
+        if !self.moment.is_empty() {
+            self.moment.resize(own + foreign.len(), [0.0; 4]);
+        }
     }
 
     /// Internal forces; trouble is an index into `elements`; `front` selects the groups that other workers wait for, or the rest.
@@ -166,7 +168,8 @@ impl Blocks {
             if range.is_empty() || b.rigid {
                 continue;
             }
-            let out = CornerForces { force: &mut self.force[slots.clone()], moment: &mut self.moment[slots] };
+            let moment = if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
+            let out = CornerForces { force: &mut self.force[slots], moment };
             let mut pass = b.forces(range, nodes, dt, out);
             pass.trouble = pass.trouble.map(|i| b.first + i);
             totals.add(&pass);
@@ -176,9 +179,19 @@ impl Blocks {
 
     /// Gives each held node minus the sum of its corners, in ascending element id.
     pub fn assemble(&self, nodes: &mut Nodes) {
+        if self.moment.is_empty() {
+            for i in 0..nodes.held {
+                let mut f = [0.0; 4];
+                for &slot in self.corners_of(i) {
+                    (0..4).for_each(|c| f[c] -= self.force[slot as usize][c]);
+                }
+                nodes.force[i] = f;
+            }
+            return;
+        }
         for i in 0..nodes.held {
             let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
-            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+            for &slot in self.corners_of(i) {
                 let (sf, sm) = (&self.force[slot as usize], &self.moment[slot as usize]);
                 for c in 0..4 {
                     f[c] -= sf[c];
@@ -187,6 +200,11 @@ impl Blocks {
             }
             (nodes.force[i], nodes.moment[i]) = (f, m);
         }
+    }
+
+    /// Corner slots that held node `i` gathers, in ascending element id.
+    fn corners_of(&self, i: usize) -> &[u32] {
+        &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize]
     }
 
     /// Puts the corner masses and inertias of own elements at initial coordinates into the corner slots.
@@ -206,9 +224,11 @@ impl Blocks {
     /// Adds the gathered corner masses to the nodes, in ascending element id.
     pub fn gather_masses(&mut self, nodes: &mut Nodes) {
         for i in 0..nodes.held {
-            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+            for &slot in self.corners_of(i) {
                 nodes.mass[i] += self.force[slot as usize][0];
-                nodes.inertia[i] += self.force[slot as usize][1];
+                if nodes.rotations {
+                    nodes.inertia[i] += self.force[slot as usize][1];
+                }
             }
             nodes.invert_mass(i);
         }

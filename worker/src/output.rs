@@ -108,7 +108,8 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     let single = |r: &Row| xyz(r).map(|a| a as f32);
     let rows = |rows: &[Row]| rows[..points].iter().map(single).collect::<Vec<_>>();
     let moved: Vec<[f32; 3]> = (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
-    let (velocity, spin) = (rows(&n.v), rows(&n.w));
+    let velocity = rows(&n.v);
+    let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.0 as i64).collect();
     let piece = Piece {
         time: engine.clock.time,
