@@ -59,6 +59,19 @@ pub struct Blocks {
     gather: Vec<u32>,
 }
 
+/// Bytes of the columns of elements, by what they are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockBytes {
+    /// History columns of laws and elements.
+    pub history: usize,
+    /// Corner forces.
+    pub force: usize,
+    /// Corner moments.
+    pub moment: usize,
+    /// Records, connectivity in groups, and the lists that nodes gather by.
+    pub connectivity: usize,
+}
+
 /// A corner of another worker's element at a held node.
 #[derive(Clone, Copy, Debug)]
 pub struct ForeignCorner {
@@ -117,6 +130,19 @@ impl Blocks {
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
         all
+    }
+
+    /// Bytes in use, spare room of lists left out.
+    pub fn bytes(&self) -> BlockBytes {
+        let groups = |b: &Block| size_of_val(&b.groups[..]);
+        let lists = size_of_val(&self.gather[..]) + size_of_val(&self.gather_start[..]);
+        let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
+        BlockBytes {
+            history: self.blocks.iter().map(|b| size_of_val(&b.history[..])).sum(),
+            force: size_of_val(&self.force[..]),
+            moment: size_of_val(&self.moment[..]),
+            connectivity: records + lists,
+        }
     }
 
     /// Corner slots of own elements.

@@ -147,6 +147,15 @@ impl Nodes {
         NodeView { x: &self.x, v: &self.v, w: &self.w }
     }
 
+    /// Bytes of the columns of moving and of turning, spare room of lists left out.
+    pub fn bytes(&self) -> [usize; 2] {
+        let rows = |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
+        let named = size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
+        let moving = [&self.x0, &self.x, &self.v, &self.next_v, &self.force, &self.inv_mass];
+        let turning = [&self.w, &self.next_w, &self.moment, &self.inv_inertia];
+        [named + size_of_val(&self.mass[..]) + rows(&moving), size_of_val(&self.inertia[..]) + rows(&turning)]
+    }
+
     /// Number of local nodes, exterior ones included.
     pub fn len(&self) -> usize {
         self.id.len()
