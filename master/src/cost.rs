@@ -102,7 +102,7 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
             let friction = if c.friction > 0.0 { "with friction" } else { "no friction" };
             writeln!(
                 out,
-                "  contact: {each:.0} bytes and {:.1} ns/cycle an element while nothing touches, {friction}; a global search now and then, {:.0} ns an element",
+                "  contact: {each:.0} bytes and {:.1} ns/cycle an element as the mesh is at the start, {friction}; a global search now and then, {:.0} ns an element",
                 1e9 * s.contact_s / s.elements as f64,
                 1e9 * s.search_s / s.elements as f64
             )?;
