@@ -65,6 +65,7 @@ def main():
     args = parser.parse_args()
     print("# What is absent costs nothing\n")
     print(f"Written by `deploy/absent.py`: CPU time, one worker, {args.rounds} rounds in turns.\n")
+    print("A ratio below 1 is what the thing costs where it is there; one above 1 is noise, and the range shows how much of it there is.\n")
     print("| scene | absent | CPU time without / with, median | range | of the shortest | seconds in contact without, with |")
     print("|---|---|---|---|---|---|")
     for scene, cycles, what, less, more in PAIRS:
