@@ -2,57 +2,17 @@
 
 use crate::job::{Model, Report};
 use crumple_proto::mesh::Shape;
-use crumple_proto::partition::{ElementRecord, NodeRecord};
 use std::fmt::Write;
 
-/// Corner forces and moments, connectivity in groups and by record, and the list that nodes gather by [byte].
-const ELEMENT_BYTES: usize = 4 * 2 * 32 + 16 + 88 + 4 * 4;
-/// Eleven rows of four numbers, id, owner, fixed bits, mass and inertia [byte].
-const NODE_BYTES: usize = 11 * 32 + 8 + 4 + 8 + 16;
-/// A segment with its box and its points in the search grid [byte].
-const CONTACT_ELEMENT_BYTES: usize = 48 + 48 + 32;
-/// Candidates of a node, and what it remembers of its pairs [byte].
-const CONTACT_NODE_BYTES: usize = 8 + 8 * 8 + 96;
-
-/// Memory that a run takes [byte].
-#[derive(Clone, Copy, Debug)]
-pub struct Memory {
-    /// Mean over the elements.
-    pub per_element: f64,
-    /// Part of it that is history columns of laws and elements.
-    pub history: f64,
-    /// For each node.
-    pub per_node: f64,
-    /// For the whole job, all workers together, with the master's copy.
-    pub total: f64,
-}
-
-/// Estimates the memory of a run from the columns that elements and nodes have.
-pub fn memory(model: &Model) -> Memory {
-    let contact = model.settings.contact.is_some();
-    let master = (size_of::<ElementRecord>(), size_of::<NodeRecord>());
-    let column_bytes = |i: usize| {
-        let element = model.blocks.element(model.elements.part[i] as usize, model.mesh.elements[i].shape);
-        element.map_or(0, |e| 8 * e.columns())
-    };
-    let elements = model.mesh.elements.len() as f64;
-    let columns: usize = (0..model.mesh.elements.len()).map(column_bytes).sum();
-    let fixed = ELEMENT_BYTES + master.0 + if contact { CONTACT_ELEMENT_BYTES } else { 0 };
-    let per_element = fixed as f64 + columns as f64 / elements;
-    let per_node = (NODE_BYTES + master.1 + if contact { CONTACT_NODE_BYTES } else { 0 }) as f64;
-    let history = columns as f64 / elements;
-    Memory { per_element, history, per_node, total: per_element * elements + per_node * model.mesh.nodes.len() as f64 }
-}
-
-/// Everything that `crumple check` prints for `workers` workers.
-pub fn describe(model: &Model, workers: usize) -> String {
+/// What `crumple check` prints of a job without running any of it.
+pub fn describe(model: &Model) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
-    let _ = write(model, workers, &mut out);
+    let _ = write(model, &mut out);
     out
 }
 
-fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
+fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     let (job, mesh) = (&model.job, &model.mesh);
     let or = |text: &str, none: &str| if text.is_empty() { none.to_string() } else { text.to_string() };
     writeln!(out, "job          {}", model.path.display())?;
@@ -75,25 +35,6 @@ fn write(model: &Model, workers: usize, out: &mut String) -> std::fmt::Result {
     steps(model, out)?;
     shapes(model, out)?;
     loads(model, out)?;
-    let (memory, contact) = (memory(model), model.settings.contact.is_some());
-    writeln!(
-        out,
-        "memory       {:.0} bytes an element, {:.0} a node, {:.1} MB in all; {:.1} MB for each of {workers} workers",
-        memory.per_element,
-        memory.per_node,
-        memory.total / 1e6,
-        memory.total / 1e6 / workers as f64
-    )?;
-    writeln!(
-        out,
-        "             of an element: {ELEMENT_BYTES} corner forces and connectivity, {:.0} history, {} contact, {} with the \
-         master; of a node: {NODE_BYTES} rows, {} contact, {} with the master",
-        memory.history,
-        if contact { CONTACT_ELEMENT_BYTES } else { 0 },
-        size_of::<ElementRecord>(),
-        if contact { CONTACT_NODE_BYTES } else { 0 },
-        size_of::<NodeRecord>()
-    )?;
     writeln!(out)?;
     if model.warnings.is_empty() {
         return writeln!(out, "no warnings");
@@ -249,7 +190,7 @@ pub fn run(args: &crate::cli::JobArgs) -> u8 {
         let model = crate::job::read(&args.job, &args.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         let workers = model.workers(args.workers, cores)?;
-        Ok(describe(&model, workers))
+        Ok(describe(&model) + &crate::cost::describe(&model, workers))
     };
     match read() {
         Ok(text) => {

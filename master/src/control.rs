@@ -370,7 +370,7 @@ impl<'a> Control<'a> {
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
                 capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
-            parts: summary::parts(&self.model.job, &self.model.settings.parts, &closings),
+            parts: summary::parts(&self.model.job, &self.model.mesh, &self.model.settings.parts, &closings),
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");

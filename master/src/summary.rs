@@ -1,6 +1,8 @@
 //! `summary.json`: how a run went.
 
+use crate::pieces::{Piece, pieces};
 use crumple_proto::job::{Job, Part};
+use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{Closing, PHASES, PartRecord};
 use serde::{Deserialize, Serialize};
@@ -99,7 +101,7 @@ pub struct ContactSummary {
 }
 
 /// CPU accounting of the workers, waiting left out; renewals are in neither sum of cycles [s].
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Cpu {
     /// Sum over workers.
     pub total: f64,
@@ -132,6 +134,15 @@ pub struct PartSummary {
     pub plastic_strain_max: f64,
     /// Largest von Mises stress at the end [force/length^2]; it may have been larger before.
     pub von_mises_end: f64,
+    /// Largest difference of effective plastic strain between elements with a node in common, at the end; elements of
+    /// different workers are not compared.
+    pub strain_jump: f64,
+    /// The same of von Mises stress [force/length^2].
+    pub stress_jump: f64,
+    /// Its connected pieces.
+    pub pieces: Vec<Piece>,
+    /// Whether it belongs to a rigid body.
+    pub rigid: bool,
     /// Whether it ever came within contact reach and skin of anything; none without contact.
     pub contact_near: Option<bool>,
     /// Whether it ever had a contact pair; none without contact.
@@ -139,7 +150,8 @@ pub struct PartSummary {
 }
 
 /// What became of the parts, over all workers; `parts` are those of the settings, in whose order workers report.
-pub fn parts(job: &Job, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary> {
+pub fn parts(job: &Job, mesh: &Mesh, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary> {
+    let pieces = pieces(mesh);
     let of = |(number, part): (usize, &Part)| {
         let mut all = PartRecord::default();
         closings.iter().filter_map(|c| c.parts.get(number)).for_each(|p| all.add(p));
@@ -153,6 +165,10 @@ pub fn parts(job: &Job, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary
             elements: all.elements,
             plastic_strain_max: all.plastic_strain,
             von_mises_end: all.von_mises,
+            strain_jump: all.strain_jump,
+            stress_jump: all.stress_jump,
+            pieces: pieces.get(&part.id).cloned().unwrap_or_default(),
+            rigid: job.rigid.iter().any(|r| r.parts.contains(&part.id)),
             contact_near: job.contact.as_ref().map(|_| all.near),
             contact_pairs: job.contact.as_ref().map(|_| all.touched),
         }

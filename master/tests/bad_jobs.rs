@@ -179,7 +179,7 @@ fn warnings_do_not_stop_a_run() {
         let model = good(&[set]);
         let all: String = model.warnings.iter().map(|w| model.show(w).to_string()).collect();
         assert!(all.contains(said), "{set}: {all}");
-        assert!(crumple::check::describe(&model, 2).contains(said));
+        assert!(crumple::check::describe(&model).contains(said));
     }
 }
 
@@ -197,7 +197,7 @@ fn numbers_of_workers_are_checked() {
 
 #[test]
 fn check_describes_the_job() {
-    let text = crumple::check::describe(&good(&[]), 2);
+    let text = crumple::check::describe(&good(&[]));
     for said in [
         "Small plate",
         "mm, ms, kg",
@@ -266,7 +266,7 @@ fn damaged_jobs_do_not_panic() {
         match read(&path, &[]) {
             Ok(model) => {
                 sound += 1;
-                let _ = (crumple::check::describe(&model, 1), model.records());
+                let _ = (crumple::check::describe(&model), model.records());
             }
             Err(report) => {
                 faulty += 1;

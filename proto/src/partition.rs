@@ -41,6 +41,8 @@ pub struct Settings {
     pub dt_max: f64,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.
     pub contact: Option<Contact>,
+    /// Whether nodes can turn: there are shells, or rigid bodies. Without, no rotational column is kept, moved or sent.
+    pub rotations: bool,
     /// Width b of the box buffer [length].
     pub buffer: f64,
     /// Ask for a redecomposition every so many cycles, 0 for never (for tests).

@@ -154,6 +154,11 @@ pub struct PartRecord {
     pub plastic_strain: f64,
     /// Largest von Mises stress at the end [force/length^2].
     pub von_mises: f64,
+    /// Largest difference of effective plastic strain between two of the worker's elements with a node in common, at the
+    /// end.
+    pub strain_jump: f64,
+    /// The same of von Mises stress [force/length^2].
+    pub stress_jump: f64,
     /// Whether a global search ever found a candidate among its nodes and segments: within contact reach and skin.
     pub near: bool,
     /// Whether any of its nodes was ever part of a contact pair.
@@ -166,6 +171,8 @@ impl PartRecord {
         self.elements += o.elements;
         self.plastic_strain = self.plastic_strain.max(o.plastic_strain);
         self.von_mises = self.von_mises.max(o.von_mises);
+        self.strain_jump = self.strain_jump.max(o.strain_jump);
+        self.stress_jump = self.stress_jump.max(o.stress_jump);
         self.near |= o.near;
         self.touched |= o.touched;
     }

@@ -53,12 +53,25 @@ pub struct Blocks {
     pub blocks: Vec<Block>,
     /// Internal forces of corners, own then received ones [force].
     pub force: Vec<Row>,
-    /// Internal moments of corners [force length].
+    /// Internal moments of corners; empty where nothing can turn [force length].
     pub moment: Vec<Row>,
     /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
     pub mass_scaled: bool,
     gather_start: Vec<u32>,
     gather: Vec<u32>,
+}
+
+/// Bytes of the columns of elements, by what they are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockBytes {
+    /// History columns of laws and elements.
+    pub history: usize,
+    /// Corner forces.
+    pub force: usize,
+    /// Corner moments.
+    pub moment: usize,
+    /// Records, connectivity in groups, and the lists that nodes gather by.
+    pub connectivity: usize,
 }
 
 /// A corner of another worker's element at a held node.
@@ -119,7 +132,7 @@ impl Blocks {
         let failed: Vec<usize> = all.newly_failed().collect();
         failed.into_iter().for_each(|i| all.elements[i].failed = true);
         all.force = vec![[0.0; 4]; all.own_slots()];
-        all.moment = all.force.clone();
+        all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
         all
     }
 
@@ -133,6 +146,19 @@ impl Blocks {
             };
             (0..b.count).filter(has).map(|i| b.first + i).filter(|&i| !self.elements[i].failed)
         })
+    }
+
+    /// Bytes in use, spare room of lists left out.
+    pub fn bytes(&self) -> BlockBytes {
+        let groups = |b: &Block| size_of_val(&b.groups[..]);
+        let lists = size_of_val(&self.gather[..]) + size_of_val(&self.gather_start[..]);
+        let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
+        BlockBytes {
+            history: self.blocks.iter().map(|b| size_of_val(&b.history[..])).sum(),
+            force: size_of_val(&self.force[..]),
+            moment: size_of_val(&self.moment[..]),
+            connectivity: records + lists,
+        }
     }
 
     /// Corner slots of own elements.
@@ -168,7 +194,9 @@ impl Blocks {
             self.gather_start[i + 1] += self.gather_start[i];
         }
         self.force.resize(own + foreign.len(), [0.0; 4]);
-        self.moment.resize(own + foreign.len(), [0.0; 4]);
+        if !self.moment.is_empty() {
+            self.moment.resize(own + foreign.len(), [0.0; 4]);
+        }
     }
 
     /// Internal forces; trouble is an index into `elements`; `front` selects the groups that other workers wait for, or the rest.
@@ -182,7 +210,8 @@ impl Blocks {
             if range.is_empty() || b.rigid {
                 continue;
             }
-            let out = CornerForces { force: &mut self.force[slots.clone()], moment: &mut self.moment[slots] };
+            let moment = if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
+            let out = CornerForces { force: &mut self.force[slots], moment };
             let mut pass = b.forces(range, nodes, dt, out);
             pass.trouble = pass.trouble.map(|i| b.first + i);
             totals.add(&pass);
@@ -192,9 +221,19 @@ impl Blocks {
 
     /// Gives each held node minus the sum of its corners, in ascending element id.
     pub fn assemble(&self, nodes: &mut Nodes) {
+        if self.moment.is_empty() {
+            for i in 0..nodes.held {
+                let mut f = [0.0; 4];
+                for &slot in self.corners_of(i) {
+                    (0..4).for_each(|c| f[c] -= self.force[slot as usize][c]);
+                }
+                nodes.force[i] = f;
+            }
+            return;
+        }
         for i in 0..nodes.held {
             let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
-            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+            for &slot in self.corners_of(i) {
                 let (sf, sm) = (&self.force[slot as usize], &self.moment[slot as usize]);
                 for c in 0..4 {
                     f[c] -= sf[c];
@@ -203,6 +242,11 @@ impl Blocks {
             }
             (nodes.force[i], nodes.moment[i]) = (f, m);
         }
+    }
+
+    /// Corner slots that held node `i` gathers, in ascending element id.
+    fn corners_of(&self, i: usize) -> &[u32] {
+        &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize]
     }
 
     /// Puts the corner masses and inertias of own elements at initial coordinates into the corner slots.
@@ -222,9 +266,11 @@ impl Blocks {
     /// Adds the gathered corner masses to the nodes, in ascending element id.
     pub fn gather_masses(&mut self, nodes: &mut Nodes) {
         for i in 0..nodes.held {
-            for &slot in &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize] {
+            for &slot in self.corners_of(i) {
                 nodes.mass[i] += self.force[slot as usize][0];
-                nodes.inertia[i] += self.force[slot as usize][1];
+                if nodes.rotations {
+                    nodes.inertia[i] += self.force[slot as usize][1];
+                }
             }
             nodes.invert_mass(i);
         }

@@ -64,7 +64,8 @@ fn kinetic(nodes: &Nodes, v: &[Row], next: bool) -> f64 {
     let w = if next { &nodes.next_w } else { &nodes.w };
     let of = |i: usize| {
         let square = |r: &Row| r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
-        0.5 * (nodes.mass[i] * square(&v[i]) + nodes.inertia[i] * square(&w[i]))
+        let turning = if nodes.rotations { nodes.inertia[i] * square(&w[i]) } else { 0.0 };
+        0.5 * (nodes.mass[i] * square(&v[i]) + turning)
     };
     (0..nodes.held).filter(|&i| nodes.is_own(i)).map(of).sum()
 }
@@ -79,7 +80,9 @@ pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
         let v = mean(&nodes.v[i], &nodes.next_v[i]);
         p += nodes.mass[i] * v;
         l += nodes.mass[i] * Vector3::from(xyz(&nodes.x[i])).cross(&v);
-        l += nodes.inertia[i] * mean(&nodes.w[i], &nodes.next_w[i]);
+        if nodes.rotations {
+            l += nodes.inertia[i] * mean(&nodes.w[i], &nodes.next_w[i]);
+        }
     }
     (p.into(), l.into())
 }

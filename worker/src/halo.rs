@@ -62,7 +62,7 @@ impl Halo {
         nodes.x[..nodes.held].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
     }
 
-    /// Sends corner forces of own elements at shared nodes.
+    /// Sends corner forces, and moments if there are any, of own elements at shared nodes.
     ///
     /// # Errors
     /// A worker is gone.
@@ -70,8 +70,10 @@ impl Halo {
         for link in self.links.iter().filter(|l| !l.corners_out.is_empty()) {
             self.words.clear();
             for &slot in &link.corners_out {
-                let (f, m) = (&blocks.force[slot as usize], &blocks.moment[slot as usize]);
-                self.words.extend(f[..3].iter().chain(&m[..3]).map(|a| a.to_bits()));
+                self.words.extend(blocks.force[slot as usize][..3].iter().map(|a| a.to_bits()));
+                if let Some(m) = blocks.moment.get(slot as usize) {
+                    self.words.extend(m[..3].iter().map(|a| a.to_bits()));
+                }
             }
             wire.send(link.worker + 1, Tag::Corners, &self.words)?;
         }
@@ -86,10 +88,13 @@ impl Halo {
         for link in self.links.iter().filter(|l| l.corners_in.1 > 0) {
             wire.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
             let (first, count) = link.corners_in;
-            for (i, six) in self.words.chunks_exact(6).take(count).enumerate() {
-                let at = |c: usize| f64::from_bits(six[c]);
+            let width = if blocks.moment.is_empty() { 3 } else { 6 };
+            for (i, words) in self.words.chunks_exact(width).take(count).enumerate() {
+                let at = |c: usize| f64::from_bits(words[c]);
                 blocks.force[first + i] = [at(0), at(1), at(2), 0.0];
-                blocks.moment[first + i] = [at(3), at(4), at(5), 0.0];
+                if let Some(m) = blocks.moment.get_mut(first + i) {
+                    *m = [at(3), at(4), at(5), 0.0];
+                }
             }
         }
         Ok(())
@@ -104,16 +109,20 @@ impl Halo {
         for link in &self.links {
             self.words.clear();
             for i in link.export.iter().map(|&i| i as usize) {
-                let (x, v, w) = (&nodes.x[i], &nodes.v[i], &nodes.w[i]);
-                self.words.extend(x[..3].iter().chain(&v[..3]).chain(&w[..3]).map(|a| a.to_bits()));
+                let turning = nodes.w.get(i).map_or(&[][..], |w| &w[..3]);
+                self.words.extend(nodes.x[i][..3].iter().chain(&nodes.v[i][..3]).chain(turning).map(|a| a.to_bits()));
             }
             wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
         for link in &self.links {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
-            for (i, nine) in link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(9)) {
-                let three = |k: usize| crate::nodes::row([0, 1, 2].map(|c| f64::from_bits(nine[k + c])));
-                (nodes.x[i], nodes.v[i], nodes.w[i]) = (three(0), three(3), three(6));
+            let width = if nodes.rotations { 9 } else { 6 };
+            for (i, words) in link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(width)) {
+                let three = |k: usize| crate::nodes::row([0, 1, 2].map(|c| f64::from_bits(words[k + c])));
+                (nodes.x[i], nodes.v[i]) = (three(0), three(3));
+                if nodes.rotations {
+                    nodes.w[i] = three(6);
+                }
             }
         }
         Ok(())

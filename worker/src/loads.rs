@@ -126,9 +126,9 @@ impl Loads {
         for load in &mut self.forces {
             load.factor = factor(&self.curves, load.job.curve, time);
             for &n in &load.nodes {
-                for c in 0..3 {
-                    nodes.force[n as usize][c] += load.factor * load.job.force[c];
-                    nodes.moment[n as usize][c] += load.factor * load.job.moment[c];
+                (0..3).for_each(|c| nodes.force[n as usize][c] += load.factor * load.job.force[c]);
+                if nodes.rotations {
+                    (0..3).for_each(|c| nodes.moment[n as usize][c] += load.factor * load.job.moment[c]);
                 }
             }
         }
@@ -143,8 +143,10 @@ impl Loads {
                 for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                     nodes.next_v[i][c] = (nodes.next_v[i][c] - b * nodes.v[i][c]) / (1.0 + b);
                 }
-                for c in (0..3).filter(|&c| nodes.inv_inertia[i][c] > 0.0) {
-                    nodes.next_w[i][c] = (nodes.next_w[i][c] - b * nodes.w[i][c]) / (1.0 + b);
+            }
+            for ((next, w), inverse) in nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia) {
+                for c in (0..3).filter(|&c| inverse[c] > 0.0) {
+                    next[c] = (next[c] - b * w[c]) / (1.0 + b);
                 }
             }
         }
@@ -161,7 +163,8 @@ impl Loads {
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
-            let of = |i: usize| moved(&f, i) + twice(&m, &nodes.w[i], &nodes.next_w[i]);
+            let turned = |i: usize| if nodes.rotations { twice(&m, &nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
+            let of = |i: usize| moved(&f, i) + turned(i);
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
             work += load.factor * owned.map(of).sum::<f64>();
         }
@@ -183,8 +186,11 @@ impl Loads {
             let free = (0..3).filter(|&c| inv[c] > 0.0);
             free.map(|c| 0.5 * impulse(c) * (v[c] + next[c])).sum::<f64>()
         };
-        part(&nodes.inv_mass[i], nodes.mass[i], &nodes.force[i], &nodes.v[i], &nodes.next_v[i])
-            + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.moment[i], &nodes.w[i], &nodes.next_w[i])
+        let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.force[i], &nodes.v[i], &nodes.next_v[i]);
+        if !nodes.rotations {
+            return moved;
+        }
+        moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.moment[i], &nodes.w[i], &nodes.next_w[i])
     }
 }
 

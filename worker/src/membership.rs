@@ -89,7 +89,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     let mut records = share.nodes;
     records.sort_unstable_by_key(|r| r.id);
     records.dedup_by_key(|r| r.id);
-    let mut nodes = Nodes::new(&records, me as u32);
+    let mut nodes = Nodes::new(&records, me as u32, settings.rotations);
     let bounds = Aabb::around(records.iter().map(|r| r.x));
     let all_bounds = share_boxes(wire, &bounds)?;
     let shared = find_shared(wire, &nodes, &all_bounds)?;

@@ -119,6 +119,11 @@ impl Motion {
         self.drift = Drift::none();
     }
 
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.reference[..]) + size_of_val(&self.sample[..]) + size_of_val(&self.slack[..])
+    }
+
     /// The motion up to `x`, positions of the same nodes.
     pub fn update(&mut self, x: &[Row]) -> Drift {
         self.fit(x);

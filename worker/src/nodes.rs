@@ -19,12 +19,15 @@ pub fn xyz(r: &Row) -> [f64; 3] {
 }
 
 /// Columns over local nodes; held nodes in ascending id, then exterior nodes in ascending id.
+/// Where nothing can turn, the rotational columns are empty.
 #[derive(Debug, Default)]
 pub struct Nodes {
     /// This worker (0-based).
     pub me: u32,
     /// Number of held nodes.
     pub held: usize,
+    /// Whether nodes can turn.
+    pub rotations: bool,
     /// Global ids.
     pub id: Vec<NodeId>,
     /// Worker that owns the node: the lowest that holds it.
@@ -59,12 +62,12 @@ pub struct Nodes {
 
 impl Nodes {
     /// Held nodes of worker `me` from records sorted by id; they are its own until others are found to hold them.
-    pub fn new(records: &[NodeRecord], me: u32) -> Self {
-        let mut n = Self { me, held: records.len(), ..Self::default() };
+    pub fn new(records: &[NodeRecord], me: u32, rotations: bool) -> Self {
+        let mut n = Self { me, held: records.len(), rotations, ..Self::default() };
         records.iter().for_each(|r| n.push(r, me));
         n.next_w = n.w.clone();
         n.force = vec![[0.0; 4]; n.held];
-        n.moment = vec![[0.0; 4]; n.held];
+        n.moment = vec![[0.0; 4]; if rotations { n.held } else { 0 }];
         n
     }
 
@@ -76,12 +79,14 @@ impl Nodes {
         self.x0.push(row(r.x0));
         self.x.push(row(r.x));
         self.v.push(row(r.v));
-        self.w.push(row(r.w));
         self.next_v.push(row(r.v));
         self.mass.push(r.mass);
-        self.inertia.push(r.inertia);
         self.inv_mass.push([0.0; 4]);
-        self.inv_inertia.push([0.0; 4]);
+        if self.rotations {
+            self.w.push(row(r.w));
+            self.inertia.push(r.inertia);
+            self.inv_inertia.push([0.0; 4]);
+        }
         self.invert_mass(self.id.len() - 1);
     }
 
@@ -89,12 +94,15 @@ impl Nodes {
     pub fn invert_mass(&mut self, i: usize) {
         let inverse = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
         let free = |bit: usize, a: f64| if self.fixed[i] >> bit & 1 == 1 { 0.0 } else { a };
-        let (im, ii) = (inverse(self.mass[i]), inverse(self.inertia[i]));
+        let im = inverse(self.mass[i]);
         self.inv_mass[i] = [free(0, im), free(1, im), free(2, im), 0.0];
-        self.inv_inertia[i] = [free(3, ii), free(4, ii), free(5, ii), 0.0];
+        if self.rotations {
+            let ii = inverse(self.inertia[i]);
+            self.inv_inertia[i] = [free(3, ii), free(4, ii), free(5, ii), 0.0];
+        }
     }
 
-    /// The whole state of node `i`.
+    /// The whole state of node `i`; nought for what it does not have.
     pub fn record(&self, i: usize) -> NodeRecord {
         NodeRecord {
             id: self.id[i],
@@ -102,9 +110,9 @@ impl Nodes {
             x0: xyz(&self.x0[i]),
             x: xyz(&self.x[i]),
             v: xyz(&self.v[i]),
-            w: xyz(&self.w[i]),
+            w: self.w.get(i).map_or([0.0; 3], xyz),
             mass: self.mass[i],
-            inertia: self.inertia[i],
+            inertia: self.inertia.get(i).copied().unwrap_or(0.0),
         }
     }
 
@@ -113,7 +121,12 @@ impl Nodes {
         for i in 0..self.held {
             for c in 0..4 {
                 self.next_v[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
-                self.next_w[i][c] = self.w[i][c] + mid * self.moment[i][c] * self.inv_inertia[i][c];
+            }
+        }
+        let turning = self.next_w.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
+        for ((next, w), (moment, inverse)) in turning {
+            for c in 0..4 {
+                next[c] = w[c] + mid * moment[c] * inverse[c];
             }
         }
     }
@@ -122,16 +135,25 @@ impl Nodes {
     pub fn advance(&mut self, dt: f64) {
         for i in 0..self.held {
             self.v[i] = self.next_v[i];
-            self.w[i] = self.next_w[i];
             for c in 0..4 {
                 self.x[i][c] += dt * self.v[i][c];
             }
         }
+        self.w[..self.next_w.len()].copy_from_slice(&self.next_w);
     }
 
     /// What elements see.
     pub fn view(&self) -> NodeView<'_> {
         NodeView { x: &self.x, v: &self.v, w: &self.w }
+    }
+
+    /// Bytes of the columns of moving and of turning, spare room of lists left out.
+    pub fn bytes(&self) -> [usize; 2] {
+        let rows = |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
+        let named = size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
+        let moving = [&self.x0, &self.x, &self.v, &self.next_v, &self.force, &self.inv_mass];
+        let turning = [&self.w, &self.next_w, &self.moment, &self.inv_inertia];
+        [named + size_of_val(&self.mass[..]) + rows(&moving), size_of_val(&self.inertia[..]) + rows(&turning)]
     }
 
     /// Number of local nodes, exterior ones included.

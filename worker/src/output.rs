@@ -5,6 +5,7 @@ use crate::nodes::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::report::PartRecord;
+use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 
@@ -39,6 +40,7 @@ pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<
 /// What became of the parts: own elements, and the surfaces that this worker saw.
 pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut parts = vec![PartRecord::default(); engine.settings.parts.len()];
+    let mut around = BTreeMap::new();
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             if e.failed {
@@ -47,15 +49,48 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let (history, lane) = b.fields_source(i);
             let f = b.element.fields(history, lane, &x);
+            for &n in &e.nodes[..e.record.shape.corners()] {
+                let range: &mut [Range; 2] = around.entry((e.record.part, n)).or_default();
+                range[0].include(f.plastic_strain);
+                range[1].include(f.von_mises);
+            }
             let (plastic_strain, von_mises) = (f.plastic_strain, f.von_mises);
             let one = PartRecord { elements: 1, plastic_strain, von_mises, ..PartRecord::default() };
             parts[e.record.part as usize].add(&one);
         }
     }
+    for ((part, _), [strain, stress]) in around {
+        let (strain_jump, stress_jump) = (strain.width(), stress.width());
+        parts[part as usize].add(&PartRecord { strain_jump, stress_jump, ..PartRecord::default() });
+    }
     for (number, part) in parts.iter_mut().enumerate() {
         (part.near, part.touched) = engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
     }
     parts
+}
+
+/// Least and largest value of the elements around a node.
+#[derive(Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
+    }
+}
+
+impl Range {
+    fn include(&mut self, value: f64) {
+        (self.low, self.high) = (self.low.min(value), self.high.max(value));
+    }
+
+    /// Nought where nothing was included.
+    fn width(&self) -> f64 {
+        (self.high - self.low).max(0.0)
+    }
 }
 
 fn own_cells(engine: &Engine) -> CellColumns {
@@ -114,7 +149,8 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     let single = |r: &Row| xyz(r).map(|a| a as f32);
     let rows = |rows: &[Row]| rows[..points].iter().map(single).collect::<Vec<_>>();
     let moved: Vec<[f32; 3]> = (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
-    let (velocity, spin) = (rows(&n.v), rows(&n.w));
+    let velocity = rows(&n.v);
+    let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.0 as i64).collect();
     let piece = Piece {
         time: engine.clock.time,

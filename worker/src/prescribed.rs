@@ -86,7 +86,7 @@ impl Prescribed {
                     if m.job.dofs >> c & 1 == 1 {
                         nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) / dt;
                     }
-                    if m.job.dofs >> (c + 3) & 1 == 1 {
+                    if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
                         nodes.next_w[i][c] = spin[c];
                     }
                 }
@@ -108,7 +108,7 @@ impl Prescribed {
                         let impulse = nodes.mass[i] * (b - a) - steps.mid * (nodes.force[i][c] + pushed[c]);
                         work += 0.5 * impulse * (a + b);
                     }
-                    if m.job.dofs >> (c + 3) & 1 == 1 {
+                    if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
                         let (a, b) = (nodes.w[i][c], nodes.next_w[i][c]);
                         work += 0.5 * (nodes.inertia[i] * (b - a) - steps.mid * nodes.moment[i][c]) * (a + b);
                     }
@@ -135,7 +135,7 @@ mod tests {
             inertia: 0.4,
             ..NodeRecord::default()
         };
-        let mut nodes = Nodes::new(&[record], 0);
+        let mut nodes = Nodes::new(&[record], 0, true);
         let motion = MotionJob { nodes: vec![NodeId(3), NodeId(9)], dofs: 63, form, amount, curve: Some(0) };
         let mut p =
             Prescribed::new(&LoadJob { curves: vec![curve.to_vec()], motions: vec![motion], ..LoadJob::default() });

@@ -19,6 +19,7 @@ pub fn settings() -> Settings {
         rigid: Vec::new(),
         dt_max: 0.0,
         contact: None,
+        rotations: true,
         buffer: 1.0,
         force_every: 0,
     }

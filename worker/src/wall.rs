@@ -132,7 +132,7 @@ mod tests {
     fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
         let at = [0.0, 0.0, 1.0];
         let block = NodeRecord { id: NodeId(1), x0: at, x: at, v, mass: 2.0, ..NodeRecord::default() };
-        let mut nodes = Nodes::new(&[block], 0);
+        let mut nodes = Nodes::new(&[block], 0, true);
         nodes.force[0] = crate::nodes::row(force);
         let mut work = 0.0;
         for _ in 0..steps {

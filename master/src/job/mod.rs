@@ -26,7 +26,7 @@ pub use report::{Located, Report, Sources, Spot};
 pub use state::{ElementStart, NodeStart};
 
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::{Mesh, free_faces};
+use crumple_proto::mesh::{Mesh, Shape, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
@@ -153,6 +153,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
+    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape != Shape::Hex8);
     if findings.any_error() {
         return None;
     }

@@ -215,6 +215,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         rigid: Vec::new(),
         dt_max: job.time.dt_max,
         contact,
+        rotations: true,
         buffer: or(job.parallel.buffer, 0.5 * smallest),
         force_every: job.parallel.force_every,
     };

@@ -29,13 +29,19 @@ pub fn lead(e: &mut Engine, node: u32, from: Pose, to: Pose) {
     let rate = |a: [f64; 3], b: [f64; 3]| row(std::array::from_fn(|c| (b[c] - a[c]) / dt));
     let n = place(node);
     e.nodes.x[n] = row(to.0);
-    (e.nodes.v[n], e.nodes.w[n]) = (rate(from.0, to.0), rate(from.1, to.1));
+    e.nodes.v[n] = rate(from.0, to.0);
+    if e.nodes.rotations {
+        e.nodes.w[n] = rate(from.1, to.1);
+    }
 }
 
 /// Sets the velocities of a node [m/s], [1/s]: where it is fixed it goes on with them.
 pub fn drive(e: &mut Engine, node: u32, velocity: [f64; 3], spin: [f64; 3]) {
     let n = place(node);
-    (e.nodes.v[n], e.nodes.w[n]) = (row(velocity), row(spin));
+    e.nodes.v[n] = row(velocity);
+    if e.nodes.rotations {
+        e.nodes.w[n] = row(spin);
+    }
 }
 
 /// Mass of nodes [kg].

@@ -28,7 +28,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     if settings.contact.is_none() {
         return Vec::new();
     }
-    let nodes = Nodes::new(nodes, 0);
+    let nodes = Nodes::new(nodes, 0, false);
     let local = |e: &ElementRecord| {
         let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
         LocalElement { record: *e, nodes: numbers, shared: false, failed: false }

@@ -125,6 +125,18 @@ impl Contact {
         self.memory_start.push(self.memories.len() as u32);
     }
 
+    /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what tells when to search.
+    pub fn bytes(&self) -> usize {
+        let s = &self.surface;
+        let lists = [&s.slaves, &self.candidate_start, &self.candidates, &self.memory_start];
+        let figures = [&s.node_half, &s.node_scale, &self.stiffness];
+        size_of_val(&s.segments[..])
+            + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+            + figures.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+            + self.since_search.bytes()
+            + self.record.bytes()
+    }
+
     /// What each slave remembers.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];

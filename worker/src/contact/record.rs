@@ -41,6 +41,11 @@ impl Record {
         (marks & NEAR != 0, marks & TOUCHED != 0)
     }
 
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        self.nodes.len() + self.parts.len()
+    }
+
     fn of_parts(&self, segments: &[Segment]) -> Vec<u8> {
         let mut parts = self.parts.clone();
         for s in segments {

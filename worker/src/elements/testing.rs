@@ -64,6 +64,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         rigid: Vec::new(),
         dt_max: 0.0,
         contact: None,
+        rotations: true,
         buffer: 0.0,
         force_every: 0,
     }

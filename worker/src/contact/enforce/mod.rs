@@ -110,6 +110,9 @@ fn overlap(pair: &Pair) -> f64 {
 /// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
 /// leave it a little short of the cone.
 fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
+    if friction == 0.0 {
+        return V3::zeros(); // the cone is a line: nothing sticks
+    }
     let (pressed, sheared) = split(&pair.force, &pair.normal);
     let (_, sliding) = split(velocity, &pair.normal);
     let back = sheared - (pair.slip / steps.dt + sliding) / (steps.mid * pair.compliance[1]);

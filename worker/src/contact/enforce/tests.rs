@@ -69,7 +69,7 @@ struct Scene {
 impl Scene {
     fn new(job: &ContactJob, points: &[NodeRecord], segments: &[[u32; 4]], slaves: &[u32], dt: f64) -> Self {
         let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
-        let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0);
+        let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0, true);
         let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
             id: SegmentId::new(ElemId(i as u64 + 1), 0),
             nodes,
