@@ -10,7 +10,8 @@ use super::{Bench, Check};
 /// A22.
 pub const PATCH: Check = Check { name: "two stacked blocks of cubes", quick: true, run: patch };
 
-const PRESSURE: f64 = 1e6;
+/// Half a percent of strain: the gap that laws leave open, 1e-4 of the scale of the search, is far below.
+const PRESSURE: f64 = 1e9;
 const HEIGHT: f64 = 0.5;
 const LOCAL: &str = "nodes press on segments at their own places: on meshes that do not match the pressure is not uniform, \
                      as the catalogue expects of node-to-segment contact (5-30 %)";
@@ -38,10 +39,15 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {PRESSURE:?}\ncurve = \"ramp\""));
             scene.add(&law.table());
             scene.time(&format!("damping = {:?}", 2.0 * std::f64::consts::TAU / period));
-            let run = bench.watch(&format!("A22 {} {below} under {above}", law.name), &scene, |_| {})?;
-            let stresses: Vec<f64> = fields(&run.engine).iter().map(|f| f.stress[2]).collect();
+            // The last step is cut short, and forces that follow from the step are not what they were: stop before it.
+            let mut stresses = Vec::new();
+            bench.watch(&format!("A22 {} {below} under {above}", law.name), &scene, |e| {
+                if e.clock.time < 11.5 * period {
+                    stresses = fields(e).iter().map(|f| f.stress[2]).collect();
+                }
+            })?;
             // Elements are in columns of two; those at the interface are the upper ones below and the lower ones above.
-            let (lower, upper) = stresses.split_at(below * below * LAYERS);
+            let (lower, upper): (&[f64], &[f64]) = stresses.split_at(below * below * LAYERS);
             let near = [&lower[LAYERS - 1..], upper].map(|s| s.iter().copied().step_by(LAYERS).collect::<Vec<f64>>());
             let off = |s: f64| (s / PRESSURE + 1.0).abs();
             let worst = near.iter().flatten().fold(0.0f64, |m, &s| m.max(off(s)));

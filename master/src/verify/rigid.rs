@@ -17,7 +17,7 @@ const SPRING: &str =
 /// A fixed plate of one cell, its top at z = 0.
 fn plate(scene: &mut Scene, reach: f64) {
     let plate =
-        scene.block(2, [2, 2, 1], |p| [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]);
+        scene.block(2, [1; 3], |p| [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]);
     scene.solid_part(2, "steel", "");
     scene.fix(plate.all(), "x y z");
 }
