@@ -16,7 +16,7 @@ pub const STOP: Check = Check { name: "stops by friction", quick: true, run: sto
 /// A08.
 pub const SHAKEN: Check = Check { name: "stick-slip", quick: false, run: shaken };
 /// A09.
-pub const INCLINE: Check = Check { name: "on an incline", quick: true, run: incline };
+pub const INCLINE: Check = Check { name: "on an incline", quick: false, run: incline };
 /// C09.
 pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: reversal };
 

@@ -233,7 +233,13 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             let run = bench.watch(&format!("C12 nu {nu} {n}"), &scene, |_| {})?;
             let u = displacement(&run.engine, ring.at([0, 0, 0]))[0];
             let variant = format!("hexahedron, nu = {nu}, {n} over the wall");
-            all.push(Row::new("u_r(a)", &variant, "um", 1e6 * u).near(expected, 0.01, "[D] Lame; one-point below 1 %"));
+            all.push(
+                Row::new("u_r(a)", &variant, "um", 1e6 * u)
+                    .near(expected, 0.01, "[D] Lame; one-point below 1 %")
+                    .known(
+                        "hourglass stiffness is a fraction of lambda + 2 mu, which has no bound as nu comes near 1/2",
+                    ),
+            );
         }
     }
     Ok(all)
