@@ -163,9 +163,9 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
-    let (side, kappa, v) = (0.01, 0.05, 1.0);
+    let (side, kappa, v) = (0.01, 0.05f64, 1.0);
     let fast = ((1.0 - 0.3) / (1.3 * 0.4f64)).sqrt() * STEEL.c();
-    let omega = (6.0 * kappa as f64).sqrt() * fast / side;
+    let omega = (6.0 * kappa).sqrt() * fast / side;
     let mut all = Vec::new();
     for form in ["stiffness", "viscous"] {
         let mut scene = Scene::new(3.2 * TAU / omega);
