@@ -217,7 +217,7 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 scene.fix(&plate, "x y z rx ry rz");
                 let n = tip(&mut scene, 2, [0.0, 0.0, thickness + 3e-3 + offset], 1e-3);
                 scene.elastic("steel", STEEL);
-                scene.elastic("carrier", carrier(0.09, 1.1 * dt));
+                scene.elastic("carrier", carrier(0.09, 1.6 * dt));
                 scene.part(1, "steel", thickness, "points = 2");
                 scene.part(2, "carrier", thickness, "points = 2");
                 scene.start(&[n, n + 1, n + 2], [v * s, 0.0, -v * c], [0.0; 3]);
