@@ -36,10 +36,10 @@ const WIDTH: f64 = 0.02;
 const DEPTH: f64 = 0.004;
 
 /// A mode over 0..1: deflection and its slope.
-type Mode = Box<dyn Fn(f64) -> (f64, f64)>;
+pub type Mode = Box<dyn Fn(f64) -> (f64, f64)>;
 
 /// `cosh - cos - s (sinh - sin)` of a clamped beam, or with plus signs of a free one, with its wave number.
-fn clamped(k: f64, s: f64, sign: f64) -> Mode {
+pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
     Box::new(move |x| {
         let z = k * x;
         let value = z.cosh() - sign * z.cos() - s * (z.sinh() - sign * z.sin());
@@ -59,7 +59,8 @@ fn pluck(scene: &mut Scene, grid: &Grid, w: impl Fn([f64; 3]) -> (f64, [f64; 2])
     shape
 }
 
-fn frequency(bench: &Bench, name: &str, scene: &Scene, shape: &[(u32, f64)], axis: usize) -> Result<f64, String> {
+/// Frequency of a shape, displacement along an axis [Hz].
+pub fn frequency(bench: &Bench, name: &str, scene: &Scene, shape: &[(u32, f64)], axis: usize) -> Result<f64, String> {
     let mut crossings = Crossings::default();
     bench.watch(name, scene, |e| crossings.take(e.clock.time, amplitude(e, shape, axis)))?;
     Ok(crossings.frequency())

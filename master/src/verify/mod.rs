@@ -2,7 +2,7 @@
 //!
 //! - `catalogue.rs`: every entry, in order: its checks, and what of it is not covered and why
 //! - `row.rs`: a quantity, ours against the reference; `report.rs`: the table
-//! - `scene.rs`: a job in the making; `bench.rs`: runs it, watched; `measure.rs`: what is read off a run
+//! - `scene.rs`: a job in the making; `solids.rs`: meshes of solids for it; `bench.rs`: runs it, watched; `measure.rs`: what is read off a run
 //! - one file per family of entries: `bars.rs`, `walls.rs`, `beams.rs`, ...
 //!
 //! A check builds its job as the text of a job file, so that all of it goes through the reader, and `DIR/jobs` holds every
@@ -19,9 +19,16 @@ mod elements;
 mod invariance;
 mod materials;
 mod measure;
+mod press;
 mod report;
+mod rigid;
 mod row;
 mod scene;
+mod sliding;
+mod solid_bars;
+mod solid_cells;
+mod solids;
+mod taylor;
 mod walls;
 
 pub use bench::Bench;

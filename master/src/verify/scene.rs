@@ -39,6 +39,7 @@ pub struct Scene {
     end_time: f64,
     nodes: Vec<[f64; 3]>,
     shells: Vec<Vec<u32>>,
+    solids: Vec<Vec<u32>>,
     sets: Vec<(String, Vec<u32>)>,
     keys: String,
     /// Top-level tables that must be one: lines of `[time]`.
@@ -113,6 +114,12 @@ impl Scene {
         self.shells.len() as u32
     }
 
+    /// Adds a solid of a part: a face whose normal points into it, then the nodes opposite. Their ids follow those of the
+    /// shells.
+    pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
+        self.solids.push(std::iter::once(part).chain(corners).collect());
+    }
+
     /// Adds a patch of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
     pub fn grid(&mut self, part: u32, [n, m]: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
         let nodes = (0..=n)
@@ -169,6 +176,16 @@ impl Scene {
         self.add(&format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = {thickness:?}\n{more}"));
     }
 
+    /// Adds a part of solids; `more` are further keys of it.
+    pub fn solid_part(&mut self, id: u32, material: &str, more: &str) {
+        self.add(&format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\n{more}"));
+    }
+
+    /// Adds a plane of symmetry with its normal along an axis.
+    pub fn symmetry(&mut self, point: [f64; 3], normal: [f64; 3]) {
+        self.add(&format!("[[symmetry]]\npoint = {point:?}\nnormal = {normal:?}"));
+    }
+
     /// Fixes degrees of freedom, such as `"x y rz"`.
     pub fn fix(&mut self, nodes: &[u32], dofs: &str) {
         let set = self.set(nodes);
@@ -214,6 +231,11 @@ impl Scene {
         for (i, shell) in self.shells.iter().enumerate() {
             let row: Vec<String> = shell.iter().map(u32::to_string).collect();
             let _ = writeln!(text, "[{}, {}],", i + 1, row.join(", "));
+        }
+        text.push_str("]\nsolids = [\n");
+        for (i, solid) in self.solids.iter().enumerate() {
+            let row: Vec<String> = solid.iter().map(u32::to_string).collect();
+            let _ = writeln!(text, "[{}, {}],", self.shells.len() + i + 1, row.join(", "));
         }
         text.push_str("]\n[mesh.node_sets]\n");
         for (name, nodes) in &self.sets {

@@ -1,0 +1,128 @@
+//! Rigid bodies: free fall and bounce (A13), oblique impact with friction (A14).
+
+use super::contact::Law;
+use super::measure::{mean_velocity, position};
+use super::row::Row;
+use super::scene::{STEEL, Scene};
+use super::{Bench, Check};
+
+/// A13.
+pub const FALL: Check = Check { name: "cube from 0.1 m", quick: true, run: fall };
+/// A14.
+pub const OBLIQUE: Check = Check { name: "a ball's inertia on one point", quick: true, run: oblique };
+
+const SPRING: &str =
+    "where it sticks, the friction of the penalty is a spring too: it throws the point back along the plate";
+const THROWN: &str = "a rigid body is thrown back from an impact that should be plastic; why has not been found yet";
+
+/// A fixed plate of one cell, its top at z = 0.
+fn plate(scene: &mut Scene, reach: f64) {
+    let plate =
+        scene.block(2, [1; 3], |p| [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]);
+    scene.solid_part(2, "steel", "");
+    scene.fix(plate.all(), "x y z");
+}
+
+fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
+    let (g, height, m) = (9.81f64, 0.1f64, 1.0f64);
+    let side = (m / STEEL.rho).cbrt();
+    let (time, speed) = ((2.0 * height / g).sqrt(), (2.0 * g * height).sqrt());
+    let mut all = Vec::new();
+    let targets = std::iter::once(None).chain(Law::ALL.iter().map(Some));
+    for law in targets {
+        let mut scene = Scene::new(time + 0.02);
+        let cube = scene.block(1, [1; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), height + side * p[2]]);
+        scene.elastic("steel", STEEL);
+        scene.solid_part(1, "steel", "");
+        scene.add("[[rigid]]\nname = \"cube\"\nparts = [1]");
+        scene.start(cube.all(), [0.0; 3], [0.0; 3]);
+        scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]", -g));
+        match law {
+            None => {
+                scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0);
+                scene.time("dt_max = 1e-5");
+            }
+            Some(law) => {
+                plate(&mut scene, 2.0 * side);
+                scene.add(&law.table());
+            }
+        }
+        let name = law.map_or("wall", |l| l.name);
+        let (mut touch, mut fastest, mut after) = (f64::NAN, 0.0f64, f64::NEG_INFINITY);
+        let mut before = 0.0;
+        let run = bench.watch(&format!("A13 {name}"), &scene, |e| {
+            let v = mean_velocity(e, cube.all(), 2);
+            fastest = fastest.min(v);
+            // It falls by g dt in a step until it is met.
+            if touch.is_nan() && v > before - 0.5 * g * e.clock.last_dt && before < 0.0 {
+                touch = e.clock.time - e.clock.last_dt;
+            }
+            if !touch.is_nan() {
+                after = after.max(v);
+            }
+            before = v;
+        })?;
+        let variant = format!("{name}, 1 kg");
+        let e = after / speed;
+        let rebound = Row::new("restitution", &variant, "", e);
+        all.push(Row::new("time of impact", &variant, "s", touch).near(time, 1e-3, "[D] sqrt(2h/g)"));
+        all.push(Row::new("velocity of impact", &variant, "m/s", -fastest).near(speed, 1e-3, "[D] sqrt(2gh)"));
+        all.push(if law.is_some_and(Law::is_spring) {
+            rebound.near(1.0, 0.01, "[D] a spring gives back what it takes")
+        } else {
+            rebound.within(0.0, 0.01, "[D] plastic: v = 0 after, as documented").known(THROWN)
+        });
+        let low = position(&run.engine, cube.at([0; 3]))[2];
+        all.push(Row::new("sunk in at the end / side", &variant, "", -low / side).at_most(1e-3, "[D] not at all"));
+    }
+    Ok(all)
+}
+
+fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] rigid Coulomb theory, catalogue A14";
+    let (mu, vn, side) = (0.2, 1.0, 0.02);
+    // A cube on its vertex touches in one point, R below its centre, and has the inertia of a ball of that radius.
+    let radius = 0.75f64.sqrt() * side;
+    let (m, air) = (STEEL.rho * side.powi(3), 1e-5);
+    let inertia = 0.4 * m * radius * radius;
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let bounce = if law.is_spring() { 1.0 } else { 0.0 };
+        let most = 3.5 * mu * (1.0 + bounce) * vn;
+        for vt in [0.5 * most, 3.0] {
+            // Some touches long, and over before it has turned far.
+            let mut scene = Scene::new(3e-4);
+            // Axes of the cube, its diagonal along z.
+            let (a, b, c) = ((2f64 / 3.0).sqrt(), 0.5f64.sqrt(), 3f64.sqrt().recip());
+            let axes = [[a, 0.0, c], [-0.5 * a, b, c], [-0.5 * a, -b, c]];
+            let cube = scene.block(1, [1; 3], |p| {
+                std::array::from_fn(|k| {
+                    side * (0..3).map(|i| p[i] * axes[i][k]).sum::<f64>() + if k == 2 { air } else { 0.0 }
+                })
+            });
+            scene.elastic("steel", STEEL);
+            scene.solid_part(1, "steel", "");
+            scene.add(&format!(
+                "[[rigid]]\nname = \"ball\"\nparts = [1]\ninertia = [{inertia:?}, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]"
+            ));
+            plate(&mut scene, 0.03);
+            scene.start(cube.all(), [vt, 0.0, -vn], [0.0; 3]);
+            scene.add(&format!("{}friction = {mu:?}", law.table()));
+            let run = bench.watch(&format!("A14 {} {vt}", law.name), &scene, |_| {})?;
+            let [along, _, up] = [0, 1, 2].map(|c| mean_velocity(&run.engine, cube.all(), c));
+            let spin = run.engine.nodes.w[cube.at([0; 3]) as usize - 1][1];
+            let slides = vt > most;
+            let (after, turning) = if slides {
+                (vt - mu * (1.0 + bounce) * vn, 2.5 * mu * (1.0 + bounce) * vn)
+            } else {
+                (5.0 / 7.0 * vt, 5.0 / 7.0 * vt)
+            };
+            let variant = format!("{}, v_t = {vt:.2} v_n, e = {bounce}", law.name);
+            let why = if law.is_spring() { SPRING } else { THROWN };
+            all.push(Row::new("tangential velocity after", &variant, "m/s", along).near(after, 0.02, D).known(why));
+            all.push(Row::new("spin R after", &variant, "m/s", spin * radius).near(turning, 0.02, D).known(why));
+            all.push(Row::new("normal velocity after", &variant, "m/s", up).within(bounce * vn, 0.02, D).known(why));
+        }
+    }
+    Ok(all)
+}

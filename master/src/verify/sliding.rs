@@ -1,0 +1,303 @@
+//! Blocks of solids that slide with Coulomb friction on a flat base of several facets: A07, A08, A09, C09.
+
+use super::bench::Finished;
+use super::contact::Law;
+use super::measure::{displacement, mean_velocity};
+use super::row::Row;
+use super::scene::{STEEL, Scene};
+use super::solid_bars::INVISCID;
+use super::solids::Block;
+use super::{Bench, Check};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// A07.
+pub const STOP: Check = Check { name: "stops by friction", quick: true, run: stop };
+/// A08.
+pub const SHAKEN: Check = Check { name: "stick-slip", quick: false, run: shaken };
+/// A09.
+pub const INCLINE: Check = Check { name: "on an incline", quick: false, run: incline };
+/// C09.
+pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: reversal };
+
+const MU: f64 = 0.3;
+const CREEP: &str = "where it sticks, the friction of the penalty is a spring of its own stiffness";
+const CAUGHT: &str = "a side of the block meets the nodes of the base that it slides over: they lie on the lower rim of the \
+                      side's faces, to within the pressing-in, and the local search takes that for a hit from the front";
+/// Block 20 x 20 x 10 mm of steel.
+const SIZE: [f64; 3] = [0.02, 0.02, 0.01];
+
+/// What the block slides on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Base {
+    /// Solids, top at z = 0.
+    Cubes,
+    /// Shells of 2 mm, upper side at z = 0.
+    Shells,
+}
+
+/// A block at rest on a base 80 x 40 mm in facets of 10 mm, turned so that no lines match. Returns the nodes of the base.
+fn on_base(scene: &mut Scene, kind: Base) -> (Vec<u32>, Block) {
+    let (s, c) = 7f64.to_radians().sin_cos();
+    let place = |x: f64, y: f64, z: f64| {
+        let [x, y] = [0.08 * x - 0.02, 0.04 * (y - 0.5)];
+        [c * x - s * y, s * x + c * y, z]
+    };
+    scene.elastic("steel", STEEL);
+    let base = match kind {
+        Base::Cubes => {
+            scene.solid_part(1, "steel", INVISCID);
+            scene.block(1, [8, 4, 1], |p| place(p[0], p[1], 0.01 * (p[2] - 1.0))).all().to_vec()
+        }
+        Base::Shells => {
+            scene.part(1, "steel", 2e-3, "");
+            scene.grid(1, [8, 4], |x, y| place(x, y, -1e-3)).all().to_vec()
+        }
+    };
+    let block = scene.block(2, [2, 2, 1], |p| [SIZE[0] * (p[0] - 0.5), SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
+    scene.solid_part(2, "steel", INVISCID);
+    (base, block)
+}
+
+fn touch(scene: &mut Scene, law: &Law) {
+    scene.add(&format!("{}friction = {MU:?}", law.table()));
+}
+
+fn curve(scene: &mut Scene, name: &str, points: impl Iterator<Item = (f64, f64)>) {
+    let list = points.fold(String::new(), |mut list, (t, f)| {
+        // Writing into a string cannot fail.
+        let _ = write!(list, "[{t:?}, {f:?}],");
+        list
+    });
+    scene.add(&format!("[[curve]]\nname = \"{name}\"\npoints = [{list}]"));
+}
+
+fn ramp(scene: &mut Scene, until: f64) {
+    curve(scene, "ramp", [(0.0, 0.0), (until, 1.0)].into_iter());
+}
+
+fn mass() -> f64 {
+    STEEL.rho * SIZE.iter().product::<f64>()
+}
+
+fn stop(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] t = v/a, s = v^2/2a, a = mu N/m; half a ramp of 0.1 ms later";
+    let (force, v, ramped) = (400.0, 10.0, 1e-4);
+    let a = MU * force / mass();
+    // In the ramp it loses a ramped/2 on the way v ramped - a ramped^2/6.
+    let left = v - 0.5 * a * ramped;
+    let (time, way) = (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
+    let mut all = Vec::new();
+    for (law, kind) in Law::ALL.iter().flat_map(|law| [(law, Base::Shells), (law, Base::Cubes)]) {
+        let mut scene = Scene::new(time + 0.3e-3);
+        let (base, block) = on_base(&mut scene, kind);
+        scene.fix(&base, "x y z rx ry rz");
+        scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
+        scene.start(&base, [0.0; 3], [0.0; 3]);
+        ramp(&mut scene, ramped);
+        let top = scene.set(&block.last(2));
+        let pressure = force / (SIZE[0] * SIZE[1]);
+        scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+        touch(&mut scene, law);
+        let (mut stopped, mut drift, mut aside) = (f64::NAN, 0.0f64, 0.0f64);
+        let run = bench.watch(&format!("A07 {} {kind:?}", law.name), &scene, |e| {
+            let now = mean_velocity(e, block.all(), 0);
+            if stopped.is_nan() && now <= 0.0 {
+                stopped = e.clock.time;
+            }
+            if e.clock.time > time + 0.1e-3 {
+                drift = drift.max(now.abs());
+            }
+            aside = aside.max(mean_velocity(e, block.all(), 1).abs());
+        })?;
+        let way_of = |run: &Finished| {
+            block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64
+        };
+        let variant = format!("{}, 1 MPa, on {}", law.name, if kind == Base::Cubes { "cubes" } else { "shells" });
+        let from = all.len();
+        all.push(Row::new("time to stop", &variant, "ms", 1e3 * stopped).near(1e3 * time, 0.005, D));
+        all.push(Row::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(1e3 * way, 0.005, D));
+        let heat = -run.energies.friction / run.initial;
+        all.push(Row::new("friction work / energy at the start", &variant, "", heat).near(1.0, 0.005, "[D]"));
+        let slow = Row::new("largest velocity after / v", &variant, "", drift / v);
+        all.push(slow.at_most(1e-3, "limit of the catalogue").known(if law.is_spring() { CREEP } else { "" }));
+        all.push(Row::new("largest velocity aside / v", &variant, "", aside / v).at_most(1e-3, "[D] by symmetry"));
+        all.extend(run.energy_rows(&variant, 1e-3));
+        if kind == Base::Cubes {
+            all[from..].iter_mut().filter(|r| r.known.is_empty()).for_each(|r| r.known = CAUGHT);
+        }
+    }
+    Ok(all)
+}
+
+fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8]";
+    const POINTS: usize = 100;
+    let (g, period) = (1e4, 2e-3);
+    let omega = TAU / period;
+    let unit = MU * g / omega;
+    let (settle, cycles) = (1e-3, 6.0);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        for (r, slips, fastest, slid) in [
+            (0.9, 0.0, 0.9, 0.0),
+            (1.2, 0.566, 1.2, 0.3107),
+            (1.5, 0.826, 1.475, 1.615),
+            (1.8, 0.976, 1.568, 3.545),
+            (3.0, 1.0, 0.25 * TAU, 10.22),
+        ] {
+            let mut scene = Scene::new(settle + cycles * period);
+            let (base, block) = on_base(&mut scene, Base::Shells);
+            ramp(&mut scene, 0.5 * settle);
+            let shake = |t: f64| (omega * t).sin();
+            let count = (cycles * POINTS as f64) as usize;
+            let times = (0..=count).map(|k| k as f64 * period / POINTS as f64);
+            curve(
+                &mut scene,
+                "shake",
+                std::iter::once((0.0, 0.0)).chain(times.skip(1).map(|t| (settle + t, shake(t)))),
+            );
+            scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -g));
+            let set = scene.set(&base);
+            // Velocity of the base: its amplitude is a0/omega = r unit. Nought until the block has settled.
+            scene.add(&format!(
+                "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",
+                r * unit
+            ));
+            touch(&mut scene, law);
+            let (mut slipping, mut whole, mut way, mut most) = (0.0, 0.0, 0.0, 0.0f64);
+            let last = settle + (cycles - 1.0) * period;
+            bench.watch(&format!("A08 {} r {r}", law.name), &scene, |e| {
+                if e.clock.time > last {
+                    let dt = e.clock.last_dt;
+                    let now = mean_velocity(e, block.all(), 0);
+                    let relative = (now - mean_velocity(e, &base, 0)).abs();
+                    whole += dt;
+                    way += relative * dt;
+                    slipping += if relative > 0.01 * unit { dt } else { 0.0 };
+                    most = most.max(now.abs());
+                }
+            })?;
+            let variant = format!("{}, r = {r}", law.name);
+            all.push(Row::new("largest velocity / (mu g/w)", &variant, "", most / unit).near(fastest, 0.02, D));
+            if r < 1.0 {
+                let row = Row::new("sliding in a cycle / amplitude", &variant, "", way * omega / (r * unit));
+                all.push(row.at_most(1e-6, "limit of the catalogue").known(if law.is_spring() { CREEP } else { "" }));
+                continue;
+            }
+            all.push(Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D));
+            all.push(Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit).near(slid, 0.02, D));
+        }
+    }
+    Ok(all)
+}
+
+fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
+    // A thousandfold gravity makes milliseconds of seconds.
+    let g = 9810.0;
+    let (ramped, time) = (0.5e-3, 4e-3);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        for degrees in [15.0f64, 20.0, 25.0] {
+            let (s, c) = degrees.to_radians().sin_cos();
+            let mut scene = Scene::new(time);
+            let (base, block) = on_base(&mut scene, Base::Shells);
+            scene.fix(&base, "x y z rx ry rz");
+            ramp(&mut scene, ramped);
+            scene.add(&format!("[[gravity]]\nacceleration = [{:?}, 0.0, {:?}]\ncurve = \"ramp\"", g * s, -g * c));
+            touch(&mut scene, law);
+            let mut seen: Vec<(f64, f64)> = Vec::new();
+            let run = bench.watch(&format!("A09 {} {degrees}", law.name), &scene, |e| {
+                seen.push((e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 0)));
+            })?;
+            let variant = format!("{}, {degrees} degrees", law.name);
+            let a = g * (s - MU * c);
+            if a < 0.0 {
+                let way = displacement(&run.engine, block.at([0, 0, 0]))[0];
+                let free = 0.5 * g * s * time * time;
+                let row = Row::new("creep / way without friction", &variant, "", way.abs() / free);
+                all.push(
+                    row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is").known(if law.is_spring() {
+                        CREEP
+                    } else {
+                        ""
+                    }),
+                );
+            } else {
+                let from = seen.partition_point(|s| s.0 < 2.0 * ramped);
+                let (first, last) = (seen[from], seen[seen.len() - 1]);
+                let ours = (last.1 - first.1) / (last.0 - first.0);
+                let row = Row::new("acceleration, gravity 9.81 m/s2", &variant, "m/s2", 1e-3 * ours);
+                all.push(row.near(1e-3 * a, 0.01, "[D] g (sin - mu cos)"));
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
+    const POINTS: usize = 50;
+    const CYCLES: usize = 20;
+    let (force, period, ramped) = (400.0, 1e-3, 0.2e-3);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let mut scene = Scene::new(ramped + CYCLES as f64 * period);
+        let (base, block) = on_base(&mut scene, Base::Shells);
+        scene.fix(&base, "x y z rx ry rz");
+        ramp(&mut scene, ramped);
+        let points = (0..=CYCLES * POINTS).map(|k| k as f64 / POINTS as f64);
+        let wave = points.map(|p| (ramped + p * period, (TAU * p).sin()));
+        curve(&mut scene, "wave", std::iter::once((0.0, 0.0)).chain(wave));
+        let (top, set) = (scene.set(&block.last(2)), scene.set(&block.layer(2, 0)));
+        let pressure = force / (SIZE[0] * SIZE[1]);
+        scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+        scene
+            .add(&format!("[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"", 1.5 * MU * force));
+        touch(&mut scene, law);
+        let (mut slid, mut means, mut early) = (0.0, vec![(0.0, 0u32); CYCLES], 0.0f64);
+        let (mut low, mut high, mut heat, mut back) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64);
+        let run = bench.watch(&format!("C09 {}", law.name), &scene, |e| {
+            let x = displacement(e, block.at([1, 1, 0]))[0];
+            let since = (e.clock.time - ramped) / period;
+            if since > 0.0 {
+                slid += mean_velocity(e, &block.layer(2, 0), 0).abs() * e.clock.last_dt;
+                let cycle = (since as usize).min(CYCLES - 1);
+                means[cycle] = (means[cycle].0 + x, means[cycle].1 + 1);
+                // |T| is below mu N until sin = 2/3.
+                if since < (2.0f64 / 3.0).asin() / TAU {
+                    early = early.max(x.abs());
+                }
+                if cycle > CYCLES / 2 {
+                    (low, high) = (low.min(x), high.max(x));
+                }
+            }
+            let now = -e.ledger.energies(&e.nodes).friction;
+            back = back.max(heat - now);
+            heat = heat.max(now);
+        })?;
+        let mean = |c: usize| means[c].0 / f64::from(means[c].1);
+        let amplitude = 0.5 * (high - low);
+        let variant = format!("{}, 1.5 mu N at 1 kHz", law.name);
+        let known = if law.is_spring() { CREEP } else { "" };
+        all.push(
+            Row::new("largest displacement while it should stick / amplitude", &variant, "", early / amplitude)
+                .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
+                .known(known),
+        );
+        all.push(
+            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid)).near(
+                1.0,
+                0.005,
+                "limit of the catalogue",
+            ),
+        );
+        let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
+        all.push(given.at_most(1e-6, "[D] never negative; round-off").known(known));
+        let drift = (mean(CYCLES - 1) - mean(4)).abs() / amplitude;
+        all.push(
+            Row::new("drift from cycle 5 to 20 / amplitude", &variant, "", drift)
+                .at_most(0.01, "limit of the catalogue"),
+        );
+    }
+    Ok(all)
+}

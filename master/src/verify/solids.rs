@@ -1,0 +1,182 @@
+//! Meshes of eight-node solids for scenes: boxes, round bars, balls.
+
+use super::scene::Scene;
+use std::collections::HashMap;
+
+/// A box of nodes, n + 1 each way.
+#[derive(Clone, Debug)]
+pub struct Block {
+    nodes: Vec<u32>,
+    n: [usize; 3],
+}
+
+impl Block {
+    /// Node at step (i, j, k).
+    pub fn at(&self, [i, j, k]: [usize; 3]) -> u32 {
+        self.nodes[(i * (self.n[1] + 1) + j) * (self.n[2] + 1) + k]
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// Nodes at step `at` along axis `c`.
+    pub fn layer(&self, c: usize, at: usize) -> Vec<u32> {
+        steps(self.n).filter(|s| s[c] == at).map(|s| self.at(s)).collect()
+    }
+
+    /// Nodes of the last layer along axis `c`.
+    pub fn last(&self, c: usize) -> Vec<u32> {
+        self.layer(c, self.n[c])
+    }
+}
+
+/// (0, 0, 0) to n, the last axis fastest.
+fn steps(n: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..=n[0]).flat_map(move |i| (0..=n[1]).flat_map(move |j| (0..=n[2]).map(move |k| [i, j, k])))
+}
+
+/// Nodes by place, so that blocks that touch share them.
+#[derive(Debug)]
+pub struct Weld {
+    /// Places nearer than this are one [m].
+    grain: f64,
+    nodes: HashMap<[i64; 3], u32>,
+}
+
+impl Weld {
+    /// `grain` is far below any side [m].
+    pub fn new(grain: f64) -> Self {
+        Self { grain, nodes: HashMap::new() }
+    }
+
+    fn node(&mut self, scene: &mut Scene, x: [f64; 3]) -> u32 {
+        let key = x.map(|c| (c / self.grain).round() as i64);
+        *self.nodes.entry(key).or_insert_with(|| scene.node(x))
+    }
+}
+
+impl Scene {
+    /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and keeps the hand.
+    pub fn block(&mut self, part: u32, n: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
+        self.welded(part, n, None, place)
+    }
+
+    /// The same; nodes that are there already are used again.
+    pub fn welded(
+        &mut self,
+        part: u32,
+        n: [usize; 3],
+        mut weld: Option<&mut Weld>,
+        place: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Block {
+        let nodes = steps(n)
+            .map(|s| {
+                let x = place(std::array::from_fn(|c| s[c] as f64 / n[c] as f64));
+                match weld.as_deref_mut() {
+                    Some(weld) => weld.node(self, x),
+                    None => self.node(x),
+                }
+            })
+            .collect();
+        let block = Block { nodes, n };
+        for [i, j, k] in steps(n.map(|n| n - 1)) {
+            let face = |k: usize| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|s| block.at(s));
+            let (below, above) = (face(k), face(k + 1));
+            self.solid(part, std::array::from_fn(|c| if c < 4 { below[c] } else { above[c - 4] }));
+        }
+        block
+    }
+
+    /// Adds a quarter of a round bar along z, its planes of symmetry x = 0 and y = 0: `core` cells each way in the square
+    /// at the axis and as many around it up to the radius, `n` along; returns its nodes.
+    pub fn quarter_bar(&mut self, part: u32, radius: f64, length: f64, core: usize, n: usize) -> Vec<u32> {
+        let side = 0.55 * radius;
+        let mut weld = Weld::new(1e-6 * radius);
+        // Sides of the core bulge, so that the cells beside it are no wedges.
+        let inside = |x: f64, y: f64| {
+            let bulge = |t: f64| 1.0 - 0.15 * t * t;
+            [side * x * bulge(y), side * y * bulge(x)]
+        };
+        let mut nodes = Vec::new();
+        let square = self.welded(part, [core, core, n], Some(&mut weld), |[x, y, z]| {
+            let [x, y] = inside(x, y);
+            [x, y, length * z]
+        });
+        nodes.extend(square.all());
+        for flip in [false, true] {
+            let ring = self.welded(part, [core, core, n], Some(&mut weld), |[r, t, z]| {
+                // t along the side of the core, towards its corner, or back from it.
+                let t = if flip { 1.0 - t } else { t };
+                let [x, y] = inside(1.0, t);
+                let angle = t * std::f64::consts::FRAC_PI_4;
+                let (at, out) = ([x, y], [radius * angle.cos(), radius * angle.sin()]);
+                let p = [at[0] + r * (out[0] - at[0]), at[1] + r * (out[1] - at[1])];
+                if flip { [p[1], p[0], length * z] } else { [p[0], p[1], length * z] }
+            });
+            nodes.extend(ring.all());
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Adds a quarter of a ball around `centre`, its planes of symmetry x and y, whole along z: `core` cells each way in
+    /// each eighth of the cube in the middle and `rings` around it; returns its nodes. `shift`, below 1, makes cells at
+    /// the lower pole smaller by `(1+shift)/(1-shift)` and those at the upper one larger: a conformal map of the ball onto
+    /// itself.
+    pub fn quarter_ball(
+        &mut self,
+        part: u32,
+        (centre, radius): ([f64; 3], f64),
+        [core, rings]: [usize; 2],
+        shift: f64,
+    ) -> Vec<u32> {
+        let side = 0.5 * radius;
+        let mut weld = Weld::new(1e-6 * radius);
+        let mut nodes = Vec::new();
+        let place = |p: [f64; 3], up: bool| {
+            let z = if up { p[2] } else { -p[2] };
+            let p = shifted([p[0] / radius, p[1] / radius, z / radius], -shift);
+            std::array::from_fn(|c| centre[c] + radius * p[c])
+        };
+        // The core is bent half way to a ball.
+        let inside = |p: [f64; 3]| {
+            let most = p.iter().copied().fold(0.0f64, f64::max);
+            let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+            let onto = 1.0 - 0.4 * most * (1.0 - most / norm);
+            p.map(|x| side * x * onto)
+        };
+        for up in [true, false] {
+            // An eighth below the middle is the mirror of the one above: two axes change places to keep the hand.
+            let turn = |p: [f64; 3]| if up { p } else { [p[1], p[0], p[2]] };
+            let cube = self.welded(part, [core; 3], Some(&mut weld), |p| place(inside(turn(p)), up));
+            nodes.extend(cube.all());
+            for axis in 0..3 {
+                let shell = self.welded(part, [rings, core, core], Some(&mut weld), |[r, a, b]| {
+                    let (a, b) = if up { (a, b) } else { (b, a) };
+                    let mut p = [0.0; 3];
+                    (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (1.0, a, b);
+                    let from = inside(p);
+                    // Equal angles between nodes on the surface.
+                    let out = p.map(|x| (x * std::f64::consts::FRAC_PI_4).tan());
+                    let norm = out.iter().map(|x| x * x).sum::<f64>().sqrt();
+                    place(std::array::from_fn(|c| from[c] + r * (radius * out[c] / norm - from[c])), up)
+                });
+                nodes.extend(shell.all());
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
+
+/// Moebius addition of (0, 0, a) to a point of the unit ball: maps the ball onto itself and keeps angles.
+fn shifted(x: [f64; 3], a: f64) -> [f64; 3] {
+    let (dot, square) = (a * x[2], x.iter().map(|c| c * c).sum::<f64>());
+    let (of_a, of_x) = (1.0 + 2.0 * dot + square, 1.0 - a * a);
+    let under = 1.0 + 2.0 * dot + a * a * square;
+    [of_x * x[0] / under, of_x * x[1] / under, (of_a * a + of_x * x[2]) / under]
+}

@@ -1,0 +1,177 @@
+//! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that bounces (A11).
+
+use super::bench::Finished;
+use super::contact::Law;
+use super::measure::{Push, fields, mass, mean_velocity, position};
+use super::row::Row;
+use super::scene::{Elastic, Scene};
+use super::solid_bars::INVISCID;
+use super::{Bench, Check};
+use std::f64::consts::PI;
+
+/// B01 on a coarse mesh.
+pub const COARSE: Check = Check { name: "copper, 4 cells on the radius", quick: false, run: |b| copper(b, 4) };
+/// B01.
+pub const FINE: Check = Check { name: "copper, 8 cells on the radius", quick: false, run: |b| copper(b, 8) };
+/// B02.
+pub const JOHNSON_COOK: Check = Check { name: "42CrMo4", quick: false, run: johnson_cook };
+/// A11.
+pub const BALL: Check = Check { name: "soft ball", quick: false, run: ball };
+
+const RADIUS: f64 = 3.2e-3;
+const LENGTH: f64 = 32.4e-3;
+
+/// Radius of the foot and length [m] at times, largest plastic strain at the end.
+struct Mushroom {
+    seen: Vec<[f64; 3]>,
+    strain: f64,
+    run: Finished,
+}
+
+impl Mushroom {
+    fn at(&self, time: f64) -> [f64; 2] {
+        let i = self.seen.partition_point(|s| s[0] < time).min(self.seen.len() - 1);
+        [self.seen[i][1], self.seen[i][2]]
+    }
+}
+
+/// A quarter of a bar at 80 us, `n` cells on the radius; `material` is called "metal".
+fn hit(bench: &Bench, name: &str, n: usize, v: f64, material: impl Fn(&mut Scene)) -> Result<Mushroom, String> {
+    let mut scene = Scene::new(80e-6);
+    let along = (LENGTH / RADIUS * n as f64).round() as usize;
+    let nodes = scene.quarter_bar(1, RADIUS, LENGTH, n / 2, along);
+    material(&mut scene);
+    scene.solid_part(1, "metal", "");
+    scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
+    scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
+    scene.start(&nodes, [0.0, 0.0, -v], [0.0; 3]);
+    scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0);
+    let at_end = |z: f64| nodes.iter().copied().filter(|&i| (scene.at(i)[2] - z).abs() < 1e-9).collect::<Vec<u32>>();
+    let (foot, head) = (at_end(0.0), at_end(LENGTH));
+    let mut seen = Vec::new();
+    let run = bench.watch(name, &scene, |e| {
+        let radius = foot.iter().map(|&i| position(e, i)).map(|x| x[0].hypot(x[1])).fold(0.0, f64::max);
+        let low = foot.iter().map(|&i| position(e, i)[2]).fold(f64::INFINITY, f64::min);
+        let high = head.iter().map(|&i| position(e, i)[2]).fold(f64::NEG_INFINITY, f64::max);
+        seen.push([e.clock.time, radius, high - low]);
+    })?;
+    let strain = fields(&run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
+    Ok(Mushroom { seen, strain, run })
+}
+
+fn copper(bench: &Bench, n: usize) -> Result<Vec<Row>, String> {
+    const OWN: &str = "[C] axisymmetric one-point code";
+    let m = hit(bench, &format!("B01 {n}"), n, 227.0, |scene| {
+        scene.plastic("metal", Elastic { e: 117e9, nu: 0.35, rho: 8930.0 }, 400e6, 100e6);
+    })?;
+    let variant = format!("hexahedron, {n} cells on the radius");
+    let [radius, length] = m.at(80e-6);
+    let mut all = vec![
+        Row::new("radius of the foot at 80 us", &variant, "mm", 1e3 * radius).near(
+            7.22,
+            0.015,
+            "[V:S2] Foulk et al. 2021",
+        ),
+        Row::new("length at 80 us", &variant, "mm", 1e3 * length).near(21.43, 0.005, "[V:S2] Sierra/SM, Carina; [C]"),
+        Row::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]).near(
+            5.45,
+            0.015,
+            "[V:S2] Carina",
+        ),
+        Row::new("largest plastic strain", &variant, "", m.strain).near(2.9, 0.1, "[C] 2.6 to 3.1 with the mesh"),
+    ];
+    for (t, r, l) in
+        [(5.0, 4.48, 31.26), (10.0, 5.20, 30.14), (20.0, 6.18, 28.07), (40.0, 7.13, 24.57), (60.0, 7.22, 22.22)]
+    {
+        let [radius, length] = m.at(1e-6 * t);
+        all.push(Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius).beside(r, OWN));
+        all.push(Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).beside(l, OWN));
+    }
+    Ok(m.run.with_energy(&variant, 1e-2, all))
+}
+
+fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 8;
+    const S: &str = "[V:S3] DynELA and Abaqus, 4455 elements";
+    let m = hit(bench, "B02", N, 287.0, |scene| {
+        scene.add(
+            "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = 7830.0\nyoungs_modulus = 206.9e9\n\
+             poisson = 0.3\na = 806e6\nb = 614e6\nn = 0.168\nc = 0.0089\nreference_rate = 1.0\nm = 1.1\n\
+             reference_temperature = 20.0\nmelting_temperature = 1540.0\nspecific_heat = 460.0\ntaylor_quinney = 0.9",
+        );
+    })?;
+    let variant = format!("hexahedron, {N} cells on the radius");
+    let [radius, length] = m.at(80e-6);
+    Ok(m.run.with_energy(
+        &variant,
+        1e-2,
+        vec![
+            Row::new("length at 80 us", &variant, "mm", 1e3 * length).near(26.55, 0.005, S),
+            Row::new("diameter of the foot at 80 us", &variant, "mm", 2e3 * radius).near(11.22, 0.015, S),
+            Row::new("largest plastic strain", &variant, "", m.strain).near(1.84, 0.05, S),
+        ],
+    ))
+}
+
+fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] Hertz";
+    let (radius, v, air) = (0.05f64, 1.0, 2e-5);
+    let rubber = Elastic { e: 10e6, nu: 0.3, rho: 1000.0 };
+    let stiff = rubber.e / (1.0 - rubber.nu * rubber.nu);
+    let whole = rubber.rho * 4.0 / 3.0 * PI * radius.powi(3);
+    let deepest = (15.0 * whole * v * v / (16.0 * stiff * radius.sqrt())).powf(0.4);
+    let time = 2.9433 * deepest / v;
+    let force = 4.0 / 3.0 * stiff * radius.sqrt() * deepest.powf(1.5);
+    let mut all = Vec::new();
+    let targets = std::iter::once(None).chain(Law::ALL.iter().map(Some));
+    for law in targets {
+        let mut scene = Scene::new(1.3 * time);
+        let nodes = scene.quarter_ball(1, ([0.0, 0.0, radius + air], radius), [8, 6], 0.6);
+        scene.elastic("rubber", rubber);
+        scene.solid_part(1, "rubber", INVISCID);
+        match law {
+            None => scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0),
+            Some(law) => {
+                let base =
+                    scene.block(2, [6, 6, 1], |p| [0.03 * p[0] - 1e-4, 0.03 * p[1] - 1e-4, 0.005 * (p[2] - 1.0)]);
+                scene.elastic("stone", Elastic { e: 100.0 * rubber.e, nu: 0.0, rho: 100.0 * rubber.rho });
+                scene.solid_part(2, "stone", INVISCID);
+                scene.fix(base.all(), "x y z");
+                scene.add(&law.table());
+            }
+        }
+        scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
+        scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
+        scene.start(&nodes, [0.0, 0.0, -v], [0.0; 3]);
+        let name = law.map_or("wall", |l| l.name);
+        let (mut push, mut sunk, mut least) = (Push::default(), 0.0, 0.0f64);
+        let run = bench.watch(&format!("A11 {name}"), &scene, |e| {
+            let now = mean_velocity(e, &nodes, 2);
+            sunk += now * e.clock.last_dt;
+            least = least.min(sunk);
+            push.take(e.clock.time - 0.5 * e.clock.last_dt, 4.0 * mass(e, &nodes) * (now + v));
+        })?;
+        let span = push.span(0.01 * force, 0.01 * time);
+        let most = (0..1000)
+            .map(|i| f64::from(i) * 1e-3 * time)
+            .map(|t| push.mean_force(t, t + 0.03 * time))
+            .fold(0.0, f64::max);
+        let variant = format!("{name}, 8 cells on the contact radius");
+        all.extend(run.with_energy(
+            &variant,
+            1e-3,
+            vec![
+                    Row::new("contact duration", &variant, "ms", 1e3 * (span.1 - span.0)).near(1e3 * time, 0.02, D),
+                    Row::new("largest force", &variant, "N", most).near(force, 0.03, D),
+                    Row::new("way of the centre of mass", &variant, "mm", 1e3 * (-least - air)).near(
+                        1e3 * deepest,
+                        0.03,
+                        D,
+                    ),
+                    Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, &nodes, 2) / v)
+                        .at_least(0.98, "limit of the catalogue"),
+                ],
+        ));
+    }
+    Ok(all)
+}
