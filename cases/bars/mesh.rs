@@ -1,4 +1,4 @@
-//! Two equal bars end to end in the plane, along x: strips of square shells. Lengths in mm.
+//! Two equal bars end to end along x: strips of square shells in the plane, or cubes, so many across. Lengths in mm.
 //!
 //! Node sets `one` and `two`; parts 1 and 2.
 
@@ -14,6 +14,8 @@ const OPTIONS: &[OptionRow] = &[
     ("elements", 40.0, "shells along each bar, 2 to 2000"),
     ("length", 100.0, "length of a bar [mm]"),
     ("distance", 0.200001, "between the ends that meet; their surfaces touch at the thickness of the shells [mm]"),
+    ("across", 0.0, "solids across a bar, up to 20; 0 for shells"),
+    ("shift", 0.0, "of the second bar across the first, in sides of an element, 0 to 1"),
 ];
 
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
@@ -21,14 +23,23 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let elements = options.count("elements", 2..=2000, &mut wrong);
     let length = options.real("length", 1.0..=1e5, &mut wrong);
     let distance = options.real("distance", 0.0..=1e5, &mut wrong);
+    let across = options.count("across", 0..=20, &mut wrong);
+    let shift = options.real("shift", 0.0..=1.0, &mut wrong);
     if !wrong.is_empty() {
         return Err(wrong);
     }
     let side = length / elements as f64;
     let mut mesh = Builder::default();
-    for (part, from, name) in [(1, 0.0, "one"), (2, length + distance, "two")] {
-        let mut row =
-            |y: f64| -> Vec<usize> { (0..=elements).map(|i| mesh.point([from + side * i as f64, y, 0.0])).collect() };
+    for (part, from, off, name) in [(1, 0.0, 0.0, "one"), (2, length + distance, shift * side, "two")] {
+        if across > 0 {
+            let place = |[i, j, k]: [usize; 3]| [from + side * i as f64, off + side * j as f64, off + side * k as f64];
+            let bar = mesh.block(part, [elements, across, across], place);
+            mesh.set(name, bar.all());
+            continue;
+        }
+        let mut row = |y: f64| -> Vec<usize> {
+            (0..=elements).map(|i| mesh.point([from + side * i as f64, off + y, 0.0])).collect()
+        };
         let (low, high) = (row(0.0), row(side));
         mesh.strip(part, &high, &low, false);
         mesh.set(name, low.into_iter().chain(high));

@@ -14,12 +14,16 @@ mod beam;
 mod brick_wall;
 #[path = "../can-crush/mesh.rs"]
 mod can_crush;
+#[path = "../drop/mesh.rs"]
+mod drop;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
 #[path = "../plate/mesh.rs"]
 mod plate;
 #[path = "../tumble/mesh.rs"]
 mod tumble;
+#[path = "../twist/mesh.rs"]
+mod twist;
 
 #[cfg(test)]
 mod tests;
@@ -49,8 +53,10 @@ pub const GENERATORS: &[Generator] = &[
     beam::GENERATOR,
     brick_wall::GENERATOR,
     can_crush::GENERATOR,
+    drop::GENERATOR,
     plate::GENERATOR,
     tumble::GENERATOR,
+    twist::GENERATOR,
 ];
 
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.

@@ -338,3 +338,40 @@ fn the_plate_is_held_at_its_rim() {
     let count = |set: &str| mesh.node_sets[set].len();
     assert_eq!((count("rim"), count("inside")), (24, 25));
 }
+
+/// Bars of 40 elements: a row of shells, or three by three rows of cubes; the second one shifted by half a side.
+#[test]
+fn bars_are_shells_or_solids() {
+    let shells = made("bars", "elements = 40");
+    assert_eq!((shells.elements.len(), shells.nodes.len()), (2 * 40, 2 * 2 * 41));
+    let solids = made("bars", "elements = 40\nacross = 3\nshift = 0.5");
+    assert_eq!((solids.elements.len(), solids.nodes.len()), (2 * 40 * 9, 2 * 41 * 16));
+    let sideways = |part: &str| {
+        let at: BTreeMap<_, _> = solids.nodes.iter().map(|n| (n.id, n.x)).collect();
+        solids.node_sets[part].iter().map(|n| at[n][1]).fold(f64::INFINITY, f64::min)
+    };
+    assert_eq!((sideways("one"), sideways("two")), (0.0, 0.5 * 100.0 / 40.0));
+    for mesh in [shells, solids] {
+        assert_sound(&mesh);
+    }
+}
+
+/// Every plate of `drop` is on its own, over the shell, and clear of its neighbours.
+#[test]
+fn plates_drop_inside_the_shell() {
+    let mesh = made("drop", "plates = 64");
+    assert_sound(&mesh);
+    assert_eq!((pieces(&mesh), mesh.node_sets["plates"].len(), mesh.node_sets["base"].len()), (65, 256, 4));
+    assert!(mesh.nodes.iter().filter(|n| n.x[2] > 0.0).all(|n| n.x[0].abs() < 10.0 && n.x[1].abs() < 10.0));
+}
+
+/// MacNeal and Harder (1985): 12 by 2 quads, turned by a right angle from root to tip.
+#[test]
+fn the_twisted_beam_turns_by_a_right_angle() {
+    let mesh = made("twist", "");
+    assert_eq!((mesh.elements.len(), mesh.nodes.len(), pieces(&mesh)), (24, 39, 1));
+    let at: BTreeMap<_, _> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let spread = |set: &str, c: usize| mesh.node_sets[set].iter().map(|n| at[n][c].abs()).fold(0.0, f64::max);
+    assert!((spread("root", 1) - 0.55).abs() < 1e-12 && spread("root", 2) < 1e-12);
+    assert!((spread("tip", 2) - 0.55).abs() < 1e-12 && spread("tip", 1) < 1e-12);
+}

@@ -41,7 +41,7 @@ struct Advice {
 pub fn run(dir: &Path) -> u8 {
     match read(dir) {
         Ok(summary) => {
-            print!("{}", describe(&summary));
+            crate::say::write(format_args!("{}", describe(&summary)));
             0
         }
         Err(why) => {

@@ -194,7 +194,7 @@ pub fn run(args: &crate::cli::JobArgs) -> u8 {
     };
     match read() {
         Ok(text) => {
-            print!("{text}");
+            crate::say::write(format_args!("{text}"));
             0
         }
         Err(report) => {

@@ -98,6 +98,9 @@ pub struct StudyArgs {
     /// Points that run at a time; with more than one their CPU times disturb each other.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = jobs)]
     pub jobs: usize,
+    /// Run all points again; without it those that this version of the program has done are kept, and charts drawn anew.
+    #[arg(long)]
+    pub fresh: bool,
 }
 
 impl JobArgs {

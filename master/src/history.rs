@@ -137,7 +137,8 @@ impl History {
         }
         let parts = self.parts.remove(&number).unwrap_or_default();
         let sum = add_up(&parts);
-        let initial = self.first.as_ref().map_or_else(|| total(&sum.energies), |f| total(&f.sum.energies));
+        // What the run starts with is known at its first row, less the work that has been done until then.
+        let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
         self.worst_error = self.worst_error.max(error.abs());
@@ -171,10 +172,6 @@ impl History {
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)
     }
-}
-
-fn total(e: &Energies) -> f64 {
-    e.kinetic + e.internal + e.hourglass
 }
 
 /// Sums over workers; the controlling element is that of the worker with the smallest step, which all share.

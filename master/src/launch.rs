@@ -3,6 +3,7 @@
 use crate::cli::RunArgs;
 use crate::control::{self, RunError};
 use crate::job::{self, Model, Report};
+use crate::say::say;
 use crate::stop::StopFlag;
 use crate::summary::{Status, Summary};
 use crumple_proto::transport::{Transport, threads};
@@ -151,10 +152,10 @@ fn log_to(out: &Path) {
 
 fn print_summary(s: &Summary, out: &Path) {
     let ending = if s.status == Status::Failed { "ERROR TERMINATION" } else { "NORMAL TERMINATION" };
-    println!("{ending}: {:?}, {}", s.status, s.reason);
-    println!("time {:.6e} after {} cycles, dt first {:.3e} min {:.3e}", s.end_time, s.cycles, s.dt.first, s.dt.min);
+    say!("{ending}: {:?}, {}", s.status, s.reason);
+    say!("time {:.6e} after {} cycles, dt first {:.3e} min {:.3e}", s.end_time, s.cycles, s.dt.first, s.dt.min);
     let e = &s.energy;
-    println!(
+    say!(
         "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} wall work {:.4e}, error {:.3} % (max {:.3} %)",
         e.kinetic,
         e.internal,
@@ -164,16 +165,22 @@ fn print_summary(s: &Summary, out: &Path) {
         100.0 * e.error,
         100.0 * e.error_max
     );
-    println!(
+    say!(
         "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; {} low and {} high redecompositions, imbalance {:.2}",
-        s.workers, s.transport, s.wall_s, s.grind_ns, s.redecompositions.low, s.redecompositions.high, s.imbalance.mean
+        s.workers,
+        s.transport,
+        s.wall_s,
+        s.grind_ns,
+        s.redecompositions.low,
+        s.redecompositions.high,
+        s.imbalance.mean
     );
     let total: f64 = s.phase_s.values().map(|p| p.mean).sum();
     let mut phases: Vec<_> = s.phase_s.iter().collect();
     phases.sort_by(|a, b| b.1.mean.total_cmp(&a.1.mean));
     let share = |p: f64| if total > 0.0 { 100.0 * p / total } else { 0.0 };
     let shares: Vec<_> = phases.iter().map(|(name, p)| format!("{name} {:.1} %", share(p.mean))).collect();
-    println!("share of phases: {}", shares.join(", "));
-    println!("state_digest {}", s.state_digest);
-    println!("results in {}; open {} in ParaView", out.display(), out.join("fields").join("fields.pvd").display());
+    say!("share of phases: {}", shares.join(", "));
+    say!("state_digest {}", s.state_digest);
+    say!("results in {}; open {} in ParaView", out.display(), out.join("fields").join("fields.pvd").display());
 }

@@ -8,7 +8,7 @@
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
 //! - [`advise`]: `crumple advise`, what a run did not need
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
-//! - [`history`], [`summary`], [`fields`], [`progress`], [`stop`]: what comes out, and how it is stopped
+//! - [`history`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
 pub mod advise;
 pub mod balance;
@@ -24,6 +24,7 @@ pub mod job;
 pub mod launch;
 pub mod pieces;
 pub mod progress;
+pub mod say;
 pub mod stop;
 pub mod study;
 pub mod summary;

@@ -214,7 +214,7 @@ pub struct Part {
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
-    /// Integration points through the thickness, 1 to 10.
+    /// Integration points through the thickness, 1 to 10; see `cases/studies/README.md`, plate-points.
     #[serde(default = "five")]
     pub points: usize,
     /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also `assumed_strain`.
@@ -330,9 +330,11 @@ pub struct Contact {
     pub skin: f64,
     /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `split`, all from the same
     /// state with nodal masses split among their pairs; `gauss_seidel`, one after the other in ascending (node, segment);
-    /// `jacobi`, all from the same state with full masses, which diverges where many or heavy nodes sit on one segment.
+    /// `jacobi`, all from the same state with full masses, which diverges where many or heavy nodes sit on one segment
+    /// (`cases/studies/README.md`, slaves).
     pub iteration: String,
-    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D).
+    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D). Too few for layers
+    /// below a hundredth of their neighbours' mass: see `cases/studies/README.md`, sandwich.
     pub sweeps: usize,
     /// Relative change below which a pair's force is left as it is (Lagrange, kinematic).
     pub tolerance: f64,
@@ -344,7 +346,7 @@ pub struct Contact {
     /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
     /// modulus, area and longest diagonal, E A / d.
     pub penalty_form: String,
-    /// Scale of the penalty stiffness, of either form (penalty).
+    /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, penalty-map.
     pub penalty_scale: f64,
     /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up.
     pub penalty_cap: bool,

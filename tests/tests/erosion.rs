@@ -116,6 +116,26 @@ fn what_was_behind_a_failed_element_is_touched() {
         lowest = rod.fold(lowest, |low: f64, (_, x)| low.min(x[2]));
         failed = e.blocks.elements.iter().filter(|b| b.failed).count();
     });
+    let strain = end
+        .blocks
+        .blocks
+        .iter()
+        .flat_map(|b| {
+            (0..b.count)
+                .map(|i| {
+                    let (h, l) = b.fields_source(i);
+                    let x = end.blocks.elements[b.first + i]
+                        .nodes
+                        .map(|n| crumple_worker::nodes::xyz(&end.nodes.x[n as usize]));
+                    b.element.fields(h, l, &x).plastic_strain
+                })
+                .collect::<Vec<_>>()
+        })
+        .fold(0.0, f64::max);
+    eprintln!(
+        "DEBUG strain {strain} lowest {lowest} failed {failed} pairs {}",
+        end.contact.as_ref().unwrap().own_pairs().count()
+    );
     assert!(failed > 0 && top(&end) > at_start.unwrap(), "{failed} failed: each bares up to five faces");
     // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth of its height.
     assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");

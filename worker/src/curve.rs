@@ -37,13 +37,13 @@ impl Curve {
 
     /// Integral of the factor from 0 to `time` [time].
     pub fn integral(&self, time: f64) -> f64 {
-        self.from_first(time)[0] - self.from_first(0.0)[0]
+        self.since_first(time)[0] - self.since_first(0.0)[0]
     }
 
     /// Integral of [`Curve::integral`] from 0 to `time` [time^2].
     pub fn second_integral(&self, time: f64) -> f64 {
-        let [first, second] = self.from_first(0.0);
-        self.from_first(time)[1] - second - first * time
+        let [first, second] = self.since_first(0.0);
+        self.since_first(time)[1] - second - first * time
     }
 
     /// The last point at or before `time` and the slope after it.
@@ -57,7 +57,7 @@ impl Curve {
     }
 
     /// First and second integral from the first point to `time`.
-    fn from_first(&self, time: f64) -> [f64; 2] {
+    fn since_first(&self, time: f64) -> [f64; 2] {
         let (i, slope) = self.piece(time);
         let at = i.unwrap_or(0);
         beyond(self.integrals[at], self.points[at][1], slope, time - self.points[at][0])

@@ -18,7 +18,7 @@ pub struct Point {
     pub varied: Vec<Setting>,
     /// `key=value` for `--set`, all of them.
     pub sets: Vec<String>,
-    /// Hash of the job with all settings, its mesh and this program.
+    /// Hash of the job with all settings, its mesh and the version of this program.
     pub key: String,
 }
 
@@ -37,7 +37,7 @@ impl Plan {
     /// Lists that are none or not of equal length, and everything that is wrong with the job at any point.
     pub fn of(study: &Study) -> Result<Self, String> {
         let common = flatten(&study.set);
-        let mut keys = Keys::new()?;
+        let mut keys = Keys::default();
         let mut wrong = Vec::new();
         let mut points = Vec::new();
         for (number, series) in study.series.iter().enumerate() {
@@ -141,20 +141,12 @@ fn zipped(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
 }
 
 /// Hashes of points; equal ones are the same run.
+#[derive(Default)]
 struct Keys {
-    program: blake3::Hash,
     meshes: HashMap<String, blake3::Hash>,
 }
 
 impl Keys {
-    fn new() -> Result<Self, String> {
-        let cannot = |error: std::io::Error| format!("this program cannot read itself: {error}");
-        let path = std::env::current_exe().map_err(cannot)?;
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(std::fs::File::open(path).map_err(cannot)?).map_err(cannot)?;
-        Ok(Self { program: hasher.finalize(), meshes: HashMap::new() })
-    }
-
     /// The key of a job with settings.
     ///
     /// # Errors
@@ -165,7 +157,7 @@ impl Keys {
         let source = serde_json::to_string(&(&model.job.mesh, &model.job.scene)).map_err(|error| error.to_string())?;
         let mesh = *self.meshes.entry(source).or_insert_with(|| mesh_hash(&model));
         let mut hasher = blake3::Hasher::new();
-        hasher.update(env!("CARGO_PKG_VERSION").as_bytes()).update(self.program.as_bytes());
+        hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
         hasher.update(mesh.as_bytes()).update(written.as_bytes());
         Ok(hasher.finalize().to_hex()[..16].to_string())
     }
@@ -182,6 +174,12 @@ fn mesh_hash(model: &Model) -> blake3::Hash {
     for element in &model.mesh.elements {
         hasher.update(&element.id.0.to_le_bytes()).update(&element.part.to_le_bytes());
         for n in element.nodes {
+            hasher.update(&n.0.to_le_bytes());
+        }
+    }
+    for (name, nodes) in &model.mesh.node_sets {
+        hasher.update(name.as_bytes()).update(&nodes.len().to_le_bytes());
+        for n in nodes {
             hasher.update(&n.0.to_le_bytes());
         }
     }

@@ -16,6 +16,7 @@ pub mod runs;
 pub mod spec;
 
 use crate::cli::StudyArgs;
+use crate::say::say;
 use crate::stop::StopFlag;
 use grid::Plan;
 use results::Table;
@@ -46,7 +47,10 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
         let name = args.study.file_stem().unwrap_or("study".as_ref());
         PathBuf::from("out").join("studies").join(name)
     });
-    println!("{}: {} points, {} of them to run", study.title, plan.points.len(), runs::open(&plan, &out));
+    if args.fresh {
+        runs::forget(&plan, &out)?;
+    }
+    say!("{}: {} points, {} of them to run", study.title, plan.points.len(), runs::open(&plan, &out));
     if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(false))? == Ending::Stopped {
         eprintln!("stopped: the same command goes on where it stopped");
         return Ok(STOPPED);
@@ -54,12 +58,12 @@ fn study(args: &StudyArgs) -> Result<u8, String> {
     let table = Table::of(&study, &plan, &out)?;
     let csv = out.join("results.csv");
     table.write(&csv).map_err(|error| format!("{}: {error}", csv.display()))?;
-    println!("{}", csv.display());
+    say!("{}", csv.display());
     for path in chart::draw_all(&study, &table, &out)? {
-        println!("{}", path.display());
+        say!("{}", path.display());
     }
     for row in table.rows.iter().filter(|row| !row.ended_well()) {
-        println!("{}: exit code {}: {}", row.label, row.outcome.code, row.outcome.reason);
+        say!("{}: exit code {}: {}", row.label, row.outcome.code, row.outcome.reason);
     }
     Ok(COMPLETED)
 }

@@ -53,6 +53,18 @@ pub fn outcome(out: &Path, point: &Point) -> Option<Outcome> {
     serde_json::from_str(&text).ok()
 }
 
+/// Removes what is there of the plan's points, so that all of them run again.
+///
+/// # Errors
+/// A folder cannot be removed.
+pub fn forget(plan: &Plan, out: &Path) -> Result<(), String> {
+    let folders = plan.points.iter().map(|point| folder(out, point));
+    // Looked for one by one: points with the same settings share a folder.
+    folders
+        .filter(|folder| folder.exists())
+        .try_for_each(|folder| fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display())))
+}
+
 /// Number of runs that are still to do.
 pub fn open(plan: &Plan, out: &Path) -> usize {
     to_do(plan, out).len()

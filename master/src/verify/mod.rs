@@ -112,7 +112,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     }
     let outcomes = run_all(&checks, &Bench::new(Some(jobs)));
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
-    print!("{}", report.markdown());
+    crate::say::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
         eprintln!("error: {}: {error}; choose another folder with --out", args.out.display());
         return BAD_INPUT;

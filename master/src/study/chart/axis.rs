@@ -137,8 +137,9 @@ pub fn short(value: f64) -> String {
         let text = format!("{value:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
     } else {
-        let power = (size.log10() + 1e-9).floor() as i32;
-        let head = format!("{:.1}", value / 10f64.powi(power));
+        let text = format!("{value:.1e}"); // rounds 9.96e-5 up to 1.0e-4
+        let (head, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let power = power.parse().unwrap_or(0);
         let head = head.trim_end_matches('0').trim_end_matches('.');
         if head == "1" { power_of_ten(power) } else { format!("{head}·{}", power_of_ten(power)) }
     }
@@ -172,8 +173,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let cases =
-            [(0.0, "0"), (0.05, "0.05"), (12.345, "12.3"), (1e-6, "10⁻⁶"), (2.5e-7, "2.5·10⁻⁷"), (1000.0, "1000")];
+        let small = [(1e-6, "10⁻⁶"), (2.5e-7, "2.5·10⁻⁷"), (9.96e-5, "10⁻⁴"), (-2.04e-8, "-2·10⁻⁸")];
+        let cases = [(0.0, "0"), (0.05, "0.05"), (12.345, "12.3"), (1000.0, "1000")].into_iter().chain(small);
         for (value, text) in cases {
             assert_eq!(short(value), text);
         }

@@ -47,6 +47,7 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     let colours = Axis::around(values, view.is_log("colour"), [0.0, 1.0]);
     let head = if view.study.series.len() > 1 { format!("{}: {name}", view.head()) } else { view.head().into() };
     let mut frame = Frame::new(&head, x, y, false);
+    let mut words = Vec::new();
     for ([cx, cy], row) in worst_last(cells, view) {
         let [x0, x1] = around(&x_edges, cx).map(|e| frame.x.at(e));
         let [y0, y1] = around(&y_edges, cy).map(|e| frame.y.at(e));
@@ -63,13 +64,17 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
         let roomy = (x1 - x0).abs() > ROOM[0] && (y1 - y0).abs() > ROOM[1];
         let middle = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
         if !row.ended_well() {
-            frame.sheet.text(middle, "×", 16.0, Anchor::Middle, WHITE);
+            words.push((middle, "×".to_string(), 16.0, WHITE));
         } else if roomy && !ended_only && value.is_finite() {
             let ink = if shade < 0.55 { WHITE } else { BLACK };
-            frame.sheet.text(middle, &short(value), 11.5, Anchor::Middle, ink);
+            words.push((middle, short(value), 11.5, ink));
         }
     }
     curves(view, &mut frame)?;
+    // Upon the curves, which may run through them.
+    for (at, word, size, ink) in words {
+        frame.sheet.text(at, &word, size, Anchor::Middle, ink);
+    }
     if ended_only {
         frame.entry("completed", |sheet, at| square(sheet, at, WELL));
     } else {

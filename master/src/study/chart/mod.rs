@@ -46,8 +46,9 @@ fn map_name(study: &Study, chart: &Chart, series: usize, shown: usize) -> String
     if shown == 1 {
         return chart.file.clone();
     }
-    let plain = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-    format!("{}-{}", chart.file, study.series[series].name.chars().map(plain).collect::<String>())
+    let name = study.series[series].name.to_lowercase();
+    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    format!("{}-{}", chart.file, words.join("-"))
 }
 
 /// A chart and what it is drawn from.

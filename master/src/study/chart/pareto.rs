@@ -51,7 +51,7 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
         frame.note(&format!("{failed} of {all} points failed and are not shown"));
     }
     if all > failed + shown.len() {
-        frame.note(&format!("{} points without error or cost are not shown", all - failed - shown.len()));
+        frame.note(&format!("without error or cost, not shown: {}", all - failed - shown.len()));
     }
     let cost = &view.study.cost;
     let x_title = view.chart.x_title.clone().unwrap_or_else(|| format!("{} [{}]", cost.name, dash(&cost.unit)));
