@@ -108,6 +108,8 @@ pub struct ElementRecord {
     pub nodes: CornerNodes,
     /// Faces of a solid that no other solid repeats, as bits by their number.
     pub free_faces: u8,
+    /// Whether it has failed and left the contact surface.
+    pub failed: bool,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
 }

@@ -77,7 +77,13 @@ fn rod_on_plate() -> Model {
         youngs_modulus = 200.0
         poisson = 0.3
         yield_stress = 0.2
-        failure_strain = 0.05
+        failure_strain = 0.02
+        [[material]]
+        name = "heavy"
+        law = "elastic"
+        density = 2.4e-5
+        youngs_modulus = 200.0
+        poisson = 0.3
         [[part]]
         id = 1
         material = "tough"
@@ -86,7 +92,7 @@ fn rod_on_plate() -> Model {
         material = "brittle"
         [[part]]
         id = 3
-        material = "tough"
+        material = "heavy"
         [[fix]]
         nodes = "floor"
         dofs = ["x", "y", "z"]
@@ -114,28 +120,8 @@ fn what_was_behind_a_failed_element_is_touched() {
         at_start.get_or_insert(top(e));
         let rod = e.nodes.id.iter().zip(&e.nodes.x).filter(|(id, _)| id.0 > 108);
         lowest = rod.fold(lowest, |low: f64, (_, x)| low.min(x[2]));
-        failed = e.blocks.elements.iter().filter(|b| b.failed).count();
+        failed = e.blocks.elements.iter().filter(|b| b.record.failed).count();
     });
-    let strain = end
-        .blocks
-        .blocks
-        .iter()
-        .flat_map(|b| {
-            (0..b.count)
-                .map(|i| {
-                    let (h, l) = b.fields_source(i);
-                    let x = end.blocks.elements[b.first + i]
-                        .nodes
-                        .map(|n| crumple_worker::nodes::xyz(&end.nodes.x[n as usize]));
-                    b.element.fields(h, l, &x).plastic_strain
-                })
-                .collect::<Vec<_>>()
-        })
-        .fold(0.0, f64::max);
-    eprintln!(
-        "DEBUG strain {strain} lowest {lowest} failed {failed} pairs {}",
-        end.contact.as_ref().unwrap().own_pairs().count()
-    );
     assert!(failed > 0 && top(&end) > at_start.unwrap(), "{failed} failed: each bares up to five faces");
     // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth of its height.
     assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");
@@ -153,7 +139,8 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
     assert_eq!(alone.trouble, None);
     for (workers, every) in [(2, 0), (3, 7), (5, 0)] {
         let many = run_side_by_side(&model, workers, 400, every);
-        assert_eq!(many.pairs, alone.pairs, "{workers} workers");
+        let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
+        assert_eq!(differs, None, "cycle in which the pairs of {workers} workers differ");
         assert_eq!(many.digest(), alone.digest(), "{workers} workers");
     }
 }

@@ -20,8 +20,6 @@ pub struct LocalElement {
     pub nodes: [u32; 8],
     /// Whether one of its nodes is held by another worker too.
     pub shared: bool,
-    /// Whether it had failed when membership was last settled: it bears nothing and cannot be touched.
-    pub failed: bool,
 }
 
 /// Elements of one part and shape.
@@ -129,14 +127,12 @@ impl Blocks {
             gather_start: Vec::new(),
             gather: Vec::new(),
         };
-        let failed: Vec<usize> = all.newly_failed().collect();
-        failed.into_iter().for_each(|i| all.elements[i].failed = true);
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
         all
     }
 
-    /// Own elements that have failed since membership was last settled, as indices into `elements`.
+    /// Own elements that have failed and are still in the contact surface, as indices into `elements`.
     pub fn newly_failed(&self) -> impl Iterator<Item = usize> + '_ {
         let fallible = self.blocks.iter().filter(|b| b.element.can_fail());
         fallible.flat_map(|b| {
@@ -144,7 +140,7 @@ impl Blocks {
                 let (history, lane) = b.lane_history(*i);
                 b.element.failed(history, lane)
             };
-            (0..b.count).filter(has).map(|i| b.first + i).filter(|&i| !self.elements[i].failed)
+            (0..b.count).filter(has).map(|i| b.first + i).filter(|&i| !self.elements[i].record.failed)
         })
     }
 
@@ -287,7 +283,7 @@ impl Blocks {
         };
         let of_block = |b: &Block| {
             let own = self.elements[b.first..b.first + b.count].iter();
-            own.filter(|e| !e.failed).map(|e| step(b, e)).collect::<Vec<_>>()
+            own.filter(|e| !e.record.failed).map(|e| step(b, e)).collect::<Vec<_>>()
         };
         self.blocks
             .iter()

@@ -24,18 +24,16 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
     })
 }
 
-/// Opens the faces of own solids that failed elements of any worker had covered. Membership has to be settled anew
+/// Marks own elements that have failed, and opens the faces of own solids that failed ones of any worker had covered. Membership has to be settled anew
 /// afterwards. All workers call this together.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Result<(), Lost> {
-    let solid = |i: &usize| !blocks.elements[*i].record.shape.is_shell();
-    let failed: Vec<usize> = blocks.newly_failed().filter(solid).collect();
-    let bared: Vec<Face> = failed
-        .iter()
-        .flat_map(|&i| faces_of(&blocks.elements[i].record.nodes, blocks.elements[i].record.shape.faces()))
-        .collect();
+    let failed: Vec<usize> = blocks.newly_failed().collect();
+    failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
+    let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| !r.shape.is_shell());
+    let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only who has a corner of a face near can have its other side; all are told, since failure is rare.
     let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
     let parcels = vec![words; wire.size() - 1];

@@ -100,10 +100,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     shared.iter().flatten().for_each(|&i| is_shared[i as usize] = true);
     let elements = share.elements.into_iter().map(|(record, history)| {
         let local = record.nodes.map(|n| nodes.held_number(n).expect("a share holds all nodes of its elements"));
-        (
-            LocalElement { record, nodes: local, shared: local.iter().any(|&n| is_shared[n as usize]), failed: false },
-            history,
-        )
+        (LocalElement { record, nodes: local, shared: local.iter().any(|&n| is_shared[n as usize]) }, history)
     });
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);

@@ -20,6 +20,7 @@ struct WireElement {
     id: ElemId,
     part: u32,
     shape: u16,
+    /// Free faces, and above these a bit for failure.
     free_faces: u16,
     nodes: CornerNodes,
     mass_factor: f64,
@@ -113,7 +114,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         id: e.id,
         part: e.part,
         shape: e.shape as u16,
-        free_faces: u16::from(e.free_faces),
+        free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8,
         nodes: e.nodes,
         mass_factor: e.mass_factor,
         columns: history.len() as u64,
@@ -134,6 +135,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
             shape,
             nodes: e.nodes,
             free_faces: e.free_faces as u8,
+            failed: e.free_faces >> 8 != 0,
             mass_factor: e.mass_factor,
         };
         into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
@@ -185,6 +187,7 @@ mod tests {
             shape,
             nodes: [0, 1, 2, 3, 4, 5, 6, 7].map(|c| NodeId(id + c)),
             free_faces: part as u8,
+            failed: part == 5,
             mass_factor: 1.0 + 0.1 * id as f64,
         };
         let sent = vec![

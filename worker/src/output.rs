@@ -43,7 +43,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut around = BTreeMap::new();
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-            if e.failed {
+            if e.record.failed {
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
@@ -98,7 +98,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
     let inner = engine.own_box().grown(-0.5 * engine.settings.buffer);
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-            if e.failed {
+            if e.record.failed {
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));

@@ -293,6 +293,7 @@ impl Model {
             shape: e.shape,
             nodes: e.nodes,
             free_faces: free[i],
+            failed: false,
             mass_factor: self.elements.mass_factor[i],
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {

@@ -31,7 +31,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     let nodes = Nodes::new(nodes, 0, false);
     let local = |e: &ElementRecord| {
         let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
-        LocalElement { record: *e, nodes: numbers, shared: false, failed: false }
+        LocalElement { record: *e, nodes: numbers, shared: false }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();
     let mut surface = Surface::of(&elements, &nodes, &contact_parts(settings));

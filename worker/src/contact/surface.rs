@@ -79,7 +79,7 @@ pub fn contact_parts(settings: &Settings) -> Vec<Option<f64>> {
 
 /// The segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &[Option<f64>]) -> Vec<Segment> {
-    let Some(half) = parts[e.record.part as usize].filter(|_| !e.failed) else { return Vec::new() };
+    let Some(half) = parts[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
     let shape = e.record.shape;
     let shell = shape.is_shell();
     let scale = if shell { half } else { SOLID_SCALE * shortest_edge(e, nodes) };
