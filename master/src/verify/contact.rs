@@ -60,8 +60,7 @@ pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cr
 /// Density of what only carries a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
-const TUNNEL: &str = "a node that crosses two thicknesses in a step may come out on the other side: the local search looks at \
-                      the end of the step, and the penalty force is bounded by what it can do in a step";
+const REST: &str = "the sweeps stop short of a rest: some 1e-9 of the impact is left";
 const SWEEPS: &str =
     "the default of 20 sweeps is too few for masses as 1 to 1000; what is left over is carried on as a force";
 
@@ -211,7 +210,7 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
             let (mut passed, mut inward, mut made) = (0, f64::NEG_INFINITY, f64::NEG_INFINITY);
             for k in 0..11 {
                 let offset = 0.2e-3 * f64::from(k);
-                let mut scene = Scene::new(1.0);
+                let mut scene = Scene::new(8.0 * dt);
                 scene.grid(1, [1, 1], |x, y| [0.1 * (x - 0.5), 0.1 * (y - 0.5), 0.0]);
                 let plate: Vec<u32> = (1..=4).collect();
                 scene.fix(&plate, "x y z rx ry rz");
@@ -222,9 +221,9 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 scene.part(2, "carrier", thickness, "points = 2");
                 scene.start(&[n, n + 1, n + 2], [v * s, 0.0, -v * c], [0.0; 3]);
                 scene.add(&format!("[contact]\nlaw = \"{law}\""));
-                // The step is that of the carrier; the safety factor makes it 1 us.
+                // The step is that of the carrier; the safety factor makes it 1 us, of which contact may take less.
                 let unit = bench.model("C07", &scene)?.first_dt().0 / 0.9;
-                scene.time(&format!("safety = {:?}\nmax_cycles = 8", (dt / unit).min(1.0)));
+                scene.time(&format!("safety = {:?}", (dt / unit).min(1.0)));
                 let run = bench.run(&format!("C07 {law} {how} {k}"), &scene, |_| ControlFlow::Continue(()))?;
                 let e = &run.engine;
                 if position(e, n)[2] < 0.0 {
@@ -235,15 +234,15 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 made = made.max((now.kinetic + now.internal + now.hourglass) / run.initial - 1.0);
             }
             let variant = format!("{law}, {how}, 11 offsets");
-            all.push(
-                Row::new("passed through", &variant, "", f64::from(passed))
-                    .within(0.0, 0.0, "limit of the catalogue")
-                    .known(TUNNEL),
-            );
+            all.push(Row::new("passed through", &variant, "", f64::from(passed)).within(
+                0.0,
+                0.0,
+                "limit of the catalogue",
+            ));
             all.push(
                 Row::new("largest velocity inwards / v at the end", &variant, "", inward)
                     .at_most(0.0, "limit of the catalogue")
-                    .known(TUNNEL),
+                    .known(REST),
             );
             all.push(
                 Row::new("energy made / energy at the start", &variant, "", made)

@@ -142,7 +142,7 @@ impl Push {
         // Between two samples on either side of it, by proportion.
         let crossing = |pair: &[(f64, f64)]| {
             let (a, b) = (force(pair[0].0), force(pair[1].0));
-            (a * b < 0.0).then(|| pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b))
+            ((a <= 0.0) != (b <= 0.0)).then(|| pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b))
         };
         let mut crossings = self.samples.windows(2).filter_map(crossing);
         let first = crossings.next().unwrap_or(f64::NAN);
