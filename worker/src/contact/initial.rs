@@ -50,10 +50,12 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
         let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { continue };
         let scale = s.scale + surface.node_scale[slave as usize];
         let offset = at - near.point;
-        // A solid has no thickness: what is behind its face, and not beside it, is inside.
+        // A solid has no thickness: what is behind its face, and not beside it, is inside. What is behind the very edge
+        // may lie on the next face of the solid.
+        let at_edge = || near.rim || near.shape.iter().any(|&n| n < ROUND_OFF);
         let apart = if !s.is_solid() {
             offset.norm()
-        } else if near.rim || offset.norm() > scale {
+        } else if at_edge() || offset.norm() > scale {
             f64::INFINITY
         } else {
             offset.dot(&near.normal)
