@@ -1,21 +1,101 @@
 //! The energy ledger: work in, stored, dissipated, lost. Sums are for reports; nothing is decided from them.
 
-use crate::contact::ContactWork;
 use crate::elements::PassTotals;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::report::Energies;
 use nalgebra::Vector3;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Mul};
+
+/// Work of impulses in a step, in two halves: up to the present time with the velocities of the mid-step before, and from
+/// then on with those of the mid-step after [energy].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// `p . v- / 2`
+    pub before: f64,
+    /// `p . v+ / 2`
+    pub after: f64,
+}
+
+impl Work {
+    /// Of one component of an impulse between velocities `before` and `after`.
+    pub fn of(impulse: f64, before: f64, after: f64) -> Self {
+        Self { before: 0.5 * impulse * before, after: 0.5 * impulse * after }
+    }
+
+    /// Of three components.
+    pub fn of_all(impulse: &Row, before: &Row, after: &Row) -> Self {
+        (0..3).map(|c| Self::of(impulse[c], before[c], after[c])).sum()
+    }
+
+    /// Both halves.
+    pub fn total(&self) -> f64 {
+        self.before + self.after
+    }
+}
+
+impl Add for Work {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self { before: self.before + b.before, after: self.after + b.after }
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, b: Self) {
+        *self = *self + b;
+    }
+}
+
+impl Mul<f64> for Work {
+    type Output = Self;
+    fn mul(self, a: f64) -> Self {
+        Self { before: self.before * a, after: self.after * a }
+    }
+}
+
+impl Sum for Work {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), Add::add)
+    }
+}
+
+/// Work of contact forces in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactWork {
+    /// All of it.
+    pub total: Work,
+    /// The part that friction did.
+    pub friction: Work,
+}
 
 /// What has accumulated on this worker.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ledger {
     internal: f64,
     hourglass: f64,
-    contact: ContactWork,
-    wall: f64,
-    external: f64,
-    /// Contact, wall and external work of the last step alone.
-    last: (ContactWork, f64, f64),
+    contact: Booked,
+    friction: Booked,
+    wall: Booked,
+    external: Booked,
+}
+
+/// Work so far, and what of it lies between the present time and the next mid-step [energy].
+#[derive(Clone, Copy, Debug, Default)]
+struct Booked {
+    total: f64,
+    ahead: f64,
+}
+
+impl Booked {
+    fn book(&mut self, work: Work) {
+        self.total += work.total();
+        self.ahead = work.after;
+    }
+
+    fn at_present(&self) -> f64 {
+        self.total - self.ahead
+    }
 }
 
 impl Ledger {
@@ -27,45 +107,44 @@ impl Ledger {
 
     /// Books the work of contact in a step.
     pub fn book_contact(&mut self, work: ContactWork) {
-        self.contact.total += work.total;
-        self.contact.friction += work.friction;
-        self.last.0 = work;
+        self.contact.book(work.total);
+        self.friction.book(work.friction);
     }
 
     /// Books the work of walls in a step.
-    pub fn book_wall(&mut self, work: f64) {
-        self.wall += work;
-        self.last.1 = work;
+    pub fn book_wall(&mut self, work: Work) {
+        self.wall.book(work);
     }
 
     /// Books the work of loads, damping and prescribed motion in a step.
-    pub fn book_external(&mut self, work: f64) {
-        self.external += work;
-        self.last.2 = work;
+    pub fn book_external(&mut self, work: Work) {
+        self.external.book(work);
     }
 
-    /// Energies at the present time, between the mid-steps with velocities `v` and `next_v`: kinetic energy is the mean
-    /// of both, and of the work between them half has been done.
+    /// Energies at the present time, between the mid-steps with velocities v- and v+ (`v` and `next_v`). With a kinetic
+    /// energy of `m v- . v+ / 2` and internal work by the trapezoidal rule in force the central difference scheme keeps
+    /// the balance to round-off while the step is constant: `m (v+ - v-) = dt f` gives
+    /// `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
         Energies {
-            kinetic: 0.5 * (kinetic(nodes, &nodes.v, false) + kinetic(nodes, &nodes.next_v, true)),
+            kinetic: kinetic(nodes),
             internal: self.internal,
             hourglass: self.hourglass,
-            contact: self.contact.total - 0.5 * self.last.0.total,
-            friction: self.contact.friction - 0.5 * self.last.0.friction,
-            wall: self.wall - 0.5 * self.last.1,
-            external: self.external - 0.5 * self.last.2,
+            contact: self.contact.at_present(),
+            friction: self.friction.at_present(),
+            wall: self.wall.at_present(),
+            external: self.external.at_present(),
         }
     }
 }
 
-/// Kinetic energy of owned nodes with velocities `v` and the rotational velocities of the same mid-step [energy].
-fn kinetic(nodes: &Nodes, v: &[Row], next: bool) -> f64 {
-    let w = if next { &nodes.next_w } else { &nodes.w };
+/// Kinetic energy of owned nodes at the present time [energy].
+fn kinetic(nodes: &Nodes) -> f64 {
     let of = |i: usize| {
-        let square = |r: &Row| r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
-        let turning = if nodes.rotations { nodes.inertia[i] * square(&w[i]) } else { 0.0 };
-        0.5 * (nodes.mass[i] * square(&v[i]) + turning)
+        let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let turning =
+            if nodes.rotations { nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
+        0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
     };
     (0..nodes.held).filter(|&i| nodes.is_own(i)).map(of).sum()
 }

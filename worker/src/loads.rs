@@ -6,6 +6,7 @@
 use crate::blocks::Blocks;
 use crate::contact::enforce::Steps;
 use crate::curve::Curve;
+use crate::energy::Work;
 use crate::lanes::LANES;
 use crate::nodes::{Nodes, Row, row};
 use crumple_proto::loads::{Loads as LoadJob, Pressure};
@@ -153,38 +154,37 @@ impl Loads {
     }
 
     /// Work done on owned nodes and elements in the step, when the velocities at its end are known [energy].
-    pub fn work(&self, nodes: &Nodes, steps: Steps) -> f64 {
-        let twice = |f: &Row, a: &Row, b: &Row| (0..3).map(|c| f[c] * (a[c] + b[c])).sum::<f64>();
-        let moved = |f: &Row, i: usize| twice(f, &nodes.v[i], &nodes.next_v[i]);
+    pub fn work(&self, nodes: &Nodes, steps: Steps) -> Work {
+        let moved = |f: &Row, i: usize| Work::of_all(f, &nodes.v[i], &nodes.next_v[i]);
+        let turned = |f: &Row, i: usize| Work::of_all(f, &nodes.w[i], &nodes.next_w[i]);
         let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
-        let mut work = 0.0;
+        let mut work = Work::default();
         if !self.gravity.is_empty() {
-            work += own().map(|i| nodes.mass[i] * moved(&self.falling, i)).sum::<f64>();
+            work += own().map(|i| moved(&self.falling, i) * nodes.mass[i]).sum();
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
-            let turned = |i: usize| if nodes.rotations { twice(&m, &nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
-            let of = |i: usize| moved(&f, i) + turned(i);
+            let of = |i: usize| moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() };
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
-            work += load.factor * owned.map(of).sum::<f64>();
+            work += owned.map(of).sum::<Work>() * load.factor;
         }
         for face in &self.faces {
-            work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum::<f64>();
+            work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
         }
-        work *= 0.5 * steps.mid;
+        work = work * steps.mid;
         if self.damping > 0.0 {
-            work += own().map(|i| self.damped(nodes, i, steps.mid)).sum::<f64>();
+            work += own().map(|i| self.damped(nodes, i, steps.mid)).sum();
         }
         work
     }
 
     /// Work of damping on node `i`: its impulse is what it took from the velocity without contact.
-    fn damped(&self, nodes: &Nodes, i: usize, mid: f64) -> f64 {
+    fn damped(&self, nodes: &Nodes, i: usize, mid: f64) -> Work {
         let b = 0.5 * self.damping * mid;
         let part = |inv: &Row, mass: f64, f: &Row, v: &Row, next: &Row| {
             let impulse = |c: usize| -mass * b * (2.0 * v[c] + mid * f[c] * inv[c]) / (1.0 + b);
             let free = (0..3).filter(|&c| inv[c] > 0.0);
-            free.map(|c| 0.5 * impulse(c) * (v[c] + next[c])).sum::<f64>()
+            free.map(|c| Work::of(impulse(c), v[c], next[c])).sum::<Work>()
         };
         let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.force[i], &nodes.v[i], &nodes.next_v[i]);
         if !nodes.rotations {

@@ -7,6 +7,7 @@
 use crate::contact::Contact;
 use crate::contact::enforce::Steps;
 use crate::curve::Curve;
+use crate::energy::Work;
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
 use nalgebra::{Rotation3, Vector3};
@@ -96,8 +97,8 @@ impl Prescribed {
 
     /// Work of the constraint on owned nodes in the step: what the prescribed velocities take beyond all other forces,
     /// those of contact included [energy].
-    pub fn work(&self, nodes: &Nodes, contact: Option<&Contact>, steps: Steps) -> f64 {
-        let mut work = 0.0;
+    pub fn work(&self, nodes: &Nodes, contact: Option<&Contact>, steps: Steps) -> Work {
+        let mut work = Work::default();
         for m in &self.motions {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_own(n as usize)) {
                 let i = n as usize;
@@ -106,11 +107,11 @@ impl Prescribed {
                     if m.job.dofs >> c & 1 == 1 {
                         let (a, b) = (nodes.v[i][c], nodes.next_v[i][c]);
                         let impulse = nodes.mass[i] * (b - a) - steps.mid * (nodes.force[i][c] + pushed[c]);
-                        work += 0.5 * impulse * (a + b);
+                        work += Work::of(impulse, a, b);
                     }
                     if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
                         let (a, b) = (nodes.w[i][c], nodes.next_w[i][c]);
-                        work += 0.5 * (nodes.inertia[i] * (b - a) - steps.mid * nodes.moment[i][c]) * (a + b);
+                        work += Work::of(nodes.inertia[i] * (b - a) - steps.mid * nodes.moment[i][c], a, b);
                     }
                 }
             }
@@ -145,7 +146,7 @@ mod tests {
         for i in 0..steps {
             nodes.accelerate(dt);
             p.prescribe(&mut nodes, i as f64 * dt, dt);
-            work += p.work(&nodes, None, Steps { dt, mid: dt });
+            work += p.work(&nodes, None, Steps { dt, mid: dt }).total();
             nodes.advance(dt);
         }
         (nodes, work)

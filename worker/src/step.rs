@@ -1,6 +1,7 @@
 //! THE TIME STEP. Start reading here.
 
 use crate::agreement::Known;
+use crate::energy::Work;
 use crate::engine::{Agreed, Engine, Phase};
 use crate::erosion;
 use crumple_proto::transport::{Lost, Transport};
@@ -66,7 +67,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         contact.enforce(wire, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
         timer.lap(Phase::Contact);
     }
-    let mut on_walls = 0.0;
+    let mut on_walls = Work::default();
     if !walls.is_empty() {
         let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
         on_walls = walls.keep_out(nodes, &pushed, steps.dt);

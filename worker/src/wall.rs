@@ -1,5 +1,6 @@
 //! Fixed planar rigid walls: a node may not end a step behind one. Coulomb friction on the wall.
 
+use crate::energy::Work;
 use crate::nodes::{Nodes, Row};
 use crumple_proto::job::Wall as WallJob;
 use nalgebra::Vector3;
@@ -60,9 +61,9 @@ impl Walls {
 
     /// Keeps all held nodes out, starting from their velocities in `next_v`, or from those in `pushed`
     /// for nodes that contact pairs touch (ascending). Returns the work done on owned nodes [energy].
-    pub fn keep_out(&mut self, nodes: &mut Nodes, pushed: &[(u32, Row)], dt: f64) -> f64 {
+    pub fn keep_out(&mut self, nodes: &mut Nodes, pushed: &[(u32, Row)], dt: f64) -> Work {
         let mut pushed = pushed.iter().peekable();
-        let mut work = 0.0;
+        let mut work = Work::default();
         for i in 0..nodes.held {
             let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
             nodes.next_v[i] = self.stop(&nodes.x[i], free, &nodes.inv_mass[i], dt);
@@ -74,15 +75,15 @@ impl Walls {
     }
 
     /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the work [energy].
-    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, dt: f64) -> f64 {
-        let mut work = 0.0;
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, dt: f64) -> Work {
+        let mut work = Work::default();
         for (w, impulse) in self.walls.iter().zip(&mut self.impulse) {
             let Some(change) = w.change(&nodes.x[i], &v, dt) else { continue };
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
                 let p = nodes.mass[i] * change[c];
                 impulse[c] += p;
-                work += p * 0.5 * (nodes.v[i][c] + nodes.next_v[i][c]);
+                work += Work::of(p, nodes.v[i][c], nodes.next_v[i][c]);
             }
         }
         work
@@ -137,7 +138,7 @@ mod tests {
         let mut work = 0.0;
         for _ in 0..steps {
             nodes.accelerate(1e-3);
-            work += walls.keep_out(&mut nodes, &[], 1e-3);
+            work += walls.keep_out(&mut nodes, &[], 1e-3).total();
             nodes.advance(1e-3);
         }
         (nodes.v[0], nodes.x[0], work)

@@ -15,9 +15,10 @@ pub mod search;
 pub mod surface;
 mod sweep;
 
+use crate::energy::{ContactWork, Work};
 use crate::halo::Halo;
 use crate::motion::Motion;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use crate::wall::Walls;
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -60,15 +61,6 @@ pub struct Contact {
     pub capped: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
     pub penetration: f64,
-}
-
-/// Work of contact forces in a step [energy].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ContactWork {
-    /// All of it.
-    pub total: f64,
-    /// The part that friction did.
-    pub friction: f64,
 }
 
 /// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
@@ -275,13 +267,15 @@ impl Contact {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
             let velocity = p.relative_velocity(&nodes.next_v);
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
-            work.friction += steps.mid * sheared.dot(&velocity);
+            // Friction is judged by where the node slides to; half of that by the present time.
+            let slid = 0.5 * steps.mid * sheared.dot(&velocity);
+            work.friction += Work { before: slid, after: slid };
             p.slip = self.law.slip(p, &velocity, steps);
             self.capped += u64::from(self.law.is_capped(p, steps));
         }
         for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
-            let (a, b) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
-            work.total += 0.5 * steps.mid * (f.x * (a[0] + b[0]) + f.y * (a[1] + b[1]) + f.z * (a[2] + b[2]));
+            let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
+            work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
         }
         self.memories.clear();
         let mut own = t.pairs.iter().filter(|p| p.own).peekable();

@@ -6,6 +6,7 @@
 //! `P1 - P0 = dt (P0 + P1)/2 x J^-1 (P0 + P1)/2`, which keeps the energy of a free body too. Where rotations are held or
 //! prescribed the exponential map is taken instead, so that a prescribed turn is exact.
 
+use crate::energy::Work;
 use crate::prescribed::Course;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody as BodyJob;
@@ -229,14 +230,17 @@ impl Body {
         self.centre + self.next.velocity * dt + self.next_turn * arm
     }
 
-    /// Work of impulses in the step [energy].
-    pub fn work(&self, impulse: &V3, angular: &V3) -> f64 {
-        0.5 * (impulse.dot(&(self.last.velocity + self.next.velocity))
-            + angular.dot(&(self.last_spin + self.next_spin)))
+    /// Work of impulses in the step.
+    pub fn work(&self, impulse: &V3, angular: &V3) -> Work {
+        let with = |velocity: &V3, spin: &V3| 0.5 * (impulse.dot(velocity) + angular.dot(spin));
+        Work {
+            before: with(&self.last.velocity, &self.last_spin),
+            after: with(&self.next.velocity, &self.next_spin),
+        }
     }
 
-    /// Work of what leads the body in the step [energy].
-    pub fn led(&self) -> f64 {
+    /// Work of what leads the body in the step.
+    pub fn led(&self) -> Work {
         let mut impulse = (self.next.velocity - self.last.velocity) * self.mass - self.next.lead;
         for c in (0..3).filter(|&c| !self.held[c]) {
             impulse[c] = 0.0;

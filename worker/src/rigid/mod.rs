@@ -14,6 +14,7 @@ mod walls;
 
 use crate::contact::enforce::Steps;
 use crate::contact::geometry::V3;
+use crate::energy::Work;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crate::wall::Walls;
 use body::{Body, Momentum};
@@ -89,13 +90,13 @@ pub struct Bodies {
     words: Vec<u64>,
 }
 
-/// Work on bodies that sums over nodes do not see [energy].
+/// Work on bodies that sums over nodes do not see.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyWork {
     /// Of walls.
-    pub wall: f64,
+    pub wall: Work,
     /// Of damping and of what leads bodies.
-    pub external: f64,
+    pub external: Work,
 }
 
 impl Bodies {
@@ -349,11 +350,10 @@ impl Bodies {
     pub fn beyond(&self) -> (f64, V3) {
         let (mut energy, mut angular) = (0.0, V3::zeros());
         for (body, inertia) in self.bodies.iter().zip(&self.beyond) {
-            for spin in [body.last_spin, body.next_spin] {
-                let own = body.turn.inverse_transform_vector(&spin);
-                energy += 0.25 * own.dot(&(inertia * own));
-                angular += body.turn * (inertia * own) * 0.5;
-            }
+            let own = |spin: &V3| body.turn.inverse_transform_vector(spin);
+            let (before, after) = (own(&body.last_spin), own(&body.next_spin));
+            energy += 0.5 * before.dot(&(inertia * after));
+            angular += body.turn * (inertia * (before + after)) * 0.5;
         }
         (energy, angular)
     }

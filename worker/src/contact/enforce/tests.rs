@@ -10,7 +10,8 @@ use super::{CONTACT_LAWS, Elasticity, Steps};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::contact::{Contact, ContactWork};
+use crate::contact::Contact;
+use crate::energy::ContactWork;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
 use crate::rigid::Bodies;
@@ -111,7 +112,7 @@ impl Scene {
         contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
         let work = contact.close(nodes, *steps);
         nodes.advance(steps.dt);
-        self.work += work.total;
+        self.work += work.total.total();
         work
     }
 

@@ -105,7 +105,7 @@ fn friction_follows_a_reversing_pull_without_chatter() {
                 scene.load[block].x = pull;
                 let work = scene.step();
                 let v = scene.v(block).x;
-                dissipated -= work.friction;
+                dissipated -= work.friction.total();
                 mean += scene.x(block).x / period as f64;
                 widest = (scene.x(block).x.min(widest.0), scene.x(block).x.max(widest.1));
                 let force = scene.pairs()[0].force.x;
