@@ -1,6 +1,6 @@
 //! `history.csv`: one row per history interval, added up from the workers' shares.
 
-use crumple_proto::report::{Energies, HistoryPart};
+use crumple_proto::report::HistoryPart;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;

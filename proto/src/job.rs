@@ -344,7 +344,7 @@ pub struct Contact {
     /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
     pub partition: f64,
     /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
-    /// modulus, area and longest diagonal, E A / d.
+    /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d.
     pub penalty_form: String,
     /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, penalty-map.
     pub penalty_scale: f64,
@@ -361,13 +361,13 @@ impl Default for Contact {
             friction: 0.0,
             search: "cells".into(),
             skin: 0.0,
-            iteration: "split".into(),
+            iteration: "gauss_seidel".into(),
             sweeps: 20,
             tolerance: 1e-3,
             weighting: "shape".into(),
             partition: 0.5,
             penalty_form: "soft".into(),
-            penalty_scale: 0.1,
+            penalty_scale: 0.35,
             penalty_cap: true,
             parts: Vec::new(),
         }

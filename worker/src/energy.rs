@@ -126,8 +126,13 @@ impl Ledger {
     /// the balance to round-off while the step is constant: `m (v+ - v-) = dt f` gives
     /// `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
+        self.energies_since(nodes, &nodes.v, &nodes.w)
+    }
+
+    /// The same where velocities of the mid-step before are no longer in `nodes`: `v`, and rotational ones `w`.
+    pub fn energies_since(&self, nodes: &Nodes, v: &[Row], w: &[Row]) -> Energies {
         Energies {
-            kinetic: kinetic(nodes),
+            kinetic: kinetic(nodes, v, w),
             internal: self.internal,
             hourglass: self.hourglass,
             contact: self.contact.at_present(),
@@ -139,12 +144,11 @@ impl Ledger {
 }
 
 /// Kinetic energy of owned nodes at the present time [energy].
-fn kinetic(nodes: &Nodes) -> f64 {
+fn kinetic(nodes: &Nodes, v: &[Row], w: &[Row]) -> f64 {
     let of = |i: usize| {
         let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let turning =
-            if nodes.rotations { nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
-        0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
+        let turning = if nodes.rotations { nodes.inertia[i] * product(&w[i], &nodes.next_w[i]) } else { 0.0 };
+        0.5 * (nodes.mass[i] * product(&v[i], &nodes.next_v[i]) + turning)
     };
     (0..nodes.held).filter(|&i| nodes.is_own(i)).map(of).sum()
 }

@@ -6,7 +6,8 @@
 //! A shell's segment is touched from both sides at half its thickness, around its rim too. A solid's segment is touched
 //! from outside: a new contact is a node that is in front of it (or only just behind) now and, seen from the moving
 //! segment, behind its inside at the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node
-//! is over the segment.
+//! is over the segment. A new contact also wants opposed surfaces: a block that slides over another one does not meet the
+//! nodes of that one's top with its side faces, at whose lower rims they pass.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::pairs::{Memory, Pair};
@@ -26,6 +27,9 @@ const PLANE: f64 = 0.02;
 const BEHIND: f64 = 0.2;
 /// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
 const BESIDE: f64 = 0.02;
+/// Two surfaces are opposed where the product of their unit normals is below this. At the corner of a block that lies
+/// flat on a face it is -1/sqrt(3) with the mean of the corner's three normals, on a top and a side face 0.
+const OPPOSED: f64 = -0.3;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
@@ -48,24 +52,26 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of node `slave` among `candidates` (indices of segments, ascending), appended to `out`
-/// in ascending segment id. `memory` is what the node remembers of its pairs of the last step.
+/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (indices of segments, ascending),
+/// appended to `out` in ascending segment id. `memory` is what the node remembers of its pairs of the last step.
 pub fn find_pairs(
     nodes: &Nodes,
     surface: &Surface,
-    slave: u32,
+    place: usize,
     candidates: &[u32],
     memory: &[Memory],
     dt: f64,
     out: &mut Vec<Pair>,
 ) {
+    let slave = surface.slaves[place];
     let at = v3(&nodes.x[slave as usize]);
     let mut finds: Vec<Find> = Vec::new();
     for &c in candidates {
         let segment = &surface.segments[c as usize];
         let meeting = Meeting::new(surface, segment, slave, dt);
         if may_touch(nodes, &meeting, &at) {
-            finds.extend(look(nodes, &meeting, &at, memory));
+            let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
+            finds.extend(look(nodes, &meeting, &at, memory, opposed));
         }
     }
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
@@ -126,6 +132,21 @@ fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3) -> bool {
     }
 }
 
+/// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
+/// face everywhere.
+fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
+    let (mut mean, mut faces) = (V3::zeros(), 0);
+    for face in surface.faces_at(place) {
+        let Some(outward) = face.middle_normal(&nodes.x) else { continue };
+        if outward.dot(normal) < OPPOSED {
+            return true;
+        }
+        mean += outward;
+        faces += 1;
+    }
+    faces == 0 || mean.dot(normal) < OPPOSED * mean.norm()
+}
+
 /// Where a node is against a segment: the direction in which it is to be kept off, and its distance along it.
 struct Place {
     normal: V3,
@@ -162,7 +183,13 @@ fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, o
     (!met.rim || beside <= BESIDE * scale).then_some(Place { normal: near.normal, side: 1.0, reached: height })
 }
 
-fn look(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> Option<Find> {
+fn look(
+    nodes: &Nodes,
+    meeting: &Meeting<'_>,
+    at: &V3,
+    memory: &[Memory],
+    opposed: impl Fn(&V3) -> bool,
+) -> Option<Find> {
     let Meeting { segment, slave, thickness, scale, dt } = *meeting;
     let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
     let offset = at - near.point;
@@ -173,7 +200,8 @@ fn look(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> Opt
     // A node that slid over an edge keeps what it had on the neighbouring segment.
     let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| m.normal.dot(normal) > 0.7));
     let Place { normal, side, reached } = if segment.is_solid() {
-        before_solid(nodes, meeting, at, &near, kept(&near.normal).is_some())?
+        let is_new = kept(&near.normal).is_none();
+        before_solid(nodes, meeting, at, &near, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
         beside_shell(meeting, &near, &offset, known)
     };
@@ -206,7 +234,7 @@ fn look(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> Opt
         force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
         slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
         compliance: [0.0; 2],
-        users: [0; 5],
+        crowd: [0.0; 5],
         guess: V3::zeros(),
         turn: 1.0,
         mass: 0.0,

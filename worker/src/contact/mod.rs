@@ -105,6 +105,7 @@ impl Contact {
     pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
+        self.surface.link_faces(nodes.held);
         let stiffness = self.surface.segments.iter().map(|s| self.law.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.memories.clear();
@@ -119,12 +120,10 @@ impl Contact {
 
     /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what tells when to search.
     pub fn bytes(&self) -> usize {
-        let s = &self.surface;
-        let lists = [&s.slaves, &self.candidate_start, &self.candidates, &self.memory_start];
-        let figures = [&s.node_half, &s.node_scale, &self.stiffness];
-        size_of_val(&s.segments[..])
+        let lists = [&self.candidate_start, &self.candidates, &self.memory_start];
+        self.surface.bytes()
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
-            + figures.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+            + size_of_val(&self.stiffness[..])
             + self.since_search.bytes()
             + self.record.bytes()
     }
@@ -194,11 +193,11 @@ impl Contact {
     pub fn find_pairs(&mut self, nodes: &Nodes, steps: Steps) {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
-        for (i, &slave) in self.surface.slaves.iter().enumerate() {
+        for i in 0..self.surface.slaves.len() {
             let candidates = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
             if !candidates.is_empty() {
                 let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
-                local::find_pairs(nodes, &self.surface, slave, candidates, memory, steps.dt, &mut pairs);
+                local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
             }
         }
         for p in &mut pairs {

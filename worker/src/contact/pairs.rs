@@ -49,8 +49,8 @@ pub struct Pair {
     pub slip: V3,
     /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
     pub compliance: [f64; 2],
-    /// Pairs that touch each of the five nodes, 0 where this one has no share.
-    pub users: [u32; 5],
+    /// Sum of the shares of all pairs that touch each of the five nodes, 0 where this one has none.
+    pub crowd: [f64; 5],
     /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
     /// gets, for laws that predict and correct [force].
     pub guess: V3,
@@ -245,26 +245,27 @@ impl PairTable {
         }
     }
 
-    /// Sets how softly own pairs answer. With `split`, the mass of a node is divided among the pairs that touch it,
-    /// which lets simultaneous updates converge whatever the masses
-    /// (the update is then damped by no less than the coupling).
+    /// Sets how softly own pairs answer. With `split`, the mass of a node is divided among the pairs that touch it in
+    /// proportion to their shares in it. That lets simultaneous updates converge whatever the masses: for shares w > 0 the
+    /// matrix diag(w_p sum_q w_q) - w w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than
+    /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
     pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, split: bool) {
-        self.pairs.iter_mut().for_each(|p| p.users = [0; 5]);
+        self.pairs.iter_mut().for_each(|p| p.crowd = [0.0; 5]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
-            let users = roles.len() as u32;
+            let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| self.pairs[p as usize].share(r as usize)).sum();
             for &(p, r) in &self.roles[roles] {
-                self.pairs[p as usize].users[r as usize] = users;
+                self.pairs[p as usize].crowd[r as usize] = crowd;
             }
         }
         for pair in self.pairs.iter_mut().filter(|p| p.own) {
             let mut soft = [0.0; 2];
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
-            for r in (0..5).filter(|&r| pair.users[r] > 0) {
+            for r in (0..5).filter(|&r| pair.crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
                 // The nodes of a rigid body feel a sweep's forces together, when it is over.
                 let together = split || bodies.of(pair.nodes[r]).is_some();
-                let moved = if together { f64::from(pair.users[r]) } else { 1.0 } * pair.share(r) * pair.follows(r);
+                let moved = if together { pair.crowd[r] } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
                 soft[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
@@ -442,7 +443,7 @@ impl WirePair {
             force: self.force.into(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
-            users: [0; 5],
+            crowd: [0.0; 5],
             guess: V3::zeros(),
             turn: 1.0,
             mass: self.mass,

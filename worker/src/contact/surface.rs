@@ -47,6 +47,10 @@ pub struct Surface {
     pub node_scale: Vec<f64>,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
+    /// Per slave the start of its run in `faces`; see [`Surface::link_faces`].
+    pub face_start: Vec<u32>,
+    /// Indices of solids' segments around each slave, ascending.
+    pub faces: Vec<u32>,
 }
 
 impl Segment {
@@ -58,6 +62,17 @@ impl Segment {
     /// Whether the segment is a triangle.
     pub fn is_triangle(&self) -> bool {
         self.nodes[2] == self.nodes[3]
+    }
+
+    /// Depth of the solid behind it, taken as its shortest edge at the start; nought for a shell [length].
+    pub fn depth(&self) -> f64 {
+        if self.is_solid() { self.scale / SOLID_SCALE } else { 0.0 }
+    }
+
+    /// Unit normal at the middle by the right-hand rule over the nodes; `None` without area.
+    pub fn middle_normal(&self, x: &[Row]) -> Option<V3> {
+        let [a, b, c, d] = self.corners(x);
+        (c - a).cross(&(d - b)).try_normalize(0.0)
     }
 
     /// Corner coordinates.
@@ -120,6 +135,7 @@ impl Surface {
             node_half: vec![0.0; nodes.held],
             node_scale: vec![0.0; nodes.held],
             thinnest: f64::INFINITY,
+            ..Self::default()
         };
         for i in 0..s.segments.len() {
             let g = s.segments[i];
@@ -132,6 +148,37 @@ impl Surface {
     pub fn widen(&mut self, node: u32, half: f64, scale: f64) {
         let (h, s) = (&mut self.node_half[node as usize], &mut self.node_scale[node as usize]);
         (*h, *s) = (h.max(half), s.max(scale));
+    }
+
+    /// Notes the solids' segments around each slave. All of them are local to the worker that owns it: what a slave could
+    /// meet is, and it lies on these.
+    pub fn link_faces(&mut self, held: usize) {
+        let mut place = vec![u32::MAX; held];
+        self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
+        let mut around: Vec<(u32, u32)> = Vec::new();
+        for (g, s) in self.segments.iter().enumerate().filter(|(_, s)| s.is_solid()) {
+            let slaves = s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX);
+            around.extend(slaves.map(|&i| (i, g as u32)));
+        }
+        around.sort_unstable();
+        self.face_start =
+            (0..=self.slaves.len()).map(|i| around.partition_point(|a| (a.0 as usize) < i) as u32).collect();
+        self.faces = around.into_iter().map(|a| a.1).collect();
+    }
+
+    /// The solids' segments around the slave at place `i` of `slaves`.
+    pub fn faces_at(&self, i: usize) -> impl Iterator<Item = &Segment> {
+        let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
+        self.faces[run].iter().map(|&g| &self.segments[g as usize])
+    }
+
+    /// Bytes in use, spare room of lists left out.
+    pub fn bytes(&self) -> usize {
+        let lists = [&self.slaves, &self.face_start, &self.faces];
+        size_of_val(&self.segments[..])
+            + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+            + size_of_val(&self.node_half[..])
+            + size_of_val(&self.node_scale[..])
     }
 
     /// Largest scale of a held node [length].

@@ -233,10 +233,7 @@ impl Body {
     /// Work of impulses in the step.
     pub fn work(&self, impulse: &V3, angular: &V3) -> Work {
         let with = |velocity: &V3, spin: &V3| 0.5 * (impulse.dot(velocity) + angular.dot(spin));
-        Work {
-            before: with(&self.last.velocity, &self.last_spin),
-            after: with(&self.next.velocity, &self.next_spin),
-        }
+        Work { before: with(&self.last.velocity, &self.last_spin), after: with(&self.next.velocity, &self.next_spin) }
     }
 
     /// Work of what leads the body in the step.

@@ -96,7 +96,7 @@ pub struct LawRow {
 pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW];
 
 /// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed.
-const GAP: f64 = 1e-4;
+const GAP: f64 = 1e-10;
 /// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a step leaves over is
 /// far below; a node that comes upon a segment from its rim must not be thrown out within a step.
 const CORRECT: f64 = 0.002;

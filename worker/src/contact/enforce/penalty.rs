@@ -3,13 +3,16 @@
 //! Two forms of its stiffness k, with the compliance c = 1/M1 + 1/M2 of the pair:
 //! - *soft*, from masses and the step, `k = scale / (c dt mid)`: below the central difference limit whatever the
 //!   material (the kind that LS-DYNA calls SOFT=1; Hallquist, LS-DYNA theory manual, ch. 29);
-//! - *stiffness*, from the segment's material and shape, `k = scale E A / d` with the shell's area A and longest
-//!   diagonal d as the mesh is given (same source, ch. 29, the standard penalty). The step may be too long for it.
+//! - *stiffness*, from the segment's material and shape as the mesh is given: `k = scale E A / d` with the face's area A
+//!   and a shell's longest diagonal (same source, ch. 29, the standard penalty), or a solid's depth, for d: there A^2/V is
+//!   A/d, and the source's bulk modulus is replaced by E, so that a scale of 1 is as stiff as a bar of the elements. The
+//!   step may be too long for it.
 //!
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
 //! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
-//! stable while `k c dt mid <= 4 (1 - safety^2)`, and no stiffness above that is used unless the job says so.
+//! stable while `k c dt mid <= 4 (1 - safety^2)`. Near that they are stable but not accurate, so no stiffness above half
+//! of it is used unless the job says so (`cases/studies/README.md`, penalty-map).
 
 use super::{ContactLaw, Elasticity, Iteration, LawRow, Steps, split, within_cone};
 use crate::contact::geometry::V3;
@@ -35,7 +38,7 @@ struct Penalty {
 impl Penalty {
     fn new(job: &Contact, parts: &Elasticity) -> Self {
         let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
-        let room = 4.0 * (1.0 - parts.safety * parts.safety);
+        let room = 0.5 * 4.0 * (1.0 - parts.safety * parts.safety);
         let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
         Self { friction: job.friction, scale: job.penalty_scale, moduli, most }
     }
@@ -70,9 +73,10 @@ impl ContactLaw for Penalty {
         let (one, other) = (c - a, d - b);
         // A triangle, whose fourth corner is its third, has no diagonals; its longest side stands for them.
         let third = if segment.is_triangle() { (b - a).norm() } else { 0.0 };
-        let longest = one.norm().max(other.norm()).max(third);
+        let shell = one.norm().max(other.norm()).max(third);
+        let depth = if segment.is_solid() { segment.depth() } else { shell };
         let area = 0.5 * one.cross(&other).norm();
-        self.moduli.as_ref().map(|moduli| moduli[segment.part as usize] * area / longest)
+        self.moduli.as_ref().map(|moduli| moduli[segment.part as usize] * area / depth)
     }
 
     fn start(&self, _: &Pair, _: Steps) -> V3 {

@@ -7,10 +7,10 @@ mod rubbing;
 mod sweeps;
 
 use super::{CONTACT_LAWS, Elasticity, Steps};
+use crate::contact::Contact;
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::contact::Contact;
 use crate::energy::ContactWork;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
@@ -86,6 +86,7 @@ impl Scene {
             node_half: vec![HALF; points.len()],
             node_scale: vec![HALF; points.len()],
             thinnest: HALF,
+            ..Surface::default()
         };
         let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS] });
         contact.renew(surface, &nodes, |_| Vec::new());
