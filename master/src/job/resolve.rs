@@ -145,7 +145,18 @@ fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (a quarter of the median side) or above");
     numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");
     numbers.need(contact.tolerance > 0.0, "contact.tolerance", contact.tolerance, "above 0; 1e-3 is usual");
-    numbers.need(contact.penalty_scale > 0.0, "contact.penalty_scale", contact.penalty_scale, "above 0; 0.1 is usual");
+    numbers.need(
+        contact.penalty_scale > 0.0,
+        "contact.penalty_scale",
+        contact.penalty_scale,
+        "above 0; 0.1 to 0.4 is usual for the soft form",
+    );
+    numbers.need(
+        (0.0..=1.0).contains(&contact.penalty_damping),
+        "contact.penalty_damping",
+        contact.penalty_damping,
+        "from 0 to 1",
+    );
     if numbers.findings.any_faulty_below("part") {
         return;
     }

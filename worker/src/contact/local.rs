@@ -33,7 +33,7 @@ const OPPOSED: f64 = -0.3;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
-const RELAX: f64 = 0.002;
+const RELAX: f64 = 4e-4;
 
 /// A pair as the local search sees it, before selection.
 struct Find {

@@ -8,6 +8,10 @@
 //!   A/d, and the source's bulk modulus is replaced by E, so that a scale of 1 is as stiff as a bar of the elements. The
 //!   step may be too long for it.
 //!
+//! **Damping.** A dashpot of `2 damping sqrt(k / c)` beside the normal spring, never pulling: without it what slides or rests
+//! on springs chatters, and friction acts only while it touches. Its force is that of the velocity which it leaves, so it
+//! does not lower the stable step.
+//!
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
 //! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
@@ -29,6 +33,8 @@ pub const FORMS: &[&str] = &["soft", "stiffness"];
 struct Penalty {
     friction: f64,
     scale: f64,
+    /// Fraction of critical damping.
+    damping: f64,
     /// Young's modulus per part, if stiffness comes from the material.
     moduli: Option<Vec<f64>>,
     /// Most `k c dt mid`.
@@ -40,7 +46,7 @@ impl Penalty {
         let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
         let room = 0.5 * 4.0 * (1.0 - parts.safety * parts.safety);
         let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
-        Self { friction: job.friction, scale: job.penalty_scale, moduli, most }
+        Self { friction: job.friction, scale: job.penalty_scale, damping: job.penalty_damping, moduli, most }
     }
 
     /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
@@ -83,9 +89,15 @@ impl ContactLaw for Penalty {
         V3::zeros()
     }
 
-    fn update(&self, pair: &Pair, _: &V3, steps: Steps) -> Option<V3> {
-        let k = self.stiffness(pair, steps);
-        let pressed = (-k * pair.gap).max(0.0);
+    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
+        let (k, c) = (self.stiffness(pair, steps), pair.compliance[0]);
+        if c <= 0.0 {
+            return None; // both sides are held fixed
+        }
+        let damper = 2.0 * self.damping * (k / c).sqrt();
+        let spring = (-k * pair.gap).max(0.0);
+        let damped = (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.mid);
+        let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
         Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, self.friction))
     }
 

@@ -50,7 +50,7 @@ fn all_laws() -> Vec<(String, ContactJob)> {
 }
 
 fn job(law: &str) -> ContactJob {
-    ContactJob { law: law.into(), skin: 0.5, ..ContactJob::default() }
+    ContactJob { law: law.into(), skin: 0.5, penalty_damping: 0.0, ..ContactJob::default() }
 }
 
 /// Nodes, segments between them, and the nodes that may touch these.
@@ -275,12 +275,13 @@ fn light_on_heavy_and_heavy_on_light_keep_momentum() {
 /// C15a: a node between two plates that close symmetrically holds both, and all end at rest.
 ///
 /// The two pairs feel each other through the node: sweeps with split masses leave `1 - 1/4M / (2/m + 1/4M)` of the
-/// error, near 1 for a light node. With sweeps to spare the plates rest. What 20 sweeps leave over is remembered as a
-/// force that goes on pushing, so that a light node throws the plates back like a spring.
+/// error, near 1 for a light node, sweeps in order its square root. With sweeps to spare the plates rest and the node is
+/// where symmetry wants it. What 20 sweeps leave over lets the plates come nearer and pushes the node aside, towards the
+/// plate whose pair comes first; it does not throw the plates back.
 #[test]
 fn a_node_between_two_plates_ends_at_rest() {
     let v = 10.0;
-    // Largest velocity at the end as a fraction of the approach.
+    // Largest velocity at the end as a fraction of the approach, and how far the node is from its place.
     let rebound = |m: f64, sweeps: usize| {
         let at =
             |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
@@ -290,19 +291,18 @@ fn a_node_between_two_plates_ends_at_rest() {
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
         (0..40).for_each(|_| _ = scene.step());
-        assert!(scene.momentum().norm() < 1e-12 * v && scene.x(8).norm() < 1e-3 * THICK, "by symmetry");
+        assert!(scene.momentum().norm() < 1e-12 * v, "by symmetry");
         assert!(scene.energy() <= before * (1.0 + 1e-12), "no energy from nothing");
         assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
-        (0..9).map(|i| scene.v(i).norm()).fold(0.0, f64::max) / v
+        ((0..9).map(|i| scene.v(i).norm()).fold(0.0, f64::max) / v, scene.x(8).norm() / THICK)
     };
     for m in [0.01, 0.3, 1.0, 100.0] {
         let left = [20, 100, 10_000].map(|sweeps| rebound(m, sweeps));
-        eprintln!("node of {m} between plates of 4: rebound {left:.4?} of the approach with 20, 100, 10000 sweeps");
-        // The law leaves 1e-4 of the thickness per step, 1e-3 of the approach, on either side.
-        assert!(left[2] < 3e-3, "node of {m}: {left:?}");
-        if m >= 1.0 {
-            assert!(left[0] < 0.1, "a node as heavy as those of the plates: {left:?}");
-        }
+        eprintln!("node of {m} between plates of 4: {left:.4?} with 20, 100, 10000 sweeps");
+        // In order from one side, with a change of 1e-6 left: (1e-6 / 0.01) of the approach over a step for the lightest.
+        assert!(left[2].0 < 1e-3 && left[2].1 < 1e-3, "node of {m}: {left:?}");
+        assert!(left.iter().all(|l| l.0 < 0.1), "the plates are not thrown back, whatever the sweeps: {left:?}");
+        assert!(left[0].1 < 0.5, "the node stays between the plates' middles: {left:?}");
     }
 }
 
