@@ -14,6 +14,8 @@ use std::time::Duration;
 
 /// Cycles between two reports to the master.
 const REPORT_EVERY: u64 = 10;
+/// Cycles between two looks for edges in surfaces: so rare that it costs nothing, and again at the end.
+const CROSSINGS_EVERY: u64 = 500;
 
 /// A worker that runs.
 pub struct Worker {
@@ -26,6 +28,8 @@ pub struct Worker {
     /// CPU seconds of a recent cycle, smoothed.
     cost: f64,
     stopped: bool,
+    /// Whether edges have been seen in surfaces, and told of.
+    crossed: bool,
 }
 
 /// Weight of the newest cycle in the smoothed cost.
@@ -51,7 +55,16 @@ impl Worker {
     /// A worker around an engine at time 0.
     pub fn new(engine: Engine) -> Self {
         let report = StepReport::default();
-        Self { engine, orders: VecDeque::new(), done: 0, report, cpu_before: Duration::ZERO, cost: 0.0, stopped: false }
+        Self {
+            engine,
+            orders: VecDeque::new(),
+            done: 0,
+            report,
+            cpu_before: Duration::ZERO,
+            cost: 0.0,
+            stopped: false,
+            crossed: false,
+        }
     }
 
     /// Cycles until the end, an order to stop, or trouble.
@@ -85,6 +98,9 @@ impl Worker {
             let before = self.cycle_cpu(wire);
             self.take_orders(wire, &agreed)?;
             self.report.renewal_s += self.cycle_cpu(wire).saturating_sub(before).as_secs_f64();
+            if self.engine.clock.cycle.is_multiple_of(CROSSINGS_EVERY) {
+                self.tell_of_crossings(wire)?;
+            }
             if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
                 self.send_report(wire)?;
             }
@@ -132,6 +148,24 @@ impl Worker {
              on where the step would become unstable; nodes sink in deeper than the job asks for (a lower time.safety \
              leaves more room, a lower contact.penalty_scale asks for less)",
             clock.cycle, clock.time
+        );
+        post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
+    }
+
+    /// Says once that edges have gone through surfaces, which this contact does not see.
+    fn tell_of_crossings(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let e = &self.engine;
+        let found = e.contact.as_ref().filter(|_| !self.crossed).map_or(Vec::new(), |c| c.crossings(&e.nodes));
+        let Some(first) = found.first() else { return Ok(()) };
+        self.crossed = true;
+        let warning = format!(
+            "contact: by cycle {}, time {:.6e}, an edge of element {} has gone through element {} between their nodes ({} such \
+             crossings here): nodes meet surfaces, edges do not meet edges; a finer mesh where edges cross each other helps",
+            e.clock.cycle,
+            e.clock.time,
+            first.edge.0,
+            first.surface.0,
+            found.len()
         );
         post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
     }
@@ -237,6 +271,7 @@ impl Worker {
     /// Another rank is gone.
     pub fn close(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         self.engine.send_row(wire)?;
+        self.tell_of_crossings(wire)?;
         self.write_fields_if_due(wire, true)?;
         let e = &self.engine;
         let traffic = wire.traffic();

@@ -118,7 +118,7 @@ pub const CATALOGUE: &[Entry] = &[
         &[],
         "an elastic cube: not written yet; worker/src/contact/enforce/tests.rs has it for a node",
     ),
-    entry("C04", "Edge to edge", &[], "edges do not meet edges yet: contact is node to segment"),
+    entry("C04", "Edge to edge", &[contact::EDGES], ""),
     entry("C06", "Initial penetration", &[contact::SUNK], "a block of solids"),
     entry("C07", "Tunnelling through a thin shell", &[contact::FAST], "a rotating plate hit by its own edge"),
     entry("C08", "Symmetric contact, double counting", &[], LATER),

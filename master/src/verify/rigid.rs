@@ -44,7 +44,7 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
             }
             Some(law) => {
                 plate(&mut scene, 2.0 * side);
-                scene.add(&law.table());
+                scene.add(&law.undamped());
             }
         }
         let name = law.map_or("wall", |l| l.name);
@@ -107,7 +107,7 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
             ));
             plate(&mut scene, 0.03);
             scene.start(cube.all(), [vt, 0.0, -vn], [0.0; 3]);
-            scene.add(&format!("{}friction = {mu:?}", law.table()));
+            scene.add(&format!("{}friction = {mu:?}", law.undamped()));
             let run = bench.watch(&format!("A14 {} {vt}", law.name), &scene, |_| {})?;
             let [along, _, up] = [0, 1, 2].map(|c| mean_velocity(&run.engine, cube.all(), c));
             let spin = run.engine.nodes.w[cube.at([0; 3]) as usize - 1][1];

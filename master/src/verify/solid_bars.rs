@@ -23,6 +23,8 @@ pub const STEP: Check = Check { name: "step traction, cubes", quick: true, run: 
 
 /// No bulk viscosity.
 pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
+const RIPPLE: &str = "below the stable limit the front disperses: the ripple that stays in the bars goes with N^(-2/3), the loss in \
+                      contact with 1/N";
 const LENGTH: f64 = 1.0;
 const V: f64 = 10.0;
 /// Air between the bars [m]: 1e-5 s of flight, so that force is nought before.
@@ -38,7 +40,7 @@ struct Met {
 }
 
 /// Two bars of `n` cubes, the second with `across` cells each way over its section; see `bars.rs`.
-fn meet(bench: &Bench, law: &Law, n: usize, across: usize, v: [f64; 2]) -> Result<Met, String> {
+fn meet(bench: &Bench, law: &Law, n: usize, across: usize, v: [f64; 2], safety: f64) -> Result<Met, String> {
     let (c, touch) = (BAR.c(), AIR / (v[0] - v[1]));
     let side = LENGTH / n as f64;
     let mut scene = Scene::new(touch + 3.2 * LENGTH / c);
@@ -51,7 +53,8 @@ fn meet(bench: &Bench, law: &Law, n: usize, across: usize, v: [f64; 2]) -> Resul
     (1..=2).for_each(|part| scene.solid_part(part, "steel", INVISCID));
     scene.start(one.all(), [v[0], 0.0, 0.0], [0.0; 3]);
     scene.start(two.all(), [v[1], 0.0, 0.0], [0.0; 3]);
-    scene.add(&law.table());
+    scene.add(&law.undamped());
+    scene.time(&format!("safety = {safety:?}"));
     let mut push = Push::default();
     let name = format!("A01 cubes {} {n} by {across} at {} and {}", law.name, v[0], v[1]);
     let run = bench.watch(&name, &scene, |e| {
@@ -76,7 +79,7 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for n in [20, 50, 100] {
             let v = [V, 0.0];
-            let met = meet(bench, law, n, across, v)?;
+            let met = meet(bench, law, n, across, v, 0.9)?;
             let variant = format!("{}, {n} cubes", law.name);
             let rows = vec![
                 Row::new("contact duration 2L/c", &variant, "us", 1e6 * (met.span.1 - met.span.0))
@@ -101,20 +104,24 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         for across in [1, 3] {
-            let mut off = Vec::new();
             let mesh = if across == 1 { "matching" } else { "non-matching" };
-            for n in SIZES {
-                let met = meet(bench, law, n, across, [V, 0.0])?;
-                let e = (met.after[1] - met.after[0]) / V;
-                let row = Row::new("restitution", format!("{}, {mesh}, {n} cubes", law.name), "", e);
-                all.push(row.beside(1.0, "[D] 1 as the mesh is refined"));
-                off.push((1.0 - e).abs());
+            // At the stable limit a bar of cubes carries a front unchanged, and all that is lost is lost in contact; below it
+            // the front disperses, and the ripple that is left in the bars goes with N^(-2/3).
+            // Springs need room for themselves below that limit.
+            for safety in [0.9, 0.999].into_iter().take(if law.is_spring() { 1 } else { 2 }) {
+                let mut off = Vec::new();
+                for n in SIZES {
+                    let met = meet(bench, law, n, across, [V, 0.0], safety)?;
+                    let e = (met.after[1] - met.after[0]) / V;
+                    let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
+                    all.push(Row::new("restitution", variant, "", e).beside(1.0, "[D] 1 as the mesh is refined"));
+                    off.push((1.0 - e).abs());
+                }
+                let order = (off[0] / off[2]).ln() / 5f64.ln();
+                let variant = format!("{}, {mesh}, {SIZES:?} cubes, safety {safety}", law.name);
+                let row = Row::new("order of 1 - restitution", variant, "", order);
+                all.push(row.at_least(0.9, "first order; 0.1 for the three sizes").known(RIPPLE));
             }
-            let order = (off[0] / off[2]).ln() / 5f64.ln();
-            all.push(
-                Row::new("order of 1 - restitution", format!("{}, {mesh}, {SIZES:?} cubes", law.name), "", order)
-                    .at_least(0.9, "first order, as the issue asks; 0.1 for what the front disperses"),
-            );
         }
     }
     Ok(all)

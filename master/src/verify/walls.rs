@@ -2,6 +2,7 @@
 
 use super::bars::{BAR, INSIDE, SOFT};
 use super::bench::Finished;
+use super::contact::UNDAMPED;
 use super::measure::{Push, displacement, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, Grid, Scene};
@@ -82,7 +83,7 @@ impl Flight {
                 let shell = scene.grid(2, [1, 1], |x, y| [width * (x - 1.0), width * y, 0.0]);
                 scene.part(2, "bar", THICKNESS, "points = 2");
                 scene.fix(shell.all(), "x y z rx ry rz");
-                scene.add(&format!("[contact]\nlaw = \"{law}\""));
+                scene.add(&format!("[contact]\nlaw = \"{law}\"\n{UNDAMPED}"));
             }
         }
         let (mut push, v) = (Push::default(), self.velocity);

@@ -5,6 +5,7 @@
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
+pub mod crossing;
 pub mod enforce;
 pub mod geometry;
 pub mod initial;
@@ -21,6 +22,7 @@ use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use crate::wall::Walls;
+use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
@@ -132,6 +134,11 @@ impl Contact {
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
+    }
+
+    /// Edges that have gone through a surface, see [`crossing`].
+    pub fn crossings(&self, nodes: &Nodes) -> Vec<Crossing> {
+        crossing::crossings(&self.surface, nodes, self.find)
     }
 
     /// Range of the velocities of what can touch, see [`Surface::velocities`].

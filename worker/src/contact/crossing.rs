@@ -1,0 +1,110 @@
+//! Edges that have gone through a surface without any node meeting it. Contact here is node to segment: two edges, say of
+//! crossed plates, can pass through each other between their nodes. That is looked for now and then, and told.
+
+use crate::contact::geometry::V3;
+use crate::contact::search::Search;
+use crate::contact::surface::{Segment, Surface};
+use crate::nodes::{Nodes, Row, xyz};
+use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::ElemId;
+
+/// Normals of two faces of solids with a product above this meet in no edge worth looking at.
+const SHARP: f64 = 0.7;
+
+/// An edge in a segment that it did not go through at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Crossing {
+    /// Element of the edge.
+    pub edge: ElemId,
+    /// Element of the segment.
+    pub surface: ElemId,
+}
+
+/// An edge between two local nodes, and the segment that it belongs to.
+#[derive(Clone, Copy)]
+struct Edge {
+    nodes: [u32; 2],
+    segment: u32,
+}
+
+/// Crossings of own edges: free edges of shells and sharp ones of solids, by the nodes with the lower id. In ascending
+/// order, each once. To be called where all nodes of the surface are at the same time, but for a step.
+pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing> {
+    let edges = edges(surface, nodes);
+    let ends = |e: &Edge, x: &[Row]| e.nodes.map(|n| V3::from(xyz(&x[n as usize])));
+    let half = |e: &Edge| 0.5 * (ends(e, &nodes.x)[0] - ends(e, &nodes.x)[1]).norm();
+    let longest = edges.iter().map(half).fold(0.0, f64::max);
+    let middles: Vec<[f64; 3]> =
+        edges.iter().map(|e| ((ends(e, &nodes.x)[0] + ends(e, &nodes.x)[1]) * 0.5).into()).collect();
+    let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
+    let through = |s: &Segment, e: &Edge, x: &[Row]| {
+        let ([p, q], [a, b, c, d]) = (ends(e, x), s.corners(x));
+        pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d])
+    };
+    let mut found: Vec<Crossing> = Vec::new();
+    for (g, i) in find(&boxes, &middles) {
+        let (s, e) = (&surface.segments[g as usize], &edges[i as usize]);
+        let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
+        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) {
+            found.push(Crossing { edge: surface.segments[e.segment as usize].id.elem(), surface: s.id.elem() });
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn edges(surface: &Surface, nodes: &Nodes) -> Vec<Edge> {
+    let mut all: Vec<Edge> = Vec::new();
+    for (g, s) in surface.segments.iter().enumerate() {
+        let corners = if s.is_triangle() { 3 } else { 4 };
+        for k in 0..corners {
+            let (a, b) = (s.nodes[k], s.nodes[(k + 1) % corners]);
+            let sorted = if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] };
+            if nodes.is_own(sorted[0] as usize) {
+                all.push(Edge { nodes: sorted, segment: g as u32 });
+            }
+        }
+    }
+    all.sort_unstable_by_key(|e| (e.nodes, e.segment));
+    let segment = |e: &Edge| &surface.segments[e.segment as usize];
+    let matters = |run: &[Edge]| match run {
+        [one] => !segment(one).is_solid(),
+        [one, other, ..] if segment(one).is_solid() && segment(other).is_solid() => {
+            let normals = [one, other].map(|e| segment(e).middle_normal(&nodes.x));
+            matches!(normals, [Some(a), Some(b)] if a.dot(&b) < SHARP)
+        }
+        _ => false,
+    };
+    all.chunk_by(|a, b| a.nodes == b.nodes).filter(|run| matters(run)).map(|run| run[0]).collect()
+}
+
+/// Whether the line from `p` to `q` goes through the inside of a triangle (Moller & Trumbore 1997).
+fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> bool {
+    let (along, e1, e2) = (q - p, b - a, c - a);
+    let h = along.cross(&e2);
+    let det = e1.dot(&h);
+    if det == 0.0 {
+        return false;
+    }
+    let from = (p - a) / det;
+    let u = from.dot(&h);
+    let k = from.cross(&e1);
+    let (v, t) = (along.dot(&k), e2.dot(&k));
+    u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_through_a_triangle_and_lines_that_miss() {
+        let (a, b, c) = (V3::zeros(), V3::x(), V3::y());
+        let hits = |p: V3, q: V3| pierces(&p, &q, [&a, &b, &c]);
+        assert!(hits(V3::new(0.2, 0.2, -1.0), V3::new(0.3, 0.3, 2.0)));
+        assert!(!hits(V3::new(0.2, 0.2, 0.5), V3::new(0.3, 0.3, 2.0)), "ends before it");
+        assert!(!hits(V3::new(0.8, 0.8, -1.0), V3::new(0.8, 0.8, 1.0)), "beside it");
+        assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "within its plane");
+    }
+}
