@@ -89,7 +89,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "B01",
         "Taylor bar, linear hardening",
-        &[taylor::COARSE, taylor::FINE],
+        &[taylor::COARSE, taylor::FINE, taylor::WALL],
         "the perfectly plastic variant of Abaqus",
     ),
     entry("B02", "Taylor bar, Johnson-Cook", &[taylor::JOHNSON_COOK], "temperature, which is not among the fields"),

@@ -34,7 +34,8 @@ pub struct BelytschkoTsay {
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    Ok(Box::new(BelytschkoTsay { section, hourglass: part.hourglass, warping: part.warping, drilling: part.drilling }))
+    let hourglass = part.hourglass.unwrap_or(HourglassForm::Stiffness);
+    Ok(Box::new(BelytschkoTsay { section, hourglass, warping: part.warping, drilling: part.drilling }))
 }
 
 /// Coupling of in-plane velocity to curvature in a warped element: corner values 1 and 2 of Bc1 and Bc2 [1/length^2],

@@ -47,7 +47,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
         for warp in [0.0, 0.05, 0.2] {
             let mut nodes = SKEW;
             nodes[1][2] = warp;
-            let part = Part { hourglass: form, hourglass_coefficient: Some(0.1), ..part(0.01) };
+            let part = Part { hourglass: Some(form), hourglass_coefficient: Some(0.1), ..part(0.01) };
             let mut noise = Noise(17);
             for _ in 0..20 {
                 let mut patch = quad(part.clone(), elastic(E, NU, 1.0), nodes);
@@ -103,7 +103,9 @@ fn lanes_are_the_scalar_kernel() {
     let mut steel = material("j2", 7.8e-6, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25)]);
     steel.parameters.extend([rate]);
     for hourglass in [HourglassForm::Stiffness, HourglassForm::Viscous] {
-        let part = Part { warping: true, thinning: true, hourglass, hourglass_coefficient: Some(0.05), ..part(0.05) };
+        let form = Some(hourglass);
+        let part =
+            Part { warping: true, thinning: true, hourglass: form, hourglass_coefficient: Some(0.05), ..part(0.05) };
         let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
         let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
         let shell = BelytschkoTsay { section: section(), hourglass, warping: true, drilling: 0.01 };

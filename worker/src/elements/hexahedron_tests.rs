@@ -230,7 +230,7 @@ fn every_lane_is_what_it_would_be_alone() {
                 hourglass: Hourglass { form, coefficient: 0.05 },
                 bulk_viscosity: [0.06, 1.5],
                 state: STRESS + history.len(),
-                plastic_strain: None,
+                plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| STRESS + column),
                 failed: failed_column(history).map(|column| STRESS + column),
                 law,
             };

@@ -101,7 +101,7 @@ impl Section {
             }
         };
         let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
-        let for_shells = part.hourglass != HourglassForm::AssumedStrain;
+        let for_shells = part.hourglass != Some(HourglassForm::AssumedStrain);
         check(part.thickness.is_finite() && part.thickness >= 0.0, "thickness", &part.thickness, "above 0");
         check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
         check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
@@ -112,6 +112,10 @@ impl Section {
             "stiffness or viscous: the assumed-strain form is for solids",
         );
         check((0.0..=1.0).contains(&part.drilling), "drilling", &part.drilling, "from 0 to 1 (0.01 is usual)");
+        if part.bulk_viscosity.is_some() {
+            let message = format!("part {}: bulk_viscosity is given, but shells have none", label(part));
+            problems.push(Problem::error("bulk_viscosity", message, "take it out: it is for solids"));
+        }
         if !problems.is_empty() {
             return Err(problems);
         }
