@@ -176,7 +176,7 @@ impl Element for BelytschkoTsay {
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        quad::corner_mass(&self.section, four(x))
+        quad::corner_mass(&self.section, four(x), 0.0)
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {

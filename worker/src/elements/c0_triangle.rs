@@ -22,7 +22,9 @@
 //!
 //! The stable step is 2/omega of the free element in its membrane modes, exactly: with nodal mass m/3 and
 //! `b = B B'` (2 x 2), `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
-//! side is up to 1/0.82 of it and would not be safe.
+//! side is up to 1/0.82 of it and would not be safe. With s the larger principal value of b, P the sum of squared sides and
+//! I the rotational inertia per mass, transverse shear has `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`, exactly, so that
+//! `I = (8 A^2/P + P/24)/5` holds it to that of the membrane, but for 5 % where nu = 0 (1/s is at most 8 A^2/P).
 
 use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
 use super::{
@@ -363,10 +365,10 @@ impl Element for C0Triangle {
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        let area = Geometry::new(sides(four(x))).area;
-        let mass = self.section.elastic.density * self.section.thickness * area / 3.0;
-        // Per area, a triangle has twice the corners of a quad: with its A/7 shear would govern the step where nu is small.
-        (mass, mass * self.section.inertia_per_mass(2.0 * area))
+        let g = Geometry::new(sides(four(x)));
+        let mass = self.section.elastic.density * self.section.thickness * g.area / 3.0;
+        let sides2 = 2.0 * g.half_sides2();
+        (mass, mass * self.section.inertia_per_mass((8.0 * g.area * g.area / sides2 + sides2 / 24.0) / 5.0))
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {

@@ -20,10 +20,19 @@
 //!   angular momentum.
 //! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element.
 //!
+//! Stable step: `L/c`, L = A over the longest side and c the plate wave speed, is that of a wave through many elements.
+//! A lone element may bear less. With mass m/4 at each corner the frequencies of its membrane stiffness are those of
+//! `(4/rho) C B B'`, of which the largest is, with `S = sum b_I b_I'` of the mean gradient (its determinant is 1/A^2 for
+//! any quad, its trace D/A^2, D half the sum of the squared diagonals),
+//! ```text
+//! omega^2 = 2 c^2 (tr S + sqrt(tr^2 S - 4 (1-nu^2) det S)) = 2 (c/A)^2 (D + sqrt(D^2 - 4 (1-nu^2) A^2))
+//! ```
+//! The step is the lesser of `L/c` and [`LONE`] times `2/omega`.
+//!
 //! Everything about four corners is held as three or four modes, of which the corners are sums:
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
-use super::section::{Section, Strains, angle_by_sine};
+use super::section::{INERTIA_FLOOR, Section, Strains, angle_by_sine};
 use super::{GroupNodes, GroupTotals, NodeView, Pass, PassTotals, let_go};
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 
@@ -31,6 +40,10 @@ use crate::lanes::{LANES, Lane, Real, cross, dot};
 pub const HOURGLASS: usize = 5;
 /// Columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
 pub const DRILLING: usize = 4;
+
+/// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a lone square or strip is
+/// stable by 5 %; one would be safe at any factor below 1, and slow a mesh of squares, which bears L/c, by 1/sqrt(1+nu).
+const LONE: f64 = 1.05;
 
 /// Corner vectors of an element as modes.
 pub struct Modes<R> {
@@ -85,8 +98,9 @@ pub struct Geometry<R: Real> {
     /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
     pub b1: [R; 2],
     pub b2: [R; 2],
-    /// A over the longest side [length].
-    pub length: R,
+    /// Square of the longest side, and D: half the sum of the squared diagonals [length^2].
+    longest: R,
+    diagonals: R,
     /// Lanes with all four corner Jacobians above nought.
     pub convex: R::Mask,
 }
@@ -139,9 +153,20 @@ impl<R: Real> Geometry<R> {
             x,
             y,
             hz,
-            length: two_a / longest.sqrt(),
+            longest: R::splat(0.25) * longest,
+            diagonals: half * (side(x[0], y[0]) + side(x[1], y[1])),
             convex: area.gt(R::splat(0.25) * lopsided),
         }
+    }
+
+    /// Stable step times the plate wave speed [length].
+    #[inline(always)]
+    pub fn stable_length(&self, poisson: f64) -> R {
+        let root = (4.0 * (1.0 - poisson * poisson)).sqrt();
+        let (d, a) = (self.diagonals, R::splat(root) * self.area);
+        // D is at least 2 A, but for round-off.
+        let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
+        self.area / Real::max(self.longest, R::splat(0.5 / (LONE * LONE)) * lone).sqrt()
     }
 
     /// Components of a vector in the element's axes.
@@ -331,8 +356,9 @@ impl<R: Real> Response<R> {
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
         let sound = R::both(R::both(sound, g.convex), total.le(R::splat(f64::MAX)));
-        let inv_c = R::splat(1.0 / section.elastic.plate_wave_speed());
-        Self { force, moment, internal, hourglass, stable_dt: g.length * inv_c, sound }
+        let elastic = &section.elastic;
+        let stable_dt = g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed());
+        Self { force, moment, internal, hourglass, stable_dt, sound }
     }
 }
 
@@ -420,20 +446,23 @@ pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
     [mode(&|i| x[0][i] - x[2][i]), mode(&|i| x[1][i] - x[3][i]), mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i]))]
 }
 
-/// Mass and rotational inertia that an element gives to each of its corners.
-pub fn corner_mass(section: &Section, x: &[[f64; 3]; 4]) -> (f64, f64) {
-    let area = Geometry::new(&coordinate_modes(x)).area;
-    let mass = 0.25 * section.elastic.density * section.thickness * area;
-    (mass, mass * section.inertia_per_mass(area))
+/// Mass and rotational inertia that an element gives to each of its corners. Shear has the frequency
+/// `5/6 G/rho (4 s + (1 + taper s H^2)/I)`, s the larger principal value of S and I the inertia per mass; s is at least
+/// 1/A, so that a floor of `(A + taper H^2)/7` holds it to that of the membrane, but for 7 % where nu = 0.
+pub fn corner_mass(section: &Section, x: &[[f64; 3]; 4], taper: f64) -> (f64, f64) {
+    let g = Geometry::new(&coordinate_modes(x));
+    let mass = 0.25 * section.elastic.density * section.thickness * g.area;
+    let h2 = g.x[2] * g.x[2] + g.y[2] * g.y[2];
+    (mass, mass * section.inertia_per_mass(INERTIA_FLOOR * (g.area + taper * h2)))
 }
 
-/// Area over the longest side over the wave speed [time]; NaN for an element that is not convex.
+/// Stable step [time]; NaN for an element that is not convex.
 pub fn stable_dt(section: &Section, x: &[[f64; 3]; 4]) -> f64 {
     let geometry = Geometry::new(&coordinate_modes(x));
     if !geometry.convex {
         return f64::NAN;
     }
-    geometry.length / section.elastic.plate_wave_speed()
+    geometry.stable_length(section.elastic.poisson) * (1.0 / section.elastic.plate_wave_speed())
 }
 
 /// Axes e1, e2 and n of an element.

@@ -17,7 +17,7 @@ use super::{ElementFields, failed_column};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
-/// Least rotational inertia of a corner per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
+/// Least rotational inertia of a corner of a quad per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
 /// square elements where nu = 0: it then bears 0.894 of L/c, less than the usual safety factor; with 1/7, 0.934.
 pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
 /// Hourglass coefficient where the job gives none.
@@ -154,10 +154,10 @@ impl Section {
         history[THICKNESS]
     }
 
-    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but never so small against the
-    /// area that rotation, not membrane waves, would govern the step (Hughes, Cohen & Haroun 1978).
-    pub fn inertia_per_mass(&self, area: f64) -> f64 {
-        (self.thickness * self.thickness / 12.0).max(INERTIA_FLOOR * area)
+    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
+    /// membrane waves govern the step and not rotation (Hughes, Cohen & Haroun 1978).
+    pub fn inertia_per_mass(&self, floor: f64) -> f64 {
+        (self.thickness * self.thickness / 12.0).max(floor)
     }
 
     /// Stress at all points over a step, and its resultants. N is the number of points.

@@ -51,6 +51,10 @@ pub const ROW: ElementRow = ElementRow { name: "stabilised_quad", shape: Shape::
 /// [force length], gam vx and gam vy [force]; then the drilling moments.
 const STABILISING: usize = 6;
 
+/// What [`quad::corner_mass`] asks: the sides' shear at the centre is `(X (M2 H) + Y (M1 H))/4` of rotations that vary over
+/// the element, and `XX + YY = 4 S`, so that it has the frequency `5/6 G/rho tr S H^2/4I`; tr S is s where elements are long.
+const TAPER: f64 = 0.25;
+
 /// Parameters of the stabilised shell.
 pub struct StabilisedQuad {
     section: Section,
@@ -240,7 +244,7 @@ impl Element for StabilisedQuad {
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        quad::corner_mass(&self.section, four(x))
+        quad::corner_mass(&self.section, four(x), TAPER)
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
