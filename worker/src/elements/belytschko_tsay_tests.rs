@@ -3,6 +3,7 @@
 use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
 use super::*;
+use crate::lanes::Lane;
 use crate::materials;
 use crumple_proto::partition::{Material, Param};
 
@@ -55,12 +56,12 @@ fn hourglass_forces_vanish_in_linear_fields() {
                 let l: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| 1e-9 * noise.next()));
                 for (node, at) in nodes.into_iter().enumerate() {
                     // Linear in the coordinates of the plane; off the plane, the rotation that goes with it.
-                    let x = g.local(at);
+                    let x = g.frame.local(at);
                     let v: [f64; 3] = std::array::from_fn(|i| l[i][0] * x[0] + l[i][1] * x[1]);
                     let v = [v[0] - l[2][0] * x[2], v[1] - l[2][1] * x[2], v[2]];
                     let w: [f64; 3] = std::array::from_fn(|i| l[2][i] * x[0] + l[i][2] * x[1]);
-                    patch.v[node][..3].copy_from_slice(&g.global(v));
-                    patch.w[node][..3].copy_from_slice(&g.global([w[0], w[1], 0.0]));
+                    patch.v[node][..3].copy_from_slice(&g.frame.global(v));
+                    patch.w[node][..3].copy_from_slice(&g.frame.global([w[0], w[1], 0.0]));
                 }
                 patch.forces(1.0);
                 let columns = patch.element.columns();
@@ -108,11 +109,11 @@ fn lanes_are_the_scalar_kernel() {
             Part { warping: true, thinning: true, hourglass: form, hourglass_coefficient: Some(0.05), ..part(0.05) };
         let law = || materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
         let section = || Section::new(&part, law()).map_err(|p| format!("{p:?}")).unwrap();
-        let shell = BelytschkoTsay { section: section(), hourglass, warping: true, drilling: 0.01 };
+        let shell = Shell(Quad(BelytschkoTsay { section: section(), hourglass, warping: true, drilling: 0.01 }));
         let wide = singles_and_lanes(
             &shell,
-            |modes, history| shell.respond::<Lane, 5>(modes, history, 0.5),
-            |modes, history| shell.respond::<f64, 5>(modes, history, 0.5),
+            |modes, history| shell.0.0.respond::<Lane, 5>(modes, history, 0.5),
+            |modes, history| shell.0.0.respond::<f64, 5>(modes, history, 0.5),
         );
         let plastic = wide.map(|fields| fields.plastic_strain);
         assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");

@@ -34,7 +34,7 @@ mod modes;
 use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
-    Build, Built, Element, ElementFields, ElementRow, GroupTotals, Pass, PassTotals, failed_column, let_go, section,
+    Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, Totals, failed_column, let_go, section,
 };
 use crate::lanes::{Lane, Real, dot};
 use crate::materials::{Elastic, PointReal, Solid, SolidPoint};
@@ -106,13 +106,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
 struct Response<R: Real> {
     /// Forces of the modes: corner forces are their sums with the modes' signs [force].
     force: Modes<R>,
-    /// Increase of internal and of hourglass energy [energy].
-    internal: R,
-    hourglass: R,
-    /// Stable step [time].
-    stable_dt: R,
-    /// Lanes whose element is sound.
-    sound: R::Mask,
+    totals: Totals<R>,
 }
 
 impl<R: Real> Response<R> {
@@ -120,10 +114,7 @@ impl<R: Real> Response<R> {
     #[inline(always)]
     fn let_go(&mut self, failed: R::Mask) {
         let_go(failed, self.force.as_flattened_mut());
-        self.internal = R::select(failed, R::zero(), self.internal);
-        self.hourglass = R::select(failed, R::zero(), self.hourglass);
-        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
-        self.sound = R::either(self.sound, failed);
+        self.totals.let_go(failed);
     }
 }
 
@@ -231,7 +222,7 @@ impl Hexahedron {
         let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.le(R::splat(f64::MAX)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
-        let mut response = Response { force, internal, hourglass: resisted, stable_dt, sound };
+        let mut response = Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
         if let Some(column) = self.failed {
             let failed = state[column].gt(half);
             response.let_go(failed);
@@ -335,12 +326,7 @@ impl Element for Hexahedron {
             let (x, v) = (gather(group, &nodes.x[..n]), gather(group, &nodes.v[..n]));
             let response = self.respond(&x, &v, history, dt);
             scatter(&response.force, force);
-            GroupTotals {
-                stable_dt: response.stable_dt,
-                internal: response.internal,
-                hourglass: response.hourglass,
-                sound: response.sound,
-            }
+            response.totals
         })
     }
 

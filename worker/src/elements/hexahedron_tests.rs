@@ -259,9 +259,9 @@ fn every_lane_is_what_it_would_be_alone() {
                     let same = |a: Lane, b: f64| assert_eq!(a.lane(lane).to_bits(), b.to_bits(), "{}", steel.law);
                     let forces = group.force.iter().flatten().zip(one.force.iter().flatten());
                     forces.for_each(|(a, b)| same(*a, *b));
-                    same(group.internal, one.internal);
-                    same(group.hourglass, one.hourglass);
-                    same(group.stable_dt, one.stable_dt);
+                    same(group.totals.internal, one.totals.internal);
+                    same(group.totals.hourglass, one.totals.hourglass);
+                    same(group.totals.stable_dt, one.totals.stable_dt);
                     wide.iter().zip(&alone[lane]).for_each(|(a, b)| same(*a, *b));
                 }
             }

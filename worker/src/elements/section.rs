@@ -340,15 +340,6 @@ pub fn label(part: &Part) -> String {
     if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
 }
 
-/// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh order,
-/// off by 1e-12 at a rotation of 4 degrees a step.
-#[inline(always)]
-pub fn angle_by_sine<R: Real>(sine_squared: R) -> R {
-    let s = sine_squared;
-    let [a, b, c] = [15.0 / 336.0, 3.0 / 40.0, 1.0 / 6.0].map(R::splat);
-    s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
-}
-
 /// Points and weights on (-1, 1), ascending, by Newton on the Legendre polynomial.
 fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
     let (mut zeta, mut weight) = ([0.0; MAX_POINTS], [0.0; MAX_POINTS]);
