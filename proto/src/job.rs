@@ -218,16 +218,19 @@ pub struct Part {
     #[serde(default = "five")]
     pub points: usize,
     /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also `assumed_strain`.
+    /// Without it `stiffness` for shells, `assumed_strain` for solids: it bends right without a coefficient, and nothing
+    /// locks as nu comes near 1/2, where `stiffness`, a fraction of lambda + 2 mu, has no bound.
     #[serde(default)]
-    pub hourglass: HourglassForm,
+    pub hourglass: Option<HourglassForm>,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
     /// shells and 0.05 for solids. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
     /// plastic flow. `assumed_strain` has none.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
-    /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one.
-    #[serde(default = "bulk_viscosity")]
-    pub bulk_viscosity: [f64; 2],
+    /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one;
+    /// without it `[0.06, 1.5]`. Shells have none.
+    #[serde(default)]
+    pub bulk_viscosity: Option<[f64; 2]>,
     /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`.
     #[serde(default)]
     pub warping: bool,
@@ -242,19 +245,15 @@ pub struct Part {
 fn five() -> usize {
     5
 }
-fn bulk_viscosity() -> [f64; 2] {
-    [0.06, 1.5]
-}
 fn drilling() -> f64 {
     0.01
 }
 
 /// Hourglass control of one-point elements.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HourglassForm {
     /// Elastic resistance that remembers the mode's deformation.
-    #[default]
     Stiffness,
     /// Resistance to the mode's rate.
     Viscous,

@@ -209,12 +209,13 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         let corners = element.corners();
         if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
             let message = format!("element {id} uses node {} twice", corners[twice]);
-            few.error(
-                "repeated",
-                path(),
-                message,
-                "a triangle repeats its last node only; correct or remove the element",
-            );
+            let help = match element.shape {
+                Shape::Hex8 => {
+                    "a solid needs eight nodes, all different: wedges and tetrahedra are not there, mesh it with hexahedra"
+                }
+                _ => "a triangle repeats its last node only; correct or remove the element",
+            };
+            few.error("repeated", path(), message, help);
             continue;
         }
         let mut x = Vec::with_capacity(8);

@@ -322,7 +322,6 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = scene.grid(1, [1, 1], |x, y| [side * (x - 0.5), side * (y - 0.5), 0.0]);
         scene.elastic("steel", STEEL);
         scene.part(1, "steel", 1e-3, "");
-        scene.time(super::elements::SAFE);
         scene.add(&format!("[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\nspin = {axis:?}"));
         let (mut early, mut late) = ([0.0f64; 2], [0.0f64; 2]);
         let run = bench.watch(&format!("A19d spinning {how}"), &scene, |e| {

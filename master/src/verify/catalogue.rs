@@ -89,7 +89,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "B01",
         "Taylor bar, linear hardening",
-        &[taylor::COARSE, taylor::FINE],
+        &[taylor::COARSE, taylor::FINE, taylor::WALL],
         "the perfectly plastic variant of Abaqus",
     ),
     entry("B02", "Taylor bar, Johnson-Cook", &[taylor::JOHNSON_COOK], "temperature, which is not among the fields"),
@@ -125,7 +125,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("C09", "Friction reversal", &[sliding::REVERSAL], "sign changes of the force in the stick phase"),
     entry("C10", "Hourglass blow-up", &[elements::HOURGLASS, solid_cells::HOURGLASS], "(b), (c)"),
     entry("C11", "Warped shells", &[elements::WARPED], "B09 table: not written yet"),
-    entry("C12", "Volumetric locking", &[solid_cells::CYLINDER], "elastic-plastic; stress"),
+    entry("C12", "Volumetric locking", &[solid_cells::CYLINDER, solid_cells::FRONT], "stress"),
     entry(
         "C13",
         "Element inversion",

@@ -1,4 +1,8 @@
 //! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that bounces (A11).
+//!
+//! The references hold the foot to the wall, u_z = 0 on the whole face (the read-me of [V:S2], the manual of [V:S3]). A
+//! wall that only pushes lets the rim of the foot rise by 0.2 mm of 32, and the foot becomes 2 % wider: those runs are
+//! recorded beside them.
 
 use super::bench::Finished;
 use super::contact::Law;
@@ -10,9 +14,13 @@ use super::{Bench, Check};
 use std::f64::consts::PI;
 
 /// B01 on a coarse mesh.
-pub const COARSE: Check = Check { name: "copper, 4 cells on the radius", quick: false, run: |b| copper(b, 4) };
+pub const COARSE: Check =
+    Check { name: "copper, 4 cells on the radius", quick: false, run: |b| copper(b, 4, Foot::Held) };
 /// B01.
-pub const FINE: Check = Check { name: "copper, 8 cells on the radius", quick: false, run: |b| copper(b, 8) };
+pub const FINE: Check =
+    Check { name: "copper, 8 cells on the radius", quick: false, run: |b| copper(b, 8, Foot::Held) };
+/// B01 with a wall that only pushes.
+pub const WALL: Check = Check { name: "copper into a rigid wall", quick: false, run: |b| copper(b, 8, Foot::Pushed) };
 /// B02.
 pub const JOHNSON_COOK: Check = Check { name: "42CrMo4", quick: false, run: johnson_cook };
 /// A11.
@@ -20,6 +28,22 @@ pub const BALL: Check = Check { name: "soft ball", quick: false, run: ball };
 
 const RADIUS: f64 = 3.2e-3;
 const LENGTH: f64 = 32.4e-3;
+
+/// What stops the bar.
+#[derive(Clone, Copy, PartialEq)]
+enum Foot {
+    /// No motion along the axis.
+    Held,
+    /// A rigid wall.
+    Pushed,
+}
+
+impl Foot {
+    fn variant(self, n: usize) -> String {
+        let how = if self == Foot::Held { "foot held" } else { "rigid wall" };
+        format!("hexahedron, {n} cells on the radius, {how}")
+    }
+}
 
 /// Radius of the foot and length [m] at times, largest plastic strain at the end.
 struct Mushroom {
@@ -33,10 +57,24 @@ impl Mushroom {
         let i = self.seen.partition_point(|s| s[0] < time).min(self.seen.len() - 1);
         [self.seen[i][1], self.seen[i][2]]
     }
+
+    /// Rows, and after them those on energy.
+    fn with_energy(self, variant: &str, mut rows: Vec<Row>) -> Vec<Row> {
+        let share = self.run.energies.hourglass / self.run.energies.internal;
+        let row = Row::new("hourglass energy / internal energy", variant, "", share);
+        rows.push(row.at_most(0.05, "gate of the catalogue, 5 to 10 %"));
+        self.run.with_energy(variant, 1e-2, rows)
+    }
 }
 
 /// A quarter of a bar at 80 us, `n` cells on the radius; `material` is called "metal".
-fn hit(bench: &Bench, name: &str, n: usize, v: f64, material: impl Fn(&mut Scene)) -> Result<Mushroom, String> {
+fn hit(
+    bench: &Bench,
+    name: &str,
+    (n, end): (usize, Foot),
+    v: f64,
+    material: impl Fn(&mut Scene),
+) -> Result<Mushroom, String> {
     let mut scene = Scene::new(80e-6);
     let along = (LENGTH / RADIUS * n as f64).round() as usize;
     let nodes = scene.quarter_bar(1, RADIUS, LENGTH, n / 2, along);
@@ -45,7 +83,10 @@ fn hit(bench: &Bench, name: &str, n: usize, v: f64, material: impl Fn(&mut Scene
     scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
     scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
     scene.start(&nodes, [0.0, 0.0, -v], [0.0; 3]);
-    scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0);
+    match end {
+        Foot::Held => scene.symmetry([0.0; 3], [0.0, 0.0, 1.0]),
+        Foot::Pushed => scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0),
+    }
     let at_end = |z: f64| nodes.iter().copied().filter(|&i| (scene.at(i)[2] - z).abs() < 1e-9).collect::<Vec<u32>>();
     let (foot, head) = (at_end(0.0), at_end(LENGTH));
     let mut seen = Vec::new();
@@ -59,26 +100,33 @@ fn hit(bench: &Bench, name: &str, n: usize, v: f64, material: impl Fn(&mut Scene
     Ok(Mushroom { seen, strain, run })
 }
 
-fn copper(bench: &Bench, n: usize) -> Result<Vec<Row>, String> {
+fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
     const OWN: &str = "[C] axisymmetric one-point code";
-    let m = hit(bench, &format!("B01 {n}"), n, 227.0, |scene| {
+    let variant = end.variant(n);
+    let m = hit(bench, &format!("B01 {variant}"), (n, end), 227.0, |scene| {
         scene.plastic("metal", Elastic { e: 117e9, nu: 0.35, rho: 8930.0 }, 400e6, 100e6);
     })?;
-    let variant = format!("hexahedron, {n} cells on the radius");
+    // The tolerances of the catalogue are for eight cells, and for the foot of the references.
+    let gated = n == 8 && end == Foot::Held;
+    let check = |row: Row, reference: f64, tolerance: f64, source: &'static str| {
+        if gated { row.near(reference, tolerance, source) } else { row.beside(reference, source) }
+    };
     let [radius, length] = m.at(80e-6);
     let mut all = vec![
-        Row::new("radius of the foot at 80 us", &variant, "mm", 1e3 * radius).near(
+        check(
+            Row::new("radius of the foot at 80 us", &variant, "mm", 1e3 * radius),
             7.22,
             0.015,
             "[V:S2] Foulk et al. 2021",
         ),
-        Row::new("length at 80 us", &variant, "mm", 1e3 * length).near(21.43, 0.005, "[V:S2] Sierra/SM, Carina; [C]"),
-        Row::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]).near(
+        check(Row::new("length at 80 us", &variant, "mm", 1e3 * length), 21.43, 0.005, "[V:S2] Sierra/SM, Carina; [C]"),
+        check(
+            Row::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]),
             5.45,
             0.015,
             "[V:S2] Carina",
         ),
-        Row::new("largest plastic strain", &variant, "", m.strain).near(2.9, 0.1, "[C] 2.6 to 3.1 with the mesh"),
+        check(Row::new("largest plastic strain", &variant, "", m.strain), 2.9, 0.1, "[C] 2.6 to 3.1 with the mesh"),
     ];
     for (t, r, l) in
         [(5.0, 4.48, 31.26), (10.0, 5.20, 30.14), (20.0, 6.18, 28.07), (40.0, 7.13, 24.57), (60.0, 7.22, 22.22)]
@@ -87,30 +135,35 @@ fn copper(bench: &Bench, n: usize) -> Result<Vec<Row>, String> {
         all.push(Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius).beside(r, OWN));
         all.push(Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).beside(l, OWN));
     }
-    Ok(m.run.with_energy(&variant, 1e-2, all))
+    Ok(m.with_energy(&variant, all))
 }
 
 fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
-    const N: usize = 8;
     const S: &str = "[V:S3] DynELA and Abaqus, 4455 elements";
-    let m = hit(bench, "B02", N, 287.0, |scene| {
-        scene.add(
-            "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = 7830.0\nyoungs_modulus = 206.9e9\n\
-             poisson = 0.3\na = 806e6\nb = 614e6\nn = 0.168\nc = 0.0089\nreference_rate = 1.0\nm = 1.1\n\
-             reference_temperature = 20.0\nmelting_temperature = 1540.0\nspecific_heat = 460.0\ntaylor_quinney = 0.9",
-        );
-    })?;
-    let variant = format!("hexahedron, {N} cells on the radius");
-    let [radius, length] = m.at(80e-6);
-    Ok(m.run.with_energy(
-        &variant,
-        1e-2,
-        vec![
-            Row::new("length at 80 us", &variant, "mm", 1e3 * length).near(26.55, 0.005, S),
-            Row::new("diameter of the foot at 80 us", &variant, "mm", 2e3 * radius).near(11.22, 0.015, S),
-            Row::new("largest plastic strain", &variant, "", m.strain).near(1.84, 0.05, S),
-        ],
-    ))
+    let mut all = Vec::new();
+    for end in [Foot::Held, Foot::Pushed] {
+        let variant = end.variant(8);
+        let m = hit(bench, &format!("B02 {variant}"), (8, end), 287.0, |scene| {
+            scene.add(
+                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = 7830.0\nyoungs_modulus = 206.9e9\n\
+                 poisson = 0.3\na = 806e6\nb = 614e6\nn = 0.168\nc = 0.0089\nreference_rate = 1.0\nm = 1.1\n\
+                 reference_temperature = 20.0\nmelting_temperature = 1540.0\nspecific_heat = 460.0\n\
+                 taylor_quinney = 0.9",
+            );
+        })?;
+        let [radius, length] = m.at(80e-6);
+        let rows = [
+            (Row::new("length at 80 us", &variant, "mm", 1e3 * length), 26.55, 0.005),
+            (Row::new("diameter of the foot at 80 us", &variant, "mm", 2e3 * radius), 11.22, 0.015),
+            (Row::new("largest plastic strain", &variant, "", m.strain), 1.84, 0.05),
+        ];
+        let rows = rows.map(|(row, reference, tolerance)| match end {
+            Foot::Held => row.near(reference, tolerance, S),
+            Foot::Pushed => row.beside(reference, S),
+        });
+        all.extend(m.with_energy(&variant, rows.into()));
+    }
+    Ok(all)
 }
 
 fn ball(bench: &Bench) -> Result<Vec<Row>, String> {

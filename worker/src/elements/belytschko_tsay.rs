@@ -11,10 +11,11 @@
 //! Left out: a shear projection, so bending patches of distorted quads fail; `stabilised_quad.rs` has it. Thin twisted
 //! strips do not lock, as the hourglass rates leave rigid rotation out; coarse ones are stiff (`shell_benchmarks.rs`).
 
-use super::quad::{self, DRILLING, Generalised, Geometry, HOURGLASS, Modes, Motion, Response};
+use super::quad::{self, DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response};
 use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section};
-use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, let_go, with_points};
-use crate::lanes::{Lane, Real};
+use super::shell::Shell;
+use super::{Build, Built, ElementRow, let_go};
+use crate::lanes::Real;
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
@@ -34,7 +35,9 @@ pub struct BelytschkoTsay {
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    Ok(Box::new(BelytschkoTsay { section, hourglass: part.hourglass, warping: part.warping, drilling: part.drilling }))
+    let hourglass = part.hourglass.unwrap_or(HourglassForm::Stiffness);
+    let kernel = BelytschkoTsay { section, hourglass, warping: part.warping, drilling: part.drilling };
+    Ok(Box::new(Shell(Quad(kernel))))
 }
 
 /// Coupling of in-plane velocity to curvature in a warped element: corner values 1 and 2 of Bc1 and Bc2 [1/length^2],
@@ -80,8 +83,14 @@ impl<R: Real> Warping<R> {
     }
 }
 
-impl BelytschkoTsay {
-    /// One element in each lane; the reference and the fast kernel are this one function.
+impl Kernel for BelytschkoTsay {
+    const OWN: usize = HOURGLASS + DRILLING;
+    const TAPER: f64 = 0.0;
+
+    fn section(&self) -> &Section {
+        &self.section
+    }
+
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(&self, modes: &Modes<R>, history: &mut [R], dt: f64) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
@@ -139,7 +148,9 @@ impl BelytschkoTsay {
         }
         response
     }
+}
 
+impl BelytschkoTsay {
     /// Coefficients of tx, ty, vz, vx, vy.
     #[inline(always)]
     fn hourglass_stiffness<R: Real>(&self, g: &Geometry<R>, t: R) -> [R; HOURGLASS] {
@@ -162,42 +173,6 @@ impl BelytschkoTsay {
             _ => [theta, w, membrane].map(|k| R::splat(r) * k),
         };
         [theta, theta, w, membrane, membrane]
-    }
-}
-
-impl Element for BelytschkoTsay {
-    fn columns(&self) -> usize {
-        self.section.columns() + HOURGLASS + DRILLING
-    }
-
-    fn start(&self, history: &mut [Lane]) {
-        self.section.start(history);
-    }
-
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        quad::corner_mass(&self.section, four(x))
-    }
-
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        with_points!(self.section.points, N => {
-            quad::run(pass, self.columns(), |modes, history, dt| self.respond::<Lane, N>(modes, history, dt))
-        })
-    }
-
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
-        quad::stable_dt(&self.section, four(x))
-    }
-
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        self.section.has_failed(history, lane)
-    }
-
-    fn can_fail(&self) -> bool {
-        self.section.can_fail()
-    }
-
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
-        self.section.fields(history, lane, &quad::axes(four(x)))
     }
 }
 

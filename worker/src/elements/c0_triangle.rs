@@ -22,13 +22,14 @@
 //!
 //! The stable step is 2/omega of the free element in its membrane modes, exactly: with nodal mass m/3 and
 //! `b = B B'` (2 x 2), `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
-//! side is up to 1/0.82 of it and would not be safe.
+//! side is up to 1/0.82 of it and would not be safe. With s the larger principal value of b, P the sum of squared sides and
+//! I the rotational inertia per mass, transverse shear has `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`, exactly, so that
+//! `I = (8 A^2/P + P/24)/5` holds it to that of the membrane, but for 5 % where nu = 0 (1/s is at most 8 A^2/P).
 
-use super::section::{SHEAR_CORRECTION, Section, Strains, angle_by_sine};
-use super::{
-    Build, Built, Element, ElementFields, ElementRow, GroupNodes, GroupTotals, NodeView, Pass, PassTotals, four,
-    let_go, with_points,
-};
+use super::kinematics::{Frame, PlaneMotion, curvature};
+use super::section::{SHEAR_CORRECTION, Section, Strains};
+use super::shell::{Formulation, Shell};
+use super::{Build, Built, ElementRow, GroupNodes, NodeView, Pass, PassTotals, Totals, let_go};
 use crate::lanes::{LANES, Lane, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
@@ -49,7 +50,7 @@ pub struct C0Triangle {
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
-    Ok(Box::new(C0Triangle { section, drilling: part.drilling }))
+    Ok(Box::new(Shell(C0Triangle { section, drilling: part.drilling })))
 }
 
 /// Corner vectors of an element: what 2 and 3 have beyond 1, and for rotations the sum too.
@@ -68,10 +69,7 @@ pub struct Response<R: Real> {
     pub force: [[R; 3]; 2],
     /// Moments of corners 1, 2, 3 [force length].
     pub moment: [[R; 3]; 3],
-    internal: R,
-    hourglass: R,
-    stable_dt: R,
-    sound: R::Mask,
+    totals: Totals<R>,
 }
 
 impl<R: Real> Response<R> {
@@ -80,18 +78,13 @@ impl<R: Real> Response<R> {
     fn let_go(&mut self, failed: R::Mask) {
         let_go(failed, self.force.as_flattened_mut());
         let_go(failed, self.moment.as_flattened_mut());
-        self.internal = R::select(failed, R::zero(), self.internal);
-        self.hourglass = R::select(failed, R::zero(), self.hourglass);
-        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
-        self.sound = R::either(self.sound, failed);
+        self.totals.let_go(failed);
     }
 }
 
 /// Frame and shape of an element.
 struct Geometry<R: Real> {
-    e1: [R; 3],
-    e2: [R; 3],
-    n: [R; 3],
+    frame: Frame<R>,
     area: R,
     /// Sides 1-2 and 1-3 in the plane [length].
     x: [[R; 2]; 2],
@@ -115,19 +108,7 @@ impl<R: Real> Geometry<R> {
         let e2 = cross(n, e1);
         let x = [r21, r31].map(|r| [dot(e1, r), dot(e2, r)]);
         let b = [[x[1][1] * inv_2a, -(x[1][0] * inv_2a)], [-(x[0][1] * inv_2a), x[0][0] * inv_2a]];
-        Self { e1, e2, n, area: R::splat(0.5) * two_a, x, b }
-    }
-
-    /// Components of a vector in the element's axes.
-    #[inline(always)]
-    fn local(&self, v: [R; 3]) -> [R; 3] {
-        [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
-    }
-
-    /// The vector with these components in the element's axes.
-    #[inline(always)]
-    fn global(&self, v: [R; 3]) -> [R; 3] {
-        std::array::from_fn(|i| v[0].mul_add(self.e1[i], v[1].mul_add(self.e2[i], v[2] * self.n[i])))
+        Self { frame: Frame { e1, e2, n }, area: R::splat(0.5) * two_a, x, b }
     }
 
     /// Gradient of a column from what corners 2 and 3 have beyond 1.
@@ -183,8 +164,8 @@ impl C0Triangle {
 
         // 1. Frame, and everything that moves as seen in it, as increments of the step.
         let g = Geometry::new(corners.x);
-        let u = corners.v.map(|v| g.local(v).map(|c| c * step));
-        let t = corners.w.map(|w| g.local(w).map(|c| c * step));
+        let u = corners.v.map(|v| g.frame.local(v).map(|c| c * step));
+        let t = corners.w.map(|w| g.frame.local(w).map(|c| c * step));
 
         // 2. Gradients.
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
@@ -192,18 +173,7 @@ impl C0Triangle {
         let ty = g.gradient(t[0][1], t[1][1]);
 
         // 3. Strains, as in the four-node shell.
-        let product = |i: usize, j: usize| k[0][i].mul_add(k[0][j], k[1][i].mul_add(k[1][j], k[2][i] * k[2][j]));
-        let e_xx = half.neg_mul_add(product(0, 0), k[0][0]);
-        let e_yy = half.neg_mul_add(product(1, 1), k[1][1]);
-        let e_xy = half * (k[0][1] + k[1][0] - product(0, 1));
-        let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
-        let xy2 = e_xy * e_xy;
-        let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
-        let kappa = [ty[0], -tx[1], ty[1] - tx[0]];
-        let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
-        let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
-        let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
-        let angle = angle_by_sine(dot(sine, sine));
+        let PlaneMotion { eps, sine, angle, .. } = PlaneMotion::new(&k);
 
         // 4. Transverse shear from the edges.
         let [x21, x31] = g.x;
@@ -219,7 +189,7 @@ impl C0Triangle {
         ];
 
         // 5. Stress.
-        let strains = Strains { eps, kappa, gamma };
+        let strains = Strains { eps, kappa: curvature(tx, ty), gamma };
         let sound = self.section.healthy(&strains, self.section.current_thickness(section));
         let resultants = self.section.update::<R, N>(section, &strains, dt);
         let thickness = resultants.thickness;
@@ -252,7 +222,7 @@ impl C0Triangle {
         let fx = g.spread(nx, nxy + couple);
         let fy = g.spread(nxy - couple, ny);
         let fz = g.spread(qx, qy);
-        let force = std::array::from_fn(|c| g.global([fx[c], fy[c], fz[c]]));
+        let force = std::array::from_fn(|c| g.frame.global([fx[c], fy[c], fz[c]]));
         // Work-conjugate to b21 and b31: curvature, edge shear, free spin; then the share of the mean.
         let [on_r, on_s] = fz.map(|f| f * sixth);
         let by = g.spread(mx, mxy);
@@ -264,7 +234,7 @@ impl C0Triangle {
             (free - on_r).mul_add(x21[i], (-on_s).mul_add(x23[i], if i == 0 { by[1] } else { bx[1] }))
         });
         let mean = [third * qx, third * qy];
-        let corner = |b: [R; 2], drill: R| g.global([-(mean[1] + b[1]), mean[0] + b[0], drill]);
+        let corner = |b: [R; 2], drill: R| g.frame.global([-(mean[1] + b[1]), mean[0] + b[0], drill]);
         let to1 = [-(to2[0] + to3[0]), -(to2[1] + to3[1])];
         let moment = [corner(to1, drill[0]), corner(to2, drill[1]), corner(to3, drill[2])];
 
@@ -276,33 +246,18 @@ impl C0Triangle {
         }
         let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(f64::MAX)));
         let elastic = &self.section.elastic;
-        let mut response = Response {
-            force,
-            moment,
+        let totals = Totals {
+            stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
             internal: resultants.work * g.area,
             hourglass: half * energy,
-            stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
             sound,
         };
+        let mut response = Response { force, moment, totals };
         if let Some(failed) = self.section.failed_lanes(section) {
             response.let_go(failed);
             let_go(failed, own);
         }
         response
-    }
-
-    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
-        let dt = pass.dt;
-        pass.shells(self.columns(), |group, nodes, history, force, moment| {
-            let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
-            scatter(&response, force, moment);
-            GroupTotals {
-                stable_dt: response.stable_dt,
-                internal: response.internal,
-                hourglass: response.hourglass,
-                sound: response.sound,
-            }
-        })
     }
 }
 
@@ -353,45 +308,40 @@ fn sides(x: &[[f64; 3]; 4]) -> [[f64; 3]; 2] {
     [1, 2].map(|c: usize| std::array::from_fn(|i| x[c][i] - x[0][i]))
 }
 
-impl Element for C0Triangle {
-    fn columns(&self) -> usize {
-        self.section.columns() + OWN
+impl Formulation for C0Triangle {
+    const OWN: usize = OWN;
+
+    fn section(&self) -> &Section {
+        &self.section
     }
 
-    fn start(&self, history: &mut [Lane]) {
-        self.section.start(history);
+    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
+        let g = Geometry::new(sides(x));
+        let mass = self.section.elastic.density * self.section.thickness * g.area / 3.0;
+        let sides2 = 2.0 * g.half_sides2();
+        (mass, mass * self.section.inertia_per_mass((8.0 * g.area * g.area / sides2 + sides2 / 24.0) / 5.0))
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        let area = Geometry::new(sides(four(x))).area;
-        let mass = self.section.elastic.density * self.section.thickness * area / 3.0;
-        // Per area, a triangle has twice the corners of a quad: with its A/7 shear would govern the step where nu is small.
-        (mass, mass * self.section.inertia_per_mass(2.0 * area))
-    }
-
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        with_points!(self.section.points, N => self.pass::<N>(pass))
-    }
-
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
-        let geometry = Geometry::new(sides(four(x)));
+    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
+        let geometry = Geometry::new(sides(x));
         if !Real::gt(geometry.area, 0.0) {
             return f64::NAN;
         }
         geometry.stable_length(self.section.elastic.poisson) / self.section.elastic.plate_wave_speed()
     }
 
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        self.section.has_failed(history, lane)
+    fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+        let Frame { e1, e2, n } = Geometry::new(sides(x)).frame;
+        [e1, e2, n]
     }
 
-    fn can_fail(&self) -> bool {
-        self.section.can_fail()
-    }
-
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
-        let Geometry { e1, e2, n, .. } = Geometry::new(sides(four(x)));
-        self.section.fields(history, lane, &[e1, e2, n])
+    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
+        let dt = pass.dt;
+        pass.shells(self.section.columns() + OWN, |group, nodes, history, force, moment| {
+            let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
+            scatter(&response, force, moment);
+            response.totals
+        })
     }
 }
 

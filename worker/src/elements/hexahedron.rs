@@ -34,7 +34,7 @@ mod modes;
 use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
-    Build, Built, Element, ElementFields, ElementRow, GroupTotals, Pass, PassTotals, failed_column, let_go, section,
+    Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, Totals, failed_column, let_go, section,
 };
 use crate::lanes::{Lane, Real, dot};
 use crate::materials::{Elastic, PointReal, Solid, SolidPoint};
@@ -47,6 +47,8 @@ pub const ROW: ElementRow = ElementRow { name: "hexahedron", shape: Shape::Hex8,
 
 /// Hourglass coefficient where the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.05;
+/// Bulk viscosity where the job gives none.
+const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Largest strain increment of a healthy step.
 const STRAIN_LIMIT: f64 = 0.5;
 /// Components of stress, at the start of the law's state.
@@ -80,7 +82,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
     let coefficient = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
     let wanted = "from 0 to 0.5 for solids (0.05 is usual)";
     check((0.0..=0.5).contains(&coefficient), "hourglass_coefficient", coefficient.to_string(), wanted);
-    let viscosity = part.bulk_viscosity;
+    let viscosity = part.bulk_viscosity.unwrap_or(BULK_VISCOSITY);
     let right = viscosity.iter().all(|b| (0.0..=10.0).contains(b));
     check(right, "bulk_viscosity", format!("{viscosity:?}"), "[linear, quadratic], each from 0 to 10");
     let elastic = law.elastic();
@@ -91,7 +93,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
     debug_assert!(poisson < 0.5, "laws of solids refuse what has no finite bulk modulus");
     Ok(Box::new(Hexahedron {
         elastic,
-        hourglass: Hourglass { form: part.hourglass, coefficient },
+        hourglass: Hourglass { form: part.hourglass.unwrap_or(HourglassForm::AssumedStrain), coefficient },
         bulk_viscosity: viscosity,
         state: STRESS + history.len(),
         plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| STRESS + column),
@@ -104,13 +106,7 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
 struct Response<R: Real> {
     /// Forces of the modes: corner forces are their sums with the modes' signs [force].
     force: Modes<R>,
-    /// Increase of internal and of hourglass energy [energy].
-    internal: R,
-    hourglass: R,
-    /// Stable step [time].
-    stable_dt: R,
-    /// Lanes whose element is sound.
-    sound: R::Mask,
+    totals: Totals<R>,
 }
 
 impl<R: Real> Response<R> {
@@ -118,10 +114,7 @@ impl<R: Real> Response<R> {
     #[inline(always)]
     fn let_go(&mut self, failed: R::Mask) {
         let_go(failed, self.force.as_flattened_mut());
-        self.internal = R::select(failed, R::zero(), self.internal);
-        self.hourglass = R::select(failed, R::zero(), self.hourglass);
-        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
-        self.sound = R::either(self.sound, failed);
+        self.totals.let_go(failed);
     }
 }
 
@@ -183,10 +176,7 @@ impl Hexahedron {
             half_turn: &turn,
             gram_trace: gram[0] + gram[1] + gram[2],
             density,
-            tangent: match self.hourglass.form {
-                HourglassForm::AssumedStrain => tangent(&self.elastic, &before, &after, &eps),
-                _ => one,
-            },
+            left: if self.plastic_strain.is_some() { left(&self.elastic, &before, &after, &eps) } else { one },
             per_time,
         };
         let (resistance, resisted) = self.hourglass.update(&self.elastic, &step, hourglass);
@@ -232,7 +222,7 @@ impl Hexahedron {
         let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.le(R::splat(f64::MAX)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
-        let mut response = Response { force, internal, hourglass: resisted, stable_dt, sound };
+        let mut response = Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
         if let Some(column) = self.failed {
             let failed = state[column].gt(half);
             response.let_go(failed);
@@ -291,20 +281,20 @@ fn undamped_step<R: Real>(elastic: &Elastic, gram: &[R; 6], density: R) -> R {
     (R::splat(0.5) * density / stiffness).sqrt()
 }
 
-/// Deviatoric stress increment over what elasticity would have made of the strain increment; one if there is none.
+/// What plastic flow left of the deviator of the elastic trial, by its norm.
 #[inline(always)]
-fn tangent<R: Real>(elastic: &Elastic, before: &[R; STRESS], after: &[R; STRESS], eps: &[R; STRESS]) -> R {
+fn left<R: Real>(elastic: &Elastic, before: &[R; STRESS], after: &[R; STRESS], eps: &[R; STRESS]) -> R {
     let third = R::splat(1.0 / 3.0);
-    let square = |t: [R; STRESS], shear: f64| {
+    let square = |t: [R; STRESS]| {
         let mean = third * (t[0] + t[1] + t[2]);
         let (direct, sheared) = ([t[0] - mean, t[1] - mean, t[2] - mean], [t[3], t[4], t[5]]);
-        R::splat(shear).mul_add(dot(sheared, sheared), dot(direct, direct))
+        R::splat(2.0).mul_add(dot(sheared, sheared), dot(direct, direct))
     };
-    let made = square(std::array::from_fn(|c| after[c] - before[c]), 2.0);
     // Shear strains are twice the components.
-    let modulus = 2.0 * elastic.shear_modulus();
-    let elastic = R::splat(modulus * modulus) * square(*eps, 0.5);
-    R::select(elastic.gt(made), (made / elastic).sqrt(), R::splat(1.0))
+    let g = R::splat(elastic.shear_modulus());
+    let trial = square(std::array::from_fn(|c| (if c < 3 { g + g } else { g }).mul_add(eps[c], before[c])));
+    let after = square(*after);
+    R::select(trial.gt(after), (after / trial).sqrt(), R::splat(1.0))
 }
 
 /// The eight slots of a solid.
@@ -336,12 +326,7 @@ impl Element for Hexahedron {
             let (x, v) = (gather(group, &nodes.x[..n]), gather(group, &nodes.v[..n]));
             let response = self.respond(&x, &v, history, dt);
             scatter(&response.force, force);
-            GroupTotals {
-                stable_dt: response.stable_dt,
-                internal: response.internal,
-                hourglass: response.hourglass,
-                sound: response.sound,
-            }
+            response.totals
         })
     }
 

@@ -5,12 +5,14 @@
 mod belytschko_tsay;
 mod c0_triangle;
 mod hexahedron;
+mod kinematics;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
 mod quad;
 mod section;
+mod shell;
 #[cfg(test)]
 mod shell_benchmarks;
 #[cfg(test)]
@@ -21,7 +23,7 @@ mod statics;
 #[cfg(test)]
 pub(crate) mod testing;
 
-use crate::lanes::{LANES, Lane};
+use crate::lanes::{LANES, Lane, Real};
 use crate::materials::{self, PlaneStress, Solid, unknown_name};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
@@ -247,17 +249,30 @@ fn failed_column(history: &[&str]) -> Option<usize> {
 
 /// Noughts in the lanes that have failed.
 #[inline(always)]
-fn let_go<R: crate::lanes::Real>(failed: R::Mask, values: &mut [R]) {
+fn let_go<R: Real>(failed: R::Mask, values: &mut [R]) {
     values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
 }
 
-/// What a kernel tells of a group, lane by lane.
-struct GroupTotals {
-    stable_dt: Lane,
-    internal: Lane,
-    hourglass: Lane,
-    /// All bits set in the lanes whose element is sound.
-    sound: Lane,
+/// What a kernel tells of an element, beside its forces.
+struct Totals<R: Real> {
+    /// Stable step [time].
+    stable_dt: R,
+    /// Increase of internal energy, and of hourglass and drilling energy [energy].
+    internal: R,
+    hourglass: R,
+    /// Lanes whose element is sound.
+    sound: R::Mask,
+}
+
+impl<R: Real> Totals<R> {
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    fn let_go(&mut self, failed: R::Mask) {
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
 }
 
 impl Pass<'_> {
@@ -266,7 +281,7 @@ impl Pass<'_> {
     #[inline(always)]
     fn shells<F>(self, columns: usize, mut kernel: F) -> PassTotals
     where
-        F: FnMut(&GroupNodes<4>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 16], &mut [[f64; 4]; 16]) -> GroupTotals,
+        F: FnMut(&GroupNodes<4>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 16], &mut [[f64; 4]; 16]) -> Totals<Lane>,
     {
         const SLOTS: usize = 4 * LANES;
         let Pass { range, count, groups, history, nodes, dt: _, out } = self;
@@ -285,7 +300,7 @@ impl Pass<'_> {
     #[inline(always)]
     fn solids<F>(self, columns: usize, mut kernel: F) -> PassTotals
     where
-        F: FnMut(&GroupNodes<8>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 32]) -> GroupTotals,
+        F: FnMut(&GroupNodes<8>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 32]) -> Totals<Lane>,
     {
         const SLOTS: usize = 8 * LANES;
         let Pass { range, count, groups, history, nodes, dt: _, out } = self;
@@ -299,7 +314,7 @@ impl Pass<'_> {
 
 /// Adds up what the groups in `range` tell. Padding lanes add nothing.
 #[inline(always)]
-fn total(range: Range<usize>, count: usize, groups: impl Iterator<Item = GroupTotals>) -> PassTotals {
+fn total(range: Range<usize>, count: usize, groups: impl Iterator<Item = Totals<Lane>>) -> PassTotals {
     let mut sum = GroupSum::NONE;
     range.zip(groups).for_each(|(index, totals)| sum.add(index, count, &totals));
     sum.finish()
@@ -322,13 +337,13 @@ impl GroupSum {
     };
 
     #[inline(always)]
-    fn add(&mut self, index: usize, count: usize, totals: &GroupTotals) {
+    fn add(&mut self, index: usize, count: usize, totals: &Totals<Lane>) {
         // Padding repeats a real element, so its step and its health are true; only sums must leave it out.
         let real = count.saturating_sub(index * LANES);
         let counted = |values: Lane| if real >= LANES { values } else { first_lanes(values, real) };
         self.internal += counted(totals.internal);
         self.hourglass += counted(totals.hourglass);
-        self.stable_dt = crate::lanes::Real::min(totals.stable_dt, self.stable_dt);
+        self.stable_dt = Real::min(totals.stable_dt, self.stable_dt);
         if !totals.sound.all() && self.trouble.is_none() {
             let lane = totals.sound.to_array().iter().position(|l| l.to_bits() == 0).unwrap_or(0);
             self.trouble = Some((index * LANES + lane).min(count - 1));

@@ -25,7 +25,7 @@ fn shells() -> Vec<(String, Patch)> {
     let every = |(element, triangular): (&str, bool)| {
         let plain = part_of(element, 0.01);
         let mut all = Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
-        all.hourglass = HourglassForm::Viscous;
+        all.hourglass = Some(HourglassForm::Viscous);
         [(element.to_string(), plain), (format!("{element}, all options"), all)].map(|(name, part)| {
             let mut patch = patch(part, triangular);
             let mut noise = Noise(3);

@@ -20,17 +20,33 @@
 //!   angular momentum.
 //! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element.
 //!
+//! Stable step: `L/c`, L = A over the longest side and c the plate wave speed, is that of a wave through many elements.
+//! A lone element may bear less. With mass m/4 at each corner the frequencies of its membrane stiffness are those of
+//! `(4/rho) C B B'`, of which the largest is, with `S = sum b_I b_I'` of the mean gradient (its determinant is 1/A^2 for
+//! any quad, its trace D/A^2, D half the sum of the squared diagonals),
+//! ```text
+//! omega^2 = 2 c^2 (tr S + sqrt(tr^2 S - 4 (1-nu^2) det S)) = 2 (c/A)^2 (D + sqrt(D^2 - 4 (1-nu^2) A^2))
+//! ```
+//! The step is the lesser of `L/c` and [`LONE`] times `2/omega`.
+//!
 //! Everything about four corners is held as three or four modes, of which the corners are sums:
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
-use super::section::{Section, Strains, angle_by_sine};
-use super::{GroupNodes, GroupTotals, NodeView, Pass, PassTotals, let_go};
+use super::kinematics::{Frame, PlaneMotion, curvature};
+use super::section::{INERTIA_FLOOR, Section, Strains};
+use super::shell::Formulation;
+use super::{GroupNodes, NodeView, Pass, PassTotals, Totals, let_go};
 use crate::lanes::{LANES, Lane, Real, cross, dot};
+use crate::materials::PointReal;
 
 /// Generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
 /// Columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
 pub const DRILLING: usize = 4;
+
+/// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a lone square or strip is
+/// stable by 5 %; one would be safe at any factor below 1, and slow a mesh of squares, which bears L/c, by 1/sqrt(1+nu).
+const LONE: f64 = 1.05;
 
 /// Corner vectors of an element as modes.
 pub struct Modes<R> {
@@ -48,13 +64,7 @@ pub struct Response<R: Real> {
     pub force: [[R; 3]; 3],
     /// Corner moments: the same with `+ sum` everywhere [force length].
     pub moment: [[R; 3]; 4],
-    /// Increase of internal energy, of hourglass and drilling energy [energy].
-    pub internal: R,
-    pub hourglass: R,
-    /// Stable step [time].
-    pub stable_dt: R,
-    /// Lanes whose element is sound.
-    pub sound: R::Mask,
+    pub totals: Totals<R>,
 }
 
 impl<R: Real> Response<R> {
@@ -63,18 +73,13 @@ impl<R: Real> Response<R> {
     pub fn let_go(&mut self, failed: R::Mask) {
         let_go(failed, self.force.as_flattened_mut());
         let_go(failed, self.moment.as_flattened_mut());
-        self.internal = R::select(failed, R::zero(), self.internal);
-        self.hourglass = R::select(failed, R::zero(), self.hourglass);
-        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
-        self.sound = R::either(self.sound, failed);
+        self.totals.let_go(failed);
     }
 }
 
 /// Frame and shape of an element.
 pub struct Geometry<R: Real> {
-    pub e1: [R; 3],
-    pub e2: [R; 3],
-    pub n: [R; 3],
+    pub frame: Frame<R>,
     pub area: R,
     /// 1/2A [1/length^2].
     pub inv_2a: R,
@@ -85,8 +90,9 @@ pub struct Geometry<R: Real> {
     /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
     pub b1: [R; 2],
     pub b2: [R; 2],
-    /// A over the longest side [length].
-    pub length: R,
+    /// Square of the longest side, and D: half the sum of the squared diagonals [length^2].
+    longest: R,
+    diagonals: R,
     /// Lanes with all four corner Jacobians above nought.
     pub convex: R::Mask,
 }
@@ -129,9 +135,7 @@ impl<R: Real> Geometry<R> {
         // Corner Jacobians are A +- (p x s)/4 +- (q x s)/4.
         let lopsided = px.mul_add(sy, -(py * sx)).abs() + qx.mul_add(sy, -(qy * sx)).abs();
         Self {
-            e1,
-            e2,
-            n,
+            frame: Frame { e1, e2, n },
             area,
             inv_2a,
             b1: [y[1] * inv_2a, -(y[0] * inv_2a)],
@@ -139,21 +143,20 @@ impl<R: Real> Geometry<R> {
             x,
             y,
             hz,
-            length: two_a / longest.sqrt(),
+            longest: R::splat(0.25) * longest,
+            diagonals: half * (side(x[0], y[0]) + side(x[1], y[1])),
             convex: area.gt(R::splat(0.25) * lopsided),
         }
     }
 
-    /// Components of a vector in the element's axes.
+    /// Stable step times the plate wave speed [length].
     #[inline(always)]
-    pub fn local(&self, v: [R; 3]) -> [R; 3] {
-        [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
-    }
-
-    /// The vector with these components in the element's axes.
-    #[inline(always)]
-    pub fn global(&self, v: [R; 3]) -> [R; 3] {
-        std::array::from_fn(|i| v[0].mul_add(self.e1[i], v[1].mul_add(self.e2[i], v[2] * self.n[i])))
+    pub fn stable_length(&self, poisson: f64) -> R {
+        let root = (4.0 * (1.0 - poisson * poisson)).sqrt();
+        let (d, a) = (self.diagonals, R::splat(root) * self.area);
+        // D is at least 2 A, but for round-off.
+        let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
+        self.area / Real::max(self.longest, R::splat(0.5 / (LONE * LONE)) * lone).sqrt()
     }
 
     /// B1 and B2 on a nodal column that has the modes u13 and u24.
@@ -199,34 +202,21 @@ impl<R: Real> Motion<R> {
     pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
         let step = R::splat(dt);
         let [half, quarter] = [0.5, 0.25].map(R::splat);
-        let u = modes.v.map(|v| g.local(v).map(|c| c * step));
-        let t = modes.w.map(|w| g.local(w).map(|c| c * step));
+        let u = modes.v.map(|v| g.frame.local(v).map(|c| c * step));
+        let t = modes.w.map(|w| g.frame.local(w).map(|c| c * step));
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
-        let product = |i: usize, j: usize| k[0][i].mul_add(k[0][j], k[1][i].mul_add(k[1][j], k[2][i] * k[2][j]));
-        let e_xx = half.neg_mul_add(product(0, 0), k[0][0]);
-        let e_yy = half.neg_mul_add(product(1, 1), k[1][1]);
-        let e_xy = half * (k[0][1] + k[1][0] - product(0, 1));
-        let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
-        let xy2 = e_xy * e_xy;
-        let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
-        let kappa = [ty[0], -tx[1], ty[1] - tx[0]];
-
-        // The third column of K, and from it the angles that the plane turned by.
-        let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
-        let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
+        let PlaneMotion { almansi, eps, k_z: [k_xz, k_yz], sine, angle } = PlaneMotion::new(&k);
         let tilt2 = k_xz.mul_add(k_xz, k_yz * k_yz);
         // 1 - sqrt(1 - tilt2)
         let [c4, c3, c2] = [5.0 / 64.0, 0.125, 0.25].map(R::splat);
         let k_zz = half * tilt2 * tilt2.mul_add(tilt2.mul_add(tilt2.mul_add(c4, c3), c2), R::splat(1.0));
-        let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
-        let angle = angle_by_sine(dot(sine, sine));
         let gamma = [angle.mul_add(sine[0], quarter * t[3][1]), (-quarter).mul_add(t[3][0], angle * sine[1])];
         let spin = angle * sine[2];
-        let motion = Self { u, t, k, tx, ty, almansi: [e_xx, e_yy, e_xy], spin, k_z: [k_xz, k_yz, k_zz] };
-        (motion, Strains { eps, kappa, gamma })
+        let motion = Self { u, t, k, tx, ty, almansi, spin, k_z: [k_xz, k_yz, k_zz] };
+        (motion, Strains { eps, kappa: curvature(tx, ty), gamma })
     }
 
     /// Increments of the hourglass modes tx, ty, vz, vx, vy.
@@ -322,8 +312,8 @@ impl<R: Real> Response<R> {
         [internal, hourglass]: [R; 2],
         sound: R::Mask,
     ) -> Self {
-        let force = force.map(|f| g.global(f));
-        let moment = moment.map(|m| g.global(m));
+        let force = force.map(|f| g.frame.global(f));
+        let moment = moment.map(|m| g.frame.global(m));
         // A sum tells of what is not finite wherever it is.
         let mut total = R::zero();
         for c in 0..3 {
@@ -331,29 +321,68 @@ impl<R: Real> Response<R> {
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
         let sound = R::both(R::both(sound, g.convex), total.le(R::splat(f64::MAX)));
-        let inv_c = R::splat(1.0 / section.elastic.plate_wave_speed());
-        Self { force, moment, internal, hourglass, stable_dt: g.length * inv_c, sound }
+        let elastic = &section.elastic;
+        let stable_dt = g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed());
+        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound } }
     }
 }
 
-/// Runs `respond` over all groups of a range.
-#[inline(always)]
-pub fn run(
-    pass: Pass<'_>,
-    columns: usize,
-    mut respond: impl FnMut(&Modes<Lane>, &mut [Lane], f64) -> Response<Lane>,
-) -> PassTotals {
-    let dt = pass.dt;
-    pass.shells(columns, |group, nodes, history, force, moment| {
-        let response = respond(&gather(group, nodes), history, dt);
-        scatter(&response, force, moment);
-        GroupTotals {
-            stable_dt: response.stable_dt,
-            internal: response.internal,
-            hourglass: response.hourglass,
-            sound: response.sound,
+/// What differs from quad to quad.
+pub trait Kernel: Send + Sync {
+    /// Columns of its own, after those of the section.
+    const OWN: usize;
+    /// How much rotations that vary over a tapered element turn into shear, for its rotational inertia: shear has the
+    /// frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`, s the larger principal value of S and I the inertia per mass.
+    const TAPER: f64;
+
+    /// What it does through the thickness.
+    fn section(&self) -> &Section;
+
+    /// One element in each lane; the reference and the fast kernel are this one function.
+    fn respond<R: PointReal, const N: usize>(&self, modes: &Modes<R>, history: &mut [R], dt: f64) -> Response<R>;
+}
+
+/// A quad with this kernel.
+pub struct Quad<K>(pub K);
+
+impl<K: Kernel> Formulation for Quad<K> {
+    const OWN: usize = K::OWN;
+
+    fn section(&self) -> &Section {
+        self.0.section()
+    }
+
+    /// s is at least 1/A, so that an inertia of `(A + TAPER H^2)/7` holds the frequency of shear to that of the membrane,
+    /// but for 7 % where nu = 0.
+    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
+        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        let mass = 0.25 * section.elastic.density * section.thickness * g.area;
+        let h2 = g.x[2] * g.x[2] + g.y[2] * g.y[2];
+        (mass, mass * section.inertia_per_mass(INERTIA_FLOOR * (g.area + K::TAPER * h2)))
+    }
+
+    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
+        let geometry = Geometry::new(&coordinate_modes(x));
+        if !geometry.convex {
+            return f64::NAN;
         }
-    })
+        let elastic = &self.section().elastic;
+        geometry.stable_length(elastic.poisson) * (1.0 / elastic.plate_wave_speed())
+    }
+
+    fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+        let Frame { e1, e2, n } = Geometry::new(&coordinate_modes(x)).frame;
+        [e1, e2, n]
+    }
+
+    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
+        let dt = pass.dt;
+        pass.shells(self.section().columns() + K::OWN, |group, nodes, history, force, moment| {
+            let response = self.0.respond::<Lane, N>(&gather(group, nodes), history, dt);
+            scatter(&response, force, moment);
+            response.totals
+        })
+    }
 }
 
 /// Corner values of a group as modes. Differences are taken row by row, before the rows become lanes.
@@ -420,28 +449,6 @@ pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
     [mode(&|i| x[0][i] - x[2][i]), mode(&|i| x[1][i] - x[3][i]), mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i]))]
 }
 
-/// Mass and rotational inertia that an element gives to each of its corners.
-pub fn corner_mass(section: &Section, x: &[[f64; 3]; 4]) -> (f64, f64) {
-    let area = Geometry::new(&coordinate_modes(x)).area;
-    let mass = 0.25 * section.elastic.density * section.thickness * area;
-    (mass, mass * section.inertia_per_mass(area))
-}
-
-/// Area over the longest side over the wave speed [time]; NaN for an element that is not convex.
-pub fn stable_dt(section: &Section, x: &[[f64; 3]; 4]) -> f64 {
-    let geometry = Geometry::new(&coordinate_modes(x));
-    if !geometry.convex {
-        return f64::NAN;
-    }
-    geometry.length / section.elastic.plate_wave_speed()
-}
-
-/// Axes e1, e2 and n of an element.
-pub fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
-    let Geometry { e1, e2, n, .. } = Geometry::new(&coordinate_modes(x));
-    [e1, e2, n]
-}
-
 #[cfg(test)]
 pub mod tests {
     use super::super::testing::Noise;
@@ -482,9 +489,9 @@ pub mod tests {
                 for (many, one) in wide.iter().zip(history) {
                     assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
                 }
-                assert_eq!(lanes.stable_dt.as_array()[lane].to_bits(), one.stable_dt.to_bits());
-                assert_eq!(lanes.internal.as_array()[lane].to_bits(), one.internal.to_bits());
-                assert_eq!(lanes.hourglass.as_array()[lane].to_bits(), one.hourglass.to_bits());
+                assert_eq!(lanes.totals.stable_dt.as_array()[lane].to_bits(), one.totals.stable_dt.to_bits());
+                assert_eq!(lanes.totals.internal.as_array()[lane].to_bits(), one.totals.internal.to_bits());
+                assert_eq!(lanes.totals.hourglass.as_array()[lane].to_bits(), one.totals.hourglass.to_bits());
             }
         }
         let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

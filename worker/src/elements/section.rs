@@ -17,7 +17,7 @@ use super::{ElementFields, failed_column};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
-/// Least rotational inertia of a corner per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
+/// Least rotational inertia of a corner of a quad per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
 /// square elements where nu = 0: it then bears 0.894 of L/c, less than the usual safety factor; with 1/7, 0.934.
 pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
 /// Hourglass coefficient where the job gives none.
@@ -101,7 +101,7 @@ impl Section {
             }
         };
         let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
-        let for_shells = part.hourglass != HourglassForm::AssumedStrain;
+        let for_shells = part.hourglass != Some(HourglassForm::AssumedStrain);
         check(part.thickness.is_finite() && part.thickness >= 0.0, "thickness", &part.thickness, "above 0");
         check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
         check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
@@ -112,6 +112,10 @@ impl Section {
             "stiffness or viscous: the assumed-strain form is for solids",
         );
         check((0.0..=1.0).contains(&part.drilling), "drilling", &part.drilling, "from 0 to 1 (0.01 is usual)");
+        if part.bulk_viscosity.is_some() {
+            let message = format!("part {}: bulk_viscosity is given, but shells have none", label(part));
+            problems.push(Problem::error("bulk_viscosity", message, "take it out: it is for solids"));
+        }
         if !problems.is_empty() {
             return Err(problems);
         }
@@ -150,10 +154,10 @@ impl Section {
         history[THICKNESS]
     }
 
-    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but never so small against the
-    /// area that rotation, not membrane waves, would govern the step (Hughes, Cohen & Haroun 1978).
-    pub fn inertia_per_mass(&self, area: f64) -> f64 {
-        (self.thickness * self.thickness / 12.0).max(INERTIA_FLOOR * area)
+    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
+    /// membrane waves govern the step and not rotation (Hughes, Cohen & Haroun 1978).
+    pub fn inertia_per_mass(&self, floor: f64) -> f64 {
+        (self.thickness * self.thickness / 12.0).max(floor)
     }
 
     /// Stress at all points over a step, and its resultants. N is the number of points.
@@ -334,15 +338,6 @@ fn half_of<R: Real>(value: R) -> R {
 /// How a message calls a part: by name if it has one.
 pub fn label(part: &Part) -> String {
     if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
-}
-
-/// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh order,
-/// off by 1e-12 at a rotation of 4 degrees a step.
-#[inline(always)]
-pub fn angle_by_sine<R: Real>(sine_squared: R) -> R {
-    let s = sine_squared;
-    let [a, b, c] = [15.0 / 336.0, 3.0 / 40.0, 1.0 / 6.0].map(R::splat);
-    s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
 }
 
 /// Points and weights on (-1, 1), ascending, by Newton on the Legendre polynomial.

@@ -9,7 +9,7 @@ use crumple_proto::partition::Material;
 
 /// A part of solids without bulk viscosity.
 pub fn solid_part(hourglass: HourglassForm, coefficient: Option<f64>) -> Part {
-    Part { hourglass, hourglass_coefficient: coefficient, bulk_viscosity: [0.0; 2], ..part(0.0) }
+    Part { hourglass: Some(hourglass), hourglass_coefficient: coefficient, bulk_viscosity: Some([0.0; 2]), ..part(0.0) }
 }
 
 /// Hexahedra of one part with their nodes, columns and corner forces.

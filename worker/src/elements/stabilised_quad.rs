@@ -36,10 +36,11 @@
 //! Valid where one layer of elements follows the stress; where the centre stays elastic nothing bounds the
 //! stabilising forces. Of a part's options, `hourglass` and `warping` are not read.
 
-use super::quad::{self, DRILLING, Generalised, Geometry, Modes, Motion, Response};
+use super::quad::{self, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
-use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, four, let_go, with_points};
-use crate::lanes::{Lane, Real};
+use super::shell::Shell;
+use super::{Build, Built, ElementRow, let_go};
+use crate::lanes::Real;
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
@@ -63,7 +64,7 @@ pub struct StabilisedQuad {
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     let section = Section::new(part, law)?;
     let least_stiffness = section.hourglass_coefficient;
-    Ok(Box::new(StabilisedQuad { section, drilling: part.drilling, least_stiffness }))
+    Ok(Box::new(Shell(Quad(StabilisedQuad { section, drilling: part.drilling, least_stiffness }))))
 }
 
 /// What the stabilisation needs of the shape.
@@ -103,8 +104,16 @@ fn dot2<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
-impl StabilisedQuad {
-    /// One element in each lane; the reference and the fast kernel are this one function.
+impl Kernel for StabilisedQuad {
+    const OWN: usize = STABILISING + DRILLING;
+    /// The sides' shear at the centre is `(X (M2 H) + Y (M1 H))/4` of rotations that vary, and `XX + YY = 4 S`: tr S/4, and
+    /// tr S is s where elements are long.
+    const TAPER: f64 = 0.25;
+
+    fn section(&self) -> &Section {
+        &self.section
+    }
+
     #[inline(always)]
     fn respond<R: PointReal, const N: usize>(&self, modes: &Modes<R>, history: &mut [R], dt: f64) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
@@ -227,42 +236,6 @@ impl StabilisedQuad {
             let_go(failed, drill);
         }
         response
-    }
-}
-
-impl Element for StabilisedQuad {
-    fn columns(&self) -> usize {
-        self.section.columns() + STABILISING + DRILLING
-    }
-
-    fn start(&self, history: &mut [Lane]) {
-        self.section.start(history);
-    }
-
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        quad::corner_mass(&self.section, four(x))
-    }
-
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        with_points!(self.section.points, N => {
-            quad::run(pass, self.columns(), |modes, history, dt| self.respond::<Lane, N>(modes, history, dt))
-        })
-    }
-
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
-        quad::stable_dt(&self.section, four(x))
-    }
-
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        self.section.has_failed(history, lane)
-    }
-
-    fn can_fail(&self) -> bool {
-        self.section.can_fail()
-    }
-
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
-        self.section.fields(history, lane, &quad::axes(four(x)))
     }
 }
 

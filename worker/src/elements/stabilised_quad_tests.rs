@@ -3,6 +3,7 @@
 use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
 use super::*;
+use crate::lanes::Lane;
 use crate::materials;
 use crumple_proto::partition::{Material, Param};
 
@@ -105,11 +106,11 @@ fn lanes_are_the_scalar_kernel() {
     let part = Part { thinning: true, ..part_of("stabilised_quad", 0.05) };
     let law = materials::build(&steel).map_err(|p| format!("{p:?}")).unwrap();
     let section = Section::new(&part, law).map_err(|p| format!("{p:?}")).unwrap();
-    let shell = StabilisedQuad { section, drilling: 0.01, least_stiffness: 0.03 };
+    let shell = Shell(Quad(StabilisedQuad { section, drilling: 0.01, least_stiffness: 0.03 }));
     let fields = singles_and_lanes(
         &shell,
-        |modes, history| shell.respond::<Lane, 5>(modes, history, 0.5),
-        |modes, history| shell.respond::<f64, 5>(modes, history, 0.5),
+        |modes, history| shell.0.0.respond::<Lane, 5>(modes, history, 0.5),
+        |modes, history| shell.0.0.respond::<f64, 5>(modes, history, 0.5),
     );
     let plastic = fields.map(|fields| fields.plastic_strain);
     assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");

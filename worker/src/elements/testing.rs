@@ -2,7 +2,7 @@
 
 use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, Pass, PassTotals, build_block};
 use crate::lanes::{LANES, Lane};
-use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
 
@@ -15,9 +15,9 @@ pub fn part(thickness: f64) -> Part {
         thickness,
         element: None,
         points: 5,
-        hourglass: HourglassForm::Stiffness,
+        hourglass: None,
         hourglass_coefficient: None,
-        bulk_viscosity: [0.06, 1.5],
+        bulk_viscosity: None,
         warping: false,
         thinning: false,
         drilling: 0.01,

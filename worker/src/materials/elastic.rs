@@ -9,6 +9,7 @@ use super::parameters::Parameters;
 use super::{Built, BuiltSolid, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
 use crate::lanes::{Lane, Real};
 use crumple_proto::partition::Material;
+use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law { name: "elastic", build, solid };
@@ -18,17 +19,16 @@ struct LinearElastic {
 }
 
 fn build(material: &Material) -> Built {
-    let mut parameters = Parameters::new(material);
-    let elastic = parameters.elastic();
-    parameters.finish()?;
-    Ok(law(elastic))
+    Parameters::new(material).shell_law(read)
 }
 
 fn solid(material: &Material) -> BuiltSolid {
-    let mut parameters = Parameters::new(material);
-    let elastic = parameters.solid_elastic();
+    Parameters::new(material).solid_law(read)
+}
+
+fn read(parameters: Parameters<'_>, elastic: Elastic) -> Result<LinearElastic, Vec<Problem>> {
     parameters.finish()?;
-    Ok(solid_law(elastic))
+    Ok(LinearElastic { elastic })
 }
 
 /// The law in three dimensions with these constants.

@@ -22,15 +22,11 @@ use crumple_proto::problem::Problem;
 pub const LAW: Law = Law { name: "johnson_cook", build, solid };
 
 fn build(material: &Material) -> Built {
-    let mut parameters = Parameters::new(material);
-    let elastic = parameters.elastic();
-    Ok(Box::new(read(parameters, elastic)?))
+    Parameters::new(material).shell_law(read)
 }
 
 fn solid(material: &Material) -> BuiltSolid {
-    let mut parameters = Parameters::new(material);
-    let elastic = parameters.solid_elastic();
-    Ok(Box::new(read(parameters, elastic)?))
+    Parameters::new(material).solid_law(read)
 }
 
 /// The law with what is left to read.

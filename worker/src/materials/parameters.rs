@@ -1,6 +1,6 @@
 //! Reading a law's parameters so that one look at a material finds everything that is wrong with it.
 
-use super::Elastic;
+use super::{Built, BuiltSolid, Elastic, PlaneStress, Solid};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -80,6 +80,24 @@ impl<'a> Parameters<'a> {
             self.wrong("poisson", "is 0.5", help);
         }
         elastic
+    }
+
+    /// A law in plane stress out of its elastic constants and what `read` makes of the rest.
+    pub fn shell_law<L>(mut self, read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>) -> Built
+    where
+        L: PlaneStress + 'static,
+    {
+        let elastic = self.elastic();
+        Ok(Box::new(read(self, elastic)?))
+    }
+
+    /// The same for solids.
+    pub fn solid_law<L>(mut self, read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>) -> BuiltSolid
+    where
+        L: Solid + 'static,
+    {
+        let elastic = self.solid_elastic();
+        Ok(Box::new(read(self, elastic)?))
     }
 
     /// Everything that is wrong, parameters that nobody asked for included.
