@@ -1,8 +1,8 @@
 //! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
 
 use super::{
-    Entry, bars, beams, contact, crush, elements, invariance, materials, press, rigid, sliding, solid_bars,
-    solid_cells, taylor, walls,
+    Entry, bars, beams, contact, crush, elements, invariance, materials, plates, press, relaxed, rigid, sliding,
+    solid_bars, solid_cells, taylor, walls,
 };
 
 const HEX: &str = "with solids: not written yet";
@@ -79,7 +79,12 @@ pub const CATALOGUE: &[Entry] = &[
         "cyclic loading, Johnson-Cook, solids",
     ),
     entry("A29", "Conservation", &[invariance::CONSERVATION], "hex bodies in a closed box for 1e5 steps"),
-    entry("A30", "Large deflection of shells", &[], LATER),
+    entry(
+        "A30",
+        "Large deflection of shells",
+        &[relaxed::STRIP, relaxed::ROLL, relaxed::HEMISPHERE, relaxed::PULLED],
+        "",
+    ),
     entry(
         "A31",
         "Independence of the partition",
@@ -95,10 +100,15 @@ pub const CATALOGUE: &[Entry] = &[
     entry("B02", "Taylor bar, Johnson-Cook", &[taylor::JOHNSON_COOK], "temperature, which is not among the fields"),
     entry("B03", "Taylor tests, experiments", &[], "needs a calibrated copper law; the sources give none whole"),
     entry("B04", "Impulsively loaded clamped beam", &[crush::BEAM], ""),
-    entry("B06", "Spherical cap, step pressure", &[], LATER),
-    entry("B08", "Elastic-plastic plate, step pressure", &[], LATER),
-    entry("B09", "Twisted beam, Scordelis-Lo, pinched cylinder, hemisphere", &[], LATER),
-    entry("B10", "NAFEMS LE5 Z-section", &[], LATER),
+    entry("B06", "Spherical cap, step pressure", &[plates::CAP], ""),
+    entry("B08", "Elastic-plastic plate, step pressure", &[plates::PLATE, plates::FINE_PLATE], ""),
+    entry(
+        "B09",
+        "Twisted beam, Scordelis-Lo, pinched cylinder, hemisphere",
+        &[relaxed::CURVED, relaxed::TWISTED, relaxed::THIN],
+        "Raasch hook",
+    ),
+    entry("B10", "NAFEMS LE5 Z-section", &[relaxed::FOLDED], ""),
     entry(
         "B11",
         "Square tube, axial crush",
