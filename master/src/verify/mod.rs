@@ -16,6 +16,8 @@ pub mod catalogue;
 mod contact;
 mod crush;
 mod elements;
+mod facets;
+mod hertz;
 mod invariance;
 mod materials;
 mod measure;
@@ -30,6 +32,8 @@ mod sliding;
 mod solid_bars;
 mod solid_cells;
 mod solids;
+mod stability;
+mod stacked;
 mod taylor;
 mod walls;
 

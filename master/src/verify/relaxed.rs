@@ -14,6 +14,8 @@ use crumple_worker::engine::Engine;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
+/// A16, static.
+pub const SAGGED: Check = Check { name: "plate under its load, static", quick: true, run: sagged };
 /// A30 (a).
 pub const STRIP: Check = Check { name: "cantilever under end shear", quick: true, run: strip };
 /// A30 (b).
@@ -78,6 +80,32 @@ fn rest(
 fn load(scene: &mut Scene, nodes: &[u32], force: [f64; 3]) {
     let set = scene.set(nodes);
     scene.add(&format!("[[load]]\nnodes = \"{set}\"\nforce = {force:?}"));
+}
+
+fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 16;
+    let (side, thickness, pressure) = (0.2, 0.004, 100.0);
+    let bending = STEEL.e * thickness * thickness * thickness / (12.0 * (1.0 - STEEL.nu * STEEL.nu));
+    let mut all = Vec::new();
+    for element in FORMULATIONS {
+        let mut scene = Scene::new(1.0);
+        let grid = scene.grid(1, [N, N], |x, y| [side * x, side * y, 0.0]);
+        scene.elastic("steel", STEEL);
+        scene.part(1, "steel", thickness, &format!("points = 2\nelement = \"{element}\""));
+        // Hard support: the edge does not tilt along itself either.
+        for i in [0, N] {
+            scene.fix(&grid.row(i), "z rx");
+            let column: Vec<u32> = (0..=N).map(|j| grid.at(j, i)).collect();
+            scene.fix(&column, "z ry");
+        }
+        scene.add(&format!("[[pressure]]\nparts = [1]\npressure = {pressure:?}"));
+        let middle = |e: &Engine| -displacement(e, grid.at(N / 2, N / 2))[2];
+        let (ours, _) = rest(bench, &format!("A16 static {element}"), &scene, middle)?;
+        let variant = format!("{element}, {N} by {N}");
+        let row = Row::new("static deflection D w/(q a^4)", variant, "", ours * bending / (pressure * side.powi(4)));
+        all.push(row.near(0.00406235, 0.01, "[V:S10]"));
+    }
+    Ok(all)
 }
 
 /// Cantilever of Sze et al.: 10 by 1 by 0.1, 16 by 1 shells, bending stiffness 100; without units. `keys` of the part.

@@ -92,6 +92,11 @@ impl Scene {
         Self { end_time, ..Self::default() }
     }
 
+    /// When it ends [s].
+    pub fn end(&self) -> f64 {
+        self.end_time
+    }
+
     /// The same to another end [s].
     pub fn until(mut self, end_time: f64) -> Self {
         self.end_time = end_time;
