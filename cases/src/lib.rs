@@ -10,16 +10,28 @@ mod options;
 mod bars;
 #[path = "../beam/mesh.rs"]
 mod beam;
+#[path = "../block/mesh.rs"]
+mod block;
 #[path = "../brick-wall/mesh.rs"]
 mod brick_wall;
 #[path = "../can-crush/mesh.rs"]
 mod can_crush;
+#[path = "../corner/mesh.rs"]
+mod corner;
 #[path = "../drop/mesh.rs"]
 mod drop;
+#[path = "../hertz/mesh.rs"]
+mod hertz;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
 #[path = "../plate/mesh.rs"]
 mod plate;
+#[path = "../slide/mesh.rs"]
+mod slide;
+#[path = "../strip/mesh.rs"]
+mod strip;
+#[path = "../tube/mesh.rs"]
+mod tube;
 #[path = "../tumble/mesh.rs"]
 mod tumble;
 #[path = "../twist/mesh.rs"]
@@ -51,10 +63,16 @@ pub const GENERATORS: &[Generator] = &[
     jeep_frame::GENERATOR,
     bars::GENERATOR,
     beam::GENERATOR,
+    block::GENERATOR,
     brick_wall::GENERATOR,
     can_crush::GENERATOR,
+    corner::GENERATOR,
     drop::GENERATOR,
+    hertz::GENERATOR,
     plate::GENERATOR,
+    slide::GENERATOR,
+    strip::GENERATOR,
+    tube::GENERATOR,
     tumble::GENERATOR,
     twist::GENERATOR,
 ];

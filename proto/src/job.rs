@@ -339,7 +339,7 @@ pub struct Contact {
     pub tolerance: f64,
     /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7).
     pub weighting: String,
-    /// Fraction beta of the correction that the surface with the lower node ids takes as slave of the other, which takes
+    /// Fraction beta of the correction that the surface of the lower part (within a part, of the lower element) takes as slave of the other, which takes
     /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
     pub partition: f64,
     /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's

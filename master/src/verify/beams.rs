@@ -16,6 +16,8 @@ pub const BEAMS: Check = Check { name: "beams", quick: true, run: beams };
 pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: false, run: free_beam };
 /// A16, simply supported.
 pub const PLATE: Check = Check { name: "simply supported plate", quick: false, run: supported };
+/// A16, clamped and cantilevered.
+pub const CLAMPED_PLATE: Check = Check { name: "clamped plate, cantilever plate", quick: false, run: clamped_plate };
 /// A16, FV12.
 pub const FREE_PLATE: Check = Check { name: "free plate FV12", quick: false, run: free_plate };
 /// A17.
@@ -182,6 +184,38 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new(format!("frequency {mode}"), "16 by 16 shells", "Hz", ours)
                 .near(f, 0.01, "[D] Mindlin")
                 .known(INERTIA),
+        );
+    }
+    Ok(all)
+}
+
+fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 16;
+    let (side, first) = (0.2, 4.73004074f64);
+    let s = (first.cosh() - first.cos()) / (first.sinh() - first.sin());
+    let both = clamped(first, s, 1.0);
+    let root = 1.87510407f64;
+    let one = clamped(root, (root.cosh() + root.cos()) / (root.sinh() + root.sin()), 1.0);
+    let mut all = Vec::new();
+    for (what, f) in [("clamped", 896.4), ("cantilever", 86.5)] {
+        let mut scene = Scene::new(6.2 / f);
+        let grid = scene.grid(1, [N, N], |x, y| [side * x, side * y, 0.0]);
+        scene.elastic("steel", STEEL);
+        scene.part(1, "steel", 0.004, "");
+        let held = if what == "clamped" { grid.rim() } else { grid.row(0) };
+        scene.fix(&held, "x y z rx ry rz");
+        // Near the modes; over many swings the zeros are the mode's own.
+        let shape = pluck(&mut scene, &grid, |x| {
+            let ((a, of_a), (b, of_b)) = match what {
+                "clamped" => (both(x[0] / side), both(x[1] / side)),
+                _ => (one(x[0] / side), (1.0, 0.0)),
+            };
+            (a * b, [of_a * b / side, a * of_b / side])
+        });
+        let ours = frequency(bench, &format!("A16 {what} plate"), &scene, &shape, 2)?;
+        all.push(
+            Row::new(format!("{what} plate, frequency 1"), "16 by 16 shells", "Hz", ours)
+                .beside(f, "[U] coefficients 35.985 and 3.471"),
         );
     }
     Ok(all)

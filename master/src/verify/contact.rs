@@ -155,7 +155,7 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             (1..=2).for_each(|part| scene.part(part, "carrier", thickness, "points = 2"));
             scene.start(&[n, n + 1, n + 2], [0.0, 0.0, -v], [0.0; 3]);
             scene.start(segment.all(), [0.0; 3], [0.0; 3]);
-            scene.add(&format!("[contact]\nlaw = \"{law}\""));
+            scene.add(&format!("[contact]\nlaw = \"{law}\"\n{UNDAMPED}"));
             let run = bench.watch(&format!("C02 {law} {what}"), &scene, |_| {})?;
             let variant = format!("{law}, {what}");
             let pair = |rebound: f64| {

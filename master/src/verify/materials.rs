@@ -1,43 +1,81 @@
-//! A27: J2 plasticity in plane stress, driven through a whole shell along strain paths of known outcome.
+//! A27, A26 (c): plasticity driven through a whole shell or cube along strain paths of known outcome.
 
 use super::measure::{fields, lead};
 use super::row::Row;
 use super::scene::{STEEL, Scene};
+use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 use crumple_worker::elements::ElementFields;
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 /// A27, uniaxial.
 pub const UNIAXIAL: Check = Check { name: "uniaxial stress", quick: true, run: uniaxial };
 /// A27, paths led in both directions.
 pub const PATHS: Check = Check { name: "led strain paths", quick: true, run: paths };
+/// A27, cyclic.
+pub const CYCLIC: Check = Check { name: "cyclic loading", quick: true, run: cyclic };
+/// A27, Johnson and Cook.
+pub const JOHNSON_COOK: Check = Check { name: "johnson_cook", quick: true, run: johnson_cook };
+/// A26 (c).
+pub const SQUASHED: Check = Check { name: "isochoric squash of a cube", quick: true, run: squashed };
 
 const YIELD: f64 = 250e6;
 const MODULUS: f64 = 1e9;
 const SIDE: f64 = 0.01;
 
-/// One shell whose logarithmic strains along x and y grow at the rates that `rates` gives, per run of 1 s, from the
-/// time and the stress of a step ago. Calls `at` with the strains and the fields of the same time.
+/// What is driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Body {
+    Shell,
+    Cube,
+}
+
+impl Body {
+    const ALL: [Self; 2] = [Self::Shell, Self::Cube];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Shell => "belytschko_tsay",
+            Self::Cube => "hexahedron",
+        }
+    }
+
+    fn scene(self, end: f64, material: &dyn Fn(&mut Scene)) -> Scene {
+        let mut scene = Scene::new(end);
+        material(&mut scene);
+        let nodes = match self {
+            Self::Shell => {
+                scene.part(1, "metal", 1e-3, "");
+                scene.grid(1, [1, 1], |x, y| [SIDE * x, SIDE * y, 0.0]).all().to_vec()
+            }
+            Self::Cube => {
+                scene.solid_part(1, "metal", INVISCID);
+                scene.block(1, [1; 3], |p| p.map(|x| SIDE * x)).all().to_vec()
+            }
+        };
+        scene.fix(&nodes, if self == Self::Shell { "x y z rx ry rz" } else { "x y z" });
+        scene
+    }
+}
+
+/// One shell or cube whose logarithmic strains along x, y and z grow at the rates that `rates` gives, per run, from the
+/// time in runs, the step in runs and the stress of a step ago; a shell sees the first two. Calls `at` with the strains
+/// and the fields of the same time. Returns the time of the run [s].
 fn led(
     bench: &Bench,
-    name: &str,
-    modulus: f64,
+    (name, body, material): (&str, Body, &dyn Fn(&mut Scene)),
     steps: f64,
-    mut rates: impl FnMut(f64, f64, &ElementFields) -> [f64; 2],
-    mut at: impl FnMut([f64; 2], &ElementFields),
-) -> Result<(), String> {
-    let scene = |end: f64| {
-        let mut scene = Scene::new(end);
-        let grid = scene.grid(1, [1, 1], |x, y| [SIDE * x, SIDE * y, 0.0]);
-        scene.plastic("steel", STEEL, YIELD, modulus);
-        scene.part(1, "steel", 1e-3, "");
-        scene.fix(grid.all(), "x y z rx ry rz");
-        (scene, grid)
-    };
-    let dt = bench.model(name, &scene(1.0).0)?.first_dt().0;
+    mut rates: impl FnMut(f64, f64, &ElementFields) -> [f64; 3],
+    mut at: impl FnMut([f64; 3], &ElementFields),
+) -> Result<f64, String> {
+    let dt = bench.model(name, &body.scene(1.0, material))?.first_dt().0;
     let end = steps * dt;
-    let (scene, grid) = scene(end);
-    let mut strain = [0.0; 2];
+    let mut scene = body.scene(end, material);
+    // As fine as at the start, whatever becomes of its shape.
+    scene.time(&format!("dt_max = {dt:?}"));
+    let mut strain = [0.0; 3];
+    let places: Vec<[f64; 3]> = (1..=scene.count()).map(|n| scene.at(n)).collect();
     let run = bench.run(name, &scene, |e| {
         let (t, dt) = (e.clock.time, e.clock.last_dt);
         if dt > 0.0 {
@@ -45,95 +83,265 @@ fn led(
             let before = fields(e)[0];
             at(strain, &before);
             let rate = rates((t - dt) / end, dt / end, &before);
-            let next: [f64; 2] = std::array::from_fn(|c| strain[c] + rate[c] * dt / end);
-            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let pose = |s: [f64; 2]| ([SIDE * i as f64 * s[0].exp(), SIDE * j as f64 * s[1].exp(), 0.0], [0.0; 3]);
-                lead(e, grid.at(i, j), pose(strain), pose(next));
+            let next: [f64; 3] = std::array::from_fn(|c| strain[c] + rate[c] * dt / end);
+            for (n, x) in (1..).zip(&places) {
+                let pose = |s: [f64; 3]| (std::array::from_fn(|c| x[c] * s[c].exp()), [0.0; 3]);
+                lead(e, n, pose(strain), pose(next));
             }
             strain = next;
         }
         ControlFlow::Continue(())
     })?;
-    if run.trouble { Err(format!("{name} ended in trouble")) } else { Ok(()) }
+    if run.trouble { Err(format!("{name} ended in trouble")) } else { Ok(end) }
+}
+
+/// J2 plasticity of the catalogue.
+fn j2(modulus: f64) -> impl Fn(&mut Scene) {
+    move |scene| scene.plastic("metal", STEEL, YIELD, modulus)
+}
+
+/// Rates of uniaxial stress: `along` the x axis per run, and sideways what keeps the stress there at nought.
+struct Uniaxial {
+    yielded: bool,
+    ratio: f64,
+}
+
+impl Uniaxial {
+    fn new() -> Self {
+        Self { yielded: false, ratio: -STEEL.nu }
+    }
+
+    /// `flows` says whether the metal yields now.
+    fn rates(&mut self, along: f64, flows: bool, dt: f64, f: &ElementFields) -> [f64; 3] {
+        if flows != self.yielded {
+            // Where to begin: elastic, or without change of volume. The rest is corrected.
+            (self.yielded, self.ratio) = (flows, if flows { -0.5 } else { -STEEL.nu });
+        }
+        // A part of the stress sideways is taken back in each step, and a little of it for good.
+        let back = -f.stress[1] / (STEEL.e * dt);
+        self.ratio += 0.02 * back / along;
+        let across = self.ratio * along + 0.3 * back;
+        [along, across, across]
+    }
 }
 
 fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
-    // Where to begin: elastic, and once it yields without change of volume. The rest is corrected.
-    let (mut across, mut yielded) = (-STEEL.nu * 0.05, false);
-    let (mut last, mut worst, mut normal) = (([0.0; 2], ElementFields::default()), 0.0f64, 0.0f64);
-    led(
-        bench,
-        "A27 uniaxial stress",
-        MODULUS,
-        20_000.0,
-        |_, dt, f| {
-            if !yielded && f.plastic_strain > 0.0 {
-                (across, yielded) = (-0.5 * 0.05, true);
-            }
-            // The width follows so that it carries no stress.
-            across -= 0.2 * f.stress[1] / (STEEL.e * dt);
-            [0.05, across]
-        },
-        |strain, f| {
-            if f.plastic_strain > 0.0 {
-                worst = worst.max((f.von_mises - YIELD - MODULUS * f.plastic_strain).abs() / YIELD);
-            }
-            normal = normal.max(f.stress[2].abs() / YIELD);
-            last = (strain, *f);
-        },
-    )?;
-    let (strain, f) = last;
-    let plastic = (STEEL.e * strain[0] - YIELD) / (STEEL.e + MODULUS);
-    let variant = "j2, belytschko_tsay, 20000 steps";
-    Ok(vec![
-        Row::new("uniaxial stress at a strain of 5 %", variant, "MPa", 1e-6 * f.stress[0]).near(
+    let mut all = Vec::new();
+    for body in Body::ALL {
+        let mut path = Uniaxial::new();
+        let (mut last, mut worst, mut normal) = (([0.0; 3], ElementFields::default()), 0.0f64, 0.0f64);
+        led(
+            bench,
+            (&format!("A27 uniaxial stress {}", body.name()), body, &j2(MODULUS)),
+            20_000.0,
+            |_, dt, f| path.rates(0.05, f.plastic_strain > 0.0, dt, f),
+            |strain, f| {
+                if f.plastic_strain > 0.0 {
+                    worst = worst.max((f.von_mises - YIELD - MODULUS * f.plastic_strain).abs() / YIELD);
+                }
+                normal = normal.max(f.stress[2].abs() / YIELD);
+                last = (strain, *f);
+            },
+        )?;
+        let (strain, f) = last;
+        let plastic = (STEEL.e * strain[0] - YIELD) / (STEEL.e + MODULUS);
+        let variant = format!("j2, {}, 20000 steps", body.name());
+        all.push(Row::new("uniaxial stress at a strain of 5 %", &variant, "MPa", 1e-6 * f.stress[0]).near(
             1e-6 * (YIELD + MODULUS * plastic),
             1e-6,
             "[D] 298.58 MPa at 0.05",
-        ),
-        Row::new("plastic strain there", variant, "", f.plastic_strain).near(plastic, 1e-6, "[D] 0.04858 at 0.05"),
-        Row::new("largest distance from the yield surface / sigma_y", variant, "", worst)
-            .at_most(1e-8, "limit of the catalogue"),
-        Row::new("largest normal stress / sigma_y", variant, "", normal).at_most(1e-8, "limit of the catalogue"),
-    ])
+        ));
+        all.push(Row::new("plastic strain there", &variant, "", f.plastic_strain).near(
+            plastic,
+            1e-6,
+            "[D] 0.04858 at 0.05",
+        ));
+        all.push(
+            Row::new("largest distance from the yield surface / sigma_y", &variant, "", worst)
+                .at_most(1e-8, "limit of the catalogue"),
+        );
+        if body == Body::Shell {
+            let row = Row::new("largest normal stress / sigma_y", &variant, "", normal);
+            all.push(row.at_most(1e-8, "limit of the catalogue"));
+        }
+    }
+    Ok(all)
 }
 
 fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
-    let variant = "perfect j2, belytschko_tsay, 2000 steps";
-    let end = |name: &str, along: [f64; 2]| -> Result<ElementFields, String> {
-        let mut last = ElementFields::default();
-        led(bench, &format!("A27 {name}"), 0.0, 2000.0, |_, _, _| along, |_, f| last = *f)?;
-        Ok(last)
-    };
-    let shear = end("pure shear", [0.02, -0.02])?;
-    let both = end("equibiaxial", [0.02, 0.02])?;
-    let held = end("plane strain", [0.05, 0.0])?;
-    let mut seen: Vec<(f64, f64)> = Vec::new();
-    let there_and_back = |t: f64, _: f64, _: &ElementFields| if t < 0.5 { [0.02; 2] } else { [-0.001; 2] };
-    led(bench, "A27 unloading", 0.0, 2000.0, there_and_back, |s, f| seen.push((s[0], f.stress[0])))?;
-    let (from, to) = (seen[seen.len() * 6 / 10], seen[seen.len() - 1]);
-    let slope = (to.1 - from.1) / (to.0 - from.0);
-    let mpa = 1e-6;
-    Ok(vec![
-        Row::new("yield in pure shear", variant, "MPa", mpa * 0.5 * (shear.stress[0] - shear.stress[1])).near(
+    let mut all = Vec::new();
+    for body in Body::ALL {
+        let variant = format!("perfect j2, {}, 2000 steps", body.name());
+        let mpa = 1e-6;
+        let end = |name: &str, along: [f64; 3]| -> Result<ElementFields, String> {
+            let mut last = ElementFields::default();
+            let name = format!("A27 {name} {}", body.name());
+            led(bench, (&name, body, &j2(0.0)), 2000.0, |_, _, _| along, |_, f| last = *f)?;
+            Ok(last)
+        };
+        let shear = end("pure shear", [0.02, -0.02, 0.0])?;
+        let sheared = 0.5 * (shear.stress[0] - shear.stress[1]);
+        all.push(Row::new("yield in pure shear", &variant, "MPa", mpa * sheared).near(
             mpa * YIELD / 3f64.sqrt(),
             1e-6,
             "[D] sigma_y / sqrt 3",
-        ),
-        Row::new("yield in equibiaxial tension", variant, "MPa", mpa * both.stress[0]).near(
+        ));
+        // A cube has to be let in sideways for plane stress; these two are of plane stress.
+        if body == Body::Cube {
+            continue;
+        }
+        let both = end("equibiaxial", [0.02, 0.02, 0.0])?;
+        let held = end("plane strain", [0.05, 0.0, 0.0])?;
+        let mut seen: Vec<(f64, f64)> = Vec::new();
+        let there_and_back =
+            |t: f64, _: f64, _: &ElementFields| if t < 0.5 { [0.02, 0.02, 0.0] } else { [-0.001, -0.001, 0.0] };
+        let look = |s: [f64; 3], f: &ElementFields| seen.push((s[0], f.stress[0]));
+        led(bench, ("A27 unloading", body, &j2(0.0)), 2000.0, there_and_back, look)?;
+        let (from, to) = (seen[seen.len() * 6 / 10], seen[seen.len() - 1]);
+        let slope = (to.1 - from.1) / (to.0 - from.0);
+        all.push(Row::new("yield in equibiaxial tension", &variant, "MPa", mpa * both.stress[0]).near(
             mpa * YIELD,
             1e-6,
             "[D] sigma_y",
-        ),
-        Row::new("tension with the width held, at 5 %", variant, "MPa", mpa * held.stress[0]).near(
+        ));
+        all.push(Row::new("tension with the width held, at 5 %", &variant, "MPa", mpa * held.stress[0]).near(
             mpa * 2.0 * YIELD / 3f64.sqrt(),
             1e-6,
             "[D] 2 sigma_y / sqrt 3",
-        ),
-        Row::new("slope of equibiaxial unloading", variant, "GPa", 1e-9 * slope).near(
+        ));
+        all.push(Row::new("slope of equibiaxial unloading", &variant, "GPa", 1e-9 * slope).near(
             1e-9 * STEEL.e / (1.0 - STEEL.nu),
             1e-6,
             "[D] E/(1-nu)",
+        ));
+    }
+    Ok(all)
+}
+
+fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
+    const SWING: f64 = 0.02;
+    let mut all = Vec::new();
+    for body in Body::ALL {
+        // To 2 %, to -2 %, to 2 % again: five quarters of a swing each way.
+        let turns = [0.2, 0.6];
+        let (mut path, mut plastic, mut ends) = (Uniaxial::new(), 0.0, Vec::new());
+        let here = Cell::new((0.0, ElementFields::default()));
+        led(
+            bench,
+            (&format!("A27 cyclic {}", body.name()), body, &j2(MODULUS)),
+            20_000.0,
+            |t, dt, f| {
+                let turning = turns.get(ends.len()).is_some_and(|&turn| t >= turn - 0.5 * dt);
+                if turning {
+                    ends.push(here.get());
+                }
+                let flows = f.plastic_strain > plastic && !turning;
+                plastic = f.plastic_strain;
+                let along = 5.0 * SWING * if ends.len() == 1 { -1.0 } else { 1.0 };
+                path.rates(along, flows, dt, f)
+            },
+            |strain, f| here.set((strain[0], *f)),
+        )?;
+        ends.push(here.get());
+        let variant = format!("isotropic j2, {}, 20000 steps", body.name());
+        let (mut stress, mut plastic, mut from) = (0.0, 0.0, 0.0);
+        for (number, (strain, f)) in (1..).zip(&ends) {
+            // From the stress at hand to that on the other side, elastic but for what flows.
+            let way: f64 = strain - from;
+            let flow = (STEEL.e * way.abs() - stress - (YIELD + MODULUS * plastic)) / (STEEL.e + MODULUS);
+            (plastic, from) = (plastic + flow, *strain);
+            stress = YIELD + MODULUS * plastic;
+            let row = Row::new(format!("stress at turn {number}"), &variant, "MPa", 1e-6 * f.stress[0]);
+            all.push(row.near(1e-6 * way.signum() * stress, 1e-6, "[D] sigma_y + E_p times the plastic strain so far"));
+            let row = Row::new(format!("plastic strain at turn {number}"), &variant, "", f.plastic_strain);
+            all.push(row.near(plastic, 1e-6, "[D]"));
+        }
+    }
+    Ok(all)
+}
+
+/// Johnson and Cook's law for 42CrMo4 (B02), SI units.
+const A: f64 = 806e6;
+const B: f64 = 614e6;
+const N: f64 = 0.168;
+const C: f64 = 0.0089;
+const M: f64 = 1.1;
+
+fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
+    let (cold, melting, heat, share) = (20.0, 1540.0, 460.0, 0.9);
+    let mut all = Vec::new();
+    for (hot, body) in [(false, Body::Shell), (false, Body::Cube), (true, Body::Shell), (true, Body::Cube)] {
+        let law = |scene: &mut Scene| {
+            let thermal = format!(
+                "m = {M}\nreference_temperature = {cold:?}\nmelting_temperature = {melting:?}\nspecific_heat = {heat:?}\n\
+                 taylor_quinney = {share}"
+            );
+            scene.add(&format!(
+                "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\nyoungs_modulus = {:?}\n\
+                 poisson = {:?}\na = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\nreference_rate = 1e-3\n{}",
+                STEEL.rho,
+                STEEL.e,
+                STEEL.nu,
+                if hot { &thermal } else { "" }
+            ));
+        };
+        // Isochoric all along: the deviatoric strain is the strain, and its rate is known.
+        let (along, how) = (0.2, if hot { "with heat" } else { "without heat" });
+        let mut last = ElementFields::default();
+        let name = format!("A27 johnson_cook {how} {}", body.name());
+        let end = led(bench, (&name, body, &law), 20_000.0, |_, _, _| [along, -along, 0.0], |_, f| last = *f)?;
+        let rate = 2.0 / 3f64.sqrt() * along / end;
+        let rated = 1.0 + C * (rate / 1e-3).ln();
+        let yields = |p: f64, t: f64| {
+            let soft = if hot { 1.0 - ((t - cold) / (melting - cold)).max(0.0).powf(M) } else { 1.0 };
+            (A + B * p.max(0.0).powf(N)) * rated * soft
+        };
+        // Temperature over plastic strain by the midpoint rule.
+        const STEPS: usize = 100_000;
+        let (step, mut t) = (last.plastic_strain / STEPS as f64, cold);
+        let warms = |p: f64, t: f64| share * yields(p, t) / (STEEL.rho * heat);
+        for k in 0..STEPS {
+            let p = k as f64 * step;
+            let half = t + 0.5 * step * warms(p, t);
+            t += step * warms(p + 0.5 * step, half);
+        }
+        let variant = format!("{}, {how}, 20000 steps", body.name());
+        let row = Row::new("flow stress at a shear strain of 0.4", &variant, "MPa", 1e-6 * last.von_mises);
+        let expected = yields(last.plastic_strain, t);
+        all.push(row.near(
+            1e-6 * expected,
+            if hot { 1e-4 } else { 1e-6 },
+            "[D] (a + b p^n)(1 + c ln rate*)(1 - T*^m), heat integrated apart; steps are of first order in T",
+        ));
+        let elastic = 2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
+        let row = Row::new("plastic strain there", &variant, "", last.plastic_strain);
+        all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, at the end less a step"));
+    }
+    Ok(all)
+}
+
+fn squashed(bench: &Bench) -> Result<Vec<Row>, String> {
+    let yield_stress = 800e6;
+    let law = |scene: &mut Scene| scene.plastic("metal", STEEL, yield_stress, 0.0);
+    let half = 2f64.ln();
+    let (mut last, mut pressure) = (ElementFields::default(), 0.0f64);
+    led(
+        bench,
+        ("A26 squash", Body::Cube, &law),
+        20_000.0,
+        |_, _, _| [half, 0.0, -half],
+        |_, f| {
+            pressure = pressure.max((f.stress[0] + f.stress[1] + f.stress[2]).abs() / 3.0 / yield_stress);
+            last = *f;
+        },
+    )?;
+    let variant = "perfect j2, hexahedron, to half the height in 20000 steps";
+    Ok(vec![
+        Row::new("largest pressure / sigma_y", variant, "", pressure).at_most(1e-9, "limit of the catalogue [V:S14]"),
+        Row::new("sigma_zz", variant, "MPa", 1e-6 * last.stress[2]).near(
+            -1e-6 * yield_stress / 3f64.sqrt(),
+            1e-6,
+            "[V:S14] -461.88 MPa; tolerance of A27",
         ),
     ])
 }

@@ -54,6 +54,11 @@ pub fn mean_velocity(e: &Engine, nodes: &[u32], c: usize) -> f64 {
     nodes.iter().map(|&n| e.nodes.mass[place(n)] * e.nodes.v[place(n)][c]).sum::<f64>() / mass(e, nodes)
 }
 
+/// Contact force on nodes in the last step, along axis `c` [N].
+pub fn contact_force(e: &Engine, nodes: &[u32], c: usize) -> f64 {
+    e.contact.iter().flat_map(|contact| nodes.iter().map(|&n| contact.force_on(n - 1)[c])).sum()
+}
+
 /// Displacement projected on a shape, `sum m u_c phi / sum m phi^2`.
 pub fn amplitude(e: &Engine, shape: &[(u32, f64)], c: usize) -> f64 {
     let (mut over, mut under) = (0.0, 0.0);

@@ -98,7 +98,7 @@ fn line(id: &str, r: &Row) -> String {
     };
     format!(
         "| {id} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
-        r.quantity,
+        r.quantity.replace('|', "\\|"),
         r.variant,
         with_unit(r.reference),
         with_unit(r.ours),

@@ -92,6 +92,17 @@ impl Scene {
         Self { end_time, ..Self::default() }
     }
 
+    /// When it ends [s].
+    pub fn end(&self) -> f64 {
+        self.end_time
+    }
+
+    /// The same to another end [s].
+    pub fn until(mut self, end_time: f64) -> Self {
+        self.end_time = end_time;
+        self
+    }
+
     /// Adds a node [m].
     pub fn node(&mut self, x: [f64; 3]) -> u32 {
         self.nodes.push(x);
@@ -121,10 +132,21 @@ impl Scene {
     }
 
     /// Adds a patch of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
-    pub fn grid(&mut self, part: u32, [n, m]: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
+    pub fn grid(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
+        self.grid_of(part, n, place, Self::node)
+    }
+
+    /// The same; `node` adds a node, or finds one.
+    pub fn grid_of(
+        &mut self,
+        part: u32,
+        [n, m]: [usize; 2],
+        place: impl Fn(f64, f64) -> [f64; 3],
+        mut node: impl FnMut(&mut Self, [f64; 3]) -> u32,
+    ) -> Grid {
         let nodes = (0..=n)
             .flat_map(|i| (0..=m).map(move |j| (i, j)))
-            .map(|(i, j)| self.node(place(i as f64 / n as f64, j as f64 / m as f64)))
+            .map(|(i, j)| node(self, place(i as f64 / n as f64, j as f64 / m as f64)))
             .collect();
         let grid = Grid { nodes, across: m };
         for i in 0..n {

@@ -13,6 +13,8 @@ use std::fmt::Write;
 
 /// A07.
 pub const STOP: Check = Check { name: "stops by friction", quick: true, run: stop };
+/// A07, in gravity.
+pub const HEAVY: Check = Check { name: "stops by friction, in gravity", quick: true, run: heavy };
 /// A08.
 pub const SHAKEN: Check = Check { name: "stick-slip", quick: false, run: shaken };
 /// A09.
@@ -126,6 +128,36 @@ fn stop(bench: &Bench) -> Result<Vec<Row>, String> {
         if kind == Base::Cubes {
             all[from..].iter_mut().filter(|r| r.known.is_empty()).for_each(|r| r.known = CAUGHT);
         }
+    }
+    Ok(all)
+}
+
+fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] v/(mu g), v^2/(2 mu g), scaled from 9.81 m/s2 and 1 m/s: 0.33979 s, 0.16989 m";
+    // A thousandfold gravity and five times the speed; it is there all the time.
+    let (g, v) = (9810.0, 5.0);
+    let (time, way) = (v / (MU * g), v * v / (2.0 * MU * g));
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let mut scene = Scene::new(1.1 * time);
+        let (base, block) = on_base(&mut scene, Base::Shells);
+        scene.fix(&base, "x y z rx ry rz");
+        scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
+        scene.start(&base, [0.0; 3], [0.0; 3]);
+        scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]", -g));
+        touch(&mut scene, law);
+        let mut stopped = f64::NAN;
+        let run = bench.watch(&format!("A07 gravity {}", law.name), &scene, |e| {
+            if stopped.is_nan() && mean_velocity(e, block.all(), 0) <= 0.0 {
+                stopped = e.clock.time;
+            }
+        })?;
+        let slid = block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64;
+        let variant = format!("{}, gravity, on shells", law.name);
+        let (to, on) = (v * 9.81 / g, v * v * 9.81 / g);
+        all.push(Row::new("time to stop", &variant, "s", stopped / to).near(time / to, 0.005, D));
+        all.push(Row::new("way to stop", &variant, "m", slid / on).near(way / on, 0.005, D));
+        all.extend(run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
 }

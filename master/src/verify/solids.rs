@@ -1,6 +1,6 @@
-//! Meshes of eight-node solids for scenes: boxes, round bars, balls.
+//! Meshes of eight-node solids for scenes: boxes, round bars, balls; and patches that share their nodes.
 
-use super::scene::Scene;
+use super::scene::{Grid, Scene};
 use std::collections::HashMap;
 
 /// A box of nodes, n + 1 each way.
@@ -51,6 +51,7 @@ impl Weld {
         Self { grain, nodes: HashMap::new() }
     }
 
+    /// The node at a place [m], a new one if there is none.
     fn node(&mut self, scene: &mut Scene, x: [f64; 3]) -> u32 {
         let key = x.map(|c| (c / self.grain).round() as i64);
         *self.nodes.entry(key).or_insert_with(|| scene.node(x))
@@ -58,6 +59,18 @@ impl Weld {
 }
 
 impl Scene {
+    /// Adds a patch of n by m quads; nodes that are there already are used again.
+    pub fn welded_grid(
+        &mut self,
+        part: u32,
+        n: [usize; 2],
+        weld: &mut Weld,
+        place: impl Fn(f64, f64) -> [f64; 3],
+    ) -> Grid {
+        let node = |scene: &mut Self, x: [f64; 3]| weld.node(scene, x);
+        self.grid_of(part, n, place, node)
+    }
+
     /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and keeps the hand.
     pub fn block(&mut self, part: u32, n: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
         self.welded(part, n, None, place)

@@ -68,7 +68,7 @@ pub fn find_pairs(
     let mut finds: Vec<Find> = Vec::new();
     for &c in candidates {
         let segment = &surface.segments[c as usize];
-        let meeting = Meeting::new(surface, segment, slave, dt);
+        let meeting = Meeting::new(surface, segment, place, dt);
         if may_touch(nodes, &meeting, &at) {
             let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
             finds.extend(look(nodes, &meeting, &at, memory, opposed));
@@ -102,14 +102,17 @@ struct Meeting<'a> {
     thickness: f64,
     /// Length that gaps are judged by [length].
     scale: f64,
+    /// Whether the node's surface comes before the segment's.
+    first: bool,
     dt: f64,
 }
 
 impl<'a> Meeting<'a> {
-    fn new(surface: &Surface, segment: &'a Segment, slave: u32, dt: f64) -> Self {
-        let n = slave as usize;
+    fn new(surface: &Surface, segment: &'a Segment, place: usize, dt: f64) -> Self {
+        let slave = surface.slaves[place];
+        let (n, first) = (slave as usize, surface.first[place] < (segment.part, segment.id));
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        Self { segment, slave, thickness, scale, dt }
+        Self { segment, slave, thickness, scale, first, dt }
     }
 }
 
@@ -190,7 +193,7 @@ fn look(
     memory: &[Memory],
     opposed: impl Fn(&V3) -> bool,
 ) -> Option<Find> {
-    let Meeting { segment, slave, thickness, scale, dt } = *meeting;
+    let Meeting { segment, slave, thickness, scale, dt, .. } = *meeting;
     let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
@@ -239,6 +242,7 @@ fn look(
         turn: 1.0,
         mass: 0.0,
         stiffness: 0.0,
+        first: meeting.first,
         own: true,
     };
     Some(Find { pair, impact, opening, offset, gap })

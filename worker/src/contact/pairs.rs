@@ -60,6 +60,8 @@ pub struct Pair {
     pub mass: f64,
     /// Stiffness of the segment, for laws that have one for it [force/length].
     pub stiffness: f64,
+    /// Whether the node's surface comes before the segment's, by part and then by segment.
+    pub first: bool,
     /// Whether this worker owns the pair.
     pub own: bool,
 }
@@ -374,11 +376,10 @@ impl Pair {
         if r == 0 { 1.0 } else { self.shape[r - 1] }
     }
 
-    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the one with the
-    /// lower node ids, the rest for the other.
-    pub fn turn_of(&self, nodes: &Nodes, partition: f64) -> f64 {
-        let lowest = self.nodes[1..].iter().map(|&n| nodes.id[n as usize]).min();
-        if lowest.is_some_and(|id| self.slave < id) { partition } else { 1.0 - partition }
+    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
+    /// rest for the other.
+    pub fn turn_of(&self, partition: f64) -> f64 {
+        if self.first { partition } else { 1.0 - partition }
     }
 
     /// Notes the slave's mass along the normal; own pairs only.
@@ -448,6 +449,7 @@ impl WirePair {
             turn: 1.0,
             mass: self.mass,
             stiffness: 0.0,
+            first: false,
             own: false,
         }
     }

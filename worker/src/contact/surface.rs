@@ -51,6 +51,8 @@ pub struct Surface {
     pub face_start: Vec<u32>,
     /// Indices of solids' segments around each slave, ascending.
     pub faces: Vec<u32>,
+    /// Lowest part and segment around each slave.
+    pub first: Vec<(u32, SegmentId)>,
 }
 
 impl Segment {
@@ -150,15 +152,20 @@ impl Surface {
         (*h, *s) = (h.max(half), s.max(scale));
     }
 
-    /// Notes the solids' segments around each slave. All of them are local to the worker that owns it: what a slave could
+    /// Notes the segments around each slave. All of them are local to the worker that owns it: what a slave could
     /// meet is, and it lies on these.
     pub fn link_faces(&mut self, held: usize) {
         let mut place = vec![u32::MAX; held];
         self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let mut around: Vec<(u32, u32)> = Vec::new();
-        for (g, s) in self.segments.iter().enumerate().filter(|(_, s)| s.is_solid()) {
-            let slaves = s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX);
-            around.extend(slaves.map(|&i| (i, g as u32)));
+        self.first = vec![(u32::MAX, SegmentId(u64::MAX)); self.slaves.len()];
+        for (g, s) in self.segments.iter().enumerate() {
+            for &i in s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX) {
+                self.first[i as usize] = self.first[i as usize].min((s.part, s.id));
+                if s.is_solid() {
+                    around.push((i, g as u32));
+                }
+            }
         }
         around.sort_unstable();
         self.face_start =
@@ -177,6 +184,7 @@ impl Surface {
         let lists = [&self.slaves, &self.face_start, &self.faces];
         size_of_val(&self.segments[..])
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
+            + size_of_val(&self.first[..])
             + size_of_val(&self.node_half[..])
             + size_of_val(&self.node_scale[..])
     }

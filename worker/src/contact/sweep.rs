@@ -102,7 +102,7 @@ impl Sweeps<'_> {
         if t.is_common() {
             t.swap_guesses(wire)?;
         }
-        let turn = |p: &Pair| if p.own && t.is_mutual(p) { p.turn_of(self.nodes, partition) } else { 1.0 };
+        let turn = |p: &Pair| if p.own && t.is_mutual(p) { p.turn_of(partition) } else { 1.0 };
         let turns: Vec<f64> = t.pairs.iter().map(turn).collect();
         t.pairs.iter_mut().zip(turns).for_each(|(p, turn)| p.turn = turn);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take it.

@@ -13,8 +13,8 @@
 //!   would close the pair's own gap alone, `f_s / (m_s c)` with the compliance c = 1/m_s + sum N_i^2/m_i.
 //! - A node that is held fixed has no mass of use; it counts as a very heavy one (`HELD` in `pairs.rs`).
 //!
-//! **Partition.** Where two surfaces meet, either is slave of the other, and both would close the gap. The surface with the
-//! lower node ids takes the fraction beta of each correction, the other one 1 - beta. A pair is one-sided, and is corrected
+//! **Partition.** Where two surfaces meet, either is slave of the other, and both would close the gap. The surface of the
+//! lower part, or of the lower segment within a part, takes the fraction beta of each correction, the other one 1 - beta. A pair is one-sided, and is corrected
 //! whole, if no node of its segment is pushed back by a pair from the same side: a node at mid-face of a coarse mesh
 //! whose corners touch nothing closes its gap in the first pass. If corners do touch elsewhere, a pair at mid-face gets
 //! its fraction only, and each further pass leaves 1 - beta or beta of what was left: gaps are never closed twice.

@@ -1,0 +1,76 @@
+//! Half of the lower side of a cylinder over a plane, one cell deep: plane strain. The axis is y, x = 0 is a plane of
+//! symmetry, the plane lies below z = 0. Lengths in mm.
+//!
+//! Parts: 1 body, 2 base. Node sets: `body`, `base`, `middle` (x = 0), `top`.
+
+use crate::builder::Builder;
+use crate::{Generator, Options};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+
+/// Each cell is larger than the one before it by this, away from the contact.
+const GROWTH: f64 = 1.2;
+/// Cells of the base are larger than the smallest ones of the body by this.
+const COARSE: f64 = 1.3;
+
+/// The row of this file in the table of generators.
+pub const GENERATOR: Generator = Generator {
+    name: "hertz",
+    options: &[
+        ("radius", 10.0, "of the cylinder [mm]"),
+        ("half_width", 0.2349, "half the width of the contact that is expected [mm]"),
+        ("size", 10.0, "width and height of the body, in half widths, 4 to 20"),
+        ("cells", 4.0, "cells on the half width, 1 to 64"),
+    ],
+    build,
+};
+
+fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
+    let mut wrong = Vec::new();
+    let radius = options.real("radius", 1e-3..=1e6, &mut wrong);
+    let half = options.real("half_width", 1e-6..=1e5, &mut wrong);
+    let size = options.real("size", 4.0..=20.0, &mut wrong) * half;
+    let cells = options.count("cells", 1..=64, &mut wrong);
+    if wrong.is_empty() && size >= radius {
+        wrong.push(Problem::error(
+            "scene.size",
+            format!("the body is {size} wide, no less than its radius {radius}"),
+            "give a smaller `size` or `half_width`",
+        ));
+    }
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let first = half / cells as f64;
+    let (along, up) = (graded(first, 3 * cells / 2, size), graded(first, 1, size));
+    let deep = 2.0 * first;
+    let mut mesh = Builder::default();
+    let body = mesh.block(1, [along.len() - 1, 1, up.len() - 1], |[i, j, k]| {
+        let (x, z) = (along[i], up[k] / size);
+        let low = radius - (radius * radius - x * x).sqrt();
+        [x, deep * j as f64, low + (size - low) * z]
+    });
+    let coarse = COARSE * first;
+    let count = (2.5 * half / coarse).ceil() as usize;
+    let base = mesh.block(2, [count, 1, 1], |[i, j, k]| {
+        [coarse * (i as f64 - 0.4), deep * (2.0 * j as f64 - 0.5), coarse * (k as f64 - 1.0)]
+    });
+    mesh.set("body", body.all());
+    mesh.set("base", base.all());
+    mesh.set("middle", body.face(0, false));
+    mesh.set("top", body.face(2, true));
+    Ok(mesh.finish(first))
+}
+
+/// Places from 0 to `end`: `fine` steps of `first`, then growing ones, stretched to end where they should.
+fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
+    let mut step = first;
+    while places[places.len() - 1] + step < end {
+        step *= GROWTH;
+        places.push(places[places.len() - 1] + step);
+    }
+    let (from, last) = (places[fine], places[places.len() - 1]);
+    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
+    places
+}

@@ -1,0 +1,222 @@
+//! What facets do to what meets them: a cube dropped on a corner at different places of a mesh (C03), blocks that slide over
+//! many facets, flat or around a drum (C18).
+
+use super::contact::Law;
+use super::measure::{Push, mass, mean_velocity, position};
+use super::row::Row;
+use super::scene::{STEEL, Scene};
+use super::solid_bars::INVISCID;
+use super::{Bench, Check};
+use crumple_worker::energy::momentum;
+use std::f64::consts::{PI, TAU};
+
+/// C03.
+pub const DROPPED: Check = Check { name: "cube on a corner", quick: true, run: dropped };
+/// C18, flat.
+pub const FLAT: Check = Check { name: "over 50 flat facets", quick: false, run: flat };
+/// C18, drum.
+pub const DRUM: Check = Check { name: "inside a drum of 72 facets", quick: false, run: drum };
+
+const FIXED: &str = "x y z rx ry rz";
+const THICKNESS: f64 = 2e-3;
+const CATALOGUE: &str = "limit of the catalogue";
+
+fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 4;
+    let (side, facet, v, air) = (0.02, 0.02, 5.0, 1e-5);
+    // Columns of a rotation that takes the diagonal (1, 1, 1) upwards.
+    let (r2, r3, r6) = (2f64.sqrt(), 3f64.sqrt(), 6f64.sqrt());
+    let turn = [[1.0 / r2, -1.0 / r2, 0.0], [1.0 / r6, 1.0 / r6, -2.0 / r6], [1.0 / r3; 3]];
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let mut first: Option<[f64; 2]> = None;
+        for (where_to, [x, y]) in [
+            ("in the middle of a facet", [0.5, 0.5]),
+            ("on an edge", [0.0, 0.5]),
+            ("on a vertex", [0.0, 0.0]),
+            ("1e-9 m beside an edge", [1e-9 / facet, 0.5]),
+        ] {
+            let mut scene = Scene::new(120e-6);
+            let plate = scene.grid(1, [6, 6], |s, t| [facet * (6.0 * s - 3.0 - x), facet * (6.0 * t - 3.0 - y), 0.0]);
+            let cube = scene.block(2, [N; 3], |p| {
+                let at: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| turn[c][k] * side * p[k]).sum());
+                [at[0], at[1], at[2] + 0.5 * THICKNESS + air]
+            });
+            scene.elastic("steel", STEEL);
+            scene.part(1, "steel", THICKNESS, "points = 2");
+            scene.solid_part(2, "steel", INVISCID);
+            scene.fix(plate.all(), FIXED);
+            scene.start(cube.all(), [0.0, 0.0, -v], [0.0; 3]);
+            scene.start(plate.all(), [0.0; 3], [0.0; 3]);
+            scene.add(&law.table());
+            let run = bench.watch(&format!("C03 {} {where_to}", law.name), &scene, |_| {})?;
+            let after: [f64; 3] = std::array::from_fn(|c| mean_velocity(&run.engine, cube.all(), c));
+            let whole = mass(&run.engine, cube.all());
+            let (impulse, rebound) = (whole * (after[2] + v), after[2] / v);
+            let variant = format!("{}, {where_to}", law.name);
+            let [of_first, rebound_of_first] = *first.get_or_insert([impulse, rebound]);
+            if where_to.ends_with("facet") {
+                // Between nothing and a full reversal; what an elastic cube keeps in swings is not known.
+                all.push(Row::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
+                    1.5,
+                    1.0 / 3.0,
+                    "[D] neither missed nor doubled: 1 to 2",
+                ));
+            } else {
+                let row = Row::new("impulse / that in the middle of a facet", &variant, "", impulse / of_first);
+                all.push(row.near(1.0, 0.01, CATALOGUE));
+                let row = Row::new(
+                    "rebound less that in the middle of a facet / v",
+                    &variant,
+                    "",
+                    rebound - rebound_of_first,
+                );
+                all.push(row.within(0.0, 0.02, CATALOGUE));
+            }
+            let aside = after[0].hypot(after[1]) * whole / impulse;
+            all.push(Row::new("impulse aside / impulse", &variant, "", aside).at_most(1e-3, CATALOGUE));
+        }
+    }
+    Ok(all)
+}
+
+fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
+    const FACETS: usize = 50;
+    let (size, facet, way, v, ramped) = ([0.02, 0.02, 0.01], 4e-3, 0.2, 10.0, 0.2e-3);
+    let whole = STEEL.rho * size.iter().product::<f64>();
+    let (s, c) = 7f64.to_radians().sin_cos();
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        for (friction, force) in [(0.0, 400.0), (0.3, 20.0)] {
+            let mut scene = Scene::new(if friction > 0.0 { 1.2 } else { 1.0 } * way / v);
+            // A strip wide enough for a block that crosses its lines at 7 degrees.
+            let base = scene.grid(1, [FACETS + 10, 6], |x, y| {
+                let [x, y] = [facet * ((FACETS + 10) as f64 * x - 5.0), 0.066 * (y - 0.7)];
+                [c * x - s * y, s * x + c * y, -0.5 * THICKNESS]
+            });
+            let block = scene.block(2, [2, 2, 1], |p| [size[0] * p[0], size[1] * (p[1] - 0.5), size[2] * p[2]]);
+            scene.elastic("steel", STEEL);
+            scene.part(1, "steel", THICKNESS, "points = 2");
+            scene.solid_part(2, "steel", INVISCID);
+            scene.fix(base.all(), FIXED);
+            scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
+            scene.start(base.all(), [0.0; 3], [0.0; 3]);
+            scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramped:?}, 1.0]]"));
+            let top = scene.set(&block.last(2));
+            let pressure = force / (size[0] * size[1]);
+            scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+            scene.add(&format!("{}friction = {friction:?}", law.table()));
+            let mut push = Push::default();
+            let (mut speed, mut aside) = (Vec::new(), 0.0f64);
+            let name = format!("C18 flat {} {friction}", law.name);
+            let run = bench.watch(&name, &scene, |e| {
+                let (t, now) = (e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 2));
+                push.take(t, whole * now + force * (t - 0.5 * ramped).max(0.0));
+                speed.push((e.clock.time, mean_velocity(e, block.all(), 0)));
+                aside = aside.max(mean_velocity(e, block.all(), 1).abs());
+            })?;
+            let variant = format!("{}, friction {friction}", law.name);
+            // Means over an eighth of a facet's crossing: many swings of the block's own depth.
+            let window = facet / v / 8.0;
+            let (from, end) = (5.0 * ramped, run.engine.clock.time);
+            let count = ((end - from) / window) as usize;
+            let off = (0..count).map(|k| {
+                let t = from + k as f64 * window;
+                (push.mean_force(t, t + window) / force - 1.0).powi(2)
+            });
+            let rms = (off.sum::<f64>() / count as f64).sqrt();
+            let row = Row::new("swing of the normal force, rms over an eighth of a facet", &variant, "", rms);
+            all.push(row.at_most(0.02, CATALOGUE));
+            let row = Row::new("largest velocity aside / v", &variant, "", aside / v);
+            all.push(row.at_most(1e-3, "[D] by symmetry"));
+            let last = speed[speed.len() - 1].1;
+            if friction > 0.0 {
+                let slow = friction * force / whole;
+                let expected = v - slow * (end - 0.5 * ramped);
+                let row = Row::new("speed at the end", &variant, "m/s", last);
+                all.push(row.near(expected, 0.005, "[D] v - mu N t/m; tolerance of A07"));
+            } else {
+                let row = Row::new("loss of speed over 50 facets / v", &variant, "", (1.0 - last / v).abs());
+                all.push(row.at_most(1e-3, CATALOGUE));
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
+    const FACETS: usize = 72;
+    const FACETED: &str = "where a facet meets the next the way turns by 5 degrees: a law that takes an impact for plastic loses up to \
+                           sin^2(5 degrees), 0.8 %, of the energy there";
+    let (radius, side, v, half_turn) = (0.1, 8e-3, 10.0, PI);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        for friction in [0.0, 0.3] {
+            // With friction it slows down like exp(-mu angle).
+            let time = if friction > 0.0 { ((friction * half_turn).exp() - 1.0) / friction } else { half_turn };
+            // The drum's facets are chords; the block's face is flat, and its front and rear edges run on them.
+            let inner = radius * (PI / FACETS as f64).cos() - 0.5 * THICKNESS;
+            let low = (inner * inner - 0.25 * side * side).sqrt();
+            let centre = low - 0.5 * side;
+            let mut scene = Scene::new(time * centre / v);
+            let drum = scene.grid(1, [FACETS, 4], |t, y| {
+                let (s, c) = (TAU * (t + 0.5 / FACETS as f64)).sin_cos();
+                [radius * s, 0.04 * (y - 0.5), -radius * c]
+            });
+            let block = scene.block(2, [1; 3], |p| {
+                let [x, y, z] = p.map(|q| side * (q - 0.5));
+                // Lines of the meshes differ by 7 degrees about the radius.
+                let (s, c) = 7f64.to_radians().sin_cos();
+                [c * x - s * y, s * x + c * y, z - centre + 2e-5]
+            });
+            scene.elastic("steel", STEEL);
+            scene.part(1, "steel", THICKNESS, "points = 2");
+            scene.solid_part(2, "steel", INVISCID);
+            scene.fix(drum.all(), FIXED);
+            // It turns about the axis of the drum as a rigid body does.
+            let set = scene.set(block.all());
+            let spin = -v / centre;
+            scene.add(&format!(
+                "[[initial_velocity]]\nnodes = \"{set}\"\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, {spin:?}, 0.0]"
+            ));
+            scene.start(drum.all(), [0.0; 3], [0.0; 3]);
+            scene.add(&format!("{}friction = {friction:?}", law.table()));
+            let (mut before, mut angle, mut start) = (None, 0.0, 0.0);
+            let name = format!("C18 drum {} {friction}", law.name);
+            let run = bench.watch(&name, &scene, |e| {
+                let at = [0, 2].map(|c| block.all().iter().map(|&n| position(e, n)[c]).sum::<f64>() / 8.0);
+                let now = at[0].atan2(-at[1]);
+                if let Some(then) = before {
+                    let step: f64 = now - then;
+                    angle += step - TAU * (step / TAU).round();
+                }
+                before = Some(now);
+                if e.clock.cycle == 0 {
+                    start = e.ledger.energies(&e.nodes).kinetic;
+                }
+            })?;
+            let variant = format!("{}, friction {friction}", law.name);
+            let crossed = angle.abs() / TAU * FACETS as f64;
+            let end = run.engine.ledger.energies(&run.engine.nodes);
+            let kept = (end.kinetic + end.internal + end.hourglass) / start;
+            if friction == 0.0 {
+                let row = Row::new("change of energy per facet", &variant, "", (kept - 1.0) / crossed);
+                all.push(row.within(0.0, 5e-4, CATALOGUE).known(FACETED));
+            } else {
+                let expected = (-2.0 * friction * angle.abs()).exp();
+                let row = Row::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
+                all.push(row.beside(1.0, "[D] belt friction on a round drum"));
+            }
+            let row = Row::new("facets crossed", &variant, "", crossed);
+            all.push(row.beside(0.5 * FACETS as f64, "[D] half a turn"));
+            let aside = momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
+            let row = Row::new("momentum along the axis / m v", &variant, "", aside);
+            all.push(if friction > 0.0 {
+                row.beside(0.0, "[D] nought but for the 7 degrees")
+            } else {
+                row.at_most(1e-3, "[D] no friction; bound of C03")
+            });
+        }
+    }
+    Ok(all)
+}

@@ -1,0 +1,116 @@
+//! A10 (b): a steel cylinder pressed on a rigid plane, in plane strain.
+
+use super::contact::Law;
+use super::measure::{contact_force, position};
+use super::row::Row;
+use super::scene::{STEEL, Scene};
+use super::solid_bars::INVISCID;
+use super::{Bench, Check};
+use std::f64::consts::PI;
+
+/// A10 (b).
+pub const CYLINDER: Check = Check { name: "cylinder on a rigid plane", quick: false, run: cylinder };
+
+const YIELDING: &str = "springs of a penalty yield beside the cells: the contact is wider and the pressure lower, less so on a finer \
+                        mesh";
+const RADIUS: f64 = 0.01;
+/// Line load [N/m].
+const LOAD: f64 = 1e6;
+/// Each cell is larger than the one before it by this, away from the contact.
+const GROWTH: f64 = 1.2;
+
+/// Places from 0 to `end`: `fine` steps of `first`, then growing ones.
+fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
+    let mut step = first;
+    while places[places.len() - 1] + step < end {
+        step *= GROWTH;
+        places.push(places[places.len() - 1] + step);
+    }
+    // Stretched beyond the fine part so that they end where they should.
+    let (from, last) = (places[fine], places[places.len() - 1]);
+    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
+    places
+}
+
+fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
+    const D: &str = "[D] Hertz, plane strain, at the load that is felt";
+    let stiff = STEEL.e / (1.0 - STEEL.nu * STEEL.nu);
+    let width = (4.0 * LOAD * RADIUS / (PI * stiff)).sqrt();
+    let peak = 2.0 * LOAD / (PI * width);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        for cells in [4, 8] {
+            // Half of it by symmetry; twenty half widths of it are as good as all.
+            let (first, size) = (width / cells as f64, 20.0 * width);
+            let along = graded(first, 3 * cells / 2, size);
+            let up = graded(first, 1, size);
+            let deep = 2.0 * first;
+            let index = |p: f64, places: &[f64]| places[(p * (places.len() - 1) as f64).round() as usize];
+            // Contact and modes of the block: a period of some 15 us.
+            let (ramp, end, omega) = (40e-6, 120e-6, 4.5e5);
+            let mut scene = Scene::new(end);
+            let block = scene.block(1, [along.len() - 1, 1, up.len() - 1], |[x, y, z]| {
+                let (x, z) = (index(x, &along), index(z, &up) / size);
+                let low = RADIUS - (RADIUS * RADIUS - x * x).sqrt();
+                [x, deep * y, low + (size - low) * z]
+            });
+            // Cells of the plane are a little larger, and none of its lines meets one of the block's.
+            let coarse = 1.3 * first;
+            let count = (2.5 * width / coarse).ceil() as usize;
+            let base = scene.block(2, [count, 1, 1], |[x, y, z]| {
+                [coarse * (count as f64 * x - 0.4), deep * (2.0 * y - 0.5), coarse * (z - 1.0)]
+            });
+            scene.elastic("steel", STEEL);
+            (1..=2).for_each(|part| scene.solid_part(part, "steel", INVISCID));
+            scene.fix(base.all(), "x y z");
+            scene.fix(block.all(), "y");
+            scene.fix(&block.layer(0, 0), "x");
+            scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramp:?}, 1.0]]"));
+            let top = scene.set(&block.last(2));
+            let pressure = 0.5 * LOAD / size;
+            scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+            scene.time(&format!("damping = {:?}", 2.0 * omega));
+            scene.add(&law.table());
+            // Both nodes at a place along the contact.
+            let foot: Vec<[u32; 2]> = (0..along.len()).map(|i| [block.at([i, 0, 0]), block.at([i, 1, 0])]).collect();
+            let mut forces = vec![0.0; foot.len()];
+            let mut samples = 0.0;
+            let run = bench.watch(&format!("A10 {} {cells}", law.name), &scene, |e| {
+                if e.clock.time > 0.8 * end {
+                    forces.iter_mut().zip(&foot).for_each(|(f, pair)| *f += contact_force(e, pair, 2));
+                    samples += 1.0;
+                }
+            })?;
+            forces.iter_mut().for_each(|f| *f /= samples * deep);
+            let felt = 2.0 * forces.iter().sum::<f64>();
+            // Pressures at the nodes, and p^2 = p0^2 (1 - x^2/b^2) through those above a fifth of the largest.
+            let places: Vec<f64> = foot.iter().map(|n| position(&run.engine, n[0])[0]).collect();
+            let mut at = Vec::new();
+            for i in 0..places.len() - 1 {
+                let left = if i == 0 { 0.0 } else { 0.5 * (places[i] - places[i - 1]) };
+                at.push((places[i].powi(2), (forces[i] / (left + 0.5 * (places[i + 1] - places[i]))).powi(2)));
+            }
+            let most = at.iter().map(|a| a.1).fold(0.0, f64::max);
+            at.retain(|a| a.1 > 0.04 * most);
+            let n = at.len() as f64;
+            let [x, y] = [at.iter().map(|a| a.0).sum::<f64>() / n, at.iter().map(|a| a.1).sum::<f64>() / n];
+            let slope = at.iter().map(|a| (a.0 - x) * (a.1 - y)).sum::<f64>()
+                / at.iter().map(|a| (a.0 - x).powi(2)).sum::<f64>();
+            let square = y - slope * x;
+            let variant = format!("{}, {cells} cells on the half width", law.name);
+            all.push(Row::new("force", &variant, "kN/m", 1e-3 * felt).near(1e-3 * LOAD, 0.01, "[D] the load"));
+            let half = Row::new("half width of the contact", &variant, "mm", 1e3 * (square / -slope).sqrt());
+            let top = Row::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());
+            if cells < 8 {
+                all.push(half.beside(1e3 * width, D));
+                all.push(top.beside(1e-9 * peak, D));
+            } else {
+                let known = if law.is_spring() { YIELDING } else { "" };
+                all.push(half.near(1e3 * width, 0.02, D).known(known));
+                all.push(top.near(1e-9 * peak, 0.03, D).known(known));
+            }
+        }
+    }
+    Ok(all)
+}
