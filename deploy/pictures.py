@@ -42,6 +42,8 @@ VIEWS = {
 # fraction of half the width.
 FRONT = 0.17
 FAR = 0.8
+# Point and normal of the wall of the jeep frame.
+JEEP_WALL = [-0.5, 0.0, 0.0, 1.0, 0.0, 0.0]
 # Room around the model in a picture, and how much of the window's height the colour bar takes at the bottom.
 MARGIN = 1.06
 BAR = 0.14
@@ -180,6 +182,15 @@ def scale_bar(pv, scene, towards, corner, pixel, bar, unit):
     )
 
 
+def hit_a_wall(folder):
+    """Whether a rigid wall took an impulse in the run."""
+    try:
+        summary = json.loads((folder / "summary.json").read_text())
+    except (OSError, ValueError):
+        return False
+    return any(summary.get("momentum", {}).get("wall_impulse", []))
+
+
 def wall_plate(pv, args, box):
     """The rigid wall as a plate behind its face, a little larger than the model's section."""
     import numpy as np
@@ -305,10 +316,9 @@ def arguments():
         type=float,
         nargs=6,
         metavar=("X", "Y", "Z", "NX", "NY", "NZ"),
-        default=[-0.5, 0.0, 0.0, 1.0, 0.0, 0.0],
-        help="point and normal of the rigid wall (that of the jeep frame)",
+        help="point and normal of a rigid wall to draw (that of the jeep frame, if the run has a wall that was hit)",
     )
-    parser.add_argument("--no-wall", action="store_const", const=None, dest="wall", help="draw no wall")
+    parser.add_argument("--no-wall", action="store_true", help="draw no wall")
     parser.add_argument("--edges", choices=("auto", "yes", "no"), default="auto", help="draw the shells' edges")
     parser.add_argument("--time-unit", default="ms")
     parser.add_argument("--length-unit", default="mm")
@@ -318,6 +328,10 @@ def arguments():
 
 def main():
     args = arguments()
+    if args.no_wall:
+        args.wall = None
+    elif args.wall is None and hit_a_wall(args.run):
+        args.wall = JEEP_WALL
     steps = read_steps(args.run)
     try:
         import pyvista as pv

@@ -115,7 +115,7 @@ fn bad_input(report: &Report) -> u8 {
 
 fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
     let out = args.out_dir();
-    for warning in &model.warnings {
+    for warning in model.warnings.iter().filter(|_| !args.quiet) {
         eprint!("{}", model.show(warning));
     }
     log_to(&out);
