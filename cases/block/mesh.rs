@@ -17,6 +17,7 @@ pub const GENERATOR: Generator = Generator {
         ("along", 4.0, "solids along x, 1 to 512"),
         ("across", 4.0, "solids along y, 1 to 512"),
         ("high", 4.0, "solids along z, 1 to 512"),
+        ("refine", 1.0, "each of the three counts times this, 1 to 64"),
     ],
     build,
 };
@@ -24,7 +25,8 @@ pub const GENERATOR: Generator = Generator {
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut wrong = Vec::new();
     let size = ["length", "width", "height"].map(|key| options.real(key, 1e-3..=1e6, &mut wrong));
-    let count = ["along", "across", "high"].map(|key| options.count(key, 1..=512, &mut wrong));
+    let refine = options.count("refine", 1..=64, &mut wrong);
+    let count = ["along", "across", "high"].map(|key| refine * options.count(key, 1..=512, &mut wrong));
     if !wrong.is_empty() {
         return Err(wrong);
     }

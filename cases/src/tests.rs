@@ -63,8 +63,8 @@ fn pieces(mesh: &Mesh) -> usize {
     (1..=mesh.nodes.len()).filter(|&i| find(&mut root, i) == i).count()
 }
 
-/// Ids run from 1; no free node, no two nodes in one place, no two elements on the same nodes, no bad element.
-fn assert_sound(mesh: &Mesh) {
+/// Ids run from 1; no free node, no two nodes in one place, no two elements on the same nodes.
+fn assert_whole(mesh: &Mesh) {
     assert!(mesh.nodes.iter().zip(1..).all(|(n, id)| n.id == NodeId(id)));
     assert!(mesh.elements.iter().zip(1..).all(|(e, id)| e.id.0 == id));
     let used: BTreeSet<NodeId> = mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
@@ -81,6 +81,12 @@ fn assert_sound(mesh: &Mesh) {
     let corners: BTreeSet<BTreeSet<NodeId>> =
         mesh.elements.iter().map(|e| e.corners().iter().copied().collect()).collect();
     assert_eq!(corners.len(), mesh.elements.len(), "two elements on the same nodes");
+}
+
+/// And no element is far from a square.
+fn assert_sound(mesh: &Mesh) {
+    assert_whole(mesh);
+    let q = quality(mesh).unwrap();
     assert!(q.min_side.value > 0.5 * q.median_side, "short side {:?}, median {}", q.min_side, q.median_side);
     assert!(q.max_aspect.value < 2.0, "{:?}", q.max_aspect);
     assert!(q.max_warpage_deg.value < 0.01, "{:?}", q.max_warpage_deg);
@@ -374,4 +380,57 @@ fn the_twisted_beam_turns_by_a_right_angle() {
     let spread = |set: &str, c: usize| mesh.node_sets[set].iter().map(|n| at[n][c].abs()).fold(0.0, f64::max);
     assert!((spread("root", 1) - 0.55).abs() < 1e-12 && spread("root", 2) < 1e-12);
     assert!((spread("tip", 2) - 0.55).abs() < 1e-12 && spread("tip", 1) < 1e-12);
+}
+
+/// The scenes of studies: whole at their defaults and finer, with the node sets that their jobs name.
+#[test]
+fn scenes_of_studies_are_whole() {
+    let jobs = [
+        include_str!("../hertz/job.toml"),
+        include_str!("../slide/job.toml"),
+        include_str!("../slide/reversal.toml"),
+        include_str!("../corner/job.toml"),
+        include_str!("../tube/job.toml"),
+        include_str!("../strip/job.toml"),
+        include_str!("../block/job.toml"),
+        include_str!("../block/cantilever.toml"),
+    ];
+    for text in jobs {
+        assert!(text.starts_with("# Units"), "line one states units and what to see");
+        let job = job(text);
+        let mesh = mesh_of(&job);
+        assert_whole(&mesh);
+        let sets = job.fix.iter().map(|f| &f.nodes).chain(job.load.iter().map(|l| &l.nodes));
+        for set in sets.chain(job.mass.iter().map(|m| &m.nodes)) {
+            assert!(mesh.node_sets.contains_key(set), "{}: no node set {set}", job.title);
+        }
+    }
+    let finer = [
+        ("hertz", "cells = 8\nsize = 6.0"),
+        ("slide", "facets = 16\ncells = 4\ngap = -0.1"),
+        ("corner", "angle = 60.0\nturn = 45.0\nfacets = 9\ncells = 3"),
+        ("tube", "elements = 5\nlength = 44.0"),
+        ("strip", "along = 10\nacross = 2\nslant = -0.3"),
+        ("block", "along = 3\nacross = 1\nhigh = 2\nrefine = 2"),
+    ];
+    finer.into_iter().for_each(|(name, options)| assert_whole(&made(name, options)));
+}
+
+/// The cube is where its gap says, whatever its attitude and the angle between the walls: moved by the gap, it touches a
+/// wall of 1 mm and goes through none.
+#[test]
+fn the_cube_stands_before_the_corner() {
+    for (angle, turn) in [(90.0, 0.0), (90.0, 45.0), (60.0, 10.0), (120.0, -30.0)] {
+        let mesh = made("corner", &format!("angle = {angle:?}\nturn = {turn:?}\ngap = 0.25"));
+        let half = 0.5 * f64::to_radians(angle);
+        let at: BTreeMap<_, _> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+        // Distance from the nearer wall, which are the lines y = +-x tan half.
+        let gap = |x: f64, y: f64| x * half.sin() - y.abs() * half.cos() - 0.5;
+        let least = |moved: f64| {
+            let gaps = mesh.node_sets["cube"].iter().map(|n| gap(at[n][0] - moved, at[n][1]));
+            gaps.fold(f64::INFINITY, f64::min)
+        };
+        assert!(least(0.25).abs() < 1e-12, "{angle} {turn}: {}", least(0.25));
+        assert!((least(0.0) - 0.25 * half.sin()).abs() < 1e-12);
+    }
 }

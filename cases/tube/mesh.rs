@@ -15,7 +15,7 @@ pub const GENERATOR: Generator = Generator {
     options: &[
         ("side", 30.0, "of the square, between middle surfaces [mm]"),
         ("length", 60.0, "of the tube [mm]"),
-        ("elements", 6.0, "quads over a side, 1 to 256"),
+        ("elements", 12.0, "quads over a side, 1 to 256"),
         ("trigger", 0.3, "depth of the trigger [mm]"),
         ("trigger_from", 3.0, "where the trigger begins, from the lower end [mm]"),
         ("trigger_to", 20.0, "where it ends [mm]"),
