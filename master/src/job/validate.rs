@@ -162,8 +162,15 @@ fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings:
 }
 
 fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findings: &mut Findings) {
+    let choices = || choices.iter().filter(|c| c["type"] != "null");
+    // A word that may be left out.
+    if choices().count() == 1
+        && let Some(words) = choices().find_map(|c| resolve(c)["oneOf"].as_array())
+    {
+        return one_word_of(node, words, path, findings);
+    }
     let mut best: Option<(Node, Findings)> = None;
-    for choice in choices.iter().filter(|c| c["type"] != "null") {
+    for choice in choices() {
         let mut copy = node.clone();
         let mut tried = Findings { in_mesh_file: findings.in_mesh_file, ..Findings::default() };
         walk(&mut copy, choice, path, &mut tried);

@@ -45,7 +45,8 @@ pub const HOURGLASS: usize = 5;
 pub const DRILLING: usize = 4;
 
 /// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a lone square or strip is
-/// stable by 5 %; one would be safe at any factor below 1, and slow a mesh of squares, which bears L/c, by 1/sqrt(1+nu).
+/// stable by 5 %. A value of 1 would be safe at any safety below 1, but slow meshes of squares, which bear L/c, by as much
+/// again.
 const LONE: f64 = 1.05;
 
 /// Corner vectors of an element as modes.
