@@ -12,6 +12,8 @@ pub struct Clock {
     pub cycle: u64,
     /// Step of the cycle at hand [time].
     pub dt: f64,
+    /// The same, not cut short by the end of the run [time].
+    pub whole_dt: f64,
     /// Step of the cycle before, 0 in the first [time].
     pub last_dt: f64,
     /// First and smallest step so far [time].
@@ -34,6 +36,7 @@ impl Clock {
             time: 0.0,
             cycle: 0,
             dt: 0.0,
+            whole_dt: 0.0,
             last_dt: 0.0,
             first_dt: 0.0,
             min_dt: f64::INFINITY,
@@ -51,13 +54,14 @@ impl Clock {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let dt = (settings.safety * stable_dt).min(largest);
         self.min_dt = self.min_dt.min(dt);
+        self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);
         self.dt = if left <= dt { left } else { dt.min(0.5 * left) };
     }
 
     /// The steps around the present time. Velocities start at time 0, half a step before the first mid-step.
     pub fn steps(&self) -> Steps {
-        Steps { dt: self.dt, mid: 0.5 * (self.last_dt + self.dt) }
+        Steps { dt: self.dt, mid: 0.5 * (self.last_dt + self.dt), whole: self.whole_dt }
     }
 
     /// Goes on to the next time.

@@ -1,6 +1,7 @@
 //! What limits the step beside the elements: a penalty spring of known stiffness (A24), a sliver (C14).
 
 use super::bars::BAR;
+use super::contact::UNDAMPED;
 use super::measure::{contact_force, displacement, position};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
@@ -56,10 +57,10 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
     scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 500.0 * transit));
     let top = scene.set(&rod.last(2));
     scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {:?}\ncurve = \"ramp\"", PRESSED * BAR.e));
-    // Four nodes on a segment with E A/d = (E/9) 9 L^2/(3 sqrt2 L).
-    let scale = 0.75 * 2f64.sqrt() * beta;
+    // Four nodes on a face of a cube with E A/d = (E/9) 9 L^2/(3 L).
+    let scale = 0.75 * beta;
     scene.add(&format!(
-        "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = {scale:?}\npenalty_cap = {capped}"
+        "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = {scale:?}\npenalty_cap = {capped}\n{UNDAMPED}"
     ));
     Sprung { scene, rod, support }
 }

@@ -22,6 +22,8 @@ pub struct Steps {
     pub dt: f64,
     /// From the last to the next mid-step: velocities change by `mid` times the acceleration [time].
     pub mid: f64,
+    /// The step that elements and contact allow, which `dt` falls short of where a run comes to its end [time].
+    pub whole: f64,
 }
 
 /// What laws know of the parts that touch.

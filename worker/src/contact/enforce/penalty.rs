@@ -1,7 +1,7 @@
 //! Penalty: a spring between node and contact point, and one from the stick point, held within the friction cone.
 //!
 //! Two forms of its stiffness k, with the compliance c = 1/M1 + 1/M2 of the pair:
-//! - *soft*, from masses and the step, `k = scale / (c dt mid)`: below the central difference limit whatever the
+//! - *soft*, from masses and the step, `k = scale / (c dt^2)`: below the central difference limit whatever the
 //!   material (the kind that LS-DYNA calls SOFT=1; Hallquist, LS-DYNA theory manual, ch. 29);
 //! - *stiffness*, from the segment's material and shape as the mesh is given: `k = scale E A / d` with the face's area A
 //!   and a shell's longest diagonal (same source, ch. 29, the standard penalty), or a solid's depth, for d: there A^2/V is
@@ -15,7 +15,7 @@
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
 //! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
-//! stable while `k c dt mid <= 4 (1 - safety^2)`. Near that they are stable but not accurate, so no stiffness above half
+//! stable while `k c dt^2 <= 4 (1 - safety^2)`. Near that they are stable but not accurate, so no stiffness above half
 //! of it is used unless the job says so (`cases/studies/README.md`, penalty-map).
 
 use super::{ContactLaw, Elasticity, Iteration, LawRow, Steps, split, within_cone};
@@ -37,7 +37,7 @@ struct Penalty {
     damping: f64,
     /// Young's modulus per part, if stiffness comes from the material.
     moduli: Option<Vec<f64>>,
-    /// Most `k c dt mid`.
+    /// Most `k c dt^2`.
     most: f64,
 }
 
@@ -51,7 +51,7 @@ impl Penalty {
 
     /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
     fn wanted(&self, pair: &Pair, steps: Steps) -> (f64, f64) {
-        let [soft_n, soft_t] = pair.compliance.map(|c| c * steps.dt * steps.mid);
+        let [soft_n, soft_t] = pair.compliance.map(|c| c * steps.whole * steps.whole);
         if soft_n <= 0.0 {
             return (0.0, 0.0); // both sides are held fixed
         }
