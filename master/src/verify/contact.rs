@@ -75,7 +75,7 @@ const REST: &str = "the sweeps stop short of a rest: some 1e-9 of the impact is 
 const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 1000: they stop what closes over many steps, and overshoot a little";
 
 /// A material that gives an element with this smallest side a stable step of about `dt`.
-fn carrier(side: f64, dt: f64) -> Elastic {
+pub fn carrier(side: f64, dt: f64) -> Elastic {
     Elastic { e: NEXT_TO_NOTHING * (side / dt).powi(2), nu: 0.0, rho: NEXT_TO_NOTHING }
 }
 
@@ -131,7 +131,7 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 /// A triangle that hangs over the origin with its tip down at height `z`, and carries `mass` there. Side 0.1 m.
-fn tip(scene: &mut Scene, part: u32, x: [f64; 3], mass: f64) -> u32 {
+pub fn tip(scene: &mut Scene, part: u32, x: [f64; 3], mass: f64) -> u32 {
     let tip = scene.node(x);
     let left = scene.node([x[0] - 0.05, x[1], x[2] + 0.09]);
     let right = scene.node([x[0] + 0.05, x[1], x[2] + 0.09]);

@@ -1,8 +1,8 @@
 //! What facets do to what meets them: a cube dropped on a corner at different places of a mesh (C03), blocks that slide over
 //! many facets, flat or around a drum (C18).
 
-use super::contact::Law;
-use super::measure::{Push, mass, mean_velocity, position};
+use super::contact::{Law, carrier, tip};
+use super::measure::{Push, contact_force, mass, mean_velocity, position};
 use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
@@ -14,6 +14,8 @@ use std::f64::consts::{PI, TAU};
 pub const DROPPED: Check = Check { name: "cube on a corner", quick: true, run: dropped };
 /// C18, flat.
 pub const FLAT: Check = Check { name: "over 50 flat facets", quick: false, run: flat };
+/// C18, off the edge.
+pub const EDGE: Check = Check { name: "off the last edge", quick: true, run: edge };
 /// C18, drum.
 pub const DRUM: Check = Check { name: "inside a drum of 72 facets", quick: false, run: drum };
 
@@ -140,6 +142,57 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.at_most(1e-3, CATALOGUE));
             }
         }
+    }
+    Ok(all)
+}
+
+fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
+    let (v, g, reach, dt) = (10.0, 1e4, 0.02, 1e-6);
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let mut scene = Scene::new(1.2e-3);
+        let plate = scene.grid(1, [4, 4], |x, y| [reach * (2.0 * x - 1.0), reach * (2.0 * y - 1.0), 0.0]);
+        // A node of 1 g, half a facet and some more before the edge, off the lines of the mesh.
+        let node = tip(&mut scene, 2, [reach - 7e-3, 3e-3, THICKNESS], 1e-3);
+        scene.elastic("steel", STEEL);
+        scene.elastic("carrier", carrier(0.09, 1.2 * dt));
+        (1..=2).for_each(|part| scene.part(part, if part == 1 { "steel" } else { "carrier" }, THICKNESS, "points = 2"));
+        scene.fix(plate.all(), FIXED);
+        scene.start(&[node, node + 1, node + 2], [v, 0.0, 0.0], [0.0; 3]);
+        scene.start(plate.all(), [0.0; 3], [0.0; 3]);
+        scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]", -g));
+        scene.add(&law.table());
+        let (mut last, mut step) = (f64::NEG_INFINITY, 0.0);
+        let (mut aside, mut along) = (0.0f64, 0.0f64);
+        let run = bench.watch(&format!("C18 edge {}", law.name), &scene, |e| {
+            let at = position(e, node)[0];
+            // The force is that of the place a step ago.
+            if contact_force(e, &[node], 2) != 0.0 {
+                (last, step) = (at - v * e.clock.last_dt, e.clock.last_dt);
+            }
+            aside = aside.max(mean_velocity(e, &[node], 1).abs());
+            along = along.max((mean_velocity(e, &[node], 0) - v).abs());
+        })?;
+        let variant = format!("{}, 1 g at 10 m/s", law.name);
+        let beyond = (last - reach) / (v * step);
+        let row = Row::new("where contact is last felt beyond the edge / way of a step", &variant, "", beyond);
+        all.push(row.at_most(1.0, CATALOGUE));
+        let row = Row::new("the same / half the contact thickness", &variant, "", (last - reach) / (0.5 * THICKNESS));
+        all.push(row.beside(1.0, "1 for a round edge, 0 for a square one"));
+        all.push(
+            Row::new("largest velocity aside / v", &variant, "", aside / v)
+                .at_most(1e-3, "[D] no sideways force; bound of C03"),
+        );
+        all.push(
+            Row::new("largest change of velocity along / v", &variant, "", along / v)
+                .at_most(1e-3, "[D] no sideways force; bound of C03"),
+        );
+        let free = (g * run.engine.clock.time).max(1.0);
+        let fell = -mean_velocity(&run.engine, &[node], 2);
+        all.push(
+            Row::new("falls at the end / g t", &variant, "", fell / free)
+                .beside(0.5 / 1.2, "[D] it falls after 0.7 ms of 1.2"),
+        );
     }
     Ok(all)
 }

@@ -41,7 +41,7 @@ impl Body {
         }
     }
 
-    fn scene(self, end: f64, material: &dyn Fn(&mut Scene)) -> Scene {
+    fn scene(self, end: f64, material: AddMetal<'_>) -> Scene {
         let mut scene = Scene::new(end);
         material(&mut scene);
         let nodes = match self {
@@ -59,12 +59,15 @@ impl Body {
     }
 }
 
+/// Adds the material "metal" to a scene.
+type AddMetal<'a> = &'a dyn Fn(&mut Scene);
+
 /// One shell or cube whose logarithmic strains along x, y and z grow at the rates that `rates` gives, per run, from the
 /// time in runs, the step in runs and the stress of a step ago; a shell sees the first two. Calls `at` with the strains
 /// and the fields of the same time. Returns the time of the run [s].
 fn led(
     bench: &Bench,
-    (name, body, material): (&str, Body, &dyn Fn(&mut Scene)),
+    (name, body, material): (&str, Body, AddMetal<'_>),
     steps: f64,
     mut rates: impl FnMut(f64, f64, &ElementFields) -> [f64; 3],
     mut at: impl FnMut([f64; 3], &ElementFields),

@@ -31,6 +31,7 @@ mod scene;
 mod sliding;
 mod solid_bars;
 mod solid_cells;
+mod solid_patches;
 mod solids;
 mod stability;
 mod stacked;

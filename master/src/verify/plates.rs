@@ -12,6 +12,8 @@ use std::f64::consts::FRAC_PI_4;
 pub const PLATE: Check = Check { name: "square plate", quick: true, run: plate };
 /// B08 on the finest mesh.
 pub const FINE_PLATE: Check = Check { name: "square plate, 16 by 16", quick: true, run: fine_plate };
+/// C10 (b).
+pub const MODES: Check = Check { name: "plate with hourglass control off and on", quick: true, run: modes };
 /// B06.
 pub const CAP: Check = Check { name: "spherical cap", quick: true, run: cap };
 
@@ -105,6 +107,55 @@ fn of_mesh(bench: &Bench, n: usize, elastic: [f64; 3], plastic: [f64; 3]) -> Res
                     .at_most(0.02, "limit of the catalogue"),
             );
             all.extend(swing.run.energy_rows(&variant, 1e-2));
+        }
+    }
+    Ok(all)
+}
+
+fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 8;
+    let (half, depth, pressure) = (0.127, 0.0127, 2.0684e6);
+    let mut all = Vec::new();
+    for (support, coefficient) in
+        [("simply supported", 0.0), ("simply supported", 0.02), ("corners held", 0.0), ("corners held", 0.02)]
+    {
+        let mut scene = Scene::new(1.4e-3);
+        let grid = scene.grid(1, [N, N], |x, y| [half * x, half * y, 0.0]);
+        scene.elastic("aluminium", Elastic { e: 68.95e9, nu: 0.3, rho: 2765.8 });
+        scene.part(1, "aluminium", depth, &format!("hourglass_coefficient = {coefficient:?}"));
+        if support == "corners held" {
+            // Nothing but the control keeps the w mode away.
+            scene.fix(&[grid.at(0, 0), grid.at(N, N)], "x y z");
+            scene.fix(&[grid.at(0, N), grid.at(N, 0)], "z");
+        } else {
+            scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
+            scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
+            let edges: Vec<u32> = grid.row(N).into_iter().chain((0..N).map(|i| grid.at(i, N))).collect();
+            scene.fix(&edges, "z");
+        }
+        scene.add(&format!("[[pressure]]\nparts = [1]\npressure = {:?}", 0.1 * pressure));
+        scene.start(&[grid.at(1, 1)], [0.0, 0.0, -1.0], [0.0; 3]);
+        let (mut most, mut zigzag) = (0.0f64, 0.0f64);
+        let run = bench.watch(&format!("C10 plate {support} {coefficient}"), &scene, |e| {
+            let mut sum = 0.0;
+            for (i, j) in (0..=N).flat_map(|i| (0..=N).map(move |j| (i, j))) {
+                let w = displacement(e, grid.at(i, j))[2];
+                most = most.max(w.abs());
+                sum += if (i + j) % 2 == 0 { w } else { -w };
+            }
+            zigzag = zigzag.max(sum.abs() / ((N + 1) * (N + 1)) as f64);
+        })?;
+        let variant = format!("belytschko_tsay, {N} by {N}, {support}, coefficient {coefficient}");
+        let row = Row::new("largest alternating part of the deflection / deflection", &variant, "", zigzag / most);
+        all.push(row.beside(0.0, "catalogue: visible without control"));
+        if coefficient > 0.0 {
+            let energies = &run.energies;
+            let share = energies.hourglass / energies.internal;
+            let row = Row::new("hourglass energy / internal energy at the end", &variant, "", share);
+            all.push(match support {
+                "simply supported" => row.at_most(0.02, "limit of the catalogue"),
+                _ => row.beside(0.02, "limit of the catalogue for edges that are held"),
+            });
         }
     }
     Ok(all)

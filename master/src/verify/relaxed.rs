@@ -4,6 +4,7 @@
 //! A first run without damping finds half a period, from rest to the largest deflection; the second one is damped
 //! critically for that period and goes on until nothing moves any more.
 
+use super::bars::BAR;
 use super::bench::Finished;
 use super::measure::{displacement, fields};
 use super::row::Row;
@@ -16,6 +17,8 @@ use std::ops::ControlFlow;
 
 /// A16, static.
 pub const SAGGED: Check = Check { name: "plate under its load, static", quick: true, run: sagged };
+/// A17, in gravity.
+pub const HANGING: Check = Check { name: "bar with a mass, hanging", quick: true, run: hanging };
 /// A30 (a).
 pub const STRIP: Check = Check { name: "cantilever under end shear", quick: true, run: strip };
 /// A30 (b).
@@ -80,6 +83,27 @@ fn rest(
 fn load(scene: &mut Scene, nodes: &[u32], force: [f64; 3]) {
     let set = scene.set(nodes);
     scene.add(&format!("[[load]]\nnodes = \"{set}\"\nforce = {force:?}"));
+}
+
+fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
+    const N: usize = 50;
+    let (length, thickness, g) = (1.0, 0.01, 9.81);
+    let width = length / N as f64;
+    let mut all = Vec::new();
+    for times in [1.0, 10.0] {
+        let mut scene = Scene::new(1.0);
+        let bar = scene.grid(1, [N, 1], |x, y| [length * x, width * y, 0.0]);
+        scene.elastic("steel", BAR);
+        scene.part(1, "steel", thickness, "points = 2");
+        scene.fix(&bar.row(0), CLAMPED);
+        scene.mass(&bar.row(N), times * BAR.rho * length * width * thickness);
+        scene.add(&format!("[[gravity]]\nacceleration = [{g:?}, 0.0, 0.0]"));
+        let (ours, _) = rest(bench, &format!("A17 hanging {times}"), &scene, |e| displacement(e, bar.at(N, 0))[0])?;
+        let expected = (times + 0.5) * BAR.rho * g * length * length / BAR.e;
+        let quantity = format!("elongation in gravity with {times} times its mass at the end");
+        all.push(Row::new(quantity, "50 shells", "um", 1e6 * ours).near(1e6 * expected, 0.005, "[D] (M + m/2) g L/EA"));
+    }
+    Ok(all)
 }
 
 fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {

@@ -2,7 +2,7 @@
 
 use super::bench::Finished;
 use super::contact::Law;
-use super::measure::{displacement, mean_velocity};
+use super::measure::{contact_force, displacement, mean_velocity};
 use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
@@ -288,6 +288,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
             .add(&format!("[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"", 1.5 * MU * force));
         touch(&mut scene, law);
         let (mut slid, mut means, mut early) = (0.0, vec![(0.0, 0u32); CYCLES], 0.0f64);
+        let (mut turns, mut held) = (0, 0.0);
         let (mut low, mut high, mut heat, mut back) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64);
         let run = bench.watch(&format!("C09 {}", law.name), &scene, |e| {
             let x = displacement(e, block.at([1, 1, 0]))[0];
@@ -299,6 +300,9 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 // |T| is below mu N until sin = 2/3.
                 if since < (2.0f64 / 3.0).asin() / TAU {
                     early = early.max(x.abs());
+                    let now = contact_force(e, block.all(), 0);
+                    turns += u32::from(now * held < 0.0);
+                    held = if now == 0.0 { held } else { now };
                 }
                 if cycle > CYCLES / 2 {
                     (low, high) = (low.min(x), high.max(x));
@@ -317,6 +321,8 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
                 .known(known),
         );
+        let row = Row::new("turns of the friction force while it should stick", &variant, "", f64::from(turns));
+        all.push(row.at_most(1.0, "limit of the catalogue"));
         all.push(
             Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid)).near(
                 1.0,

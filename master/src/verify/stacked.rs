@@ -1,9 +1,10 @@
-//! Bodies that rest on each other: two plates pressed together (C08), a stack of blocks, a block in a corner of walls (C15 b, c).
+//! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of blocks, a block in a corner of
+//! walls (C15 b, c).
 
 use super::contact::Law;
-use super::measure::{contact_force, mass, mean_velocity};
+use super::measure::{contact_force, mass, mean_velocity, position};
 use super::row::Row;
-use super::scene::{Grid, STEEL, Scene};
+use super::scene::{Elastic, Grid, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::solids::Block;
 use super::{Bench, Check};
@@ -13,6 +14,8 @@ use std::ops::ControlFlow;
 pub const PLATES: Check = Check { name: "two plates pressed together", quick: false, run: plates };
 /// C08, undamped.
 pub const LONG: Check = Check { name: "two plates, 1e5 steps", quick: false, run: long };
+/// C02, foam on steel.
+pub const FOAM: Check = Check { name: "foam on steel", quick: true, run: foam };
 /// C15 (b).
 pub const STACK: Check = Check { name: "stack of blocks", quick: true, run: stack };
 /// C15 (c).
@@ -135,6 +138,39 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
+fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
+    let (side, cells, v) = (0.04, 4, 5.0);
+    let light = Elastic { e: 1e6, nu: 0.0, rho: 50.0 };
+    let time = 2.0 * side / light.c();
+    let mut all = Vec::new();
+    for law in Law::ALL {
+        let mut scene = Scene::new(1.5 * time);
+        let steel =
+            scene.block(1, [3, 3, 1], |p| [1.5 * side * (p[0] - 0.5), 1.5 * side * (p[1] - 0.5), 0.02 * (p[2] - 1.0)]);
+        let block = scene.block(2, [cells; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), 1e-4 + side * p[2]]);
+        scene.elastic("steel", STEEL);
+        scene.elastic("foam", light);
+        scene.solid_part(1, "steel", INVISCID);
+        scene.solid_part(2, "foam", INVISCID);
+        scene.fix(&steel.layer(2, 0), "x y z");
+        scene.start(block.all(), [0.0, 0.0, -v], [0.0; 3]);
+        scene.start(steel.all(), [0.0; 3], [0.0; 3]);
+        scene.add(&law.table());
+        let foot = block.layer(2, 0);
+        let mut deepest = 0.0f64;
+        let run = bench.watch(&format!("C02 foam {}", law.name), &scene, |e| {
+            // The steel hardly moves: its upper side stays at nought.
+            deepest = foot.iter().fold(deepest, |d, &n| d.max(-position(e, n)[2]));
+        })?;
+        let variant = format!("{}, foam of 1 MPa and 50 kg/m3 at 5 m/s on steel", law.name);
+        let row = Row::new("largest penetration / side of a cell", &variant, "", deepest * cells as f64 / side);
+        all.push(row.at_most(0.05, "limit of the catalogue"));
+        let share = Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
+        all.push(share.beside(1.0, "[D] a bar without lateral strain, but for what stays in swings"));
+    }
+    Ok(all)
+}
+
 fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
     const BLOCKS: usize = 5;
     let (side, g) = (0.01, 1e4);
@@ -207,7 +243,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 100.0 * period));
         scene.add(&format!("[[gravity]]\nacceleration = {:?}\ncurve = \"ramp\"", [-g; 3]));
         scene.time(&format!("damping = {:?}", 4.0 * DAMPING));
-        let (mut from, mut fastest): (Option<(f64, Vec<[f64; 3]>)>, f64) = (None, 0.0);
+        let (mut from, mut fastest) = (None, 0.0f64);
         let run = bench.watch(&format!("C15c {friction}"), &scene, |e| {
             if e.clock.time > 200.0 * period {
                 from.get_or_insert_with(|| (e.clock.time, e.walls.impulse.clone()));

@@ -222,7 +222,7 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
 /// Nominal stress [Pa] and strain behind a plastic shock that changes the velocity by `jump` [m/s], where true stress is
 /// `sigma_y + E_t (e - sigma_y/E)` over logarithmic strain e and plastic flow keeps the volume: the area grows by
 /// `exp(e - sigma/E)`. Across a shock `rho jump^2 = (P - P_y) (eps - eps_y)`.
-fn plastic_shock(yield_stress: f64, tangent: f64, jump: f64) -> (f64, f64) {
+pub fn plastic_shock(yield_stress: f64, tangent: f64, jump: f64) -> (f64, f64) {
     let at_yield = yield_stress / BAR.e;
     let nominal = |strain: f64| {
         let e = -(1.0 - strain).ln();

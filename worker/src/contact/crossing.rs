@@ -11,6 +11,9 @@ use crumple_proto::ids::ElemId;
 /// Normals of two faces of solids with a product above this meet in no edge worth looking at.
 const SHARP: f64 = 0.7;
 
+/// How far both ends of an edge must be from a face, as a fraction of the segment's scale.
+const THROUGH: f64 = 0.1;
+
 /// An edge in a segment that it did not go through at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Crossing {
@@ -39,7 +42,11 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
     let through = |s: &Segment, e: &Edge, x: &[Row]| {
         let ([p, q], [a, b, c, d]) = (ends(e, x), s.corners(x));
-        pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d])
+        let Some(normal) = s.middle_normal(x) else { return false };
+        // What lies on a face, or sinks in as contact lets it, is not through.
+        let (above, below) = ((p - a).dot(&normal), (q - a).dot(&normal));
+        let deep = above.abs().min(below.abs()) > THROUGH * s.scale;
+        deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
     };
     let mut found: Vec<Crossing> = Vec::new();
     for (g, i) in find(&boxes, &middles) {
