@@ -137,7 +137,7 @@ pub const CATALOGUE: &[Entry] = &[
         "(c): the source gives no bound",
     ),
     entry("C11", "Warped shells", &[elements::WARPED], "twisted strips: see B09"),
-    entry("C12", "Volumetric locking", &[solid_cells::CYLINDER, solid_patches::FRONT], "stress"),
+    entry("C12", "Volumetric locking", &[solid_cells::CYLINDER, solid_cells::FRONT], "stress"),
     entry(
         "C13",
         "Element inversion",

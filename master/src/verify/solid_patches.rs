@@ -21,8 +21,6 @@ pub const TURNED: Check = Check { name: "prescribed rotation of a cube", quick: 
 pub const ROD: Check = Check { name: "rods and blocks of cubes at their step", quick: true, run: rod };
 /// A06 with solids.
 pub const PLASTIC: Check = Check { name: "elastic-plastic wave, cubes", quick: true, run: plastic };
-/// C12, elastic-plastic.
-pub const FRONT: Check = Check { name: "plastic front in a thick cylinder", quick: false, run: front };
 /// C06 with solids.
 pub const SUNK: Check = Check { name: "block sunk into a base", quick: true, run: sunk };
 
@@ -304,40 +302,6 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
             ),
         ],
     ))
-}
-
-fn front(bench: &Bench) -> Result<Vec<Row>, String> {
-    const N: usize = 40;
-    let (a, b, yield_stress) = (0.025, 0.05, 800e6);
-    let elastic = yield_stress / 3f64.sqrt() * (1.0 - a * a / (b * b));
-    let mut all = Vec::new();
-    for (share, expected) in [(1.10, 26.31), (1.35, 30.19), (1.60, 35.60)] {
-        let mut scene = Scene::new(600e-6);
-        let ring = scene.block(1, [N, N, 1], |p| {
-            let (r, angle) = (a + (b - a) * p[0], FRAC_PI_2 * p[1]);
-            [r * angle.cos(), r * angle.sin(), 0.001 * p[2]]
-        });
-        scene.plastic("steel", STEEL, yield_stress, 0.0);
-        scene.solid_part(1, "steel", INVISCID);
-        scene.fix(ring.all(), "z");
-        scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
-        scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
-        let inner = scene.set(&ring.layer(0, 0));
-        scene.add("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [300e-6, 1.0]]");
-        scene.add(&format!("[[pressure]]\nnodes = \"{inner}\"\npressure = {:?}\ncurve = \"ramp\"", share * elastic));
-        // The breathing mode has about 1.4e5 1/s: no overshoot, which would yield for good.
-        scene.time("damping = 3e5");
-        let run = bench.watch(&format!("C12 plastic {share}"), &scene, |_| {})?;
-        // Cells along a radius: from the last that has yielded to the first that has not, by the share of plastic strain is
-        // not known; the front is between them.
-        let all_fields = fields(&run.engine);
-        let yielded = (0..N).take_while(|i| all_fields[i * N + N / 2].plastic_strain > 0.0).count();
-        let cell = (b - a) / N as f64;
-        let variant = format!("hexahedron, {N} over the wall, p = {share} p_e");
-        let row = Row::new("plastic front, to half a cell", &variant, "mm", 1e3 * (a + yielded as f64 * cell));
-        all.push(row.near(expected, 0.02, "[V:S14] exact, [D]"));
-    }
-    Ok(all)
 }
 
 fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
