@@ -125,14 +125,11 @@ impl Ledger {
     /// energy of `m v- . v+ / 2` and internal work by the trapezoidal rule in force the central difference scheme keeps
     /// the balance to round-off while the step is constant: `m (v+ - v-) = dt f` gives
     /// `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
+    ///
+    /// After a step, and before the next, those are the energies of the time at which the step began.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
-        self.energies_since(nodes, &nodes.v, &nodes.w)
-    }
-
-    /// The same where velocities of the mid-step before are no longer in `nodes`: `v`, and rotational ones `w`.
-    pub fn energies_since(&self, nodes: &Nodes, v: &[Row], w: &[Row]) -> Energies {
         Energies {
-            kinetic: kinetic(nodes, v, w),
+            kinetic: kinetic(nodes),
             internal: self.internal,
             hourglass: self.hourglass,
             contact: self.contact.at_present(),
@@ -144,27 +141,35 @@ impl Ledger {
 }
 
 /// Kinetic energy of owned nodes at the present time [energy].
-fn kinetic(nodes: &Nodes, v: &[Row], w: &[Row]) -> f64 {
+fn kinetic(nodes: &Nodes) -> f64 {
     let of = |i: usize| {
         let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let turning = if nodes.rotations { nodes.inertia[i] * product(&w[i], &nodes.next_w[i]) } else { 0.0 };
-        0.5 * (nodes.mass[i] * product(&v[i], &nodes.next_v[i]) + turning)
+        let turning = if nodes.rotations { nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
+        0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
     };
     (0..nodes.held).filter(|&i| nodes.is_own(i)).map(of).sum()
 }
 
-/// Linear and angular momentum of owned nodes about the origin at mid-step velocities.
+/// Linear and angular momentum of owned nodes about the origin at the last mid-step.
 /// Nodes have no memory of where between two times they are; angular momentum uses present positions.
 pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
+    momentum_of(nodes, &nodes.v, &nodes.w)
+}
+
+/// The same at the present time, within a step: with the mean of the velocities before and after.
+pub fn momentum_at_present(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
+    momentum_of(nodes, &nodes.next_v, &nodes.next_w)
+}
+
+fn momentum_of(nodes: &Nodes, next_v: &[Row], next_w: &[Row]) -> ([f64; 3], [f64; 3]) {
     let (mut p, mut l) = (Vector3::zeros(), Vector3::zeros());
     for i in (0..nodes.held).filter(|&i| nodes.is_own(i)) {
-        // Mean of the velocities before and after: those of the present time.
         let mean = |a: &Row, b: &Row| 0.5 * (Vector3::from(xyz(a)) + Vector3::from(xyz(b)));
-        let v = mean(&nodes.v[i], &nodes.next_v[i]);
+        let v = mean(&nodes.v[i], &next_v[i]);
         p += nodes.mass[i] * v;
         l += nodes.mass[i] * Vector3::from(xyz(&nodes.x[i])).cross(&v);
         if nodes.rotations {
-            l += nodes.inertia[i] * mean(&nodes.w[i], &nodes.next_w[i]);
+            l += nodes.inertia[i] * mean(&nodes.w[i], &next_w[i]);
         }
     }
     (p.into(), l.into())

@@ -5,7 +5,7 @@ use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
 use crate::contact::enforce::Elasticity;
-use crate::energy::{Ledger, momentum};
+use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
 use crate::halo::Halo;
 use crate::loads::Loads;
@@ -243,18 +243,19 @@ impl Engine {
     pub fn at_present_time(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         if self.clock.row_due(&self.settings) {
             self.timer.lap(Phase::Advance);
-            self.send_row(wire)?;
+            self.send_row(wire, false)?;
             self.timer.lap(Phase::Output);
         }
         Ok(())
     }
 
-    /// Sends a history row.
+    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time before.
     ///
     /// # Errors
     /// The master is gone.
-    pub fn send_row(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        let (momentum, mut angular_momentum) = momentum(&self.nodes);
+    pub fn send_row(&mut self, wire: &mut dyn Transport, ended: bool) -> Result<(), Lost> {
+        let of = if ended { momentum } else { momentum_at_present };
+        let (momentum, mut angular_momentum) = of(&self.nodes);
         let mut energies = self.ledger.energies(&self.nodes);
         if self.nodes.me == 0 {
             let (energy, angular) = self.bodies.beyond();

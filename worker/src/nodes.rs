@@ -134,12 +134,12 @@ impl Nodes {
     /// Moves held nodes to the next time.
     pub fn advance(&mut self, dt: f64) {
         for i in 0..self.held {
-            self.v[i] = self.next_v[i];
+            std::mem::swap(&mut self.v[i], &mut self.next_v[i]);
             for c in 0..4 {
                 self.x[i][c] += dt * self.v[i][c];
             }
         }
-        self.w[..self.next_w.len()].copy_from_slice(&self.next_w);
+        self.w[..self.next_w.len()].swap_with_slice(&mut self.next_w);
     }
 
     /// What elements see.

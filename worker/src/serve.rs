@@ -270,7 +270,7 @@ impl Worker {
     /// # Errors
     /// Another rank is gone.
     pub fn close(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.engine.send_row(wire)?;
+        self.engine.send_row(wire, true)?;
         self.tell_of_crossings(wire)?;
         self.write_fields_if_due(wire, true)?;
         let e = &self.engine;

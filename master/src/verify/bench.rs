@@ -8,7 +8,6 @@ use crumple_proto::report::Energies;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
-use crumple_worker::nodes::Row as NodeRow;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -98,28 +97,23 @@ impl Bench {
 /// # Errors
 /// It cannot be run.
 pub fn run_watched(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFlow<()>) -> Result<Finished, String> {
-    let mut before: Option<[Vec<NodeRow>; 2]> = None;
+    let mut begun = false;
     let (mut initial, mut came_in, mut worst, mut last) = (0.0, 0.0f64, 0.0f64, Energies::default());
     let mut start = [[0.0; 3]; 2];
     let ended = run_alone(model, |e| {
-        // Here both velocities of the nodes are those of the last mid-step; the ledger is at the time before it.
-        match &mut before {
-            None => {
-                initial = e.ledger.energies(&e.nodes).kinetic;
-                start = momentum(&e.nodes).into();
-                before = Some([e.nodes.v.clone(), e.nodes.w.clone()]);
+        // The ledger is at the time at which the last step began.
+        if begun {
+            last = e.ledger.energies(&e.nodes);
+            // Work that has come in may go out again: what there was at most is the measure.
+            came_in = came_in.max(last.external.abs());
+            let scale = initial + came_in;
+            if scale > 0.0 {
+                worst = worst.max((last.balance(initial) / scale).abs());
             }
-            Some([v, w]) => {
-                last = e.ledger.energies_since(&e.nodes, v, w);
-                v.clone_from(&e.nodes.v);
-                w.clone_from(&e.nodes.w);
-                // Work that has come in may go out again: what there was at most is the measure.
-                came_in = came_in.max(last.external.abs());
-                let scale = initial + came_in;
-                if scale > 0.0 {
-                    worst = worst.max((last.balance(initial) / scale).abs());
-                }
-            }
+        } else {
+            initial = e.ledger.energies(&e.nodes).kinetic;
+            start = momentum(&e.nodes).into();
+            begun = true;
         }
         look(e)
     });

@@ -165,15 +165,16 @@ impl C0Triangle {
         // 1. Frame, and everything that moves as seen in it, as increments of the step.
         let g = Geometry::new(corners.x);
         let u = corners.v.map(|v| g.frame.local(v).map(|c| c * step));
-        let t = corners.w.map(|w| g.frame.local(w).map(|c| c * step));
 
         // 2. Gradients.
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
+        let plane = PlaneMotion::new(&k);
+        let t = corners.w.map(|w| plane.beside(g.frame.local(w).map(|c| c * step)));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
         // 3. Strains, as in the four-node shell.
-        let PlaneMotion { eps, sine, angle, .. } = PlaneMotion::new(&k);
+        let PlaneMotion { eps, sine, angle, .. } = plane;
 
         // 4. Transverse shear from the edges.
         let [x21, x31] = g.x;

@@ -1,6 +1,6 @@
 //! Axes of a shell, and the finite strains and rotations that its velocity gradient means.
 
-use crate::lanes::{Real, dot};
+use crate::lanes::{Real, cross, dot};
 
 /// Axes e1, e2 and normal of an element.
 pub struct Frame<R> {
@@ -54,6 +54,20 @@ impl<R: Real> PlaneMotion<R> {
         let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
         let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
         Self { almansi: [e_xx, e_yy, e_xy], eps, k_z: [k_xz, k_yz], sine, angle: angle_by_sine(dot(sine, sine)) }
+    }
+}
+
+impl<R: Real> PlaneMotion<R> {
+    /// What a node's increment of rotation is beside the element's own t_e, in axes that have turned with the element:
+    /// `t + t_e x t / 2`, since exp(t) exp(-t_e) is exp(t - t_e + t_e x (t - t_e)/2 ...) (Baker, Campbell & Hausdorff). Without
+    /// the second term stress of one shear strain follows from the other at half the turn of a step, like a force that is not
+    /// that of a potential: the two shear modes of a square that spins grow by an e-fold in about a turn.
+    #[inline(always)]
+    pub fn beside(&self, t: [R; 3]) -> [R; 3] {
+        let half = R::splat(0.5) * self.angle;
+        let own = [half * self.sine[1], -(half * self.sine[0]), half * self.sine[2]];
+        let more = cross(own, t);
+        std::array::from_fn(|i| t[i] + more[i])
     }
 }
 

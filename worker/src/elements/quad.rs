@@ -204,12 +204,13 @@ impl<R: Real> Motion<R> {
         let step = R::splat(dt);
         let [half, quarter] = [0.5, 0.25].map(R::splat);
         let u = modes.v.map(|v| g.frame.local(v).map(|c| c * step));
-        let t = modes.w.map(|w| g.frame.local(w).map(|c| c * step));
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
+        let plane = PlaneMotion::new(&k);
+        let t = modes.w.map(|w| plane.beside(g.frame.local(w).map(|c| c * step)));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
-        let PlaneMotion { almansi, eps, k_z: [k_xz, k_yz], sine, angle } = PlaneMotion::new(&k);
+        let PlaneMotion { almansi, eps, k_z: [k_xz, k_yz], sine, angle } = plane;
         let tilt2 = k_xz.mul_add(k_xz, k_yz * k_yz);
         // 1 - sqrt(1 - tilt2)
         let [c4, c3, c2] = [5.0 / 64.0, 0.125, 0.25].map(R::splat);
@@ -225,12 +226,16 @@ impl<R: Real> Motion<R> {
     pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
         let Self { u, t, k, .. } = self;
         let [k_xz, k_yz, k_zz] = self.k_z;
+        let z = g.gamma(k_zz.neg_mul_add(g.hz, u[2][2]), k[2]);
+        // What has turned is the shape before the step. That of now would tilt a vibration off the plane by the turn of a step,
+        // and the tilt feeds it from the rotation: by omega^2 dt an e-fold, with omega the rate of rotation.
+        let before = g.hz - z;
         [
             g.gamma(t[2][0], self.tx),
             g.gamma(t[2][1], self.ty),
-            g.gamma(k_zz.neg_mul_add(g.hz, u[2][2]), k[2]),
-            g.gamma(k_xz.neg_mul_add(g.hz, u[2][0]), k[0]),
-            g.gamma(k_yz.neg_mul_add(g.hz, u[2][1]), k[1]),
+            z,
+            g.gamma(k_xz.neg_mul_add(before, u[2][0]), k[0]),
+            g.gamma(k_yz.neg_mul_add(before, u[2][1]), k[1]),
         ]
     }
 

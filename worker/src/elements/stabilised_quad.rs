@@ -140,8 +140,11 @@ impl Kernel for StabilisedQuad {
         }
 
         // 3. Membrane strain of twisted sides.
-        let climb = sixteenth * g.hz * s.inv_a * s.inv_a;
-        let stretch = climb * q_z;
+        let per_climb = sixteenth * s.inv_a * s.inv_a;
+        let climb = per_climb * g.hz;
+        // The strain goes with the square of hz, so its increment with the mean of hz: with that of now a vibration would
+        // stretch the element step by step.
+        let stretch = per_climb * R::splat(0.5).neg_mul_add(q_z, g.hz) * q_z;
         strains.eps[0] = stretch.mul_add(s.j[0], strains.eps[0]);
         strains.eps[1] = stretch.mul_add(s.j[1], strains.eps[1]);
         strains.eps[2] = (stretch + stretch).mul_add(s.j[2], strains.eps[2]);
