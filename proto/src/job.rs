@@ -210,7 +210,8 @@ pub struct Part {
     #[serde(default)]
     pub thickness: f64,
     /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
-    /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape.
+    /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
+    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a tenth more cost.
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
@@ -327,15 +328,15 @@ pub struct Contact {
     /// Distance that candidates reach beyond contact, so that the search need not run every step [length];
     /// 0 for a quarter of the median element side.
     pub skin: f64,
-    /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `split`, all from the same
-    /// state with nodal masses split among their pairs; `gauss_seidel`, one after the other in ascending (node, segment);
-    /// `jacobi`, all from the same state with full masses, which diverges where many or heavy nodes sit on one segment
-    /// (`cases/studies/README.md`, slaves).
+    /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `gauss_seidel`, one after the
+    /// other in ascending (node, segment), the default (`cases/studies/README.md`, sandwich); `split`, all from the same
+    /// state with nodal masses split among their pairs, which needs more sweeps; `jacobi`, all from the same state with full
+    /// masses, which diverges where many or heavy nodes sit on one segment (slaves).
     pub iteration: String,
     /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D). Too few for layers
     /// below a hundredth of their neighbours' mass: see `cases/studies/README.md`, sandwich.
     pub sweeps: usize,
-    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic).
+    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic); see bars in the same file.
     pub tolerance: f64,
     /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7).
     pub weighting: String,
@@ -345,11 +346,12 @@ pub struct Contact {
     /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
     /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d.
     pub penalty_form: String,
-    /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, penalty-map.
+    /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, bars, reversal and
+    /// penalty-map.
     pub penalty_scale: f64,
     /// Normal damping of the penalty, as a fraction of the critical damping of the masses that meet (penalty). Without it
-    /// what slides on springs chatters and feels too little friction; an impact of bars loses as much with 0.1 as with the
-    /// Lagrange law.
+    /// what slides on springs chatters and feels too little friction (`cases/studies/README.md`, slide); an impact of bars
+    /// loses as much with 0.1 as with the Lagrange law.
     pub penalty_damping: f64,
     /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up.
     pub penalty_cap: bool,

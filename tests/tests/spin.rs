@@ -1,0 +1,71 @@
+//! A free square that spins about no axis of its own for 60 turns, flat and while it vibrates out of its plane: nothing acts
+//! on it, so energy and angular momentum stay what they are. Stress that follows the element a part of a step late makes
+//! such a body gain energy, as an e-fold in a turn or by `omega^2 dt`. Units mm, ms, kg.
+
+use crumple::job::read_text;
+use crumple_tests::run_alone;
+use crumple_worker::energy::momentum;
+
+const SIDE: f64 = 10.0;
+const SPIN: [f64; 3] = [1.0, 0.6, 0.3];
+
+/// The square with corners that start with the velocity of the spin and `warp` [mm/ms] up and down in turn.
+fn job(element: &str, warp: f64) -> String {
+    let corners = [[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]];
+    let mut text = format!(
+        "title = \"spin\"\nunits = \"mm, ms, kg\"\nend_time = 60.0\n\
+         [time]\nsafety = 0.8\nmax_cycles = 45000\n[output]\nfield_interval = -1.0\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 210.0\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\npoints = 2\nelement = \"{element}\"\n\
+         [mesh]\nshells = [[1, 1, 1, 2, 3, 4]]\n"
+    );
+    text += "nodes = [";
+    corners.iter().enumerate().for_each(|(i, [x, y])| text += &format!("[{}, {x:?}, {y:?}, 0.0], ", i + 1));
+    text += "]\n[mesh.node_sets]\n";
+    (1..=4).for_each(|i| text += &format!("corner{i} = [{i}]\n"));
+    for (i, [x, y]) in corners.into_iter().enumerate() {
+        let (rx, ry) = (x - 0.5 * SIDE, y - 0.5 * SIDE);
+        let up = if i % 2 == 0 { warp } else { -warp };
+        let v = [-SPIN[2] * ry, SPIN[2] * rx, SPIN[0] * ry - SPIN[1] * rx + up];
+        text += &format!(
+            "[[initial_velocity]]\nnodes = \"corner{}\"\nvelocity = {v:?}\nspin = {SPIN:?}\ncentre = [{x:?}, {y:?}, 0.0]\n",
+            i + 1
+        );
+    }
+    text
+}
+
+/// Largest change of energy, as a fraction of that at the start, and of angular momentum likewise.
+fn drift(element: &str, warp: f64) -> [f64; 2] {
+    let model = read_text("spin.toml".into(), job(element, warp), &[]).unwrap_or_else(|report| panic!("{report}"));
+    let size = |l: [f64; 3]| l.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let (mut start, mut worst) = (None, [0.0f64; 2]);
+    run_alone(&model, |e| {
+        let now = e.ledger.energies(&e.nodes);
+        let (energy, l) = (now.kinetic + now.internal + now.hourglass, momentum(&e.nodes).1);
+        let (first, begun) = *start.get_or_insert((energy, l));
+        worst[0] = worst[0].max((energy / first - 1.0).abs());
+        worst[1] = worst[1].max(size(std::array::from_fn(|c| l[c] - begun[c])) / size(begun));
+    });
+    worst
+}
+
+/// Flat, both formulations keep the energy to the second order of the turn in a step, 1.5e-3 squared.
+#[test]
+fn a_flat_square_spins_for_ever() {
+    for element in ["belytschko_tsay", "stabilised_quad"] {
+        let [energy, angular] = drift(element, 0.0);
+        eprintln!("{element}: energy {energy:.1e}, angular momentum {angular:.1e}");
+        assert!(energy < 2.5e-6, "{element}: {energy}");
+        assert!(angular < 1e-9, "{element}: {angular}");
+    }
+}
+
+/// Vibrating with an eighth of its energy, Belytschko-Tsay keeps it to 0.2 % (0.1 % measured).
+#[test]
+fn a_vibrating_square_spins_for_ever() {
+    let [energy, angular] = drift("belytschko_tsay", 3.0);
+    eprintln!("energy {energy:.1e}, angular momentum {angular:.1e}");
+    assert!(energy < 2e-3, "{energy}");
+    assert!(angular < 1e-9, "{angular}");
+}
