@@ -63,9 +63,10 @@ impl Energies {
         self.external += o.external;
     }
 
-    /// What is left unexplained of the change since `initial` kinetic energy [energy].
+    /// What is left unexplained of the change since `initial` kinetic energy [energy]. The product of two mid-step velocities
+    /// keeps the balance of an unstable step too, with a kinetic energy below nought; that counts as none, so that growth shows.
     pub fn balance(&self, initial: f64) -> f64 {
-        self.kinetic + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
+        self.kinetic.max(0.0) + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
     }
 }
 

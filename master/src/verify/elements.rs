@@ -219,7 +219,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("A23c {element} {ratio}");
             let (mut start, mut grown) = (0.0, false);
             let run = bench.run(&name, &scene(limit / unit), |e| {
-                let now = e.ledger.energies(&e.nodes).kinetic;
+                let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
                 if e.clock.cycle == 0 {
                     start = now;
                 }
