@@ -234,7 +234,9 @@ impl<'a> Control<'a> {
 
     /// Plasticity can hold an unstable step in bounds; the balance of energy cannot. Stops a run that has lost it.
     fn watch_energy(&mut self) {
-        let Some(row) = self.history.last.as_ref().filter(|r| r.error.abs() > MOST_ENERGY_ERROR) else { return };
+        let Some(row) = self.history.last.as_ref().filter(|r| r.error.abs().max(r.growth) > MOST_ENERGY_ERROR) else {
+            return;
+        };
         if self.trouble.is_some() || self.stop_ordered {
             return;
         }
@@ -244,7 +246,7 @@ impl<'a> Control<'a> {
         let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
         let why = format!(
             "the balance of energy is off by {:.0} %{element}; time.safety is {safety}, use {cure}",
-            100.0 * row.error
+            100.0 * if row.error.abs() > row.growth { row.error } else { row.growth }
         );
         self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
         self.stop_ordered = true;

@@ -12,6 +12,8 @@ pub struct Row {
     pub sum: HistoryPart,
     /// Unexplained energy as a fraction of what came in.
     pub error: f64,
+    /// The same with the energy of what swings from step to step: an unstable step keeps the balance, but swings.
+    pub growth: f64,
 }
 
 /// What the master knows besides when a row is complete.
@@ -141,10 +143,11 @@ impl History {
         let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
+        let growth = if came_in > 0.0 { error + sum.energies.swing / came_in } else { 0.0 };
         self.worst_error = self.worst_error.max(error.abs());
         self.penetration = self.penetration.max(sum.penetration);
         self.pairs = self.pairs.max(sum.pairs);
-        let row = Row { sum, error };
+        let row = Row { sum, error, growth };
         self.write(&row, extras)?;
         self.first.get_or_insert_with(|| row.clone());
         self.last = Some(row);

@@ -35,8 +35,10 @@ pub struct StepReport {
 /// Energies of one worker's share [energy]; the work of contact and walls is positive when it drives the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
-    /// Kinetic, from mid-step velocities averaged over the step before and after.
+    /// Kinetic, by the product of the velocities of the mid-steps before and after.
     pub kinetic: f64,
+    /// What the mean of their squares has beyond that: large where velocities swing from step to step.
+    pub swing: f64,
     /// Internal: elastic stored and plastically dissipated.
     pub internal: f64,
     /// Hourglass and drilling.
@@ -55,6 +57,7 @@ impl Energies {
     /// Adds another worker's share.
     pub fn add(&mut self, o: &Self) {
         self.kinetic += o.kinetic;
+        self.swing += o.swing;
         self.internal += o.internal;
         self.hourglass += o.hourglass;
         self.contact += o.contact;

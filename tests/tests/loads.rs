@@ -39,10 +39,9 @@ fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Mode
     read(&path, &[])
 }
 
-/// The energy balance at whole times, as history rows have it: kinetic energy is the mean of those at mid-steps.
+/// The energy balance at whole times, as history rows have it.
 #[derive(Default)]
 struct Balance {
-    before: f64,
     initial: f64,
     /// Largest that was left over, and work from outside.
     left: f64,
@@ -51,14 +50,11 @@ struct Balance {
 
 impl Balance {
     fn from(initial: f64) -> Self {
-        Self { before: initial, initial, ..Self::default() }
+        Self { initial, ..Self::default() }
     }
 
     fn look(&mut self, e: &Engine) {
-        let mut energies = e.ledger.energies(&e.nodes);
-        let now = energies.kinetic;
-        energies.kinetic = 0.5 * (self.before + now);
-        self.before = now;
+        let energies = e.ledger.energies(&e.nodes);
         self.left = self.left.max(energies.balance(self.initial).abs());
         self.work = energies.external;
     }

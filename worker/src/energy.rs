@@ -128,8 +128,10 @@ impl Ledger {
     ///
     /// After a step, and before the next, those are the energies of the time at which the step began.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
+        let (kinetic, swing) = kinetic(nodes);
         Energies {
-            kinetic: kinetic(nodes),
+            kinetic,
+            swing,
             internal: self.internal,
             hourglass: self.hourglass,
             contact: self.contact.at_present(),
@@ -140,14 +142,18 @@ impl Ledger {
     }
 }
 
-/// Kinetic energy of owned nodes at the present time [energy].
-fn kinetic(nodes: &Nodes) -> f64 {
+/// Kinetic energy of owned nodes at the present time, and what the mean of the squares has beyond it,
+/// `m |v+ - v-|^2 / 4` [energy].
+fn kinetic(nodes: &Nodes) -> (f64, f64) {
+    let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let change = |a: &Row, b: &Row| (0..3).map(|c| (b[c] - a[c]) * (b[c] - a[c])).sum::<f64>();
+    let swing = |i: usize| 0.25 * nodes.mass[i] * change(&nodes.v[i], &nodes.next_v[i]);
     let of = |i: usize| {
-        let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let turning = if nodes.rotations { nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
         0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
     };
-    (0..nodes.held).filter(|&i| nodes.is_own(i)).map(of).sum()
+    let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
+    (own().map(of).sum(), own().map(swing).sum())
 }
 
 /// Linear and angular momentum of owned nodes about the origin at the last mid-step.
