@@ -3,13 +3,11 @@
 //!
 //! Parts: 1 body, 2 base. Node sets: `body`, `base`, `middle` (x = 0), `top`.
 
-use crate::builder::Builder;
+use crate::builder::{Builder, graded};
 use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// Each cell is larger than the one before it by this, away from the contact.
-const GROWTH: f64 = 1.2;
 /// Cells of the base are larger than the smallest ones of the body by this.
 const COARSE: f64 = 1.3;
 
@@ -60,17 +58,4 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     mesh.set("middle", body.face(0, false));
     mesh.set("top", body.face(2, true));
     Ok(mesh.finish(first))
-}
-
-/// Places from 0 to `end`: `fine` steps of `first`, then growing ones, stretched to end where they should.
-fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
-    let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
-    let mut step = first;
-    while places[places.len() - 1] + step < end {
-        step *= GROWTH;
-        places.push(places[places.len() - 1] + step);
-    }
-    let (from, last) = (places[fine], places[places.len() - 1]);
-    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
-    places
 }

@@ -4,6 +4,9 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use std::collections::BTreeMap;
 
+/// Growth of [`graded`] from one step to the next.
+const GROWTH: f64 = 1.2;
+
 /// A mesh in the making; nodes are indices into `points` until [`Builder::finish`] gives them ids.
 #[derive(Default)]
 pub struct Builder {
@@ -125,4 +128,17 @@ impl Grid {
         let number = |n: usize| [n / (b * c), n / c % b, n % c];
         (0..a * b * c).map(number).filter(|ijk| ijk[axis] == at).map(|ijk| self.node(ijk)).collect()
     }
+}
+
+/// Places from 0 to `end` [length]: `fine` steps of `first`, then growing ones, stretched to end where they should.
+pub fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
+    let mut step = first;
+    while places[places.len() - 1] + step < end {
+        step *= GROWTH;
+        places.push(places[places.len() - 1] + step);
+    }
+    let (from, last) = (places[fine], places[places.len() - 1]);
+    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
+    places
 }

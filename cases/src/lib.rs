@@ -40,6 +40,7 @@ mod twist;
 #[cfg(test)]
 mod tests;
 
+pub use builder::graded;
 pub use options::Options;
 
 use crumple_proto::mesh::Mesh;

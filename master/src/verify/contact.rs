@@ -114,9 +114,7 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let error = if run.trouble { f64::INFINITY } else { run.energy_error };
         all.push(
-            Row::new("energy not accounted for, largest", &variant, "", error)
-                .at_most(0.01, "limit of the catalogue")
-                .known("the penalty law takes penalty_scale as it is given and bounds neither it nor the step"),
+            Row::new("energy not accounted for, largest", &variant, "", error).at_most(0.01, "limit of the catalogue"),
         );
         // The bound of a single node, v sqrt(m_n/k), leaves out that bars go on pressing with rho c v/2 A: at rest the spring is
         // pressed in by (v/2c) L_e/beta. The cap is 2 (1 - safety^2) in terms of the scale; the front overshoots.

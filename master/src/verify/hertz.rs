@@ -6,6 +6,7 @@ use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
+use crumple_cases::graded;
 use std::f64::consts::PI;
 
 /// A10 (b).
@@ -16,22 +17,6 @@ const YIELDING: &str = "springs of a penalty yield beside the cells: the contact
 const RADIUS: f64 = 0.01;
 /// Line load [N/m].
 const LOAD: f64 = 1e6;
-/// Each cell is larger than the one before it by this, away from the contact.
-const GROWTH: f64 = 1.2;
-
-/// Places from 0 to `end`: `fine` steps of `first`, then growing ones.
-fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
-    let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
-    let mut step = first;
-    while places[places.len() - 1] + step < end {
-        step *= GROWTH;
-        places.push(places[places.len() - 1] + step);
-    }
-    // Stretched beyond the fine part so that they end where they should.
-    let (from, last) = (places[fine], places[places.len() - 1]);
-    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
-    places
-}
 
 fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] Hertz, plane strain, at the load that is felt";
