@@ -78,6 +78,18 @@ pub const GENERATORS: &[Generator] = &[
     twist::GENERATOR,
 ];
 
+/// Jobs that the program has in it, by the path of their file in `cases` without what all have in common.
+const JOBS: &[(&str, &str)] = &[
+    ("bench/hex-bar", include_str!("../bench/hex-bar.toml")),
+    ("jeep-frame", include_str!("../jeep-frame/job.toml")),
+    ("tube-crush", include_str!("../tube-crush/job.toml")),
+];
+
+/// The text of a job that the program has in it, such as `tube-crush`.
+pub fn job(name: &str) -> Option<&'static str> {
+    JOBS.iter().find(|j| j.0 == name).map(|j| j.1)
+}
+
 /// Builds the mesh of the generator `name` with the options of the job's `[scene]` table.
 ///
 /// Keys that the table leaves out keep their defaults. Everything that is wrong comes back at once.

@@ -37,6 +37,10 @@ pub enum Command {
     ///
     /// Goes on where an earlier call with the same folder stopped.
     Study(StudyArgs),
+    /// Time the scenes of the benchmark: nanoseconds per element and cycle, phase by phase.
+    ///
+    /// Each time stands beside what the core could have computed meanwhile, measured in the same rounds.
+    Bench(BenchArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -101,6 +105,23 @@ pub struct StudyArgs {
     /// Run all points again; without it those that this version of the program has done are kept, and charts drawn anew.
     #[arg(long)]
     pub fresh: bool,
+}
+
+/// `crumple bench`.
+#[derive(Args, Clone, Debug)]
+pub struct BenchArgs {
+    /// Only these scenes, such as "tube,hex-bar".
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// How often every scene is timed.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = jobs)]
+    pub rounds: usize,
+    /// A few cycles of every scene, once: shows that all of them run, and nothing else.
+    #[arg(long)]
+    pub tiny: bool,
+    /// File for all figures.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 impl JobArgs {

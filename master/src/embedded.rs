@@ -7,12 +7,17 @@ use crumple_proto::boxes::{Cut, CutTree};
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
 use crumple_proto::partition::NodeRecord;
-use crumple_proto::transport::{Lost, Transport, threads};
+use crumple_proto::report::PhaseSeconds;
+use crumple_proto::transport::{Lost, Transport, thread_cpu, threads};
 use crumple_worker::engine::Engine;
 use crumple_worker::membership::Share;
 use crumple_worker::step::step;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Share of what exterior copies cover at which membership is renewed.
+const RENEW_AT: f64 = 0.7;
 
 /// A contact pair by its ids.
 pub type PairIds = (NodeId, SegmentId);
@@ -92,24 +97,9 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     };
     // Stretching an axis makes it the longest, so that cuts go across it.
     let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
-    let (elements, nodes) = model.records();
-    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
-    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
-    for (e, &c) in elements.iter().zip(&centres) {
-        let share = &mut shares[trees[0].worker_of(c)];
-        share.elements.push((*e, Vec::new()));
-        share.nodes.extend(e.nodes.iter().filter_map(|n| record.get(n).copied()));
-    }
-    let mut ends = threads::connect(workers + 1);
-    let master = ends.remove(0); // history rows pile up unread
+    let shares = deal(model, &centres, &trees[0], workers);
     let plan = Plan { cycles, force_every, trees };
-    let traces: Vec<Trace> = std::thread::scope(|scope| {
-        let plan = &plan;
-        let run = |(mut end, share)| scope.spawn(move || one_engine(model, &mut end, share, plan));
-        let threads: Vec<_> = ends.into_iter().zip(shares).map(run).collect();
-        threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
-    });
-    drop(master);
+    let traces = on_threads(shares, |wire, share| one_engine(model, wire, share, &plan));
     let mut all =
         Trace { pairs: vec![Vec::new(); traces[0].pairs.len()], nodes: Vec::new(), renewals: 0, trouble: None };
     for t in traces {
@@ -119,6 +109,83 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     }
     all.pairs.iter_mut().for_each(|p| p.sort_unstable());
     all
+}
+
+/// The share of each worker, by the boxes of `tree`.
+fn deal(model: &Model, centres: &[[f64; 3]], tree: &CutTree, workers: usize) -> Vec<Share> {
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
+    for (e, &c) in elements.iter().zip(centres) {
+        let share = &mut shares[tree.worker_of(c)];
+        share.elements.push((*e, Vec::new()));
+        share.nodes.extend(e.nodes.iter().filter_map(|n| record.get(n).copied()));
+    }
+    shares
+}
+
+/// Runs one worker per share, each in a thread. What they tell the master piles up unread.
+fn on_threads<T: Send>(shares: Vec<Share>, run: impl Fn(&mut dyn Transport, Share) -> T + Sync) -> Vec<T> {
+    let mut ends = threads::connect(shares.len() + 1);
+    let _master = ends.remove(0);
+    std::thread::scope(|scope| {
+        let run = &run;
+        let start = |(mut end, share)| scope.spawn(move || run(&mut end, share));
+        let threads: Vec<_> = ends.into_iter().zip(shares).map(start).collect();
+        threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
+    })
+}
+
+/// What a worker took for some cycles.
+pub struct Timing {
+    /// Cycles that were timed.
+    pub cycles: u64,
+    /// CPU time, that of waiting for others left out [s].
+    pub cpu_s: f64,
+    /// Wall clock [s].
+    pub wall_s: f64,
+    /// Wall clock by phase [s].
+    pub phases: PhaseSeconds,
+}
+
+/// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the start; membership is
+/// renewed when exterior copies run out.
+///
+/// # Errors
+/// A worker was lost, or the run ended before.
+pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) -> Result<Vec<Timing>, String> {
+    let centres = centres(model);
+    let tree = bisect(&mut Centres(centres.clone()), workers).map_err(|lost| lost.to_string())?;
+    let shares = deal(model, &centres, &tree, workers);
+    let timed = |wire: &mut dyn Transport, share| -> Result<Timing, String> {
+        let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share).map_err(|l| l.to_string())?;
+        let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
+        let mut before = (cpu(wire), Instant::now(), engine.timer.seconds);
+        while engine.clock.cycle < skip + cycles {
+            if engine.clock.cycle == skip {
+                engine.timer.restart();
+                before = (cpu(wire), Instant::now(), engine.timer.seconds);
+            }
+            let agreed = step(&mut engine, wire).map_err(|lost| lost.to_string())?;
+            if let Some(element) = agreed.trouble {
+                return Err(format!("element {element} is in trouble in cycle {}", engine.clock.cycle));
+            }
+            if engine.clock.is_over(&engine.settings) {
+                return Err(format!("it is over after {} cycles", engine.clock.cycle));
+            }
+            if agreed.urgency > RENEW_AT {
+                engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
+            }
+        }
+        let (cpu_before, start, seconds) = before;
+        Ok(Timing {
+            cycles,
+            cpu_s: cpu(wire).saturating_sub(cpu_before).as_secs_f64(),
+            wall_s: start.elapsed().as_secs_f64(),
+            phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
+        })
+    };
+    on_threads(shares, timed).into_iter().collect()
 }
 
 struct Plan {
@@ -139,7 +206,7 @@ fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan
             break;
         }
         let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
-        if forced || agreed.urgency > 0.7 {
+        if forced || agreed.urgency > RENEW_AT {
             trace.renewals += 1;
             let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
             engine.renew(wire, plan.trees[which].clone()).expect("all workers live");

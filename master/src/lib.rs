@@ -7,11 +7,13 @@
 //! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
 //! - [`advise`]: `crumple advise`, what a run did not need
+//! - [`bench`]: `crumple bench`, what elements cost per cycle
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
 pub mod advise;
 pub mod balance;
+pub mod bench;
 pub mod check;
 pub mod cli;
 pub mod control;

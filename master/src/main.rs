@@ -10,6 +10,7 @@ fn main() -> ExitCode {
         Command::Run(args) => crumple::launch::run(&args),
         Command::Verify(args) => crumple::verify::run(&args),
         Command::Advise { dir } => crumple::advise::run(&dir),
+        Command::Bench(args) => crumple::bench::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })
 }

@@ -13,6 +13,19 @@ pub const LANES: usize = 4;
 /// One number of each of [`LANES`] elements.
 pub type Lane = wide::f64x4;
 
+/// Vectors that the kernels were compiled for, in words.
+pub fn vectors() -> String {
+    let set = match () {
+        _ if cfg!(target_feature = "avx2") => "AVX2",
+        _ if cfg!(target_feature = "avx") => "AVX",
+        _ if cfg!(target_feature = "sse2") => "SSE2",
+        _ if cfg!(target_feature = "neon") => "NEON",
+        _ => "no vectors",
+    };
+    let fused = if cfg!(target_feature = "fma") { " with fused products" } else { "" };
+    format!("{LANES} f64 side by side, {set}{fused}")
+}
+
 /// What kernels compute with.
 ///
 /// `f64` and [`Lane`] give the same bits lane by lane, whatever the operation.
