@@ -58,7 +58,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
             timer.lap(Phase::Halo);
         }
-        contact.refresh_candidates(nodes, bodies);
+        contact.refresh_candidates(nodes, bodies, steps.dt);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);
         timer.lap(Phase::Local);

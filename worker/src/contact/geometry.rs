@@ -26,6 +26,25 @@ pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     if triangle { nearest_on_triangle(p, q) } else { nearest_on_quad(p, q) }
 }
 
+/// Whether the point of a segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
+/// than `skin` against each other: the point is beyond an edge, seen in the mean plane. A segment without area has no such.
+pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
+    let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
+    let cross = d1.cross(&d2);
+    let size = cross.norm();
+    let edges = [0, 1, 2, 3].map(|k| q[(k + 1) % 4] - q[k]);
+    let shortest = edges.iter().map(|e| e.norm_squared()).filter(|&l| l > 0.0).fold(f64::INFINITY, f64::min).sqrt();
+    let warp = ((q[0] + q[2] - q[1] - q[3]).dot(&cross) / size).abs();
+    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp. An edge turns
+    // with its ends.
+    let turn = 1.1 * skin * (d1.norm() + d2.norm()) / size + (4.0 * warp + skin) / shortest;
+    (0..4).any(|k| {
+        let (out, from) = (edges[k].cross(&cross), at - q[k]);
+        let lever = from.norm_squared().min((at - q[(k + 1) % 4]).norm_squared()).sqrt();
+        from.dot(&out) > (skin + lever * turn) * out.norm()
+    })
+}
+
 fn bilinear(xi: f64, eta: f64) -> [f64; 4] {
     let (a, b, c, d) = (1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta);
     [0.25 * a * c, 0.25 * b * c, 0.25 * b * d, 0.25 * a * d]

@@ -9,7 +9,8 @@
 //! is over the segment. A new contact also wants opposed surfaces: a block that slides over another one does not meet the
 //! nodes of that one's top with its side faces, at whose lower rims they pass.
 
-use crate::contact::geometry::{Nearest, V3, nearest};
+use crate::contact::close::Candidate;
+use crate::contact::geometry::{Nearest, V3, is_beside, nearest};
 use crate::contact::pairs::{Memory, Pair};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
@@ -19,6 +20,9 @@ use crate::nodes::{Nodes, Row};
 pub const REACH: f64 = 1.5;
 /// A pair is active when its predicted gap falls below this fraction of the contact thickness.
 const ACTIVE: f64 = 0.02;
+/// A surface has folded over where it stands above itself so that the distance from the fold, over the height, is more than
+/// this: where the angle is below some 60 degrees.
+const FOLDED: f64 = 0.5;
 /// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front of the
 /// tangent plane of an accepted pair add nothing to it.
 const PLANE: f64 = 0.02;
@@ -34,6 +38,14 @@ const OPPOSED: f64 = -0.3;
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
 const RELAX: f64 = 4e-4;
+
+/// Distance beyond which a slave and a segment that it does not remember are no pair in a step in which they move by `step`
+/// against each other [length]: no gap of a shell closes from farther away. Behind a solid's face there is no such limit.
+pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
+    let (half, scale) = (surface.node_half[slave as usize], surface.node_scale[slave as usize] + segment.scale);
+    let near = if segment.is_solid() { f64::INFINITY } else { half + segment.half + ACTIVE * scale + step };
+    near.min(REACH * scale)
+}
 
 /// A pair as the local search sees it, before selection.
 struct Find {
@@ -52,13 +64,12 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (indices of segments, ascending),
-/// appended to `out` in ascending segment id. `memory` is what the node remembers of its pairs of the last step.
+/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (segments ascending), appended to `out` in ascending segment id. `memory` is what the node remembers of its pairs of the last step.
 pub fn find_pairs(
     nodes: &Nodes,
     surface: &Surface,
     place: usize,
-    candidates: &[u32],
+    candidates: &[Candidate],
     memory: &[Memory],
     dt: f64,
     out: &mut Vec<Pair>,
@@ -66,10 +77,10 @@ pub fn find_pairs(
     let slave = surface.slaves[place];
     let at = v3(&nodes.x[slave as usize]);
     let mut finds: Vec<Find> = Vec::new();
-    for &c in candidates {
-        let segment = &surface.segments[c as usize];
-        let meeting = Meeting::new(surface, segment, place, dt);
-        if may_touch(nodes, &meeting, &at) {
+    for c in candidates {
+        let segment = &surface.segments[c.segment as usize];
+        let meeting = Meeting::new(surface, segment, c.ring, place, dt);
+        if may_touch(nodes, &meeting, &at, memory) {
             let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
             finds.extend(look(nodes, &meeting, &at, memory, opposed));
         }
@@ -98,6 +109,8 @@ pub fn find_pairs(
 struct Meeting<'a> {
     segment: &'a Segment,
     slave: u32,
+    /// See [`Candidate::ring`].
+    ring: u8,
     /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
     thickness: f64,
     /// Length that gaps are judged by [length].
@@ -108,38 +121,49 @@ struct Meeting<'a> {
 }
 
 impl<'a> Meeting<'a> {
-    fn new(surface: &Surface, segment: &'a Segment, place: usize, dt: f64) -> Self {
+    fn new(surface: &Surface, segment: &'a Segment, ring: u8, place: usize, dt: f64) -> Self {
         let slave = surface.slaves[place];
         let (n, first) = (slave as usize, surface.first[place] < (segment.part, segment.id));
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        Self { segment, slave, thickness, scale, first, dt }
+        Self { segment, slave, ring, thickness, scale, first, dt }
     }
 }
 
-/// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane?
-fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3) -> bool {
-    let reach = REACH * meeting.scale;
-    let q = meeting.segment.nodes.map(|n| &nodes.x[n as usize]);
+/// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
+/// one that has to fold over to be met?
+fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
+    let Meeting { segment, slave, ring, thickness, scale, dt, .. } = *meeting;
+    let mut reach = REACH * scale;
+    if !segment.is_solid() && memory.iter().all(|m| m.segment != segment.id) {
+        // No gap closes from farther away than the two come closer in the step.
+        let v = v3(&nodes.next_v[slave as usize]);
+        let fastest =
+            segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
+        reach = reach.min(thickness + ACTIVE * scale + dt * fastest.sqrt());
+    }
+    let q = segment.corners(&nodes.x);
     let in_box = (0..3).all(|c| {
-        let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, r| (b.0.min(r[c]), b.1.max(r[c])));
+        let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));
         at[c] >= lo - reach && at[c] <= hi + reach
     });
-    in_box && {
-        // All of the segment lies as near to the plane through its first node as its other corners do.
-        let [a, b, c, d] = q.map(v3);
-        let normal = (c - a).cross(&(d - b));
-        let size = normal.norm();
-        let off = |p: &V3| (p - a).dot(&normal);
-        let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
-        (low - reach * size..=high + reach * size).contains(&off(at))
-    }
+    in_box
+        && {
+            // All of the segment lies as near to the plane through its first node as its other corners do.
+            let [a, b, c, d] = q;
+            let normal = (c - a).cross(&(d - b));
+            let size = normal.norm();
+            let off = |p: &V3| (p - a).dot(&normal);
+            let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
+            (low - reach * size..=high + reach * size).contains(&off(at))
+        }
+        && !(ring != 0 && is_beside(at, &q, 0.0))
 }
 
 /// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
 /// face everywhere.
 fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
     let (mut mean, mut faces) = (V3::zeros(), 0);
-    for face in surface.faces_at(place) {
+    for face in surface.around(place).filter(|s| s.is_solid()) {
         let Some(outward) = face.middle_normal(&nodes.x) else { continue };
         if outward.dot(normal) < OPPOSED {
             return true;
@@ -186,6 +210,22 @@ fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, o
     (!met.rim || beside <= BESIDE * scale).then_some(Place { normal: near.normal, side: 1.0, reached: height })
 }
 
+/// Whether the surface has folded over between a slave and a shell next to its own ones, so that the slave stands above
+/// the shell's inside. The shell's rim is that of the slave's segments too, or of what comes next; were it met, a mesh finer
+/// than its thickness would touch itself in its plane and at every corner.
+fn has_folded_over(nodes: &Nodes, meeting: &Meeting<'_>, near: &Nearest, offset: &V3) -> bool {
+    let in_ring = |k: &usize| meeting.ring >> k & 1 == 1;
+    let mean = |of: &[usize]| {
+        of.iter().map(|&k| v3(&nodes.x[meeting.segment.nodes[k] as usize])).sum::<V3>() / of.len() as f64
+    };
+    let (ring, others): (Vec<usize>, Vec<usize>) = (0..4).partition(in_ring);
+    if near.rim || others.is_empty() {
+        return false;
+    }
+    let inside = others.iter().map(|&k| near.shape[k]).sum::<f64>() * (mean(&others) - mean(&ring)).norm();
+    inside > FOLDED * offset.norm()
+}
+
 fn look(
     nodes: &Nodes,
     meeting: &Meeting<'_>,
@@ -197,6 +237,9 @@ fn look(
     let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
+        return None;
+    }
+    if meeting.ring != 0 && !has_folded_over(nodes, meeting, &near, &offset) {
         return None;
     }
     let known = memory.iter().find(|m| m.segment == segment.id);

@@ -1,10 +1,11 @@
 //! Contact: search, then enforce. Pairs and their history.
 //!
 //! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search?
-//! 2. local search (`local.rs`), every step: which of them does it meet in this step?
+//! 2. local search (`local.rs`), every step: which of those that are near (`close.rs`) does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
+mod close;
 pub mod crossing;
 pub mod enforce;
 pub mod geometry;
@@ -22,6 +23,7 @@ use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use crate::wall::Walls;
+use close::Close;
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
@@ -45,7 +47,11 @@ pub struct Contact {
     /// Candidate segments per slave: start of each slave's run, and segments ascending.
     candidate_start: Vec<u32>,
     candidates: Vec<u32>,
-    since_search: Motion,
+    /// Those of them that are near.
+    close: Close,
+    /// Motion since `close` was made, and what relative motion there was between the search and that [length].
+    since_close: Motion,
+    moved: f64,
     /// Stiffness per segment, empty unless the law wants it [force/length].
     stiffness: Vec<f64>,
     /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
@@ -89,7 +95,9 @@ impl Contact {
             surface: Surface::default(),
             candidate_start: Vec::new(),
             candidates: Vec::new(),
-            since_search: Motion::since(&[]),
+            close: Close::default(),
+            since_close: Motion::since(&[]),
+            moved: 0.0,
             stiffness: Vec::new(),
             memory_start: Vec::new(),
             memories: Vec::new(),
@@ -126,7 +134,8 @@ impl Contact {
         self.surface.bytes()
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
             + size_of_val(&self.stiffness[..])
-            + self.since_search.bytes()
+            + self.since_close.bytes()
+            + self.close.bytes()
             + self.record.bytes()
     }
 
@@ -161,13 +170,27 @@ impl Contact {
         self.table.pairs.iter().filter(|p| p.own).map(|p| p.nodes[0])
     }
 
-    /// Refreshes candidates if nodes may have used up the skin.
-    pub fn refresh_candidates(&mut self, nodes: &Nodes, bodies: &Bodies) {
+    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's.
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, bodies: &Bodies, dt: f64) {
         let fresh = !self.candidate_start.is_empty();
-        if fresh && 2.0 * self.since_search.update(&nodes.x).residual <= self.skin {
+        let moved = if fresh { 2.0 * self.since_close.update(&nodes.x).residual } else { 0.0 };
+        let step = dt * spread(&nodes.next_v);
+        if fresh && moved <= self.close.skin && step <= self.close.step {
             return;
         }
-        self.since_search.restart(&nodes.x, Vec::new());
+        self.since_close.restart(&nodes.x, Vec::new());
+        self.moved += moved;
+        if !fresh || self.moved + self.close.skin > self.skin {
+            self.search(nodes, bodies);
+            self.moved = 0.0;
+        }
+        let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+        let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        self.close.renew(nodes, &self.surface, (self.skin, step), found, memory);
+    }
+
+    /// Which segments each slave could meet before it moves by more than the skin.
+    fn search(&mut self, nodes: &Nodes, bodies: &Bodies) {
         self.searches += 1;
         let s = &self.surface;
         let largest = s.largest_scale();
@@ -201,7 +224,7 @@ impl Contact {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         for i in 0..self.surface.slaves.len() {
-            let candidates = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+            let candidates = self.close.of(i);
             if !candidates.is_empty() {
                 let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
                 local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
@@ -296,4 +319,13 @@ impl Contact {
         }
         work
     }
+}
+
+/// No two of these velocities differ by more [length/time].
+fn spread(v: &[Row]) -> f64 {
+    let range = v.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], v| {
+        [std::array::from_fn(|c| v[c].min(low[c])), std::array::from_fn(|c| v[c].max(high[c]))]
+    });
+    let size = |c: usize| (range[1][c] - range[0][c]).max(0.0);
+    (size(0) * size(0) + size(1) * size(1) + size(2) * size(2)).sqrt()
 }

@@ -49,7 +49,7 @@ pub struct Surface {
     pub thinnest: f64,
     /// Per slave the start of its run in `faces`; see [`Surface::link_faces`].
     pub face_start: Vec<u32>,
-    /// Indices of solids' segments around each slave, ascending.
+    /// Indices of the segments around each slave, ascending.
     pub faces: Vec<u32>,
     /// Lowest part and segment around each slave.
     pub first: Vec<(u32, SegmentId)>,
@@ -162,19 +162,18 @@ impl Surface {
         for (g, s) in self.segments.iter().enumerate() {
             for &i in s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX) {
                 self.first[i as usize] = self.first[i as usize].min((s.part, s.id));
-                if s.is_solid() {
-                    around.push((i, g as u32));
-                }
+                around.push((i, g as u32));
             }
         }
         around.sort_unstable();
+        around.dedup(); // a triangle repeats its third node
         self.face_start =
             (0..=self.slaves.len()).map(|i| around.partition_point(|a| (a.0 as usize) < i) as u32).collect();
         self.faces = around.into_iter().map(|a| a.1).collect();
     }
 
-    /// The solids' segments around the slave at place `i` of `slaves`.
-    pub fn faces_at(&self, i: usize) -> impl Iterator<Item = &Segment> {
+    /// The segments around the slave at place `i` of `slaves`.
+    pub fn around(&self, i: usize) -> impl Iterator<Item = &Segment> {
         let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
     }

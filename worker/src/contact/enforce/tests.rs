@@ -107,7 +107,7 @@ impl Scene {
             nodes.force[j][2] -= tension;
         }
         nodes.accelerate(steps.mid);
-        contact.refresh_candidates(nodes, &Bodies::default());
+        contact.refresh_candidates(nodes, &Bodies::default(), steps.dt);
         contact.find_pairs(nodes, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
         contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
