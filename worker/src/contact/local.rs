@@ -10,7 +10,7 @@
 //! nodes of that one's top with its side faces, at whose lower rims they pass.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
-use crate::contact::pairs::{Memory, Pair};
+use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
@@ -18,13 +18,13 @@ use crate::nodes::{Nodes, Row};
 /// at. The global search must reach as far (its reach is built from the same number).
 pub const REACH: f64 = 1.5;
 /// A pair is active when its predicted gap falls below this fraction of the contact thickness.
-const ACTIVE: f64 = 0.02;
+pub(super) const ACTIVE: f64 = 0.02;
 /// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front of the
 /// tangent plane of an accepted pair add nothing to it.
 const PLANE: f64 = 0.02;
 /// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before is still taken for
 /// one that has just come through: it may have slipped between two faces in the step before.
-const BEHIND: f64 = 0.2;
+pub(super) const BEHIND: f64 = 0.2;
 /// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
 const BESIDE: f64 = 0.02;
 /// Two surfaces are opposed where the product of their unit normals is below this. At the corner of a block that lies
@@ -186,6 +186,11 @@ fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, o
     (!met.rim || beside <= BESIDE * scale).then_some(Place { normal: near.normal, side: 1.0, reached: height })
 }
 
+/// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
+pub(super) fn tolerated(old: Option<&Memory>, gap: f64) -> f64 {
+    old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)))
+}
+
 fn look(
     nodes: &Nodes,
     meeting: &Meeting<'_>,
@@ -199,7 +204,7 @@ fn look(
     if offset.norm() > REACH * scale {
         return None;
     }
-    let known = memory.iter().find(|m| m.segment == segment.id);
+    let known = memory.iter().find(|m| m.is_of(segment.id));
     // A node that slid over an edge keeps what it had on the neighbouring segment.
     let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| m.normal.dot(normal) > 0.7));
     let Place { normal, side, reached } = if segment.is_solid() {
@@ -214,18 +219,16 @@ fn look(
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    // Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
-    let tolerated = old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)));
+    let tolerated = tolerated(old, gap);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
     let impact =
         if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
-    let shape = near.shape;
+    let [a, b, c, d] = near.shape;
+    let shape = [1.0, a, b, c, d];
+    let [i, j, k, l] = segment.nodes;
     let pair = Pair {
-        slave: nodes.id[slave as usize],
-        segment: segment.id,
-        nodes: [slave, segment.nodes[0], segment.nodes[1], segment.nodes[2], segment.nodes[3]],
         shape,
         weight: shape,
         normal,
@@ -235,15 +238,10 @@ fn look(
         tolerated,
         thickness: scale,
         force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
-        slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
-        compliance: [0.0; 2],
-        crowd: [0.0; 5],
-        guess: V3::zeros(),
-        turn: 1.0,
-        mass: 0.0,
-        stiffness: 0.0,
+        slip: old.map_or(V3::zeros(), |m| m.slip_along(&normal)),
         first: meeting.first,
         own: true,
+        ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };
     Some(Find { pair, impact, opening, offset, gap })
 }
