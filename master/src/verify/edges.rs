@@ -20,21 +20,75 @@ const V: f64 = 5.0;
 /// Way to the first contact [m].
 const AIR: f64 = 2e-4;
 
-const BEAM: &str = "[C] Timoshenko beam, free, 2.5 m/s onto a rigid edge; limit of the catalogue";
+const BEAM: &str = "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for a full swap";
 
 /// The upper strip of two goes along x, the lower one at an angle; they cross `off` from the middle of both [m].
 struct Crossing {
     name: &'static str,
     angle: f64,
     off: f64,
-    /// Velocity of the struck strip afterwards, as a fraction of that of the other before.
-    after: f64,
 }
 
 const CROSSINGS: &[Crossing] = &[
-    Crossing { name: "at 90 degrees", angle: 90.0, off: 0.0, after: 0.9 },
-    Crossing { name: "at 60 degrees, off the middle", angle: 60.0, off: 0.015, after: 0.525 },
+    Crossing { name: "at 90 degrees", angle: 90.0, off: 0.0 },
+    Crossing { name: "at 60 degrees, off the middle", angle: 60.0, off: 0.015 },
 ];
+
+/// What holds two beams apart: nothing that gives way, or a spring and a dashpot [N/m], [N s/m].
+#[derive(Clone, Copy)]
+enum Hold {
+    Stiff,
+    Soft(f64, f64),
+}
+
+/// Velocity that the struck one of two equal free beams takes over, as a fraction of the other's before. By symmetry the
+/// point where they touch rests in the frame of both: each falls with half the velocity on what is there, at `off` from
+/// its middle, and may leave it again. Timoshenko's theory with 100 linear elements, one point each, lumped masses,
+/// central differences; with 40 elements the result is the same within 0.003.
+///
+/// Beams bend and go on ringing, so that velocities are not swapped in full: 0.90 and not 1 in the middle.
+fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
+    const N: usize = 100;
+    let (area, second) = (THICKNESS * WIDTH, THICKNESS * WIDTH.powi(3) / 12.0);
+    let shear = 5.0 / 6.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)) * area;
+    let dx = LENGTH / N as f64;
+    let (mass, inertia) = (STEEL.rho * area * dx, STEEL.rho * (second * dx + area * dx.powi(3) / 12.0));
+    let at_end = |i: usize| if i == 0 || i == N { 0.5 } else { 1.0 };
+    let (mut w, mut turn) = ([0.0; N + 1], [0.0; N + 1]);
+    let (mut dw, mut dturn) = ([-1.0f64; N + 1], [0.0f64; N + 1]);
+    let place = ((0.5 * LENGTH + off) / dx).round() as usize;
+    let dt = 0.5 * dx / STEEL.c();
+    for _ in 0..(until / dt) as usize {
+        let (mut force, mut moment) = ([0.0; N + 1], [0.0; N + 1]);
+        for e in 0..N {
+            let sheared = shear * ((w[e + 1] - w[e]) / dx - 0.5 * (turn[e + 1] + turn[e]));
+            let bent = STEEL.e * second * (turn[e + 1] - turn[e]) / dx;
+            force[e] += sheared;
+            force[e + 1] -= sheared;
+            moment[e] += bent + 0.5 * sheared * dx;
+            moment[e + 1] -= bent - 0.5 * sheared * dx;
+        }
+        if let Hold::Soft(k, c) = hold
+            && w[place] < 0.0
+        {
+            // Half of what the two beams come together is on either side.
+            force[place] += (-2.0 * (k * w[place] + c * dw[place])).max(0.0);
+        }
+        for i in 0..=N {
+            dw[i] += dt * force[i] / (mass * at_end(i));
+            dturn[i] += dt * moment[i] / (inertia * at_end(i));
+        }
+        if matches!(hold, Hold::Stiff) {
+            dw[place] = dw[place].max(-w[place] / dt);
+        }
+        for i in 0..=N {
+            w[i] += dt * dw[i];
+            turn[i] += dt * dturn[i];
+        }
+    }
+    let mean = (0..=N).map(|i| at_end(i) * dw[i]).sum::<f64>() / N as f64;
+    0.5 * (1.0 + mean)
+}
 
 /// Linear and angular momentum that a run has lost or won, as a fraction of what one strip had.
 fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
@@ -48,15 +102,14 @@ fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
     ]
 }
 
-/// Two strips upright, one above the other, edge towards edge. By symmetry the edges stay at rest in the frame of both
-/// while they touch: each strip is a free beam that falls on a rigid edge with half the velocity. It bends and goes on ringing, so
-/// that a swap of velocities is not complete.
+/// Two strips upright, one above the other, edge towards edge.
 fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
     let cells = [41, 4]; // no node where they cross
     let mut all = Vec::new();
     for law in bench.laws() {
         for crossing in CROSSINGS {
-            let mut scene = Scene::new((AIR + 0.5 * WIDTH) / V);
+            let way = AIR + 0.5 * WIDTH;
+            let mut scene = Scene::new(way / V);
             let along = |x: f64| LENGTH * (x - 0.5) - crossing.off;
             let (sin, cos) = crossing.angle.to_radians().sin_cos();
             let z = 0.5 * (THICKNESS + AIR);
@@ -68,12 +121,19 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.add(&format!("[contact]\nlaw = \"{law}\""));
             let run = bench.watch(&format!("C04 {law} {}", crossing.name), &scene, |_| {})?;
             let variant = format!("{law}, strips upright {}", crossing.name);
-            let struck = mean_velocity(&run.engine, below.all(), 2);
-            all.push(Row::new("velocity of the struck strip / v", &variant, "", -struck / V).within(
-                crossing.after,
-                0.05,
-                BEAM,
-            ));
+            let hold = if law == "penalty" {
+                // Four nodes with half the mass of an element; the default scale and damping.
+                let node = 0.5 * STEEL.rho * THICKNESS * LENGTH * WIDTH / (cells[0] * cells[1]) as f64;
+                let s = (cells[0] as f64 * (0.5 + crossing.off / LENGTH)).fract();
+                let reduced = node / (2.0 * (s * s + (1.0 - s).powi(2)));
+                let k = 0.35 * reduced / run.engine.clock.first_dt.powi(2);
+                Hold::Soft(k, 2.0 * 0.1 * (k * reduced).sqrt())
+            } else {
+                Hold::Stiff
+            };
+            let struck = -mean_velocity(&run.engine, below.all(), 2) / V;
+            let reference = swapped(crossing.off, hold, (way - AIR) / V);
+            all.push(Row::new("velocity of the struck strip / v", &variant, "", struck).within(reference, 0.05, BEAM));
             all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
             all.extend(run.energy_rows(&variant, 0.01));
             let crossed = run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes).len());
