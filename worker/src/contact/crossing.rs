@@ -3,7 +3,7 @@
 //! now and then, and told.
 
 use crate::contact::edges::{Edge, edges};
-use crate::contact::geometry::V3;
+use crate::contact::geometry::{V3, passing};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
@@ -25,9 +25,9 @@ pub struct Crossing {
 /// Crossings of own edges: free edges of shells and sharp ones of solids, by the nodes with the lower id. In ascending
 /// order, each once. To be called where all nodes of the surface are at the same time, but for a step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing> {
-    let mut edges = edges(surface, nodes);
-    edges.retain(|e| nodes.is_own(e.nodes[0] as usize));
-    let half = |e: &Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
+    let all = edges(surface, nodes);
+    let edges: Vec<&Edge> = all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
+    let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
         edges.iter().map(|e| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into()).collect();
@@ -40,11 +40,17 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
         let deep = above.abs().min(below.abs()) > THROUGH * s.scale;
         deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
     };
+    // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
+    let held = |g: u32, e: &Edge| {
+        let of_segment = all.iter().filter(|o| o.segments.contains(&g));
+        let mut passed = of_segment.filter_map(|o| passing(&e.ends(&nodes.x), &o.ends(&nodes.x)));
+        passed.any(|p| p.height.abs() <= THROUGH * surface.segments[g as usize].scale)
+    };
     let mut found: Vec<Crossing> = Vec::new();
     for (g, i) in find(&boxes, &middles) {
-        let (s, e) = (&surface.segments[g as usize], &edges[i as usize]);
+        let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
-        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) {
+        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(g, e) {
             found.push(Crossing { edge: surface.segments[e.segments[0] as usize].id.elem(), surface: s.id.elem() });
         }
     }

@@ -18,7 +18,7 @@
 //! worker, so pairs that are known here are remembered, not only own ones.
 
 use crate::contact::geometry::{Passing, V3, passing};
-use crate::contact::local::{ACTIVE, BEHIND, REACH, tolerated};
+use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
@@ -32,7 +32,8 @@ const SHARP: f64 = 0.7;
 /// How far the normal of a contact may leave the angle between the normals of a solid's two faces, in cosines against their
 /// middle; for solids that lie flat on each other it is one of these normals.
 const CONE: f64 = 0.1;
-/// How near to an end of an edge, as a fraction of the scale, a new contact with a solid is left to the nodes there.
+/// How near to an end of an edge, as a fraction of the scale, a new contact of shells is left to the node there, which keeps
+/// the other edge off to `sqrt(1 - END^2)` of the thickness.
 const END: f64 = 0.1;
 /// Memories of edges that follow each other are of the same contact if their normals have a product above this.
 const ALIKE: f64 = 0.7;
@@ -236,12 +237,15 @@ impl Edges {
         let side = if side < 0.0 { -1.0 } else { 1.0 };
         let (normal, gap) = (met.normal * side, met.height * side - thickness);
         let old = known.filter(|m| m.normal.dot(&normal) > 0.0);
-        if solid && old.is_none() {
+        if old.is_none() {
             let to_end = |k: usize| {
                 let [p, q] = edges[k].ends(&nodes.x);
                 met.along[k].min(1.0 - met.along[k]) * (q - p).norm()
             };
-            if gap < -BEHIND * scale || to_end(0).min(to_end(1)) < END * scale {
+            // An upright edge that stands on a face a little deep is as deep beside the face's edges as that is from them,
+            // and does not meet those.
+            let margin = if solid { (BESIDE * scale).max(-gap) } else { END * scale };
+            if solid && gap < -BEHIND * scale || to_end(0).min(to_end(1)) < margin {
                 return None;
             }
         }

@@ -1,4 +1,4 @@
-//! Local search: which candidates of a node are contact pairs in this step.
+//! Local search: which candidates of a node are contact pairs in this step. That of edges is in `edges.rs`.
 //!
 //! The decision uses positions, velocities without contact and the node's memory, nothing else; above all not
 //! when or by whom the candidates were collected.
@@ -26,7 +26,7 @@ const PLANE: f64 = 0.02;
 /// one that has just come through: it may have slipped between two faces in the step before.
 pub(super) const BEHIND: f64 = 0.2;
 /// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
-const BESIDE: f64 = 0.02;
+pub(super) const BESIDE: f64 = 0.02;
 /// Two surfaces are opposed where the product of their unit normals is below this. At the corner of a block that lies
 /// flat on a face it is -1/sqrt(3) with the mean of the corner's three normals, on a top and a side face 0.
 const OPPOSED: f64 = -0.3;

@@ -1,7 +1,8 @@
 //! Contact: search, then enforce. Pairs and their history.
 //!
-//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search?
-//! 2. local search (`local.rs`), every step: which of them does it meet in this step?
+//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search, and which edges
+//!    an edge?
+//! 2. local search (`local.rs` for nodes, `edges.rs` for edges), every step: which of them does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 

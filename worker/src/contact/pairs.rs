@@ -1,7 +1,8 @@
 //! Contact pairs of a step, own and others', and what nodes remember of them.
 //!
-//! A worker owns the pairs of the nodes that it owns. It learns of every other pair that touches one of its local
-//! nodes, so that it can add up the contact force on each of them alone, in ascending (node, segment).
+//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It learns of every other pair that
+//! touches one of its local nodes, so that it can add up the contact force on each of them alone, in ascending order of the
+//! pairs' names.
 
 mod order;
 
