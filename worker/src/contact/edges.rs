@@ -332,3 +332,33 @@ fn facing(surface: &Surface, nodes: &Nodes, edges: [&Edge; 2], normal: &V3) -> O
     }
     Some(sign)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::SegmentId;
+
+    /// An edge that follows on another one, as slave or as the one that is met, takes over what that had, but for its slip.
+    #[test]
+    fn what_an_edge_had_goes_to_the_next_one() {
+        let name = |slave: [u64; 2], other: [u64; 2]| Name::of_edges(slave.map(NodeId), other.map(NodeId));
+        let pair = Pair {
+            normal: V3::z(),
+            tolerated: -0.25,
+            force: V3::new(0.5, 0.0, 2.0),
+            slip: V3::x(),
+            ..Pair::unknown(name([5, 6], [8, 9]), SegmentId(1), [0; 5])
+        };
+        let mut edges = Edges::default();
+        edges.remember([pair].iter());
+        let recall = |slave, other, normal: &V3| edges.recall(&name(slave, other), normal);
+        assert_eq!(recall([5, 6], [8, 9], &V3::z()), Some(pair.memory()), "its own");
+        let next = Memory { slip: V3::zeros(), ..pair.memory() };
+        assert_eq!(recall([6, 7], [8, 9], &V3::z()), Some(next), "along the slave's row");
+        assert_eq!(recall([5, 6], [9, 12], &-V3::z()), Some(next), "along the other row, which may run the other way");
+        let turned = Memory { normal: -next.normal, force: -next.force, ..next };
+        assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
+        assert_eq!(recall([6, 7], [8, 9], &V3::x()), None, "another contact by its normal");
+        assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
+    }
+}
