@@ -355,6 +355,9 @@ pub struct Contact {
     pub penalty_damping: f64,
     /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up.
     pub penalty_cap: bool,
+    /// Whether edges meet edges too: free ones of shells, and sharp ones of solids. Without it they pass each other between
+    /// their nodes.
+    pub edges: bool,
     /// Parts that take part; all if empty.
     pub parts: Vec<u32>,
 }
@@ -375,6 +378,7 @@ impl Default for Contact {
             penalty_scale: 0.35,
             penalty_damping: 0.1,
             penalty_cap: true,
+            edges: true,
             parts: Vec::new(),
         }
     }

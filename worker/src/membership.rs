@@ -4,6 +4,7 @@
 
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
+use crate::contact::edges::outline;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface, contact_parts};
 use crate::halo::{Halo, Link};
@@ -188,7 +189,7 @@ fn link_corners(
     Ok(Halo { links, ..Halo::default() })
 }
 
-/// Copies the segments of other workers that own slaves could meet before the next renewal, with their nodes.
+/// Copies the segments of other workers that own slaves and edges could meet before the next renewal, with their nodes.
 fn copy_exterior(
     wire: &mut dyn Transport,
     settings: &Settings,
@@ -205,7 +206,9 @@ fn copy_exterior(
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = of_all(1).fold(f64::INFINITY, f64::min);
     let grow = contact::reach(largest, largest) + settings.buffer;
-    let slave_box = Aabb::around(surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])));
+    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges);
+    let of_edges = if with_edges { outline(surface, nodes) } else { Vec::new() };
+    let slave_box = Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])));
     let slave_boxes = share_boxes(wire, &slave_box)?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);

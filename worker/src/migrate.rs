@@ -75,7 +75,7 @@ pub fn migrate(
         share.nodes.extend(
             nodes.chunks_exact(NODE_WORDS).map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))),
         );
-        take_memories(memories, &mut share.memories);
+        take_memories(memories, |id, list| _ = share.memories.insert(id, list));
     }
     Ok(share)
 }
@@ -86,13 +86,13 @@ pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
     std::array::from_fn(|c| nodes[..used].iter().map(|&n| columns.x[n as usize][c]).sum::<f64>() / used as f64)
 }
 
-/// What held nodes remember: owners know it and tell the others that hold the node.
+/// What held nodes remember, in ascending order of names: owners of pairs know it and tell the others that have the node.
 fn gather_memories(
     wire: &mut dyn Transport,
     local: &Local,
     contact: Option<&Contact>,
 ) -> Result<BTreeMap<NodeId, Vec<Memory>>, Lost> {
-    let mut all = BTreeMap::new();
+    let mut all: BTreeMap<NodeId, Vec<Memory>> = BTreeMap::new();
     let Some(contact) = contact else { return Ok(all) };
     let mut parcels = vec![Vec::new(); wire.size() - 1];
     for (slave, list) in contact.memories().filter(|(_, l)| !l.is_empty()) {
@@ -100,12 +100,13 @@ fn gather_memories(
         for &user in local.halo.users_of(slave) {
             put_memories(&mut parcels[user as usize], id, list);
         }
-        all.insert(id, list.to_vec());
+        all.entry(id).or_default().extend(list);
     }
     let me = wire.rank() - 1;
     for (_, parcel) in exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
-        take_memories(parcel, &mut all);
+        take_memories(parcel, |id, list| all.entry(id).or_default().extend(list));
     }
+    all.values_mut().for_each(|list| list.sort_unstable_by_key(|m| m.name));
     Ok(all)
 }
 
@@ -148,10 +149,10 @@ fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[Memory]) {
     list.iter().for_each(|m| words.extend(m.to_words()));
 }
 
-fn take_memories(mut words: &[u64], into: &mut BTreeMap<NodeId, Vec<Memory>>) {
+fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<Memory>)) {
     while let [id, count, tail @ ..] = words {
         let (list, after) = tail.split_at(*count as usize * Memory::WORDS);
-        into.insert(NodeId(*id), list.chunks_exact(Memory::WORDS).map(Memory::from_words).collect());
+        take(NodeId(*id), list.chunks_exact(Memory::WORDS).map(Memory::from_words).collect());
         words = after;
     }
 }
@@ -175,6 +176,7 @@ fn unpack(mut words: &[u64]) -> [&[u64]; 3] {
 mod tests {
     use super::*;
     use crate::contact::geometry::V3;
+    use crate::contact::pairs::Name;
     use crumple_proto::ids::SegmentId;
 
     /// What travels arrives as it left, to the bit: elements of either shape with history of any length, empty runs,
@@ -196,7 +198,7 @@ mod tests {
             (element(u64::MAX >> 11, Shape::Hex8, 2), vec![f64::MAX; 100]),
         ];
         let memory = |segment, side| Memory {
-            segment: SegmentId(segment),
+            name: Name::of_node(NodeId(4), SegmentId(segment)),
             side,
             tolerated: -1e-3 / 3.0,
             normal: V3::new(0.6, -0.8, 0.0),
@@ -212,7 +214,7 @@ mod tests {
         let [elements, nodes, memories] = unpack(&pack(&runs)).map(<[u64]>::to_vec);
         let (mut arrived, mut known) = (Vec::new(), BTreeMap::new());
         take_elements(&elements, &mut arrived);
-        take_memories(&memories, &mut known);
+        take_memories(&memories, |id, list| _ = known.insert(id, list));
         let bits = |all: &[(ElementRecord, Vec<f64>)]| -> Vec<Vec<u64>> {
             all.iter().map(|(_, h)| h.iter().map(|a| a.to_bits()).collect()).collect()
         };

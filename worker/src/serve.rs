@@ -152,7 +152,7 @@ impl Worker {
         post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
-    /// Says once that edges have gone through surfaces, which this contact does not see.
+    /// Says once that edges have gone through surfaces where this contact does not see it.
     fn tell_of_crossings(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         let e = &self.engine;
         let found = e.contact.as_ref().filter(|_| !self.crossed).map_or(Vec::new(), |c| c.crossings(&e.nodes));
@@ -160,7 +160,8 @@ impl Worker {
         self.crossed = true;
         let warning = format!(
             "contact: by cycle {}, time {:.6e}, an edge of element {} has gone through element {} between their nodes ({} such \
-             crossings here): nodes meet surfaces, edges do not meet edges; a finer mesh where edges cross each other helps",
+             crossings here): nodes meet surfaces, and free or sharp edges \
+             each other; a finer mesh where an edge cuts into a face helps, and so does contact.edges = true if it is off",
             e.clock.cycle,
             e.clock.time,
             first.edge.0,

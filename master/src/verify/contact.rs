@@ -56,8 +56,6 @@ pub const UNDAMPED: &str = "penalty_damping = 0.0\n";
 pub const STIFF: Check = Check { name: "stiff penalty", quick: true, run: stiff_penalty };
 /// C02.
 pub const LIGHT: Check = Check { name: "light on heavy and the reverse", quick: true, run: light_on_heavy };
-/// C04.
-pub const EDGES: Check = Check { name: "strips that meet with their edges", quick: true, run: edges };
 /// C06.
 pub const SUNK: Check = Check { name: "initial penetration", quick: true, run: sunk };
 /// C07.
@@ -70,7 +68,6 @@ pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cr
 /// Density of what only carries a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
-const NO_EDGES: &str = "contact is node to segment: edges pass between nodes; it is looked for and told";
 const REST: &str = "the sweeps stop short of a rest: some 1e-9 of the impact is left";
 const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 1000: they stop what closes over many steps, and overshoot a little";
 
@@ -174,32 +171,6 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             let drift = run.momentum_drift(2, run.momentum[0][2].abs());
             all.push(Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"));
         }
-    }
-    Ok(all)
-}
-
-/// Two strips 100 by 10 by 1 mm upright, crossed at 90 degrees, one above the other.
-fn edges(bench: &Bench) -> Result<Vec<Row>, String> {
-    let (length, height, thickness, v) = (0.1, 0.01, 1e-3, 5.0);
-    let cells = [11, 1]; // no node where they cross
-    let mut all = Vec::new();
-    for law in bench.laws() {
-        let air = 2e-4;
-        let mut scene = Scene::new((air + thickness + 0.5 * height) / v);
-        let above = scene.grid(1, cells, |x, y| [length * (x - 0.5), 0.0, 0.5 * thickness + air + height * y]);
-        let below = scene.grid(2, cells, |x, y| [0.0, length * (x - 0.5), -0.5 * thickness - air - height * y]);
-        scene.elastic("steel", STEEL);
-        (1..=2).for_each(|part| scene.part(part, "steel", thickness, "points = 2"));
-        scene.start(above.all(), [0.0, 0.0, -v], [0.0; 3]);
-        scene.add(&format!("[contact]\nlaw = \"{law}\""));
-        let run = bench.watch(&format!("C04 {law}"), &scene, |_| {})?;
-        let crossed = run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes).len());
-        let after = [&above, &below].map(|g| mean_velocity(&run.engine, g.all(), 2));
-        let variant = format!("{law}, crossed strips");
-        let swapped = Row::new("velocity of the struck strip / v", &variant, "", -after[1] / v);
-        all.push(swapped.within(1.0, 0.05, "limit of the catalogue: velocities swap").known(NO_EDGES));
-        let told = Row::new("edges seen in surfaces, for a warning", &variant, "", crossed as f64);
-        all.push(told.at_least(1.0, "catalogue: if not supported, detect and warn"));
     }
     Ok(all)
 }

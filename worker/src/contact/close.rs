@@ -74,7 +74,7 @@ impl Close {
                 let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
                 let shared = (0..4).map(shared).sum();
                 let reach = reach(surface, slave, segment, self.step);
-                let remembered = || memory(place).iter().any(|m| m.segment == segment.id);
+                let remembered = || memory(place).iter().any(|m| m.is_of(segment.id));
                 if may_touch(nodes, segment, &at, shared != 0, reach, self.skin) || remembered() {
                     self.list.push(Candidate { segment: g, ring: shared });
                 }

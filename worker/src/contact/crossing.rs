@@ -1,15 +1,14 @@
-//! Edges that have gone through a surface without any node meeting it. Contact here is node to segment: two edges, say of
-//! crossed plates, can pass through each other between their nodes. That is looked for now and then, and told.
+//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and edges that matter
+//! (`edges.rs`) each other; an edge that cuts into a curved face between its nodes still gets through. That is looked for
+//! now and then, and told.
 
-use crate::contact::geometry::V3;
+use crate::contact::edges::{Edge, edges};
+use crate::contact::geometry::{V3, passing};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
-use crate::nodes::{Nodes, Row, xyz};
+use crate::nodes::{Nodes, Row};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
-
-/// Normals of two faces of solids with a product above this meet in no edge worth looking at.
-const SHARP: f64 = 0.7;
 
 /// How far both ends of an edge must be from a face, as a fraction of the segment's scale.
 const THROUGH: f64 = 0.1;
@@ -23,67 +22,41 @@ pub struct Crossing {
     pub surface: ElemId,
 }
 
-/// An edge between two local nodes, and the segment that it belongs to.
-#[derive(Clone, Copy)]
-struct Edge {
-    nodes: [u32; 2],
-    segment: u32,
-}
-
 /// Crossings of own edges: free edges of shells and sharp ones of solids, by the nodes with the lower id. In ascending
 /// order, each once. To be called where all nodes of the surface are at the same time, but for a step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing> {
-    let edges = edges(surface, nodes);
-    let ends = |e: &Edge, x: &[Row]| e.nodes.map(|n| V3::from(xyz(&x[n as usize])));
-    let half = |e: &Edge| 0.5 * (ends(e, &nodes.x)[0] - ends(e, &nodes.x)[1]).norm();
+    let all = edges(surface, nodes);
+    let edges: Vec<&Edge> = all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
+    let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
-        edges.iter().map(|e| ((ends(e, &nodes.x)[0] + ends(e, &nodes.x)[1]) * 0.5).into()).collect();
+        edges.iter().map(|e| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into()).collect();
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
     let through = |s: &Segment, e: &Edge, x: &[Row]| {
-        let ([p, q], [a, b, c, d]) = (ends(e, x), s.corners(x));
+        let ([p, q], [a, b, c, d]) = (e.ends(x), s.corners(x));
         let Some(normal) = s.middle_normal(x) else { return false };
         // What lies on a face, or sinks in as contact lets it, is not through.
         let (above, below) = ((p - a).dot(&normal), (q - a).dot(&normal));
         let deep = above.abs().min(below.abs()) > THROUGH * s.scale;
         deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
     };
+    // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
+    let held = |g: u32, e: &Edge| {
+        let of_segment = all.iter().filter(|o| o.segments.contains(&g));
+        let mut passed = of_segment.filter_map(|o| passing(&e.ends(&nodes.x), &o.ends(&nodes.x)));
+        passed.any(|p| p.height.abs() <= THROUGH * surface.segments[g as usize].scale)
+    };
     let mut found: Vec<Crossing> = Vec::new();
     for (g, i) in find(&boxes, &middles) {
-        let (s, e) = (&surface.segments[g as usize], &edges[i as usize]);
+        let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
-        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) {
-            found.push(Crossing { edge: surface.segments[e.segment as usize].id.elem(), surface: s.id.elem() });
+        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(g, e) {
+            found.push(Crossing { edge: surface.segments[e.segments[0] as usize].id.elem(), surface: s.id.elem() });
         }
     }
     found.sort_unstable();
     found.dedup();
     found
-}
-
-fn edges(surface: &Surface, nodes: &Nodes) -> Vec<Edge> {
-    let mut all: Vec<Edge> = Vec::new();
-    for (g, s) in surface.segments.iter().enumerate() {
-        let corners = if s.is_triangle() { 3 } else { 4 };
-        for k in 0..corners {
-            let (a, b) = (s.nodes[k], s.nodes[(k + 1) % corners]);
-            let sorted = if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] };
-            if nodes.is_own(sorted[0] as usize) {
-                all.push(Edge { nodes: sorted, segment: g as u32 });
-            }
-        }
-    }
-    all.sort_unstable_by_key(|e| (e.nodes, e.segment));
-    let segment = |e: &Edge| &surface.segments[e.segment as usize];
-    let matters = |run: &[Edge]| match run {
-        [one] => !segment(one).is_solid(),
-        [one, other, ..] if segment(one).is_solid() && segment(other).is_solid() => {
-            let normals = [one, other].map(|e| segment(e).middle_normal(&nodes.x));
-            matches!(normals, [Some(a), Some(b)] if a.dot(&b) < SHARP)
-        }
-        _ => false,
-    };
-    all.chunk_by(|a, b| a.nodes == b.nodes).filter(|run| matters(run)).map(|run| run[0]).collect()
 }
 
 /// Whether the line from `p` to `q` goes through the inside of a triangle (Moller & Trumbore 1997).

@@ -1,4 +1,4 @@
-//! Nearest point of a segment: a bilinear quad or a triangle.
+//! Nearest point of a segment: a bilinear quad or a triangle; where two edges pass each other.
 
 use nalgebra::Vector3;
 
@@ -130,9 +130,64 @@ fn nearest_edge(p: &V3, q: &[V3; 4], corners: usize) -> Option<(usize, f64)> {
     (0..corners).map(edge).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k, s)| (k, s))
 }
 
+/// Two edges whose sines of the angle between them is below this count as parallel: where they are nearest to each other
+/// is then ill determined, and their ends tell as much.
+const PARALLEL: f64 = 0.03;
+
+/// The points of two edges that are nearest to each other, both between the ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Passing {
+    /// The places of the points along either edge, above 0 and below 1.
+    pub along: [f64; 2],
+    /// Unit vector along the cross product of the edges.
+    pub normal: V3,
+    /// Distance of the first edge from the second along `normal` [length].
+    pub height: f64,
+}
+
+/// Where edges `p` and `q`, by their ends, are nearest to each other. `None` if that is at an end, or if they are parallel.
+pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
+    let (u, w, apart) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
+    let cross = u.cross(&w);
+    let size2 = cross.norm_squared();
+    if size2 <= PARALLEL * PARALLEL * u.norm_squared() * w.norm_squared() {
+        return None;
+    }
+    let along = [apart.cross(&w), apart.cross(&u)].map(|a| a.dot(&cross) / size2);
+    let between = along.iter().all(|&a| a > 0.0 && a < 1.0);
+    let normal = cross / size2.sqrt();
+    between.then(|| Passing { along, normal, height: -apart.dot(&normal) })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn where_edges_pass_is_the_nearest_of_many_points() {
+        let p = [V3::new(0.0, 0.1, 0.3), V3::new(2.0, -0.2, 0.5)];
+        let q = [V3::new(0.8, -1.0, -0.4), V3::new(1.3, 1.5, 0.1)];
+        let at = |e: &[V3; 2], a: f64| e[0] + (e[1] - e[0]) * a;
+        let found = passing(&p, &q).unwrap();
+        let offset = at(&p, found.along[0]) - at(&q, found.along[1]);
+        assert!((offset - found.normal * found.height).norm() < 1e-15, "the offset is along the normal");
+        let grid = (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 400.0, j as f64 / 400.0)));
+        let best = grid.map(|(a, b)| (at(&p, a) - at(&q, b)).norm()).fold(f64::INFINITY, f64::min);
+        assert!(offset.norm() <= best + 1e-15 && offset.norm() > best - 1e-4, "{} and {best} on a grid", offset.norm());
+        let back = passing(&q, &p).unwrap();
+        assert!((back.height - found.height).abs() < 1e-15 && (back.normal + found.normal).norm() < 1e-15);
+    }
+
+    #[test]
+    fn edges_that_end_before_they_pass_or_run_side_by_side_do_not_pass() {
+        let p = [V3::zeros(), V3::x()];
+        let over = |x: f64, y: f64| [V3::new(x, y, 1.0), V3::new(x, y + 2.0, 1.0)];
+        assert!((passing(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15, "along x cross y, it is below");
+        assert!(passing(&p, &over(1.1, -0.5)).is_none(), "beside the end of the first");
+        assert!(passing(&p, &over(0.3, 0.1)).is_none(), "before the start of the second");
+        assert!(passing(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(), "parallel, but for a fiftieth");
+        assert!(passing(&p, &[V3::z(), V3::z()]).is_none(), "no length");
+    }
 
     fn warped() -> [V3; 4] {
         [V3::new(0.0, 0.0, 0.2), V3::new(2.0, 0.1, -0.2), V3::new(2.2, 1.9, 0.3), V3::new(-0.1, 2.0, -0.1)]

@@ -1,4 +1,4 @@
-//! Local search: which candidates of a node are contact pairs in this step.
+//! Local search: which candidates of a node are contact pairs in this step. That of edges is in `edges.rs`.
 //!
 //! The decision uses positions, velocities without contact and the node's memory, nothing else; above all not
 //! when or by whom the candidates were collected.
@@ -11,7 +11,7 @@
 
 use crate::contact::close::Candidate;
 use crate::contact::geometry::{Nearest, V3, is_beside, nearest};
-use crate::contact::pairs::{Memory, Pair};
+use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
@@ -19,7 +19,7 @@ use crate::nodes::{Nodes, Row};
 /// at. The global search must reach as far (its reach is built from the same number).
 pub const REACH: f64 = 1.5;
 /// A pair is active when its predicted gap falls below this fraction of the contact thickness.
-const ACTIVE: f64 = 0.02;
+pub(super) const ACTIVE: f64 = 0.02;
 /// A surface has folded over where it stands above itself so that the distance from the fold, over the height, is more than
 /// this: where the angle is below some 60 degrees.
 const FOLDED: f64 = 0.5;
@@ -28,9 +28,9 @@ const FOLDED: f64 = 0.5;
 const PLANE: f64 = 0.02;
 /// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before is still taken for
 /// one that has just come through: it may have slipped between two faces in the step before.
-const BEHIND: f64 = 0.2;
+pub(super) const BEHIND: f64 = 0.2;
 /// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
-const BESIDE: f64 = 0.02;
+pub(super) const BESIDE: f64 = 0.02;
 /// Two surfaces are opposed where the product of their unit normals is below this. At the corner of a block that lies
 /// flat on a face it is -1/sqrt(3) with the mean of the corner's three normals, on a top and a side face 0.
 const OPPOSED: f64 = -0.3;
@@ -134,7 +134,7 @@ impl<'a> Meeting<'a> {
 fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
     let Meeting { segment, slave, ring, thickness, scale, dt, .. } = *meeting;
     let mut reach = REACH * scale;
-    if !segment.is_solid() && memory.iter().all(|m| m.segment != segment.id) {
+    if !segment.is_solid() && !memory.iter().any(|m| m.is_of(segment.id)) {
         // No gap closes from farther away than the two come closer in the step.
         let v = v3(&nodes.next_v[slave as usize]);
         let fastest =
@@ -226,6 +226,11 @@ fn has_folded_over(nodes: &Nodes, meeting: &Meeting<'_>, near: &Nearest, offset:
     inside > FOLDED * offset.norm()
 }
 
+/// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
+pub(super) fn tolerated(old: Option<&Memory>, gap: f64) -> f64 {
+    old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)))
+}
+
 fn look(
     nodes: &Nodes,
     meeting: &Meeting<'_>,
@@ -242,7 +247,7 @@ fn look(
     if meeting.ring != 0 && !has_folded_over(nodes, meeting, &near, &offset) {
         return None;
     }
-    let known = memory.iter().find(|m| m.segment == segment.id);
+    let known = memory.iter().find(|m| m.is_of(segment.id));
     // A node that slid over an edge keeps what it had on the neighbouring segment.
     let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| m.normal.dot(normal) > 0.7));
     let Place { normal, side, reached } = if segment.is_solid() {
@@ -257,18 +262,16 @@ fn look(
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    // Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
-    let tolerated = old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)));
+    let tolerated = tolerated(old, gap);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
     let impact =
         if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
-    let shape = near.shape;
+    let [a, b, c, d] = near.shape;
+    let shape = [1.0, a, b, c, d];
+    let [i, j, k, l] = segment.nodes;
     let pair = Pair {
-        slave: nodes.id[slave as usize],
-        segment: segment.id,
-        nodes: [slave, segment.nodes[0], segment.nodes[1], segment.nodes[2], segment.nodes[3]],
         shape,
         weight: shape,
         normal,
@@ -278,15 +281,10 @@ fn look(
         tolerated,
         thickness: scale,
         force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
-        slip: old.map_or(V3::zeros(), |m| m.slip - normal * normal.dot(&m.slip)),
-        compliance: [0.0; 2],
-        crowd: [0.0; 5],
-        guess: V3::zeros(),
-        turn: 1.0,
-        mass: 0.0,
-        stiffness: 0.0,
+        slip: old.map_or(V3::zeros(), |m| m.slip_along(&normal)),
         first: meeting.first,
         own: true,
+        ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };
     Some(Find { pair, impact, opening, offset, gap })
 }

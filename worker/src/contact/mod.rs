@@ -1,12 +1,15 @@
 //! Contact: search, then enforce. Pairs and their history.
 //!
-//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search?
-//! 2. local search (`local.rs`), every step: which of those that are near (`close.rs`) does it meet in this step?
+//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search, and which edges
+//!    an edge?
+//! 2. local search (`local.rs` for nodes, `edges.rs` for edges), every step: which of those that are near
+//!    (`close.rs`) does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
 mod close;
 pub mod crossing;
+pub mod edges;
 pub mod enforce;
 pub mod geometry;
 pub mod initial;
@@ -28,6 +31,7 @@ use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
+use edges::Edges;
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
 use geometry::V3;
 use pairs::{Memory, PairTable, push};
@@ -42,6 +46,7 @@ pub struct Contact {
     find: Search,
     skin: f64,
     by_mass: bool,
+    with_edges: bool,
     /// What can touch.
     pub surface: Surface,
     /// Candidate segments per slave: start of each slave's run, and segments ascending.
@@ -57,6 +62,8 @@ pub struct Contact {
     /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
     memory_start: Vec<u32>,
     memories: Vec<Memory>,
+    /// Edges that could meet each other, with what they remember.
+    edges: Edges,
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
     free: Vec<Row>,
@@ -92,6 +99,7 @@ impl Contact {
             find: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
+            with_edges: job.edges,
             surface: Surface::default(),
             candidate_start: Vec::new(),
             candidates: Vec::new(),
@@ -101,6 +109,7 @@ impl Contact {
             stiffness: Vec::new(),
             memory_start: Vec::new(),
             memories: Vec::new(),
+            edges: Edges::default(),
             table: PairTable::default(),
             free: Vec::new(),
             record: Record::default(),
@@ -123,9 +132,12 @@ impl Contact {
         self.candidate_start.clear();
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
-            self.memories.extend(memory_of(nodes.id[s as usize]));
+            self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| !m.name.is_edge()));
         }
         self.memory_start.push(self.memories.len() as u32);
+        if self.with_edges {
+            self.edges = Edges::of(&self.surface, nodes, memory_of);
+        }
     }
 
     /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what tells when to search.
@@ -137,12 +149,14 @@ impl Contact {
             + self.since_close.bytes()
             + self.close.bytes()
             + self.record.bytes()
+            + self.edges.bytes()
     }
 
-    /// What each slave remembers.
+    /// What each slave remembers; edges under all nodes of their pairs.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
-        self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)))
+        let of_nodes = self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)));
+        of_nodes.chain(self.edges.memories().map(|(n, m)| (n, std::slice::from_ref(m))))
     }
 
     /// Edges that have gone through a surface, see [`crossing`].
@@ -160,9 +174,10 @@ impl Contact {
         self.record.part(&self.surface.segments, part)
     }
 
-    /// Active pairs of owned nodes after the last local search, as (node, segment) ids.
+    /// Active pairs of owned nodes after the last local search, as ids of the slave, or its lower node, and
+    /// of the segment.
     pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
-        self.table.pairs.iter().filter(|p| p.own).map(|p| (p.slave, p.segment))
+        self.table.pairs.iter().filter(|p| p.own).map(|p| (p.name.slave, p.segment))
     }
 
     /// Local nodes of the slaves of own pairs, for the load.
@@ -203,6 +218,8 @@ impl Contact {
             !corners.contains(&slave) && !bodies.are_one(slave, corners)
         });
         found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
+        self.edges.search(s, nodes, bodies, self.find, self.skin);
+        self.edges.near().for_each(|(slave, g)| self.record.near(slave, &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -230,12 +247,19 @@ impl Contact {
                 local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
             }
         }
-        for p in &mut pairs {
-            p.weigh_slave(nodes);
-            if !self.stiffness.is_empty() {
+        if !self.stiffness.is_empty() {
+            for p in &mut pairs {
                 let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
                 p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
             }
+        }
+        let of_nodes = pairs.len();
+        self.edges.find_pairs(nodes, &self.surface, &self.stiffness, steps.dt, &mut pairs);
+        if pairs.len() > of_nodes {
+            pairs.sort_unstable_by_key(|p| p.name);
+        }
+        for p in &mut pairs {
+            p.weigh_slave(nodes);
             self.record.touched(p.nodes);
             p.force = self.law.start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
@@ -307,7 +331,7 @@ impl Contact {
             work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
         }
         self.memories.clear();
-        let mut own = t.pairs.iter().filter(|p| p.own).peekable();
+        let mut own = t.pairs.iter().filter(|p| p.own && !p.name.is_edge()).peekable();
         for (start, &s) in self.memory_start.iter_mut().zip(&self.surface.slaves) {
             *start = self.memories.len() as u32;
             while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
@@ -317,6 +341,7 @@ impl Contact {
         if let Some(end) = self.memory_start.last_mut() {
             *end = self.memories.len() as u32;
         }
+        self.edges.remember(t.pairs.iter());
         work
     }
 }

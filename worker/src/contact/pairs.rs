@@ -1,14 +1,16 @@
 //! Contact pairs of a step, own and others', and what nodes remember of them.
 //!
-//! A worker owns the pairs of the nodes that it owns. It learns of every other pair that touches one of its local
-//! nodes, so that it can add up the contact force on each of them alone, in ascending (node, segment).
+//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It learns of every other pair that
+//! touches one of its local nodes, so that it can add up the contact force on each of them alone, in ascending order of the
+//! pairs' names.
 
 mod order;
 
+use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::halo::Halo;
-use crate::nodes::{Nodes, Row, row};
+use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -17,22 +19,60 @@ use crumple_proto::transport::{Lost, Tag, Transport};
 /// A node that is held fixed counts as this many times the mass of the segment that it meets.
 pub const HELD: f64 = 1e6;
 
-/// A node on a segment.
+/// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of workers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(C)]
+pub struct Name {
+    /// The node, or the node of the slave edge with the lower id.
+    pub slave: NodeId,
+    /// The other node of the slave edge; 0 where the slave is a node, as no edge has.
+    pub far: NodeId,
+    /// The segment and 0, or the nodes of the edge that is met, ascending.
+    pub met: [u64; 2],
+}
+
+impl Name {
+    /// A node on a segment.
+    pub fn of_node(slave: NodeId, segment: SegmentId) -> Self {
+        Self { slave, far: NodeId(0), met: [segment.0, 0] }
+    }
+
+    /// An edge on an edge, both by their nodes in ascending order.
+    pub fn of_edges(slave: [NodeId; 2], other: [NodeId; 2]) -> Self {
+        Self { slave: slave[0], far: slave[1], met: other.map(|n| n.0) }
+    }
+
+    /// The nodes of the slave edge and of the other one.
+    pub fn edge_nodes(&self) -> [NodeId; 4] {
+        [self.slave, self.far, NodeId(self.met[0]), NodeId(self.met[1])]
+    }
+
+    /// Whether the slave is an edge.
+    pub fn is_edge(&self) -> bool {
+        self.far != NodeId(0)
+    }
+}
+
+/// A node on a segment, or a point of an edge (the slave edge) on a point of another one.
+///
+/// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A slave edge has roles 0 and 1,
+/// the other edge 2 and 3, and role 4 is empty. The force acts on the slave's roles by their shares, and with the opposite
+/// sign on the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// The node.
-    pub slave: NodeId,
-    /// The segment.
+    /// Which pair it is.
+    pub name: Name,
+    /// The segment, or the lowest one that has the edge which is met.
     pub segment: SegmentId,
-    /// Local numbers of the node and the segment's four, or [`NOT_LOCAL`].
+    /// Local numbers of the nodes by role, or [`NOT_LOCAL`].
     pub nodes: [u32; 5],
-    /// Shape values N_k of the contact point.
-    pub shape: [f64; 4],
-    /// Shares of the segment's nodes in the contact force; they sum to 1.
-    pub weight: [f64; 4],
-    /// Unit normal that points to the node's side.
+    /// Shape values N_k of the contact point by role; they sum to 1 on either side.
+    pub shape: [f64; 5],
+    /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
+    pub weight: [f64; 5],
+    /// Unit normal that points to the slave's side.
     pub normal: V3,
-    /// Side of the node along the segment's own normal, +1 or -1.
+    /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1 or -1.
     pub side: f64,
     /// Gap that the law is to close, tolerated penetration taken off [length].
     pub gap: f64,
@@ -43,9 +83,9 @@ pub struct Pair {
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
     /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
-    /// Force on the node [force].
+    /// Force on the slave [force].
     pub force: V3,
-    /// Tangential distance of the node from its stick point [length].
+    /// Tangential distance of the slave from its stick point [length].
     pub slip: V3,
     /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
     pub compliance: [f64; 2],
@@ -56,7 +96,7 @@ pub struct Pair {
     pub guess: V3,
     /// See `guess`.
     pub turn: f64,
-    /// Mass of the node along the normal, with what holds it [mass].
+    /// Mass of the slave along the normal, with what holds it [mass].
     pub mass: f64,
     /// Stiffness of the segment, for laws that have one for it [force/length].
     pub stiffness: f64,
@@ -66,11 +106,11 @@ pub struct Pair {
     pub own: bool,
 }
 
-/// What a node remembers of a pair of the last step.
+/// What a slave remembers of a pair of the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory {
-    /// The segment.
-    pub segment: SegmentId,
+    /// See [`Pair::name`].
+    pub name: Name,
     /// See [`Pair::side`].
     pub side: f64,
     /// See [`Pair::tolerated`].
@@ -85,7 +125,7 @@ pub struct Memory {
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 12;
+    pub const WORDS: usize = 15;
 
     /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
     pub fn force_along(&self, normal: &V3) -> V3 {
@@ -94,28 +134,39 @@ impl Memory {
         normal * pressed.max(0.0) + (sheared - normal * normal.dot(&sheared))
     }
 
+    /// The remembered slip within a new tangent plane.
+    pub fn slip_along(&self, normal: &V3) -> V3 {
+        self.slip - normal * normal.dot(&self.slip)
+    }
+
     /// As words.
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
-        w[0] = self.segment.0;
+        w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
         let numbers = [self.side, self.tolerated].into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
-        w[1..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
+        w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
         w
+    }
+
+    /// Whether it is of the slave's pair with a segment.
+    pub fn is_of(&self, segment: SegmentId) -> bool {
+        self.name.met == [segment.0, 0]
     }
 
     /// From [`Memory::to_words`].
     pub fn from_words(w: &[u64]) -> Self {
-        let at = |i: usize| f64::from_bits(w[i]);
+        let (name, rest) = w.split_at(NAME_WORDS);
+        let at = |i: usize| f64::from_bits(rest[i]);
         let vector = |i: usize| V3::new(at(i), at(i + 1), at(i + 2));
         Self {
-            segment: SegmentId(w[0]),
-            side: at(1),
-            tolerated: at(2),
-            normal: vector(3),
-            force: vector(6),
-            slip: vector(9),
+            name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
+            side: at(0),
+            tolerated: at(1),
+            normal: vector(2),
+            force: vector(5),
+            slip: vector(8),
         }
     }
 }
@@ -124,13 +175,16 @@ impl Memory {
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WirePair {
-    slave: NodeId,
+    name: Name,
     segment: SegmentId,
-    nodes: [NodeId; 4],
-    weight: [f64; 4],
+    nodes: [NodeId; 5],
+    weight: [f64; 5],
+    normal: [f64; 3],
+    tolerated: f64,
     force: [f64; 3],
     mass: f64,
 }
+const NAME_WORDS: usize = size_of::<Name>() / 8;
 const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
 
 /// The pairs that one other worker and this one both know.
@@ -146,7 +200,7 @@ struct Common {
 /// All pairs that concern a worker in this step.
 #[derive(Debug, Default)]
 pub struct PairTable {
-    /// Pairs in ascending (node, segment).
+    /// Pairs in ascending order of their names.
     pub pairs: Vec<Pair>,
     /// Local nodes that a pair touches, ascending.
     pub touched: Vec<u32>,
@@ -197,10 +251,10 @@ impl PairTable {
         Ok(())
     }
 
-    /// Puts pairs in ascending (node, segment); where each goes is noted in `common`.
+    /// Puts pairs in ascending order of their names; where each goes is noted in `common`.
     fn sort(&mut self, source: &[(usize, u32)]) {
         let mut order: Vec<u32> = (0..self.pairs.len() as u32).collect();
-        order.sort_unstable_by_key(|&i| (self.pairs[i as usize].slave, self.pairs[i as usize].segment));
+        order.sort_unstable_by_key(|&i| self.pairs[i as usize].name);
         let mut place = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(to, &from)| place[from as usize] = to as u32);
         self.pairs = order.iter().map(|&i| self.pairs[i as usize]).collect();
@@ -212,7 +266,7 @@ impl PairTable {
         }
     }
 
-    /// Which pairs touch which local node, in ascending (node, segment).
+    /// Which pairs touch which local node, ascending.
     fn index(&mut self) {
         self.incidence.clear();
         for (p, pair) in self.pairs.iter().enumerate() {
@@ -236,22 +290,24 @@ impl PairTable {
     }
 
     /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq. 7 and 11:
-    /// m_k / M2 = M_k N_k / sum_j M_j N_j. To be done before others are told.
+    /// m_k / M2 = M_k N_k / sum_j M_j N_j. Edges keep their shape values. To be done before others are told.
     pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
-        for pair in self.pairs.iter_mut().filter(|p| p.own) {
-            let m: [f64; 4] = std::array::from_fn(|k| nodes.mass[pair.nodes[k + 1] as usize] * pair.shape[k]);
+        for pair in self.pairs.iter_mut().filter(|p| p.own && !p.name.is_edge()) {
+            let m: [f64; 4] = std::array::from_fn(|k| nodes.mass[pair.nodes[k + 1] as usize] * pair.shape[k + 1]);
             let sum: f64 = m.iter().sum();
             if sum > 0.0 {
-                pair.weight = m.map(|a| a / sum);
+                pair.weight[1..].iter_mut().zip(m).for_each(|(w, a)| *w = a / sum);
             }
         }
     }
 
-    /// Sets how softly own pairs answer. With `split`, the mass of a node is divided among the pairs that touch it in
+    /// Sets how softly own pairs answer. When all pairs are split, the mass of a node is divided among the pairs that touch it in
     /// proportion to their shares in it. That lets simultaneous updates converge whatever the masses: for shares w > 0 the
     /// matrix diag(w_p sum_q w_q) - w w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than
     /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
-    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, split: bool) {
+    /// With prediction and correction the masses of edges are split: a slave edge may be in several pairs, which do not see
+    /// each other's corrections as pairs on one segment do.
+    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: Iteration) {
         self.pairs.iter_mut().for_each(|p| p.crowd = [0.0; 5]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
@@ -262,6 +318,11 @@ impl PairTable {
         }
         for pair in self.pairs.iter_mut().filter(|p| p.own) {
             let mut soft = [0.0; 2];
+            let split = match iteration {
+                Iteration::Split => true,
+                Iteration::Correct { .. } => pair.name.is_edge(),
+                Iteration::Jacobi | Iteration::GaussSeidel => false,
+            };
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
             for r in (0..5).filter(|&r| pair.crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
@@ -293,30 +354,31 @@ impl PairTable {
         let mut sum = V3::zeros();
         for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
-            if r == 0 { sum += pair.force } else { sum -= pair.force * pair.weight[r as usize - 1] }
+            let part = pair.force * pair.share(r as usize);
+            if pair.is_ahead(r) { sum += part } else { sum -= part }
         }
         sum
     }
 
     /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at place `t` of `touched`
-    /// takes as a segment's node [force], [mass].
+    /// takes as a node of what slaves meet [force], [mass].
     pub fn pressed_on(&self, t: usize) -> (V3, f64) {
         let (mut force, mut mass) = (V3::zeros(), 0.0);
-        for &(p, r) in self.roles_at(t).iter().filter(|(_, r)| *r > 0) {
+        for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
-            if pair.guess != V3::zeros() {
-                force += pair.guess * pair.weight[r as usize - 1];
-                mass += pair.mass * pair.weight[r as usize - 1];
+            if !pair.is_ahead(r) && pair.guess != V3::zeros() {
+                force += pair.guess * pair.share(r as usize);
+                mass += pair.mass * pair.share(r as usize);
             }
         }
         (force, mass)
     }
 
-    /// Whether a node of the own pair's segment is itself a slave that is pushed back from the pair's side.
+    /// Whether a node of what the own pair's slave meets is itself a slave that is pushed back from the pair's side.
     pub fn is_mutual(&self, pair: &Pair) -> bool {
-        let places = (1..5).filter(|&r| pair.share(r) != 0.0);
+        let places = (pair.ahead()..5).filter(|&r| pair.share(r) != 0.0);
         let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
-        let mut slaves = places.flat_map(|t| self.roles_at(t)).filter(|(_, r)| *r == 0);
+        let mut slaves = places.flat_map(|t| self.roles_at(t)).filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r));
         slaves.any(|&(q, _)| (self.pairs[q as usize].force + self.pairs[q as usize].guess).dot(&pair.normal) < 0.0)
     }
 
@@ -366,14 +428,51 @@ impl PairTable {
 }
 
 impl Pair {
-    /// Share of the pair's force that the node in role `r` takes: the slave all of it.
-    fn share(&self, r: usize) -> f64 {
-        if r == 0 { 1.0 } else { self.weight[r - 1] }
+    /// A pair of which no more is known.
+    pub fn unknown(name: Name, segment: SegmentId, nodes: [u32; 5]) -> Self {
+        Self {
+            name,
+            segment,
+            nodes,
+            shape: [0.0; 5],
+            weight: [0.0; 5],
+            normal: V3::zeros(),
+            side: 0.0,
+            gap: 0.0,
+            depth: 0.0,
+            tolerated: 0.0,
+            thickness: 0.0,
+            force: V3::zeros(),
+            slip: V3::zeros(),
+            compliance: [0.0; 2],
+            crowd: [0.0; 5],
+            guess: V3::zeros(),
+            turn: 1.0,
+            mass: 0.0,
+            stiffness: 0.0,
+            first: false,
+            own: false,
+        }
     }
 
-    /// How far the contact point or the slave follows the node in role `r`.
+    /// Number of roles on the slave's side.
+    fn ahead(&self) -> usize {
+        if self.name.is_edge() { 2 } else { 1 }
+    }
+
+    /// Whether role `r` is on the slave's side.
+    fn is_ahead(&self, r: u8) -> bool {
+        usize::from(r) < self.ahead()
+    }
+
+    /// Share of the pair's force that the node in role `r` takes.
+    fn share(&self, r: usize) -> f64 {
+        self.weight[r]
+    }
+
+    /// How far the point on its side follows the node in role `r`.
     fn follows(&self, r: usize) -> f64 {
-        if r == 0 { 1.0 } else { self.shape[r - 1] }
+        self.shape[r]
     }
 
     /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
@@ -384,9 +483,14 @@ impl Pair {
 
     /// Notes the slave's mass along the normal; own pairs only.
     pub fn weigh_slave(&mut self, nodes: &Nodes) {
-        let segment: f64 = self.nodes[1..].iter().map(|&n| nodes.mass[n as usize]).sum();
-        let (n, inv) = (&self.normal, &nodes.inv_mass[self.nodes[0] as usize]);
-        let moves = n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2];
+        let met = self.nodes[self.ahead()..].iter().filter(|&&n| n != NOT_LOCAL);
+        let segment: f64 = met.map(|&n| nodes.mass[n as usize]).sum();
+        let n = &self.normal;
+        let moves = |r: usize| {
+            let inv = &nodes.inv_mass[self.nodes[r] as usize];
+            self.share(r) * self.follows(r) * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
+        };
+        let moves: f64 = (0..self.ahead()).map(moves).sum();
         self.mass = if moves * HELD * segment > 1.0 { 1.0 / moves } else { HELD * segment };
     }
 
@@ -395,22 +499,23 @@ impl Pair {
         self.nodes.iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
     }
 
-    /// Velocity of the node relative to the contact point, own pairs only [length/time].
-    pub fn relative_velocity(&self, v: &[Row]) -> V3 {
-        let at = |n: u32| {
-            let r = &v[n as usize];
-            V3::new(r[0], r[1], r[2])
-        };
-        let n = &self.nodes;
-        let point =
-            at(n[1]) * self.shape[0] + at(n[2]) * self.shape[1] + at(n[3]) * self.shape[2] + at(n[4]) * self.shape[3];
-        at(n[0]) - point
+    /// Velocity of the slave, own pairs only [length/time].
+    pub fn slave_velocity(&self, v: &[Row]) -> V3 {
+        let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
+        if self.name.is_edge() { at(0) * self.shape[0] + at(1) * self.shape[1] } else { at(0) }
     }
 
-    /// What the node remembers of this pair.
+    /// Velocity of the slave relative to the contact point, own pairs only [length/time].
+    pub fn relative_velocity(&self, v: &[Row]) -> V3 {
+        let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
+        let point = if self.name.is_edge() { part(2) + part(3) } else { part(1) + part(2) + part(3) + part(4) };
+        self.slave_velocity(v) - point
+    }
+
+    /// What the slave remembers of this pair.
     pub fn memory(&self) -> Memory {
         Memory {
-            segment: self.segment,
+            name: self.name,
             side: self.side,
             tolerated: self.tolerated,
             normal: self.normal,
@@ -422,35 +527,28 @@ impl Pair {
 
 impl WirePair {
     fn of(p: &Pair, nodes: &Nodes) -> Self {
-        let ids = [p.nodes[1], p.nodes[2], p.nodes[3], p.nodes[4]].map(|n| nodes.id[n as usize]);
-        Self { slave: p.slave, segment: p.segment, nodes: ids, weight: p.weight, force: p.force.into(), mass: p.mass }
+        let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
+        Self {
+            name: p.name,
+            segment: p.segment,
+            nodes: p.nodes.map(id),
+            weight: p.weight,
+            normal: p.normal.into(),
+            tolerated: p.tolerated,
+            force: p.force.into(),
+            mass: p.mass,
+        }
     }
 
     fn pair(&self, nodes: &Nodes) -> Pair {
         let local = |id: NodeId| nodes.number(id).unwrap_or(NOT_LOCAL);
-        let s = self.nodes.map(local);
         Pair {
-            slave: self.slave,
-            segment: self.segment,
-            nodes: [local(self.slave), s[0], s[1], s[2], s[3]],
-            shape: [0.0; 4],
             weight: self.weight,
-            normal: V3::zeros(),
-            side: 0.0,
-            gap: 0.0,
-            depth: 0.0,
-            tolerated: 0.0,
-            thickness: 0.0,
+            normal: self.normal.into(),
+            tolerated: self.tolerated,
             force: self.force.into(),
-            slip: V3::zeros(),
-            compliance: [0.0; 2],
-            crowd: [0.0; 5],
-            guess: V3::zeros(),
-            turn: 1.0,
             mass: self.mass,
-            stiffness: 0.0,
-            first: false,
-            own: false,
+            ..Pair::unknown(self.name, self.segment, self.nodes.map(local))
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Nodes are marked, not segments: a part counts as near or touched when any node of its segments is marked. Parts that
 //! share nodes count together, so that no part is called free of contact that was not.
 
-use crate::contact::surface::Segment;
+use crate::contact::surface::{NOT_LOCAL, Segment};
 
 /// A node that was in a candidate, or in a pair.
 const NEAR: u8 = 1;
@@ -32,7 +32,7 @@ impl Record {
 
     /// Marks the nodes of a pair.
     pub fn touched(&mut self, nodes: [u32; 5]) {
-        nodes.iter().for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
+        nodes.iter().filter(|&&n| n != NOT_LOCAL).for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
     }
 
     /// Whether a part ever was near, and whether it was ever touched, by the index of the part.
@@ -61,7 +61,6 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::surface::NOT_LOCAL;
     use crumple_proto::ids::{ElemId, SegmentId};
 
     #[test]

@@ -34,7 +34,7 @@ impl Sweeps<'_> {
     /// A worker is gone.
     pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<u64, Lost> {
         let iteration = self.law.iteration();
-        t.soften(self.nodes, self.bodies, iteration == Iteration::Split);
+        t.soften(self.nodes, self.bodies, iteration);
         if iteration == Iteration::GaussSeidel {
             t.lay_order(wire)?;
         }
@@ -106,9 +106,8 @@ impl Sweeps<'_> {
         let turns: Vec<f64> = t.pairs.iter().map(turn).collect();
         t.pairs.iter_mut().zip(turns).for_each(|(p, turn)| p.turn = turn);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take it.
-        let now = |v: &Row| V3::new(v[0], v[1], v[2]);
-        let slaves: Vec<V3> =
-            t.pairs.iter().filter(|p| p.own).map(|p| now(&self.nodes.next_v[p.nodes[0] as usize])).collect();
+        let own = t.pairs.iter().filter(|p| p.own);
+        let slaves: Vec<V3> = own.map(|p| p.slave_velocity(&self.nodes.next_v)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
             let (force, mass) = t.pressed_on(k);
             let total = self.nodes.mass[n as usize] + mass;
@@ -117,7 +116,7 @@ impl Sweeps<'_> {
         }
         let mut changed = false;
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
-            let moved = now(&self.nodes.next_v[p.nodes[0] as usize]);
+            let moved = p.slave_velocity(&self.nodes.next_v);
             let velocity = p.relative_velocity(&self.nodes.next_v) + slave - moved;
             if let Some(force) = self.law.update(p, &velocity, self.steps) {
                 p.force = force;

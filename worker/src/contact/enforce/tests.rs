@@ -185,7 +185,7 @@ fn coupled_system(iteration: &str) {
     let pairs = scene.pairs();
     assert_eq!(pairs.len(), 5, "one segment each");
     let share = |p: &Pair, n: u32| -> f64 {
-        let of = |r: usize| if r == 0 { 1.0 } else { -p.shape[r - 1] };
+        let of = |r: usize| if r == 0 { 1.0 } else { -p.shape[r] };
         (0..5).filter(|&r| p.nodes[r] == n).map(of).sum()
     };
     let a = DMatrix::from_fn(5, 5, |i, j| {
@@ -217,8 +217,9 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
         scene.step();
         let impulse = scene.pairs()[0].force.norm() * 1e-3;
         assert!(impulse > 1.0);
-        let off: V3 =
-            (0..4).map(|k| (scene.pairs()[0].weight[k] - scene.pairs()[0].shape[k]) * V3::from(points[k].x)).sum();
+        let off: V3 = (0..4)
+            .map(|k| (scene.pairs()[0].weight[k + 1] - scene.pairs()[0].shape[k + 1]) * V3::from(points[k].x))
+            .sum();
         ((scene.momentum() - p).norm() / impulse, (scene.spin() - l).norm() / impulse, off.norm())
     };
     let differ = [1.0, 2.0, 4.0, 8.0];

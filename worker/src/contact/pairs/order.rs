@@ -1,6 +1,6 @@
 //! The order in which pairs are updated one by one, so that each feels all pairs before it wherever they touch.
 //!
-//! The order is ascending (node, segment), on any number of workers. Two pairs without a common node do not feel each
+//! The order is that of the pairs' names, on any number of workers. Two pairs without a common node do not feel each
 //! other, so only pairs that touch wait for one another: a pair comes in a later *phase* than the pairs of other workers
 //! that it touches and that come before it, and not before own ones. Within a phase every worker goes through its own
 //! pairs in ascending order, then forces travel. What is computed is what one worker alone computes, to the last bit;
@@ -20,7 +20,7 @@ pub struct Order {
     phase: Vec<u32>,
     /// For each pair the places of its nodes in the table's `touched`, or [`NOWHERE`].
     slots: Vec<[u32; 5]>,
-    /// Own pairs in ascending (phase, node, segment).
+    /// Own pairs in ascending (phase, name).
     own: Vec<u32>,
     /// Number of phases of the pairs that are known here.
     phases: u32,

@@ -51,12 +51,12 @@ fn a_one_sided_pair_closes_its_gap_in_one_step() {
                 let p = scene.momentum();
                 scene.step();
                 let shape = scene.pairs()[0].shape;
-                let point: V3 = (0..4).map(|k| scene.v(k) * shape[k]).sum();
+                let point: V3 = (0..4).map(|k| scene.v(k) * shape[k + 1]).sum();
                 let at = format!("{m} on {segment} at {x}, {y}");
                 assert!((scene.momentum() - p).norm() < 1e-13 * p.norm(), "{at}: round-off");
                 assert!((scene.v(4) - point).norm() < 1e-9 * v, "{at}: {} and {point}", scene.v(4));
                 // A plastic impact on the mass that the contact point has there.
-                let behind: f64 = 1.0 / shape.iter().map(|n| n * n / segment).sum::<f64>();
+                let behind: f64 = 1.0 / shape[1..].iter().map(|n| n * n / segment).sum::<f64>();
                 let common = v * m / (m + behind);
                 assert!((scene.v(4).z + common).abs() < 1e-9 * v, "{at}: {} and not {common}", scene.v(4).z);
             }
@@ -109,7 +109,7 @@ fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
             .for_each(|i| assert!((scene.v(i).z - common).abs() < 1e-12 * v, "{partition}: node {i} {}", scene.v(i).z));
         let exact = low * (v - common) / 1e-3;
         for p in scene.pairs() {
-            let share = if p.slave.0 <= 4 { partition } else { 1.0 - partition };
+            let share = if p.name.slave.0 <= 4 { partition } else { 1.0 - partition };
             assert!((p.force.norm() - share * exact).abs() < 1e-9 * exact, "{partition}: {:?}", p.force);
         }
     }
@@ -129,7 +129,7 @@ fn pressed_plates_pass_the_load_once() {
         let mut on_node = [0.0; 4];
         for p in scene.pairs() {
             for (r, &n) in p.nodes.iter().enumerate().filter(|(_, n)| **n >= 4) {
-                on_node[n as usize - 4] += if r == 0 { p.force.z } else { -p.force.z * p.weight[r - 1] };
+                on_node[n as usize - 4] += if r == 0 { p.force.z } else { -p.force.z * p.weight[r] };
             }
         }
         // Lagrange leaves a force be that changes by less than 1e-3.
