@@ -2,10 +2,10 @@
 //! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
 //! only what the local search would turn away in every step until then.
 
-use crate::contact::geometry::{V3, is_beside};
+use crate::contact::geometry::{V3, is_beside, is_farther};
 use crate::contact::local::reach;
 use crate::contact::pairs::Memory;
-use crate::contact::surface::{Segment, Surface};
+use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
 
 /// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment: a surface whose
@@ -71,29 +71,19 @@ impl Close {
             let at = V3::from(xyz(&nodes.x[slave as usize]));
             for &g in found {
                 let segment = &surface.segments[g as usize];
+                let q = segment.corners(&nodes.x);
+                let remembered = memory(place).iter().any(|m| m.is_of(segment.id));
+                let limit = reach(surface, slave, segment, self.step) + self.skin;
+                if !remembered && is_farther(&at, &q, limit) {
+                    continue;
+                }
                 let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
-                let shared = (0..4).map(shared).sum();
-                let reach = reach(surface, slave, segment, self.step);
-                let remembered = || memory(place).iter().any(|m| m.is_of(segment.id));
-                if may_touch(nodes, segment, &at, shared != 0, reach, self.skin) || remembered() {
-                    self.list.push(Candidate { segment: g, ring: shared });
+                let ring = (0..4).map(shared).sum();
+                if remembered || ring == 0 || !is_beside(&at, &q, self.skin) {
+                    self.list.push(Candidate { segment: g, ring });
                 }
             }
         }
         self.start.push(self.list.len() as u32);
     }
-}
-
-/// Whether a node at `at` could be within `reach` of a segment, and above its inside if it is next but one, before the two move by
-/// more than `skin` against each other.
-fn may_touch(nodes: &Nodes, segment: &Segment, at: &V3, next: bool, reach: f64, skin: f64) -> bool {
-    let q = segment.corners(&nodes.x);
-    let centre = (q[0] + q[1] + q[2] + q[3]) * 0.25;
-    // The segment lies within the hull of its corners.
-    let radius = q.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max).sqrt();
-    let away = (at - centre).norm();
-    if away - radius > reach + skin {
-        return false;
-    }
-    !(next && is_beside(at, &q, skin))
 }

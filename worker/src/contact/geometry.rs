@@ -20,10 +20,19 @@ pub struct Nearest {
 
 /// Newton steps of the projection; a warped quad needs three to four.
 const NEWTON: usize = 8;
+/// Where two steps in a row end farther out than this, the nearest point is on the rim.
+const FAR: f64 = 1.5;
 
 /// Nearest point of segment `q` (its third node repeated for a triangle) to `p`. `None` for a segment without area.
 pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     if triangle { nearest_on_triangle(p, q) } else { nearest_on_quad(p, q) }
+}
+
+/// Whether a point is farther than `reach` from a segment for certain, which lies within the hull of its corners.
+pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
+    let centre = (q[0] + q[1] + q[2] + q[3]) * 0.25;
+    let radius = q.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max).sqrt();
+    (at - centre).norm_squared() > (reach + radius) * (reach + radius)
 }
 
 /// Whether the point of a segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
@@ -77,8 +86,9 @@ fn nearest_on_quad(p: &V3, q: &[V3; 4]) -> Option<Nearest> {
         }
         let (d1, d2) = ((g1 * h22 - g2 * mixed) / det, (g2 * h11 - g1 * mixed) / det);
         // Far outside the rim decides anyway; a leash keeps warped quads from wandering.
+        let before = xi.abs().max(eta.abs());
         (xi, eta) = ((xi - d1).clamp(-3.0, 3.0), (eta - d2).clamp(-3.0, 3.0));
-        if d1.abs().max(d2.abs()) < 1e-12 {
+        if d1.abs().max(d2.abs()) < 1e-12 || before > FAR && xi.abs().max(eta.abs()) > FAR {
             break;
         }
     }

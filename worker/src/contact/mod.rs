@@ -33,7 +33,7 @@ use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
-use geometry::V3;
+use geometry::{V3, is_farther};
 use pairs::{Memory, PairTable, push};
 use record::Record;
 use search::{SEARCHES, Search};
@@ -215,7 +215,11 @@ impl Contact {
         let mut found = (self.find)(&boxes, &points);
         found.retain(|&(g, p)| {
             let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
-            !corners.contains(&slave) && !bodies.are_one(slave, corners)
+            let reach = local::REACH * (s.segments[g as usize].scale + s.node_scale[slave as usize]) + self.skin;
+            let at = V3::from(xyz(&nodes.x[slave as usize]));
+            !corners.contains(&slave)
+                && !is_farther(&at, &s.segments[g as usize].corners(&nodes.x), reach)
+                && !bodies.are_one(slave, corners)
         });
         found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
         self.edges.search(s, nodes, bodies, self.find, self.skin);
