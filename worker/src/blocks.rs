@@ -34,6 +34,8 @@ pub struct Block {
     pub front: usize,
     /// Whether the part is rigid: its elements compute no forces and set no step.
     pub rigid: bool,
+    /// First of its corner slots.
+    base: usize,
     /// Slots per element.
     slots: usize,
     /// Local nodes: per group one row per slot.
@@ -57,7 +59,26 @@ pub struct Blocks {
     pub mass_scaled: bool,
     gather_start: Vec<u32>,
     gather: Vec<u32>,
+    /// Groups in the order in which they are computed: those that other workers wait for, then the rest.
+    batches: [Vec<Batch>; 2],
+    /// Nodes that batches gather, batch after batch.
+    early: Vec<u32>,
+    /// Held nodes that are gathered at the end: what others send is part of their sum.
+    late: Vec<u32>,
 }
+
+/// Groups of a block that are computed together, and the nodes whose corners are then complete: they gather while these are
+/// still in the cache.
+#[derive(Debug)]
+struct Batch {
+    block: usize,
+    groups: Range<usize>,
+    /// Range of `Blocks::early`.
+    nodes: Range<usize>,
+}
+
+/// Groups of a batch: their corner forces and history fit into the second level of a cache beside all else.
+const BATCH: usize = 64;
 
 /// Bytes of the columns of elements, by what they are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,10 +131,11 @@ impl Blocks {
         let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8);
         elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
         let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
-        let mut blocks = Vec::new();
+        let mut blocks: Vec<Block> = Vec::new();
         let mut first = 0;
         for run in elements.chunk_by(|a, b| block_of(a) == block_of(b)) {
-            blocks.push(Block::new(settings, run, &histories[first..first + run.len()], first));
+            let base = blocks.last().map_or(0, |b| b.base + b.corner_slots());
+            blocks.push(Block::new(settings, run, &histories[first..first + run.len()], [first, base]));
             first += run.len();
         }
         let mut all = Self {
@@ -126,6 +148,9 @@ impl Blocks {
             moment: Vec::new(),
             gather_start: Vec::new(),
             gather: Vec::new(),
+            batches: [Vec::new(), Vec::new()],
+            early: Vec::new(),
+            late: Vec::new(),
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
@@ -147,7 +172,8 @@ impl Blocks {
     /// Bytes in use, spare room of lists left out.
     pub fn bytes(&self) -> BlockBytes {
         let groups = |b: &Block| size_of_val(&b.groups[..]);
-        let lists = size_of_val(&self.gather[..]) + size_of_val(&self.gather_start[..]);
+        let lists = [&self.gather, &self.gather_start, &self.early, &self.late].map(|l| size_of_val(&l[..]));
+        let lists = lists.iter().sum::<usize>();
         let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
             history: self.blocks.iter().map(|b| size_of_val(&b.history[..])).sum(),
@@ -164,17 +190,12 @@ impl Blocks {
 
     /// First corner slot of each element, in the order of `elements`.
     pub fn first_slots(&self) -> Vec<usize> {
-        let mut base = 0;
-        let mut slots = Vec::with_capacity(self.elements.len());
-        for b in &self.blocks {
-            slots.extend((0..b.count).map(|i| base + b.slots * i));
-            base += b.corner_slots();
-        }
-        slots
+        self.blocks.iter().flat_map(|b| (0..b.count).map(|i| b.base + b.slots * i)).collect()
     }
 
-    /// Lays down in which order each held node gathers corners; received corners take the slots after the own ones.
-    pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner]) {
+    /// Lays down in which order each held node gathers corners, and when; received corners take the slots after the own ones.
+    /// With `wait` all nodes gather at the end, since something is added to the corners until then.
+    pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner], wait: bool) {
         let mut corners: Vec<(u32, ElemId, u32)> = Vec::new();
         for (e, slot) in self.elements.iter().zip(self.first_slots()) {
             let used = e.record.shape.corners();
@@ -193,32 +214,85 @@ impl Blocks {
         if !self.moment.is_empty() {
             self.moment.resize(own + foreign.len(), [0.0; 4]);
         }
+        self.lay_batches(held, if wait { 0 } else { own });
     }
 
-    /// Internal forces; trouble is an index into `elements`; `front` selects the groups that other workers wait for, or the rest.
-    pub fn add_internal_forces(&mut self, nodes: &Nodes, dt: f64, front: bool) -> PassTotals {
-        let mut totals = PassTotals::NONE;
-        let mut base = 0;
-        for b in &mut self.blocks {
-            let slots = base..base + b.corner_slots();
-            base = slots.end;
-            let range = if front { 0..b.front } else { b.front..b.group_count() };
-            if range.is_empty() || b.rigid {
-                continue;
+    /// Cuts the groups into batches. Nodes with a corner slot from `received` on gather at the end, others with their last
+    /// batch.
+    fn lay_batches(&mut self, held: usize, received: usize) {
+        self.batches = [true, false].map(|front| {
+            let cut = |(block, b): (usize, &Block)| {
+                let all = if b.rigid {
+                    0..0
+                } else if front {
+                    0..b.front
+                } else {
+                    b.front..b.group_count()
+                };
+                let end = all.end;
+                all.step_by(BATCH)
+                    .map(move |g| Batch { block, groups: g..(g + BATCH).min(end), nodes: 0..0 })
+                    .collect::<Vec<_>>()
+            };
+            self.blocks.iter().enumerate().flat_map(cut).collect()
+        });
+        // When each slot is complete; those of rigid elements always are.
+        let mut when = vec![0u32; received];
+        for (number, batch) in self.batches.iter().flatten().enumerate() {
+            let b = &self.blocks[batch.block];
+            let slots = batch.groups.start * LANES * b.slots..batch.groups.end * LANES * b.slots;
+            when.iter_mut().take(b.base + slots.end).skip(b.base + slots.start).for_each(|w| *w = number as u32);
+        }
+        let count = self.batches[0].len() + self.batches[1].len();
+        let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];
+        self.late.clear();
+        for i in 0..held {
+            let complete = self
+                .corners_of(i)
+                .iter()
+                .map(|&slot| when.get(slot as usize).copied())
+                .max_by_key(|w| w.unwrap_or(u32::MAX));
+            match complete.flatten().and_then(|w| ready.get_mut(w as usize)) {
+                Some(batch) => batch.push(i as u32),
+                None => self.late.push(i as u32),
             }
+        }
+        self.early.clear();
+        for (batch, nodes) in self.batches.iter_mut().flatten().zip(ready) {
+            let first = self.early.len();
+            self.early.extend(nodes);
+            batch.nodes = first..self.early.len();
+        }
+    }
+
+    /// Internal forces, batch by batch; nodes whose corners are then complete get minus their sum. Trouble is an index into
+    /// `elements`; `front` selects the groups that other workers wait for, or the rest.
+    pub fn add_internal_forces(&mut self, nodes: &mut Nodes, dt: f64, front: bool) -> PassTotals {
+        let mut totals = PassTotals::NONE;
+        let batches = std::mem::take(&mut self.batches);
+        for batch in &batches[usize::from(!front)] {
+            let b = &mut self.blocks[batch.block];
+            let slots = b.base..b.base + b.corner_slots();
             let moment = if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
             let out = CornerForces { force: &mut self.force[slots], moment };
-            let mut pass = b.forces(range, nodes, dt, out);
+            let mut pass = b.forces(batch.groups.clone(), nodes, dt, out);
             pass.trouble = pass.trouble.map(|i| b.first + i);
             totals.add(&pass);
+            self.gather(nodes, &self.early[batch.nodes.clone()]);
         }
+        self.batches = batches;
         totals
     }
 
-    /// Gives each held node minus the sum of its corners, in ascending element id.
+    /// Gives the held nodes that have not gathered yet minus the sum of their corners.
     pub fn assemble(&self, nodes: &mut Nodes) {
+        self.gather(nodes, &self.late);
+    }
+
+    /// Gives some held nodes minus the sum of their corners, in ascending element id.
+    fn gather(&self, nodes: &mut Nodes, which: &[u32]) {
         if self.moment.is_empty() {
-            for i in 0..nodes.held {
+            for i in which.iter().map(|&i| i as usize) {
                 let mut f = [0.0; 4];
                 for &slot in self.corners_of(i) {
                     (0..4).for_each(|c| f[c] -= self.force[slot as usize][c]);
@@ -227,7 +301,7 @@ impl Blocks {
             }
             return;
         }
-        for i in 0..nodes.held {
+        for i in which.iter().map(|&i| i as usize) {
             let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
             for &slot in self.corners_of(i) {
                 let (sf, sm) = (&self.force[slot as usize], &self.moment[slot as usize]);
@@ -321,13 +395,14 @@ fn is_rigid(settings: &Settings, part: u32) -> bool {
 }
 
 impl Block {
-    fn new(settings: &Settings, run: &[LocalElement], histories: &[Vec<f64>], first: usize) -> Self {
+    fn new(settings: &Settings, run: &[LocalElement], histories: &[Vec<f64>], [first, base]: [usize; 2]) -> Self {
         let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
         let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
             panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
         });
         let (columns, groups, slots) = (element.columns(), run.len().div_ceil(LANES), shape.slots());
         let mut b = Self {
+            base,
             slots,
             groups: vec![[0; LANES]; groups * slots],
             history: vec![Lane::from([0.0; LANES]); groups * columns],

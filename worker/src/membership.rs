@@ -107,7 +107,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     let mut blocks = Blocks::new(settings, elements);
     let parts = contact_parts(settings);
     let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, &nodes, &parts));
-    let mut halo = link_corners(wire, &mut blocks, &nodes, &shared, surface.as_mut())?;
+    let mut halo = link_corners(wire, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.lay_masses(&nodes);
         halo.send_corners(wire, &blocks)?;
@@ -143,6 +143,7 @@ fn find_shared(wire: &mut dyn Transport, nodes: &Nodes, bounds: &[Aabb]) -> Resu
 /// Links with the corner forces that they carry; lays down the order in which nodes gather.
 fn link_corners(
     wire: &mut dyn Transport,
+    settings: &Settings,
     blocks: &mut Blocks,
     nodes: &Nodes,
     shared: &[Vec<u32>],
@@ -184,7 +185,7 @@ fn link_corners(
     if let Some(s) = surface {
         widths.into_iter().for_each(|(n, half, scale)| s.widen(n, half, scale));
     }
-    blocks.lay_gather(nodes.held, &foreign);
+    blocks.lay_gather(nodes.held, &foreign, !settings.loads.pressures.is_empty());
     links.retain(|l| l.worker != me);
     Ok(Halo { links, ..Halo::default() })
 }

@@ -136,13 +136,14 @@ impl Motion {
             }
             d2
         };
-        let mut worst = 0.0f64;
-        let mut beyond = 0.0f64;
-        for (i, (a, b)) in x.iter().zip(&self.reference).enumerate() {
-            let d = departure(a, b).sqrt();
-            worst = worst.max(d);
-            beyond = beyond.max(d - self.slack.get(i).copied().unwrap_or(0.0));
-        }
+        let squared = x.iter().zip(&self.reference).map(|(a, b)| departure(a, b));
+        let (worst, beyond) = if self.slack.is_empty() {
+            let worst = squared.fold(0.0, f64::max).sqrt();
+            (worst, worst)
+        } else {
+            let with_slack = squared.map(f64::sqrt).zip(&self.slack);
+            with_slack.fold((0.0f64, 0.0f64), |(w, b), (d, slack)| (w.max(d), b.max(d - slack)))
+        };
         (self.drift.residual, self.drift.beyond_slack) = (worst, beyond);
         self.drift
     }

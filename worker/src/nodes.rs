@@ -133,11 +133,9 @@ impl Nodes {
 
     /// Moves held nodes to the next time.
     pub fn advance(&mut self, dt: f64) {
-        for i in 0..self.held {
-            std::mem::swap(&mut self.v[i], &mut self.next_v[i]);
-            for c in 0..4 {
-                self.x[i][c] += dt * self.v[i][c];
-            }
+        std::mem::swap(&mut self.v, &mut self.next_v);
+        for (x, v) in self.x[..self.held].iter_mut().zip(&self.v) {
+            (0..4).for_each(|c| x[c] += dt * v[c]);
         }
         self.w[..self.next_w.len()].swap_with_slice(&mut self.next_w);
     }

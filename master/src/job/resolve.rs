@@ -142,7 +142,7 @@ fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         numbers.findings.add(Problem::error("time.safety", message, help));
     }
     numbers.need(contact.friction >= 0.0, "contact.friction", contact.friction, "0 or above");
-    numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (a quarter of the median side) or above");
+    numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (for the default) or above");
     numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");
     numbers.need(contact.tolerance > 0.0, "contact.tolerance", contact.tolerance, "above 0; 1e-3 is usual");
     numbers.need(
@@ -202,7 +202,9 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
     order.sort_by_key(|&i| job.part[i].id);
     let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
     let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
-    let contact = job.contact.clone().map(|contact| Contact { skin: or(contact.skin, 0.25 * median), ..contact });
+    let thickest = parts.iter().map(|part| part.thickness).fold(0.0, f64::max);
+    let skin = (0.25 * median).max((0.4 * thickest).min(median));
+    let contact = job.contact.clone().map(|contact| Contact { skin: or(contact.skin, skin), ..contact });
     let mut walls = job.wall.clone();
     for wall in &mut walls {
         // Scaled by the largest component first, so that tiny and huge normals are unit vectors too.
