@@ -82,7 +82,7 @@ pub fn find_pairs(
         let meeting = Meeting::new(surface, segment, c.ring, place, dt);
         if may_touch(nodes, &meeting, &at, memory) {
             let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
-            finds.extend(look(nodes, &meeting, &at, memory, opposed));
+            finds.extend(look(nodes, surface, &meeting, &at, memory, opposed));
         }
     }
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
@@ -233,6 +233,7 @@ pub(super) fn tolerated(old: Option<&Memory>, gap: f64) -> f64 {
 
 fn look(
     nodes: &Nodes,
+    surface: &Surface,
     meeting: &Meeting<'_>,
     at: &V3,
     memory: &[Memory],
@@ -248,8 +249,10 @@ fn look(
         return None;
     }
     let known = memory.iter().find(|m| m.is_of(segment.id));
-    // A node that slid over an edge keeps what it had on the neighbouring segment.
-    let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| m.normal.dot(normal) > 0.7));
+    // A node that slid over an edge keeps what it had on the neighbouring segment; another body's that faces the same way is
+    // none of it.
+    let slid_here = |m: &Memory, normal: &V3| m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment);
+    let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| slid_here(m, normal)));
     let Place { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
         before_solid(nodes, meeting, at, &near, !is_new).filter(|_| !is_new || opposed(&near.normal))?

@@ -150,6 +150,11 @@ impl Memory {
         w
     }
 
+    /// The segment that a node met.
+    pub fn segment(&self) -> SegmentId {
+        SegmentId(self.name.met[0])
+    }
+
     /// Whether it is of the slave's pair with a segment.
     pub fn is_of(&self, segment: SegmentId) -> bool {
         self.name.met == [segment.0, 0]

@@ -172,6 +172,12 @@ impl Surface {
         self.faces = around.into_iter().map(|a| a.1).collect();
     }
 
+    /// Whether a segment has a node with another one, by its id, in common.
+    pub fn is_beside(&self, id: SegmentId, segment: &Segment) -> bool {
+        let other = self.segments.binary_search_by_key(&id, |s| s.id).map(|i| &self.segments[i]);
+        other.is_ok_and(|other| other.nodes.iter().any(|n| segment.nodes.contains(n)))
+    }
+
     /// The segments around the slave at place `i` of `slaves`.
     pub fn around(&self, i: usize) -> impl Iterator<Item = &Segment> {
         let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
