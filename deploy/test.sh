@@ -41,3 +41,5 @@ target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_director
 export CRUMPLE_BIN=$target/debug/crumple
 
 cargo test --workspace --features crumple/mpi --no-fail-fast "$@"
+# Every kernel of the benchmark once, so that it does not rot; times mean nothing here.
+cargo test --quiet --benches -p crumple --features mpi
