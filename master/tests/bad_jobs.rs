@@ -158,7 +158,9 @@ fn sets_change_the_model() {
 
 #[test]
 fn mass_scaling_reaches_the_step_asked_for() {
-    let (plain, scaled) = (good(&[]), good(&["time.mass_scaling_dt=0.003"]));
+    let (plain, scaled) = (good(&[]), good(&["time.mass_scaling_dt=0.003", "time.mass_scaling_limit=10"]));
+    let refused = report_of(&plate(), &["time.mass_scaling_dt=0.03"]).to_string();
+    assert!(refused.contains("mass scaling would add") && refused.contains("time.mass_scaling_limit"), "{refused}");
     let step = |m: &Model| m.elements.stable_dt.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(step(&plain) < 0.003);
     assert!((step(&scaled) / 0.003 - 1.0).abs() < 1e-12, "round-off of a root and a square");

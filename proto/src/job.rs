@@ -125,6 +125,8 @@ pub struct Time {
     pub dt_min_ratio: f64,
     /// Add mass to elements so that none has a stable step, before `safety`, below this at the start [time]; 0 for none.
     pub mass_scaling_dt: f64,
+    /// Most mass that may be added so, as a fraction of the structure's: a job that would get more is refused.
+    pub mass_scaling_limit: f64,
     /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity` on every node, and the
     /// like for rotations [1/time].
     pub damping: f64,
@@ -134,7 +136,15 @@ pub struct Time {
 
 impl Default for Time {
     fn default() -> Self {
-        Self { safety: 0.9, max_cycles: 0, dt_min_ratio: 1e-3, mass_scaling_dt: 0.0, damping: 0.0, dt_max: 0.0 }
+        Self {
+            safety: 0.9,
+            max_cycles: 0,
+            dt_min_ratio: 1e-3,
+            mass_scaling_dt: 0.0,
+            mass_scaling_limit: 0.1,
+            damping: 0.0,
+            dt_max: 0.0,
+        }
     }
 }
 

@@ -22,6 +22,8 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         numbers.findings.add(Problem::warning("time.safety", message, "0.9 is usual"));
     }
     numbers.need((0.0..1.0).contains(&time.dt_min_ratio), "time.dt_min_ratio", time.dt_min_ratio, "from 0 to below 1");
+    let limit = time.mass_scaling_limit;
+    numbers.need(limit >= 0.0, "time.mass_scaling_limit", limit, "a fraction of the structure's mass, 0 or above");
     numbers.need(time.mass_scaling_dt >= 0.0, "time.mass_scaling_dt", time.mass_scaling_dt, "0 (none) or above");
 
     numbers.need(time.dt_max >= 0.0, "time.dt_max", time.dt_max, "0 (no limit) or above");

@@ -186,6 +186,15 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
             start.mass_factor[e] = factor;
         }
     }
+    let (added, limit) = (scaled_mass(&start) / start.mass.iter().sum::<f64>(), job.time.mass_scaling_limit);
+    if unsound.0 == 0 && added > limit {
+        let message = format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
+        let help = format!(
+            "ask for a shorter step, mesh the small elements anew, or raise time.mass_scaling_limit (it is {limit}) if that much \
+             is meant"
+        );
+        findings.add(Problem::error("time.mass_scaling_dt", message, help));
+    }
     if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
         let help = "add dt_max to [time]: rigid bodies set no time step";
         findings.add(Problem::error("time", "all elements are rigid", help));

@@ -161,13 +161,17 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
         // A swing, so that there is something to go wrong.
         scene.start(&grid.row(0), [0.0, 0.0, 1.0], [0.0; 3]);
         if scaled {
-            scene.time(&format!("mass_scaling_dt = {wanted:?}"));
+            scene.time(&format!("mass_scaling_dt = {wanted:?}\nmass_scaling_limit = 1.0"));
         }
         (scene, out)
     };
     let natural = bench.model("C14 sliver", &scene(false).0)?.first_dt().0 / 0.9;
     let (scaled, out) = scene(true);
     let model = bench.model("C14 sliver scaled", &scaled)?;
+    let share = model.scaled_mass() / model.structure_mass();
+    let refused = bench
+        .model_of("C14 sliver refused", scaled.text("C14 sliver"), &["time.mass_scaling_limit=0.1".into()])
+        .is_err();
     let own = STEEL.rho * side / N as f64 * thin * thickness;
     let run = bench.watch("C14 sliver scaled", &scaled, |_| {})?;
     let moved = out.iter().map(|&n| displacement(&run.engine, n)[2].abs()).fold(0.0, f64::max);
@@ -187,9 +191,13 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             0.01,
             "[D] (dt/dt_natural)^2 of our own step, about 1e5",
         ),
-        Row::new("mass added / mass of the plate", variant, "", model.scaled_mass() / model.structure_mass())
-            .at_most(0.01, "limit of the catalogue, or refuse")
-            .known("the job is run, with a warning that names the share; it is refused nowhere"),
+        Row::new("mass added / mass of the plate, with mass_scaling_limit = 1", variant, "", share)
+            .beside(0.01, "limit of the catalogue, or refuse"),
+        Row::new("refused at the default limit, 1 for yes", variant, "", f64::from(u8::from(refused))).near(
+            1.0,
+            0.01,
+            "limit of the catalogue, or refuse",
+        ),
         Row::new("largest way of the sliver / way of free flight", variant, "", moved / (100.0 * wanted))
             .at_most(1.0, "[D] stays with the plate"),
     ])
