@@ -1,6 +1,5 @@
 //! Engines in this process without a master, watched step by step: verification, tests and studies share this.
 
-use crate::bench::Instructions;
 use crate::decompose::{Centres, bisect};
 use crate::job::Model;
 use crate::summary::state_digest;
@@ -145,8 +144,6 @@ pub struct Timing {
     pub cpu_s: f64,
     /// Wall clock [s].
     pub wall_s: f64,
-    /// Instructions outside the system, where they can be counted.
-    pub instructions: Option<u64>,
     /// Wall clock by phase [s].
     pub phases: PhaseSeconds,
 }
@@ -164,12 +161,10 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
         let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share).map_err(|l| l.to_string())?;
         let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
         let mut before = (cpu(wire), Instant::now(), engine.timer.seconds);
-        let mut counter = None;
         while engine.clock.cycle < skip + cycles {
             if engine.clock.cycle == skip {
                 engine.timer.restart();
                 before = (cpu(wire), Instant::now(), engine.timer.seconds);
-                counter = Instructions::start();
             }
             let agreed = step(&mut engine, wire).map_err(|lost| lost.to_string())?;
             if let Some(element) = agreed.trouble {
@@ -187,7 +182,6 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
             cycles,
             cpu_s: cpu(wire).saturating_sub(cpu_before).as_secs_f64(),
             wall_s: start.elapsed().as_secs_f64(),
-            instructions: counter.as_mut().and_then(Instructions::so_far),
             phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
         })
     };

@@ -2,17 +2,13 @@
 //!
 //! - `scenes.rs`: table `SCENES`, what is timed
 //! - `calibration.rs`: peak and memory rate of one core
-//! - `instructions.rs`: a count that a busy machine does not change
 //!
 //! Rounds go over all scenes in turn, so that a machine that slows down slows all of them; a scene starts anew in every
 //! round and is timed over the same cycles. Times are CPU times of the workers, so that waiting does not count; with two
 //! workers or more the wall clock is told beside.
 
 mod calibration;
-mod instructions;
 mod scenes;
-
-pub use instructions::Instructions;
 
 use crate::cli::BenchArgs;
 use crate::embedded::{Timing, time_side_by_side};
@@ -48,8 +44,6 @@ struct Measured {
     cpu_ns: Vec<f64>,
     /// Its median [ns].
     median_ns: f64,
-    /// Instructions per element and cycle, all workers; none where they cannot be counted.
-    instructions: Option<f64>,
     /// Median of the wall clock [ns].
     wall_ns: f64,
     /// Medians of the phases [ns]; those of waiting are wall clock.
@@ -158,9 +152,6 @@ fn evaluate(scene: &Scene, model: &Model, rounds: &[Vec<Timing>], calibration: &
     let slowest = |r: &Vec<Timing>| r.iter().map(|t| t.wall_s).fold(0.0, f64::max);
     let phase = |p: usize| median(rounds.iter().map(|r| each(r.iter().map(|t| t.phases[p]).sum())));
     let median_ns = median(cpu_ns.iter().copied());
-    let counted = |r: &Vec<Timing>| r.iter().map(|t| t.instructions).sum::<Option<u64>>();
-    let counted: Option<Vec<u64>> = rounds.iter().map(counted).collect();
-    let per_cycle = (elements as u64 * cycles) as f64;
     let peak_flops = median_ns * calibration.fma_gflops;
     Measured {
         scene: scene.name,
@@ -168,7 +159,6 @@ fn evaluate(scene: &Scene, model: &Model, rounds: &[Vec<Timing>], calibration: &
         workers: scene.workers,
         cycles,
         median_ns,
-        instructions: counted.map(|c| median(c.iter().map(|&n| n as f64 / per_cycle))),
         wall_ns: median(rounds.iter().map(|r| each(slowest(r)))),
         phase_ns: PHASES.iter().enumerate().map(|(p, &name)| (name, phase(p))).collect(),
         peak_flops,
@@ -191,8 +181,8 @@ fn table(results: &Results) -> String {
         "One core: {fma_gflops:.1} GFLOP/s fused products, {triad_gb_s:.1} GB/s triad; kernels use {}. {} rounds.\n\n\
          CPU time per element and cycle, median, least and most of the rounds; operations that the core could have done\n\
          meanwhile at its peak, and that over the goal (a fifth of the established open solver's time, as such operations).\n\n\
-         | scene | elements | workers | ns | least..most | wall | instructions | operations | of the goal | phases [ns] |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+         | scene | elements | workers | ns | least..most | wall | operations | of the goal | phases [ns] |\n\
+         |---|---|---|---|---|---|---|---|---|\n",
         results.vectors, results.rounds
     );
     for m in &results.scenes {
@@ -200,12 +190,11 @@ fn table(results: &Results) -> String {
         let most = m.cpu_ns.iter().copied().fold(0.0, f64::max);
         let shown = m.phase_ns.iter().filter(|p| p.1 > SHOWN * m.median_ns);
         let phases: Vec<String> = shown.map(|(name, ns)| format!("{name} {ns:.1}")).collect();
-        let instructions = m.instructions.map_or(String::new(), |n| format!("{n:.0}"));
         let goal = m.over_goal.map_or(String::new(), |g| format!("{g:.2}"));
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "| {} | {} | {} | {:.1} | {least:.1}..{most:.1} | {:.1} | {instructions} | {:.0} | {goal} | {} |",
+            "| {} | {} | {} | {:.1} | {least:.1}..{most:.1} | {:.1} | {:.0} | {goal} | {} |",
             m.scene,
             m.elements,
             m.workers,
