@@ -61,6 +61,11 @@ struct Member {
     index: u32,
 }
 
+/// Words of what acts on a member, and of what contact touches of a body, in messages.
+pub const ACTING_WORDS: usize = size_of::<Acting>() / 8;
+/// See [`ACTING_WORDS`].
+pub const MET_WORDS: usize = 2;
+
 /// All rigid bodies.
 #[derive(Debug, Default)]
 pub struct Bodies {
@@ -100,6 +105,11 @@ pub struct BodyWork {
 }
 
 impl Bodies {
+    /// Local nodes of all members.
+    pub fn members(&self) -> impl Iterator<Item = u32> + '_ {
+        self.members.iter().map(|m| m.local)
+    }
+
     /// Learns of all members from the workers that own them; all workers call this together.
     ///
     /// # Errors
