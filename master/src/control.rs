@@ -86,8 +86,8 @@ pub fn run(
 ) -> Result<Summary, RunError> {
     let mut control = Control::new(model, wire, results, quiet)?;
     let ended = control.follow(stop);
-    control.write_trace()?;
-    ended?;
+    let traced = control.write_trace();
+    ended.and(traced)?;
     control.progress.finish();
     control.close()
 }

@@ -290,22 +290,28 @@ impl Count {
             return [0.0; 2];
         }
         let hops = MaxReduction::hops(workers) as f64;
-        let mut messages = self.neighbours as f64 + hops;
+        let mut messages = self.neighbours as f64 + hops + messages_to_all(engine, workers);
         let mut words = (self.corners * halo::corner_words(engine.settings.rotations)) as f64;
         words += hops * agreement::WORDS as f64;
         if engine.contact.is_some() {
-            messages += others + self.meets as f64;
+            messages += self.meets as f64;
             words += others * halo::DRIFT_WORDS as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
             words += (self.told * WIRE_WORDS as u64) as f64;
         }
         if !engine.bodies.is_empty() {
-            messages += others;
             words += others * (1 + self.members * ACTING_WORDS as u64) as f64;
             if engine.contact.is_some() {
-                messages += others;
                 words += others * (engine.bodies.bodies.len() * MET_WORDS) as f64;
             }
         }
         [messages, 8.0 * words]
     }
+}
+
+/// Messages of a step that every worker sends to all others: how it has moved, what acts on rigid bodies, and what contact
+/// touches of them.
+pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
+    let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
+    let rounds = u8::from(contact) + u8::from(bodies) + u8::from(contact && bodies);
+    f64::from(rounds) * (workers as f64 - 1.0).max(0.0)
 }

@@ -6,8 +6,8 @@
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
 //! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time;
 //!   [`rigid`]: bodies that do not deform
-//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who would have what; [`halo`]: what goes over the wires in a step;
-//!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
+//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who would have what;
+//!   [`halo`]: what goes over the wires in a step; [`agreement`]: what all must know alike; [`motion`]: how far things have moved
 //! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files; [`trace`]: what happens when
 
 pub mod agreement;

@@ -19,7 +19,7 @@ use crate::job::{self, Model, Report};
 use crate::progress::{Progress, State};
 use crate::say::say;
 use crumple_proto::boxes::CutTree;
-use crumple_worker::census::{Census, Count};
+use crumple_worker::census::{Census, Count, messages_to_all};
 use crumple_worker::contact::Exchange;
 use crumple_worker::engine::Engine;
 use kernels::{Kernels, STEPS, Watch};
@@ -44,15 +44,17 @@ pub struct Prediction {
     pub counts: Vec<Count>,
     /// The step for the mesh as it is.
     pub step: Step,
+    /// Messages of a step that each sends to all others.
+    pub to_all: f64,
     /// Efficiency for a mesh that grows with the number of workers.
     pub scaled: f64,
 }
 
 /// All predictions for one time.
 pub struct Sample {
-    /// Simulated time, and cycles done [time].
-    pub time: f64,
-    /// See `time`.
+    /// Simulated time that was asked for [time].
+    pub at: f64,
+    /// Cycles done when all was counted: some steps later, which are timed.
     pub cycle: u64,
     /// What one worker has, and its step.
     pub whole: Count,
@@ -147,7 +149,7 @@ fn samples(model: &Model, workers: &[usize], times: &[f64], network: Network) ->
         {
             progress.say(&format!("predicting at T={:.4e}", engine.clock.time));
             match sample(model, engine, &watch, workers, network) {
-                Ok(sample) => samples.push(sample),
+                Ok(sample) => samples.push(Sample { at: times[samples.len()], ..sample }),
                 Err(why) => failed = Some(why),
             }
         }
@@ -188,7 +190,7 @@ fn sample(
         let tree = bisect(load.as_mut(), n).map_err(|lost| lost.to_string())?;
         let counts = count(engine, &tree);
         let step = step(engine, &counts, n, costs, [alone.kernels, alone.search]);
-        predictions.push(Prediction { workers: n, counts, step, scaled: 0.0 });
+        predictions.push(Prediction { workers: n, counts, step, to_all: messages_to_all(engine, n), scaled: 0.0 });
     }
     // What a worker of a typical number has, in a mesh that grows with the number of workers.
     let typical = workers.iter().position(|&n| n >= TYPICAL).unwrap_or(workers.len() - 1);
@@ -198,8 +200,8 @@ fn sample(
         p.scaled = alone.total() / base / grown.total;
     }
     let grows_by = whole.elements as f64 / base;
-    let (time, cycle) = (engine.clock.time, engine.clock.cycle);
-    Ok(Sample { time, cycle, whole, alone, kernels, grows_by, predictions })
+    let (at, cycle) = (engine.clock.time, engine.clock.cycle);
+    Ok(Sample { at, cycle, whole, alone, kernels, grows_by, predictions })
 }
 
 /// Who has what in the boxes of a tree.

@@ -16,12 +16,12 @@ const MEASURED: usize = 2;
 pub fn table(sample: &Sample, network: Network) -> String {
     let w = &sample.whole;
     let mut out = format!(
-        "T={:.4e}, cycle {}: {} elements, {} nodes, {} near candidates, {} contact pairs; one worker takes {:.1} us a step.\n\
+        "T={}, counted after cycle {}: {} elements, {} nodes, {} near candidates, {} contact pairs; one worker takes {:.1} us a step.\n\
          Modelled with {:.2} us a message and {:.1} GB/s; more than {MEASURED} workers are not measured at all. Renewals and caches \
          are left out. Scaled: {:.0} elements for each worker.\n\n\
          | workers | elements | at shared nodes | copied nodes | neighbours | messages | kB | step [us] | efficiency | scaled |\n\
          |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-        sample.time,
+        sample.at,
         sample.cycle,
         w.elements,
         w.held,
@@ -70,8 +70,14 @@ fn sentence(sample: &Sample) -> String {
     let first = p.step.first_limit();
     let others: Vec<String> =
         (0..LOSSES.len()).filter(|&i| i != first).map(|i| format!("{} {:.1} %", LOSSES[i], share(i))).collect();
+    let to_all = match LOSSES[first] {
+        "latency" if p.to_all > 0.0 => {
+            format!(" ({:.0} messages of the worker with most, {:.0} of them to all others)", p.step.messages, p.to_all)
+        }
+        _ => String::new(),
+    };
     format!(
-        "{} {lead} ({:.1} %); what breaks first there is {}, with {:.1} % of the processor time; {}.\n",
+        "{} {lead} ({:.1} %); what breaks first there is {}{to_all}, with {:.1} % of the processor time; {}.\n",
         p.workers,
         100.0 * p.step.efficiency(),
         LOSSES[first],
@@ -92,12 +98,8 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
         let points = |of: fn(&Prediction) -> f64| {
             s.predictions.iter().map(|p| [p.workers as f64, 100.0 * of(p)]).collect::<Vec<_>>()
         };
-        let fixed = Curve {
-            name: format!("T = {:.3}", s.time),
-            dashed: false,
-            colour,
-            points: points(|p| p.step.efficiency()),
-        };
+        let fixed =
+            Curve { name: format!("T = {}", s.at), dashed: false, colour, points: points(|p| p.step.efficiency()) };
         let scaled = format!("scaled, {:.0} elements for each worker", s.grows_by);
         curves.extend([fixed, Curve { name: scaled, dashed: true, colour, points: points(|p| p.scaled) }]);
     }
@@ -109,7 +111,8 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
 fn csv(samples: &[Sample]) -> String {
     let mut out = String::from(
         "time,cycle,workers,elements least,elements most,elements at shared nodes most,held nodes most,copied nodes most,\
-         copied segments most,neighbours most,workers told of pairs most,near candidates most,pairs most,messages most,bytes most,\
+         copied segments most,neighbours most,workers told of pairs most,near candidates most,pairs most,\
+         messages most,messages to all others,bytes most,\
          step [us],own work of the slowest [us],efficiency [%],scaled efficiency [%]",
     );
     LOSSES.iter().for_each(|name| out += &format!(",{name} [%]"));
@@ -127,10 +130,11 @@ fn csv(samples: &[Sample]) -> String {
                 |c| c.pairs,
             ];
             let least = p.counts.iter().map(|c| c.elements).min().unwrap_or(0);
-            out += &format!("{:.6},{},{},{least},{}", s.time, s.cycle, p.workers, most(p, |c| c.elements));
+            out += &format!("{},{},{},{least},{}", s.at, s.cycle, p.workers, most(p, |c| c.elements));
             counts.iter().for_each(|&of| out += &format!(",{}", most(p, of)));
             let t = &p.step;
-            out += &format!(",{:.0},{:.0},{:.3},{:.3}", t.messages, t.bytes, 1e6 * t.total, 1e6 * t.own);
+            out +=
+                &format!(",{:.0},{:.0},{:.0},{:.3},{:.3}", t.messages, p.to_all, t.bytes, 1e6 * t.total, 1e6 * t.own);
             out += &format!(",{:.2},{:.2}", 100.0 * t.efficiency(), 100.0 * p.scaled);
             t.lost.iter().for_each(|l| out += &format!(",{:.2}", 100.0 * l / t.total));
             out.push('\n');

@@ -118,6 +118,13 @@ fn counts_are_those_of_workers_side_by_side_before_anything_touches() {
     assert_eq!(compare(&model("tumble", &["output.history_interval=100"]), 3), 0);
 }
 
+/// The same with a rigid body, of which everybody tells all others.
+#[test]
+fn counts_are_those_of_workers_side_by_side_with_a_rigid_body() {
+    let sets = ["output.history_interval=100", "rigid=[{name=\"plate\", parts=[5]}]"];
+    assert_eq!(compare(&model("tumble", &sets), 3), 0);
+}
+
 /// Bars that meet, with contact pairs and edges that reach across workers.
 #[test]
 fn counts_are_those_of_workers_side_by_side_in_contact() {
