@@ -57,7 +57,7 @@ pub struct Count {
     pub told: u64,
     /// Workers that it has contact pairs in common with.
     pub partners: u64,
-    /// Own nodes of rigid bodies.
+    /// Own nodes of rigid bodies that something acts on.
     pub members: u64,
 }
 
@@ -199,7 +199,7 @@ impl Census {
             holders.iter().for_each(|&w| self.counts[w as usize].held += 1);
             self.counts[owner as usize].owned += 1;
         }
-        for n in engine.bodies.members() {
+        for n in engine.bodies.acted_on(&engine.nodes) {
             let owner = self.owner(n);
             self.counts[owner].members += 1;
         }

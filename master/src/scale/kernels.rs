@@ -1,27 +1,38 @@
 //! What the parts of a step cost on this machine, from steps of one worker that has the whole mesh.
+//!
+//! Phases are timed by the wall clock, and what else the machine does meanwhile is taken out: the phases of a step are reduced
+//! in common to the CPU time that it took.
 
 use crate::cost::element_seconds;
 use crate::job::Model;
 use crumple_proto::report::PhaseSeconds;
-use crumple_proto::transport::Lost;
+use crumple_proto::transport::{Lost, thread_cpu};
 use crumple_worker::census::Count;
 use crumple_worker::engine::{Engine, Phase};
 use crumple_worker::motion::Motion;
-use std::time::Instant;
+use std::time::Duration;
 
-/// Steps that are timed; phases are medians over them, so that what else the machine does in a few of them does not count.
+/// Steps that are timed; phases are medians over them.
 pub const STEPS: usize = 60;
 /// How often the fit of the common motion is timed.
 const FITS: usize = 9;
 
 /// Steps of one worker, phase by phase.
 pub struct Watch {
-    before: (PhaseSeconds, u64, u64),
+    before: State,
     seconds: Vec<PhaseSeconds>,
     /// Seconds of the search phase of steps that searched.
     searching: Vec<f64>,
     /// Sweeps of all steps.
     sweeps: u64,
+}
+
+/// Of an engine between two steps.
+struct State {
+    phases: PhaseSeconds,
+    searches: u64,
+    sweeps: u64,
+    cpu: Duration,
 }
 
 /// Seconds per unit of work.
@@ -48,22 +59,25 @@ pub struct Kernels {
 impl Watch {
     /// Begins with the engine's next step.
     pub fn new(engine: &mut Engine) -> Self {
-        let before = state(engine);
         engine.timer.restart();
+        let before = State::of(engine);
         Self { before, seconds: Vec::new(), searching: Vec::new(), sweeps: 0 }
     }
 
     /// Takes in the step that the engine has just made; whether there are enough.
     pub fn take(&mut self, engine: &mut Engine) -> bool {
-        let now = state(engine);
-        let spent: PhaseSeconds = std::array::from_fn(|p| now.0[p] - self.before.0[p]);
-        self.sweeps += now.2 - self.before.2;
-        match now.1 - self.before.1 {
+        let (now, before) = (State::of(engine), &self.before);
+        let by_clock: PhaseSeconds = std::array::from_fn(|p| now.phases[p] - before.phases[p]);
+        let cpu = now.cpu.saturating_sub(before.cpu).as_secs_f64();
+        let running = (cpu / by_clock.iter().sum::<f64>().max(f64::MIN_POSITIVE)).min(1.0);
+        let spent = by_clock.map(|s| s * running);
+        self.sweeps += now.sweeps - before.sweeps;
+        match now.searches - before.searches {
             0 => self.seconds.push(spent),
             _ => self.searching.push(spent[Phase::Search as usize]),
         }
-        self.before = now;
         engine.timer.restart();
+        self.before = State::of(engine);
         self.seconds.len() + self.searching.len() >= STEPS
     }
 
@@ -96,10 +110,16 @@ impl Watch {
     }
 }
 
-/// Phases, searches and sweeps so far.
-fn state(engine: &Engine) -> (PhaseSeconds, u64, u64) {
-    let contact = engine.contact.as_ref();
-    (engine.timer.seconds, contact.map_or(0, |c| c.searches), contact.map_or(0, |c| c.sweeps))
+impl State {
+    fn of(engine: &Engine) -> Self {
+        let contact = engine.contact.as_ref();
+        Self {
+            phases: engine.timer.seconds,
+            searches: contact.map_or(0, |c| c.searches),
+            sweeps: contact.map_or(0, |c| c.sweeps),
+            cpu: thread_cpu(),
+        }
+    }
 }
 
 /// Time of watching the motion of all nodes [s].
@@ -107,9 +127,9 @@ fn fit(engine: &Engine) -> f64 {
     let x = &engine.nodes.x[..engine.nodes.held];
     let mut motion = Motion::since(x);
     let once = |_| {
-        let start = Instant::now();
+        let start = thread_cpu();
         std::hint::black_box(motion.update(x));
-        start.elapsed().as_secs_f64()
+        thread_cpu().saturating_sub(start).as_secs_f64()
     };
     median((0..FITS).map(once))
 }

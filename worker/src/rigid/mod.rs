@@ -105,9 +105,10 @@ pub struct BodyWork {
 }
 
 impl Bodies {
-    /// Local nodes of all members.
-    pub fn members(&self) -> impl Iterator<Item = u32> + '_ {
-        self.members.iter().map(|m| m.local)
+    /// Local nodes of the members that something acts on, contact apart: workers tell each other of their own.
+    pub fn acted_on<'a>(&'a self, nodes: &'a Nodes) -> impl Iterator<Item = u32> + 'a {
+        let pushed = |n: usize| nodes.force[n] != [0.0; 4] || nodes.moment.get(n).is_some_and(|m| *m != [0.0; 4]);
+        self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
     }
 
     /// Learns of all members from the workers that own them; all workers call this together.
