@@ -1,7 +1,7 @@
 //! What can be said on the command line.
 
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Parallel explicit finite element solver for crash and impact.
 #[derive(Debug, Parser)]
@@ -41,6 +41,11 @@ pub enum Command {
     ///
     /// Each time stands beside what the core could have computed meanwhile, measured in the same rounds.
     Bench(BenchArgs),
+    /// Predict the parallel efficiency of a job on any number of workers.
+    ///
+    /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with costs that are measured here
+    /// and with a network that is not: more than two workers are modelled.
+    Scale(ScaleArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -75,6 +80,9 @@ pub struct RunArgs {
     /// Print nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// Write a time line of all workers, phase by phase, for chrome://tracing or ui.perfetto.dev.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
 }
 
 /// `crumple verify`.
@@ -124,6 +132,39 @@ pub struct BenchArgs {
     pub json: Option<PathBuf>,
 }
 
+/// `crumple scale`.
+#[derive(Args, Clone, Debug)]
+pub struct ScaleArgs {
+    /// A .toml job file, or a folder that holds job.toml.
+    pub job: PathBuf,
+    /// Numbers of workers, each at least 2.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = several,
+        default_value = "2,4,8,16,32,64,128,256,512,1024")]
+    pub workers: Vec<usize>,
+    /// Simulated times at which to predict, in the job's units of time; the job is run to them on one worker.
+    #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = moment, default_value = "0")]
+    pub at: Vec<f64>,
+    /// Time of a message of no length, such as 1.5us.
+    #[arg(long, value_name = "TIME", value_parser = latency, default_value = "2us")]
+    pub latency: f64,
+    /// Of a worker's connection, such as 10GB/s.
+    #[arg(long, value_name = "RATE", value_parser = bandwidth, default_value = "10GB/s")]
+    pub bandwidth: f64,
+    /// Folder for the table and the chart [default: out/ and the job's name, and scale in it].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Changes of the job.
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
+    pub set: Vec<String>,
+}
+
+impl ScaleArgs {
+    /// The folder for results.
+    pub fn out_dir(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name_of(&self.job)).join("scale"))
+    }
+}
+
 impl JobArgs {
     /// All `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
@@ -143,15 +184,20 @@ impl RunArgs {
         if let Some(out) = &self.out {
             return out.clone();
         }
-        let job = std::fs::canonicalize(&self.job.job).unwrap_or_else(|_| self.job.job.clone());
-        let named_by_folder = job.file_name().is_some_and(|name| name == "job.toml");
-        let name = match named_by_folder {
-            true => job.parent().and_then(|folder| folder.file_name()),
-            false if job.is_dir() => job.file_name(),
-            false => job.file_stem(),
-        };
-        PathBuf::from("out").join(name.unwrap_or("job".as_ref()))
+        PathBuf::from("out").join(name_of(&self.job.job))
     }
+}
+
+/// Name of a job: that of its file or, for `job.toml`, of its folder.
+fn name_of(job: &Path) -> PathBuf {
+    let job = std::fs::canonicalize(job).unwrap_or_else(|_| job.to_owned());
+    let named_by_folder = job.file_name().is_some_and(|name| name == "job.toml");
+    let name = match named_by_folder {
+        true => job.parent().and_then(|folder| folder.file_name()),
+        false if job.is_dir() => job.file_name(),
+        false => job.file_stem(),
+    };
+    PathBuf::from(name.unwrap_or("job".as_ref()))
 }
 
 fn workers(text: &str) -> Result<usize, String> {
@@ -160,6 +206,33 @@ fn workers(text: &str) -> Result<usize, String> {
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }
+}
+
+fn several(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n > 1).ok_or_else(|| "give whole numbers from 2, such as 2,4,8".into())
+}
+
+fn moment(text: &str) -> Result<f64, String> {
+    let time = text.parse::<f64>().ok().filter(|t| t.is_finite() && *t >= 0.0);
+    time.ok_or_else(|| "give times from 0 in the job's units, such as 0,20".into())
+}
+
+/// A time in seconds.
+fn latency(text: &str) -> Result<f64, String> {
+    let units = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
+    with_unit(text, &units).filter(|t| *t >= 0.0).ok_or_else(|| "give a time with ns, us, ms or s, such as 2us".into())
+}
+
+/// Bytes in a second.
+fn bandwidth(text: &str) -> Result<f64, String> {
+    let units = [("GB/s", 1e9), ("MB/s", 1e6)];
+    with_unit(text, &units).filter(|r| *r > 0.0).ok_or_else(|| "give a rate with GB/s or MB/s, such as 10GB/s".into())
+}
+
+/// A finite number followed by one of the units.
+fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
+    let (number, factor) = units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor)))?;
+    number.trim().parse::<f64>().ok().filter(|n| n.is_finite()).map(|n| n * factor)
 }
 
 fn jobs(text: &str) -> Result<usize, String> {
@@ -199,6 +272,11 @@ mod tests {
             "run x --end-time nan",
             "run x --end-time -1",
             "run x --end-time 0",
+            "scale x --workers 1,2",
+            "scale x --at -1",
+            "scale x --latency 2",
+            "scale x --latency infus",
+            "scale x --bandwidth 0GB/s",
         ] {
             let error = Cli::try_parse_from(format!("crumple {line}").split(' ')).unwrap_err();
             assert_eq!(error.exit_code(), 2, "{line}");

@@ -8,6 +8,7 @@ use crate::job::Model;
 use crate::progress::{Progress, State};
 use crate::stop::StopFlag;
 use crate::summary::{self, Status, Summary};
+use crate::trace::Trace;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
@@ -59,45 +60,45 @@ pub struct Control<'a> {
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Trouble>,
     closings: Vec<Option<Closing>>,
+    trace: Option<Trace>,
     states: Vec<NodeRecord>,
 }
 
-/// Runs a job with the workers at the other ends of `wire`; results go to the folder `out`.
+/// Where the results of a run go.
+#[derive(Clone, Copy, Debug)]
+pub struct Results<'a> {
+    /// Folder for all that every run leaves.
+    pub out: &'a Path,
+    /// File for a time line of all workers, if it is wanted.
+    pub trace: Option<&'a Path>,
+}
+
+/// Runs a job with the workers at the other ends of `wire`.
 ///
 /// # Errors
 /// A worker is gone, or results cannot be written.
 pub fn run(
     model: &Model,
     wire: &mut dyn Transport,
-    out: &Path,
+    results: Results<'_>,
     quiet: bool,
     stop: &StopFlag,
 ) -> Result<Summary, RunError> {
-    let mut control = Control::new(model, wire, out, quiet)?;
-    control.deal_out()?;
-    while control.closings.iter().any(Option::is_none) {
-        let heard = control.listen()?;
-        if stop.is_raised() && !control.stop_ordered {
-            control.stop_ordered = true;
-            control.progress.say("stopping: the workers finish their cycle and write their state");
-            control.order(Action::Stop);
-        } else if let Some(due) = control.balance.due().filter(|_| !control.stop_ordered) {
-            control.redecompose(&due);
-        }
-        if control.ready.len() == control.workers {
-            control.recut()?;
-        }
-        control.show();
-        if !heard {
-            std::thread::sleep(NAP);
-        }
-    }
+    let mut control = Control::new(model, wire, results, quiet)?;
+    let ended = control.follow(stop);
+    let traced = control.write_trace();
+    ended.and(traced)?;
     control.progress.finish();
     control.close()
 }
 
 impl<'a> Control<'a> {
-    fn new(model: &'a Model, wire: &'a mut dyn Transport, out: &Path, quiet: bool) -> Result<Self, RunError> {
+    fn new(
+        model: &'a Model,
+        wire: &'a mut dyn Transport,
+        Results { out, trace }: Results<'_>,
+        quiet: bool,
+    ) -> Result<Self, RunError> {
         let workers = wire.size() - 1;
         let (job, settings) = (&model.job, &model.settings);
         let fields = out.join("fields");
@@ -115,6 +116,7 @@ impl<'a> Control<'a> {
         };
         let walls = settings.walls.iter().enumerate().map(name).collect();
         let history = History::new(&path, workers, &job.units, walls).map_err(|e| failed(&path)(e.into()))?;
+        let trace = trace.map(|path| Trace::new(path, workers).map_err(failed(path))).transpose()?;
         let limits = Limits {
             imbalance: job.parallel.imbalance,
             low_every_at_least: job.parallel.low_every_at_least,
@@ -134,12 +136,56 @@ impl<'a> Control<'a> {
             pieces: BTreeMap::new(),
             trouble: None,
             closings: vec![None; workers],
+            trace,
             states: Vec::new(),
             model,
             wire,
             workers,
             history,
         })
+    }
+
+    /// Deals out the work and follows the run to its end.
+    fn follow(&mut self, stop: &StopFlag) -> Result<(), RunError> {
+        self.deal_out()?;
+        while self.closings.iter().any(Option::is_none) {
+            let heard = self.listen()?;
+            if stop.is_raised() && !self.stop_ordered {
+                self.stop_ordered = true;
+                self.progress.say("stopping: the workers finish their cycle and write their state");
+                self.order(Action::Stop);
+            } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
+                self.redecompose(&due);
+            }
+            if self.ready.len() == self.workers {
+                self.recut()?;
+            }
+            self.show();
+            if !heard {
+                std::thread::sleep(NAP);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the time line, if there is to be one. When a worker was lost the others end too, and send what they have.
+    fn write_trace(&mut self) -> Result<(), RunError> {
+        let Some(mut trace) = self.trace.take() else { return Ok(()) };
+        let began = Instant::now();
+        for worker in 0..self.workers {
+            while !trace.has(worker) && began.elapsed() < LAST_WORDS {
+                match poll_message(self.wire, worker + 1, Tag::Report) {
+                    Ok(Some(ToMaster::Recording(recording))) => trace.take(worker, *recording),
+                    Ok(Some(_)) => {} // of a run that has ended
+                    Ok(None) => std::thread::sleep(NAP),
+                    Err(_) => break,
+                }
+            }
+        }
+        let path = trace.path.clone();
+        let said = trace.write(self.wire.one_clock()).map_err(|error| RunError::Output { path, error })?;
+        self.progress.say(&format!("trace: {said}"));
+        Ok(())
     }
 
     /// Cuts space into boxes and sends every worker what lies in its own.
@@ -164,8 +210,9 @@ impl<'a> Control<'a> {
             ids.dedup();
             tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "dealt out");
             let nodes = ids.iter().map(|id| *of_id[id]).collect();
-            let start =
-                ToWorker::Start { settings: Box::new(settings.clone()), tree: self.tree.clone(), elements, nodes };
+            let trace = self.trace.is_some();
+            let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
+            let start = ToWorker::Start { settings, tree, elements, nodes, trace };
             post(self.wire, worker + 1, Tag::Order, &start)?;
         }
         Ok(())
@@ -222,6 +269,11 @@ impl<'a> Control<'a> {
             ToMaster::Trouble(trouble) => {
                 tracing::error!(worker, ?trouble, "trouble");
                 self.trouble = Some(trouble);
+            }
+            ToMaster::Recording(recording) => {
+                if let Some(trace) = &mut self.trace {
+                    trace.take(worker, *recording);
+                }
             }
             ToMaster::Closing(closing, states) => {
                 self.closings[worker] = Some(*closing);
@@ -384,5 +436,7 @@ impl<'a> Control<'a> {
 
 /// A run whose energy balance is off by more than this fraction has failed; crash codes are accepted with 0.01.
 const MOST_ENERGY_ERROR: f64 = 0.1;
+/// How long the master waits for what workers have recorded when one of them was lost.
+const LAST_WORDS: Duration = Duration::from_secs(2);
 /// High redecompositions that are said aloud; all are in `log.jsonl`.
 const MOST_SAID: u64 = 10;

@@ -12,6 +12,7 @@ use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{Lost, threads};
 use crumple_worker::blocks::BlockBytes;
 use crumple_worker::engine::{Engine, Phase};
+use crumple_worker::lanes::LANES;
 use crumple_worker::membership::Share;
 use crumple_worker::step::step;
 use std::collections::HashMap;
@@ -61,11 +62,11 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
         if count == 0 {
             continue;
         }
-        let picked: Vec<ElementRecord> = elements.iter().filter(|e| e.part == number).take(SAMPLE).copied().collect();
+        let picked = pick(&elements, number);
         let s = try_out(&quiet(model, false), &picked, &record)?;
         parted.extend(picked);
         let each = |b: usize| b as f64 / s.elements as f64;
-        let rigid = model.settings.rigid.iter().any(|r| r.parts.contains(&number));
+        let rigid = is_rigid(model, number);
         let ns = if rigid { 0.0 } else { 1e9 * s.elements_s / s.elements as f64 };
         let of = [s.blocks.history, s.blocks.force, s.blocks.moment, s.blocks.connectivity].map(each);
         let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
@@ -131,6 +132,33 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
         cycle_s * cycles
     )?;
     Ok(())
+}
+
+/// Time of the forces of an element of each part in a step; nought for rigid parts and for those without elements [s].
+///
+/// # Errors
+/// A sample could not be set up.
+pub fn element_seconds(model: &Model) -> Result<Vec<f64>, Lost> {
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let of_part = |number: u32| {
+        let picked = pick(&elements, number);
+        if picked.is_empty() || is_rigid(model, number) {
+            return Ok(0.0);
+        }
+        let lanes = picked.len().div_ceil(LANES) * LANES;
+        try_out(&quiet(model, false), &picked, &record).map(|s| s.elements_s / lanes as f64)
+    };
+    (0..model.settings.parts.len() as u32).map(of_part).collect()
+}
+
+/// The first elements of a part, for a sample.
+fn pick(elements: &[ElementRecord], part: u32) -> Vec<ElementRecord> {
+    elements.iter().filter(|e| e.part == part).take(SAMPLE).copied().collect()
+}
+
+fn is_rigid(model: &Model, part: u32) -> bool {
+    model.settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
 
 /// The job without what acts on the model and without output.

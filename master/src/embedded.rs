@@ -8,7 +8,7 @@ use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::PhaseSeconds;
-use crumple_proto::transport::{Lost, Transport, thread_cpu, threads};
+use crumple_proto::transport::{Lost, Traffic, Transport, thread_cpu, threads};
 use crumple_worker::engine::Engine;
 use crumple_worker::membership::Share;
 use crumple_worker::step::step;
@@ -69,7 +69,7 @@ impl Trace {
 }
 
 /// Element centres at the start.
-fn centres(model: &Model) -> Vec<[f64; 3]> {
+pub(crate) fn centres(model: &Model) -> Vec<[f64; 3]> {
     let of_id: HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let centre = |e: &MeshElement| {
         let corners = e.corners();
@@ -112,7 +112,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
 }
 
 /// The share of each worker, by the boxes of `tree`.
-fn deal(model: &Model, centres: &[[f64; 3]], tree: &CutTree, workers: usize) -> Vec<Share> {
+pub(crate) fn deal(model: &Model, centres: &[[f64; 3]], tree: &CutTree, workers: usize) -> Vec<Share> {
     let (elements, nodes) = model.records();
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
@@ -125,7 +125,7 @@ fn deal(model: &Model, centres: &[[f64; 3]], tree: &CutTree, workers: usize) -> 
 }
 
 /// Runs one worker per share, each in a thread. What they tell the master piles up unread.
-fn on_threads<T: Send>(shares: Vec<Share>, run: impl Fn(&mut dyn Transport, Share) -> T + Sync) -> Vec<T> {
+pub(crate) fn on_threads<T: Send>(shares: Vec<Share>, run: impl Fn(&mut dyn Transport, Share) -> T + Sync) -> Vec<T> {
     let mut ends = threads::connect(shares.len() + 1);
     let _master = ends.remove(0);
     std::thread::scope(|scope| {
@@ -146,6 +146,8 @@ pub struct Timing {
     pub wall_s: f64,
     /// Wall clock by phase [s].
     pub phases: PhaseSeconds,
+    /// Messages and bytes sent to other workers.
+    pub traffic: Traffic,
 }
 
 /// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the start; membership is
@@ -160,11 +162,11 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
     let timed = |wire: &mut dyn Transport, share| -> Result<Timing, String> {
         let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share).map_err(|l| l.to_string())?;
         let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
-        let mut before = (cpu(wire), Instant::now(), engine.timer.seconds);
+        let mut before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
         while engine.clock.cycle < skip + cycles {
             if engine.clock.cycle == skip {
                 engine.timer.restart();
-                before = (cpu(wire), Instant::now(), engine.timer.seconds);
+                before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
             }
             let agreed = step(&mut engine, wire).map_err(|lost| lost.to_string())?;
             if let Some(element) = agreed.trouble {
@@ -177,12 +179,14 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
                 engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
             }
         }
-        let (cpu_before, start, seconds) = before;
+        let (cpu_before, start, seconds, sent) = before;
+        let traffic = wire.traffic();
         Ok(Timing {
             cycles,
             cpu_s: cpu(wire).saturating_sub(cpu_before).as_secs_f64(),
             wall_s: start.elapsed().as_secs_f64(),
             phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
+            traffic: Traffic { messages: traffic.messages - sent.messages, bytes: traffic.bytes - sent.bytes },
         })
     };
     on_threads(shares, timed).into_iter().collect()

@@ -1,7 +1,7 @@
 //! `crumple run`: where the workers are, and with which code the process ends.
 
 use crate::cli::RunArgs;
-use crate::control::{self, RunError};
+use crate::control::{self, Results, RunError};
 use crate::job::{self, Model, Report};
 use crate::say::say;
 use crate::stop::StopFlag;
@@ -120,7 +120,8 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
     }
     log_to(&out);
     let stop = StopFlag::listen(false);
-    match control::run(model, wire, &out, args.quiet, &stop) {
+    let results = Results { out: &out, trace: args.trace.as_deref() };
+    match control::run(model, wire, results, args.quiet, &stop) {
         Ok(summary) => {
             if !args.quiet {
                 print_summary(&summary, &out);

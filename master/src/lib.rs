@@ -8,7 +8,9 @@
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
 //! - [`advise`]: `crumple advise`, what a run did not need
 //! - [`bench`]: `crumple bench`, what elements cost per cycle
+//! - [`scale`]: `crumple scale`, parallel efficiency on any number of workers, predicted
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
+//! - [`trace`]: `crumple run --trace`, a time line of all workers
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
 pub mod advise;
@@ -27,7 +29,9 @@ pub mod launch;
 pub mod pieces;
 pub mod progress;
 pub mod say;
+pub mod scale;
 pub mod stop;
 pub mod study;
 pub mod summary;
+pub mod trace;
 pub mod verify;

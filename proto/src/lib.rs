@@ -4,7 +4,7 @@
 //! - [`quality`]: how good the elements' shapes are
 //! - [`partition`]: what one worker receives; [`loads`], [`rigid`]: what acts on the model, and what of it is rigid
 //! - [`boxes`]: the boxes that tile space
-//! - [`message`], [`report`], [`wire`]: the conversation between master and workers
+//! - [`message`], [`report`], [`trace`], [`wire`]: the conversation between master and workers
 //! - [`transport`]: the wires, threads or MPI
 
 pub mod boxes;
@@ -18,5 +18,6 @@ pub mod problem;
 pub mod quality;
 pub mod report;
 pub mod rigid;
+pub mod trace;
 pub mod transport;
 pub mod wire;

@@ -8,6 +8,7 @@
 use crate::boxes::{Aabb, CutTree};
 use crate::partition::{ElementRecord, NodeRecord, Settings};
 use crate::report::{Closing, HistoryPart, StepReport, Trouble};
+use crate::trace::Recording;
 use serde::{Deserialize, Serialize};
 
 /// Master to worker.
@@ -23,6 +24,8 @@ pub enum ToWorker {
         elements: Vec<ElementRecord>,
         /// All nodes of these elements.
         nodes: Vec<NodeRecord>,
+        /// Whether to record what happens when.
+        trace: bool,
     },
     /// There is nothing to do: the job is bad. Instead of `Start`.
     Quit,
@@ -90,6 +93,8 @@ pub enum ToMaster {
     Histograms(Vec<Vec<f64>>),
     /// The run cannot go on; all workers stop at this state.
     Trouble(Trouble),
+    /// What was recorded, before `Closing` and also when another worker was lost; only if asked for.
+    Recording(Box<Recording>),
     /// The run is over; the states of owned nodes follow as node records.
     Closing(Box<Closing>, Vec<NodeRecord>),
 }

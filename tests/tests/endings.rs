@@ -202,6 +202,9 @@ impl Transport for Frail {
     fn traffic(&self) -> Traffic {
         self.0.traffic()
     }
+    fn one_clock(&self) -> bool {
+        self.0.one_clock()
+    }
     fn name(&self) -> &'static str {
         self.0.name()
     }
@@ -226,7 +229,11 @@ fn a_worker_that_panics_is_a_lost_worker() {
         std::thread::spawn(move || {
             let model = read(&case("tumble"), &["output.field_interval=-1"]);
             let out = tempfile::tempdir().unwrap();
-            let ended = crumple::control::run(&model, &mut master, out.path(), true, &StopFlag::default());
+            let trace = out.path().join("trace.json");
+            let results = crumple::control::Results { out: out.path(), trace: Some(&trace) };
+            let ended = crumple::control::run(&model, &mut master, results, true, &StopFlag::default());
+            let text = fs::read_to_string(&trace).unwrap();
+            serde_json::from_str::<serde_json::Value>(&text).expect("what came of the trace is JSON");
             say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();
         });
         // Two workers and the master end with an error; the third worker does not come back.

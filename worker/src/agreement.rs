@@ -50,7 +50,7 @@ pub struct Agreement {
 }
 
 /// Step, trouble, order, urgency, failure, and the range of the velocities of what can touch.
-const WORDS: usize = 11;
+pub const WORDS: usize = 11;
 
 /// Ids count downwards from here, so that the lowest wins a maximum.
 const TOP: f64 = ElemId::LARGEST.0 as f64 + 1.0;

@@ -16,11 +16,13 @@ use crate::nodes::Nodes;
 use crate::prescribed::Prescribed;
 use crate::rigid::Bodies;
 use crate::time::Clock;
+use crate::trace::Recorder;
 use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{HistoryPart, PHASES, PhaseSeconds};
+use crumple_proto::trace::Event;
 use crumple_proto::transport::{Lost, Tag, Transport};
 use crumple_proto::wire::post;
 use std::time::Instant;
@@ -55,11 +57,12 @@ pub struct Timer {
     /// Seconds so far.
     pub seconds: PhaseSeconds,
     last: Instant,
+    recorder: Option<Box<Recorder>>,
 }
 
 impl Timer {
     fn new() -> Self {
-        Self { seconds: [0.0; PHASES.len()], last: Instant::now() }
+        Self { seconds: [0.0; PHASES.len()], last: Instant::now(), recorder: None }
     }
 
     /// Starts a lap without booking the time before it.
@@ -71,7 +74,25 @@ impl Timer {
     pub fn lap(&mut self, phase: Phase) {
         let now = Instant::now();
         self.seconds[phase as usize] += (now - self.last).as_secs_f64();
+        if let Some(recorder) = &mut self.recorder {
+            recorder.span(phase, self.last, now);
+        }
         self.last = now;
+    }
+
+    /// Records all laps from now on. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn record(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        self.recorder = Some(Box::new(Recorder::start(wire)?));
+        self.restart();
+        Ok(())
+    }
+
+    /// The recorder, if there is one.
+    pub fn recorder(&mut self) -> &mut Option<Box<Recorder>> {
+        &mut self.recorder
     }
 }
 
@@ -173,6 +194,7 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn erode(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
         erode(wire, &mut self.blocks, &self.nodes)?;
         self.renew(wire, self.tree.clone())
     }

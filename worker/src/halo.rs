@@ -6,6 +6,16 @@ use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{Lost, Tag, Transport};
 
+/// Words of a drift, which leads the states of exterior nodes.
+pub const DRIFT_WORDS: usize = Drift::WORDS;
+/// Words of the state of an exterior node: position and velocity.
+pub const EXTERIOR_WORDS: u64 = 6;
+
+/// Words of a corner's force, and of its moment where nodes can turn.
+pub fn corner_words(rotations: bool) -> u64 {
+    if rotations { 6 } else { 3 }
+}
+
 /// The connection to one other worker.
 #[derive(Debug, Default)]
 pub struct Link {

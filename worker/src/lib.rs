@@ -6,12 +6,13 @@
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
 //! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time;
 //!   [`rigid`]: bodies that do not deform
-//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`halo`]: what goes over the wires in a step;
-//!   [`agreement`]: what all must know alike; [`motion`]: how far things have moved
-//! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files
+//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who would have what;
+//!   [`halo`]: what goes over the wires in a step; [`agreement`]: what all must know alike; [`motion`]: how far things have moved
+//! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files; [`trace`]: what happens when
 
 pub mod agreement;
 pub mod blocks;
+pub mod census;
 pub mod contact;
 pub mod curve;
 pub mod elements;
@@ -34,5 +35,6 @@ pub mod step;
 #[cfg(test)]
 mod testing;
 pub mod time;
+pub mod trace;
 pub mod vtu;
 pub mod wall;

@@ -190,6 +190,19 @@ fn link_corners(
     Ok(Halo { links, ..Halo::default() })
 }
 
+/// How far around a worker's own slaves and edges its copies of others' segments reach, by the largest scale of any worker's
+/// surface: as far as the search, and the buffer [length].
+pub fn covered(settings: &Settings, largest_scale: f64) -> f64 {
+    contact::reach(largest_scale, largest_scale) + settings.buffer
+}
+
+/// Box around a worker's own slaves and edges; `surface` has its own segments only.
+pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
+    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges);
+    let of_edges = if with_edges { outline(surface, nodes) } else { Vec::new() };
+    Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
+}
+
 /// Copies the segments of other workers that own slaves and edges could meet before the next renewal, with their nodes.
 fn copy_exterior(
     wire: &mut dyn Transport,
@@ -206,11 +219,8 @@ fn copy_exterior(
     let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = of_all(1).fold(f64::INFINITY, f64::min);
-    let grow = contact::reach(largest, largest) + settings.buffer;
-    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges);
-    let of_edges = if with_edges { outline(surface, nodes) } else { Vec::new() };
-    let slave_box = Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])));
-    let slave_boxes = share_boxes(wire, &slave_box)?;
+    let grow = covered(settings, largest);
+    let slave_boxes = share_boxes(wire, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
         link.reach = (!theirs.is_empty()).then(|| theirs.grown(grow));

@@ -7,6 +7,7 @@ use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::report::{Closing, StepReport, Trouble};
+use crumple_proto::trace::{Event, Kind};
 use crumple_proto::transport::{Lost, Tag, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
@@ -40,14 +41,21 @@ const NEWEST: f64 = 0.02;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(wire: &mut dyn Transport) -> Result<(), Lost> {
-    let ToWorker::Start { settings, tree, elements, nodes } = await_message(wire, 0, Tag::Order)? else {
+    let ToWorker::Start { settings, tree, elements, nodes, trace } = await_message(wire, 0, Tag::Order)? else {
         return Ok(()); // the job is bad; the master says why
     };
     let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
     let share = Share { elements, nodes, ..Share::default() };
-    let engine = Engine::new(wire, *settings, tree, share)?;
+    let mut engine = Engine::new(wire, *settings, tree, share)?;
+    if trace {
+        engine.timer.record(wire)?;
+    }
     let mut worker = Worker::new(engine);
-    worker.run(wire)?;
+    let ran = worker.run(wire);
+    if ran.is_err() {
+        worker.send_recording(wire)?;
+    }
+    ran?;
     worker.close(wire)
 }
 
@@ -208,6 +216,7 @@ impl Worker {
                 self.enqueue(order);
             }
             if let Some((number, action)) = self.orders.pop_front() {
+                self.note(Event::Begun(number, kind(&action)));
                 self.carry_out(wire, action)?;
                 self.done = number;
                 self.report.urgency = 0.0; // what it told of is over
@@ -219,7 +228,21 @@ impl Worker {
 
     fn enqueue(&mut self, message: ToWorker) {
         if let ToWorker::Order { number, action } = message {
+            self.note(Event::Arrived(number, kind(&action)));
             self.orders.push_back((number, action));
+        }
+    }
+
+    /// Records what happens now, if anything is recorded.
+    fn note(&mut self, event: Event) {
+        self.engine.timer.recorder().iter_mut().for_each(|r| r.moment(event));
+    }
+
+    /// Tells the master what was recorded, if anything was.
+    fn send_recording(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        match self.engine.timer.recorder().take() {
+            None => Ok(()),
+            Some(r) => post(wire, 0, Tag::Report, &ToMaster::Recording(Box::new(r.into_recording()))),
         }
     }
 
@@ -274,6 +297,7 @@ impl Worker {
         self.engine.send_row(wire, true)?;
         self.tell_of_crossings(wire)?;
         self.write_fields_if_due(wire, true)?;
+        self.send_recording(wire)?;
         let e = &self.engine;
         let traffic = wire.traffic();
         let closing = Closing {
@@ -291,5 +315,14 @@ impl Worker {
         };
         let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
         post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
+    }
+}
+
+/// An order in a word.
+fn kind(action: &Action) -> Kind {
+    match action {
+        Action::Renew(_) => Kind::High,
+        Action::Recut => Kind::Low,
+        Action::Stop => Kind::Stop,
     }
 }

@@ -13,6 +13,7 @@ use crumple_proto::transport::{Lost, Transport};
 /// A worker is gone.
 pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
     let steps = engine.clock.steps();
+    engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(engine.clock.cycle));
     let Engine {
         settings,
         clock,

@@ -34,26 +34,66 @@ fn add(sum: &mut [Vec<f64>], part: &[Vec<f64>]) {
     }
 }
 
-/// Element centres that the master has at hand: before the start.
+/// Element centres that are at hand, all of one load: the master's before the start.
 pub struct Centres(pub Vec<[f64; 3]>);
+
+/// Element centres that are at hand, with the load of each.
+pub struct Loads(pub Vec<([f64; 3], f64)>);
 
 impl Load for Centres {
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
-        let within = |e: usize| Aabb::around(self.0.iter().copied().filter(|&c| tree.entry_of(c) == e));
-        Ok(entries.iter().map(|&e| within(e)).collect())
+        Ok(extents(self.0.iter().copied(), tree, entries))
     }
 
     fn histograms(&mut self, tree: &CutTree, of: &[HistogramRange], bins: usize) -> Result<Vec<Vec<f64>>, Lost> {
-        let histogram = |&(entry, axis, lo, hi): &HistogramRange| {
-            let mut h = vec![0.0; bins];
-            for c in self.0.iter().filter(|&&c| tree.entry_of(c) == entry) {
-                let place = (c[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
-                h[(place.max(0.0) as usize).min(bins - 1)] += 1.0;
-            }
-            h
-        };
-        Ok(of.iter().map(histogram).collect())
+        Ok(histograms(self.0.iter().map(|&c| (c, 1.0)), tree, of, bins))
     }
+}
+
+impl Load for Loads {
+    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
+        Ok(extents(self.0.iter().map(|l| l.0), tree, entries))
+    }
+
+    fn histograms(&mut self, tree: &CutTree, of: &[HistogramRange], bins: usize) -> Result<Vec<Vec<f64>>, Lost> {
+        Ok(histograms(self.0.iter().copied(), tree, of, bins))
+    }
+}
+
+/// Place of each entry of a tree in a list of some of them; `usize::MAX` for the others.
+fn places(tree: &CutTree, entries: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut place = vec![usize::MAX; tree.entries.len()];
+    entries.enumerate().for_each(|(i, e)| place[e] = i);
+    place
+}
+
+fn extents(centres: impl Iterator<Item = [f64; 3]>, tree: &CutTree, entries: &[usize]) -> Vec<Aabb> {
+    let place = places(tree, entries.iter().copied());
+    let mut extents = vec![Aabb::EMPTY; entries.len()];
+    for c in centres {
+        if let Some(extent) = extents.get_mut(place[tree.entry_of(c)]) {
+            extent.include(c);
+        }
+    }
+    extents
+}
+
+fn histograms(
+    loads: impl Iterator<Item = ([f64; 3], f64)>,
+    tree: &CutTree,
+    of: &[HistogramRange],
+    bins: usize,
+) -> Vec<Vec<f64>> {
+    let place = places(tree, of.iter().map(|o| o.0));
+    let mut histograms = vec![vec![0.0; bins]; of.len()];
+    for (c, load) in loads {
+        let i = place[tree.entry_of(c)];
+        if let Some(&(_, axis, lo, hi)) = of.get(i) {
+            let at = (c[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
+            histograms[i][(at.max(0.0) as usize).min(bins - 1)] += load;
+        }
+    }
+    histograms
 }
 
 /// Workers that have stopped for a low redecomposition and answer questions.

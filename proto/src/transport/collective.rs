@@ -33,6 +33,11 @@ impl MaxReduction {
         Self { values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
     }
 
+    /// Rounds among so many workers; each sends one message in each.
+    pub fn hops(workers: usize) -> u32 {
+        workers.next_power_of_two().ilog2()
+    }
+
     /// Puts in this worker's values and sends the first round.
     ///
     /// # Errors

@@ -77,8 +77,16 @@ pub trait Transport {
     fn wait_cpu(&self) -> Duration;
     /// What this rank has sent.
     fn traffic(&self) -> Traffic;
+    /// Whether all ranks read the same monotonic clock.
+    fn one_clock(&self) -> bool;
     /// Name for summaries.
     fn name(&self) -> &'static str;
+}
+
+/// The monotonic clock of this machine; all its processes read the same.
+pub fn clock() -> Duration {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
 }
 
 /// CPU time of the calling thread so far.

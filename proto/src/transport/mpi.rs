@@ -135,6 +135,10 @@ impl Transport for Mpi {
         self.traffic
     }
 
+    fn one_clock(&self) -> bool {
+        false
+    }
+
     fn name(&self) -> &'static str {
         "mpi"
     }

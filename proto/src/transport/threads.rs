@@ -131,6 +131,10 @@ impl Transport for Threads {
         self.traffic
     }
 
+    fn one_clock(&self) -> bool {
+        true
+    }
+
     fn name(&self) -> &'static str {
         "threads"
     }

@@ -34,10 +34,11 @@ use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
 use geometry::{V3, is_farther};
-use pairs::{Memory, PairTable, push};
+use pairs::{Memory, Pair, PairTable, push};
 use record::Record;
 use search::{SEARCHES, Search};
 use surface::Surface;
+pub use sweep::Exchange;
 use sweep::Sweeps;
 
 /// Automatic single-surface contact of one worker.
@@ -183,6 +184,22 @@ impl Contact {
     /// Local nodes of the slaves of own pairs, for the load.
     pub fn own_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.table.pairs.iter().filter(|p| p.own).map(|p| p.nodes[0])
+    }
+
+    /// Active pairs of owned nodes and edges after the last local search.
+    pub fn own_table(&self) -> impl Iterator<Item = &Pair> {
+        self.table.pairs.iter().filter(|p| p.own)
+    }
+
+    /// Slaves with the number of their candidates that are near, after the first search.
+    pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let searched = self.surface.slaves.len() * usize::from(self.searches > 0);
+        self.surface.slaves[..searched].iter().enumerate().map(|(i, &s)| (s, self.close.of(i).len()))
+    }
+
+    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, on `workers` workers.
+    pub fn exchange(&self, sweeps: f64, workers: usize) -> Exchange {
+        Exchange::of(self.law.as_ref(), sweeps, workers)
     }
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's.

@@ -190,7 +190,8 @@ struct WirePair {
     mass: f64,
 }
 const NAME_WORDS: usize = size_of::<Name>() / 8;
-const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
+/// Words of a pair in a message to others.
+pub const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
 
 /// The pairs that one other worker and this one both know.
 #[derive(Debug, Default)]
@@ -500,7 +501,7 @@ impl Pair {
     }
 
     /// Local nodes that the pair's force acts on.
-    fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
         self.nodes.iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
     }
 

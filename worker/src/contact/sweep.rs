@@ -27,6 +27,34 @@ pub struct Sweeps<'a> {
     pub steps: Steps,
 }
 
+/// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exchange {
+    /// Sweeps of both.
+    pub sweeps: f64,
+    /// Messages one way.
+    pub messages: f64,
+    /// Words that lead them, and words for every pair that the other is told of.
+    pub words: [f64; 2],
+}
+
+impl Exchange {
+    /// That of a step that takes `alone` sweeps on one worker. What [`Sweeps::run`] does, with the least that it may take: one
+    /// message in a sweep for the forces; one more for guesses, or for the forces of a phase of pairs in order; and rounds in
+    /// which the phases are laid down, of which there are at least as many as workers. The last sweep of one worker changes
+    /// nothing, and on several there are as many such as workers, as far as the law lets them.
+    pub fn of(law: &dyn ContactLaw, alone: f64, workers: usize) -> Self {
+        let workers = workers as f64;
+        let sweeps = (alone + workers - 1.0).min(law.sweeps() as f64).max(alone);
+        let [messages, lead, each] = match law.iteration() {
+            Iteration::Split | Iteration::Jacobi => [sweeps, sweeps, 3.0 * sweeps],
+            Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
+            Iteration::GaussSeidel => [workers + 2.0 * sweeps, workers + sweeps, workers + 6.0 * sweeps],
+        };
+        Self { sweeps, messages, words: [lead, each] }
+    }
+}
+
 impl Sweeps<'_> {
     /// Sweeps until all forces are good enough or the law has had enough; returns the number of sweeps.
     ///

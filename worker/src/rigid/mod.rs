@@ -61,6 +61,11 @@ struct Member {
     index: u32,
 }
 
+/// Words of what acts on a member, and of what contact touches of a body, in messages.
+pub const ACTING_WORDS: usize = size_of::<Acting>() / 8;
+/// See [`ACTING_WORDS`].
+pub const MET_WORDS: usize = 2;
+
 /// All rigid bodies.
 #[derive(Debug, Default)]
 pub struct Bodies {
@@ -100,6 +105,12 @@ pub struct BodyWork {
 }
 
 impl Bodies {
+    /// Local nodes of the members that something acts on, contact apart: workers tell each other of their own.
+    pub fn acted_on<'a>(&'a self, nodes: &'a Nodes) -> impl Iterator<Item = u32> + 'a {
+        let pushed = |n: usize| nodes.force[n] != [0.0; 4] || nodes.moment.get(n).is_some_and(|m| *m != [0.0; 4]);
+        self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
+    }
+
     /// Learns of all members from the workers that own them; all workers call this together.
     ///
     /// # Errors

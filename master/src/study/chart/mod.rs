@@ -3,13 +3,14 @@
 //! - [`sheet`]: shapes on a page, and the two kinds of files
 //! - [`axis`]: scales and ticks
 //! - [`frame`]: head, axes, legend: what all charts have
-//! - [`pareto`], [`map`], [`lines`]: the kinds
+//! - [`pareto`], [`map`], [`lines`]: the kinds; [`plain`]: curves without a study
 
 mod axis;
 mod frame;
 mod lines;
 mod map;
 mod pareto;
+pub mod plain;
 mod sheet;
 
 use super::results::{Row, Table};

@@ -1,0 +1,92 @@
+//! The time line of a run: what it holds, and that it agrees with what the summary says.
+
+use crumple::control::{self, Results};
+use crumple::stop::StopFlag;
+use crumple::summary::Summary;
+use crumple_proto::report::PHASES;
+use crumple_proto::transport::threads::connect;
+use crumple_tests::{case, read};
+use serde_json::Value;
+
+const WORKERS: usize = 2;
+
+/// A run on two workers, and the events of its trace.
+fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
+    let model = read(&case("bars"), sets);
+    let out = tempfile::tempdir().unwrap();
+    let path = out.path().join("trace.json");
+    let mut ends = connect(WORKERS + 1);
+    let mut master = ends.remove(0);
+    let summary = std::thread::scope(|scope| {
+        for mut end in ends {
+            scope.spawn(move || crumple_worker::serve::serve(&mut end).unwrap());
+        }
+        let results = Results { out: out.path(), trace: Some(&path) };
+        control::run(&model, &mut master, results, true, &StopFlag::default()).unwrap()
+    });
+    let trace: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    assert!(trace["otherData"]["clocks"].as_str().unwrap().contains("one clock"));
+    (summary, trace["traceEvents"].as_array().unwrap().clone())
+}
+
+fn number(event: &Value, key: &str) -> f64 {
+    event[key].as_f64().unwrap_or_else(|| panic!("no {key}: {event}"))
+}
+
+fn spans(events: &[Value], worker: usize) -> Vec<&Value> {
+    events.iter().filter(|e| e["ph"] == "X" && e["tid"] == worker).collect()
+}
+
+/// Every phase of every worker, in the order of time, adding up to what the summary says; renewals and orders are there.
+#[test]
+fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
+    let (summary, events) = traced(&["time.max_cycles=120", "parallel.force_every=25"]);
+    assert_eq!(summary.cycles, 120);
+    let mut most = [0.0f64; PHASES.len()];
+    let mut sums = [0.0f64; PHASES.len()];
+    for worker in 0..WORKERS {
+        let spans = spans(&events, worker);
+        let mut end = 0.0;
+        for s in &spans {
+            // Times have three digits behind the point: they end where the next begins up to half of the last.
+            assert!(number(s, "ts") >= end - 1e-3, "overlap at {s}");
+            end = number(s, "ts") + number(s, "dur");
+        }
+        for (p, name) in PHASES.iter().enumerate() {
+            let of_phase = || spans.iter().filter(|s| s["name"] == *name);
+            assert!(of_phase().next().is_some(), "worker {worker} has no {name}");
+            let seconds = 1e-6 * of_phase().map(|s| number(s, "dur")).sum::<f64>();
+            most[p] = most[p].max(seconds);
+            sums[p] += seconds;
+        }
+        let cycles: Vec<u64> = spans.iter().map(|s| s["args"]["cycle"].as_u64().unwrap()).collect();
+        assert!(cycles.is_sorted() && (cycles[0], cycles[cycles.len() - 1]) == (0, 119), "{cycles:?}");
+        let moments: Vec<&str> = events
+            .iter()
+            .filter(|e| e["ph"] == "i" && e["tid"] == worker)
+            .map(|e| e["name"].as_str().unwrap())
+            .collect();
+        for words in
+            ["order 1 has come: high redecomposition", "order 1: high redecomposition", "order 2: low redecomposition"]
+        {
+            assert!(moments.contains(&words), "{words} is not among {moments:?}");
+        }
+    }
+    for (p, name) in PHASES.iter().enumerate() {
+        let said = &summary.phase_s[*name];
+        // Nanoseconds are cut off once per event, of microseconds and more.
+        let close = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.max(1e-6);
+        assert!(close(most[p], said.max) && close(sums[p] / WORKERS as f64, said.mean), "{name}: {} {said:?}", most[p]);
+    }
+}
+
+/// A run that fails leaves its trace as well.
+#[test]
+fn a_run_that_fails_leaves_its_trace() {
+    let (summary, events) = traced(&["time.safety=3"]);
+    assert_eq!(summary.status, crumple::summary::Status::Failed, "{}", summary.reason);
+    for worker in 0..WORKERS {
+        let last = spans(&events, worker).last().unwrap()["args"]["cycle"].as_u64().unwrap();
+        assert!(last.abs_diff(summary.cycles) <= 1, "cycle {last} of {}", summary.cycles);
+    }
+}

@@ -1,0 +1,102 @@
+//! Records what a worker does when, for `crumple run --trace`. Without that there is no recorder and nothing to pay for.
+
+use crate::engine::Phase;
+use crumple_proto::trace::{Event, MOST_EVENTS, Moment, Recording, Span};
+use crumple_proto::transport::{Lost, MaxReduction, Transport, clock};
+use std::time::{Duration, Instant};
+
+/// Records until it has [`MOST_EVENTS`].
+#[derive(Debug)]
+pub struct Recorder {
+    origin: Instant,
+    cycle: u64,
+    recording: Recording,
+}
+
+impl Recorder {
+    /// Starts at a moment that is the same for all workers. All call this together.
+    ///
+    /// Nobody leaves a barrier before the last one has entered it, so that the end of a barrier lies after that moment by
+    /// no more than the worker's own stay there: that is by how much the origin may be off. The first barrier brings all to
+    /// the second one at nearly the same time.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn start(wire: &mut dyn Transport) -> Result<Self, Lost> {
+        let mut barrier = MaxReduction::new(1);
+        let mut entered = Instant::now();
+        for _ in 0..2 {
+            entered = Instant::now();
+            barrier.begin(wire, &[0.0])?;
+            barrier.finish(wire)?;
+        }
+        let (origin, by_clock) = (Instant::now(), clock());
+        let recording =
+            Recording { origin: nanoseconds(by_clock), doubt: nanoseconds(origin - entered), ..Recording::default() };
+        Ok(Self { origin, cycle: 0, recording })
+    }
+
+    /// What comes now belongs to the cycle after `cycle` others.
+    pub fn set_cycle(&mut self, cycle: u64) {
+        self.cycle = cycle;
+    }
+
+    /// Records a stretch of time.
+    pub fn span(&mut self, phase: Phase, from: Instant, to: Instant) {
+        if self.has_room() {
+            let (start, end) = (self.since_origin(from), self.since_origin(to));
+            let span = Span { phase: phase as u8, cycle: self.cycle, start, duration: end - start };
+            self.recording.spans.push(span);
+        }
+    }
+
+    /// Records that something happens now.
+    pub fn moment(&mut self, event: Event) {
+        if self.has_room() {
+            let moment = Moment { event, cycle: self.cycle, at: self.since_origin(Instant::now()) };
+            self.recording.moments.push(moment);
+        }
+    }
+
+    /// What has been recorded.
+    pub fn into_recording(self) -> Recording {
+        self.recording
+    }
+
+    fn has_room(&mut self) -> bool {
+        let r = &mut self.recording;
+        let room = r.spans.len() + r.moments.len() < MOST_EVENTS;
+        if !room {
+            r.full.get_or_insert(self.cycle);
+        }
+        room
+    }
+
+    fn since_origin(&self, at: Instant) -> u64 {
+        nanoseconds(at.saturating_duration_since(self.origin))
+    }
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    time.as_nanos() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::transport::threads;
+
+    #[test]
+    fn a_full_recording_says_where_it_ends() {
+        let mut wire = threads::connect(2).remove(1);
+        let mut recorder = Recorder::start(&mut wire).unwrap();
+        let now = Instant::now();
+        recorder.moment(Event::Erosion);
+        for cycle in 0..MOST_EVENTS as u64 + 10 {
+            recorder.set_cycle(cycle);
+            recorder.span(Phase::Halo, now, now);
+        }
+        let r = recorder.into_recording();
+        assert_eq!((r.spans.len() + r.moments.len(), r.full), (MOST_EVENTS, Some(MOST_EVENTS as u64 - 1)));
+    }
+}
