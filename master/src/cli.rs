@@ -137,9 +137,8 @@ pub struct BenchArgs {
 pub struct ScaleArgs {
     /// A .toml job file, or a folder that holds job.toml.
     pub job: PathBuf,
-    /// Numbers of workers, each at least 2.
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = several,
-        default_value = "2,4,8,16,32,64,128,256,512,1024")]
+    /// Numbers of workers, each at least 2 [default: 2,4,8,... to 1024, as far as there are elements].
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = several)]
     pub workers: Vec<usize>,
     /// Simulated times at which to predict, in the job's units of time; the job is run to them on one worker.
     #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = moment, default_value = "0")]

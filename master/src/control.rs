@@ -37,6 +37,14 @@ pub enum RunError {
         /// Why.
         error: std::io::Error,
     },
+    /// The trace cannot be written.
+    #[error("{path}: {error}; choose another file with --trace", path = .path.display())]
+    Trace {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
 }
 
 /// A run as the master sees it.
@@ -87,9 +95,11 @@ pub fn run(
     let mut control = Control::new(model, wire, results, quiet)?;
     let ended = control.follow(stop);
     let traced = control.write_trace();
-    ended.and(traced)?;
+    ended?;
     control.progress.finish();
-    control.close()
+    let summary = control.close()?;
+    traced?; // after all that the run itself has to say
+    Ok(summary)
 }
 
 impl<'a> Control<'a> {
@@ -116,7 +126,11 @@ impl<'a> Control<'a> {
         };
         let walls = settings.walls.iter().enumerate().map(name).collect();
         let history = History::new(&path, workers, &job.units, walls).map_err(|e| failed(&path)(e.into()))?;
-        let trace = trace.map(|path| Trace::new(path, workers).map_err(failed(path))).transpose()?;
+        let trace = trace.map(|path| {
+            let failed = |error| RunError::Trace { path: path.to_owned(), error };
+            Trace::new(path, workers).map_err(failed)
+        });
+        let trace = trace.transpose()?;
         let limits = Limits {
             imbalance: job.parallel.imbalance,
             low_every_at_least: job.parallel.low_every_at_least,
@@ -183,7 +197,7 @@ impl<'a> Control<'a> {
             }
         }
         let path = trace.path.clone();
-        let said = trace.write(self.wire.one_clock()).map_err(|error| RunError::Output { path, error })?;
+        let said = trace.write(self.wire.one_clock()).map_err(|error| RunError::Trace { path, error })?;
         self.progress.say(&format!("trace: {said}"));
         Ok(())
     }

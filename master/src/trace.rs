@@ -64,7 +64,7 @@ impl Trace {
             let shift = if one_clock { recording.origin - first } else { 0 };
             write_track(&mut out, worker, shift, recording)?;
             events += recording.spans.len() + recording.moments.len();
-            ended = ended.max(recording.full);
+            ended = ended.into_iter().chain(recording.full).min();
         }
         writeln!(out, "\n]}}")?;
         out.flush()?;

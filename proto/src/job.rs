@@ -337,7 +337,7 @@ pub struct Contact {
     pub search: String,
     /// Distance that candidates reach beyond contact, so that the search need not run every step [length];
     /// 0 for a quarter of the median element side, or 0.4 of the largest thickness if that is more, but a side at most. It
-    /// changes how long a search takes and how often one is made, and no result.
+    /// changes how long a search takes and how often one is made, no bit of the motion, and which parts count as near.
     pub skin: f64,
     /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `gauss_seidel`, one after the
     /// other in ascending (node, segment), the default (`cases/studies/README.md`, sandwich); `split`, all from the same

@@ -106,7 +106,10 @@ fn gather_memories(
     for (_, parcel) in exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
         take_memories(parcel, |id, list| all.entry(id).or_default().extend(list));
     }
-    all.values_mut().for_each(|list| list.sort_unstable_by_key(|m| m.name));
+    for list in all.values_mut() {
+        list.sort_unstable_by_key(|m| m.name);
+        list.dedup_by_key(|m| m.name);
+    }
     Ok(all)
 }
 

@@ -186,7 +186,7 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
             start.mass_factor[e] = factor;
         }
     }
-    let (added, limit) = (scaled_mass(&start) / start.mass.iter().sum::<f64>(), job.time.mass_scaling_limit);
+    let (added, limit) = (scaled_mass(&start) / deformable_mass(&start), job.time.mass_scaling_limit);
     if unsound.0 == 0 && added > limit {
         let message = format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
         let help = format!(
@@ -239,7 +239,7 @@ pub fn warnings(
             ));
         }
     }
-    let structure: f64 = elements.mass.iter().sum();
+    let structure = deformable_mass(elements);
     let added = scaled_mass(elements);
     if added > 0.05 * structure {
         let message = format!("mass scaling adds {:.1} % of the structure's mass", 100.0 * added / structure);
@@ -267,6 +267,11 @@ pub fn warnings(
 /// Mass that scaling adds to all elements [mass].
 pub fn scaled_mass(elements: &ElementStart) -> f64 {
     (0..elements.mass.len()).map(|i| elements.mass_with_scaling(i) - elements.mass[i]).sum()
+}
+
+/// Mass of the elements that set a time step, those of rigid bodies left out, before scaling [mass].
+fn deformable_mass(elements: &ElementStart) -> f64 {
+    elements.mass.iter().zip(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()).map(|(mass, _)| mass).sum()
 }
 
 /// The first of the smallest values, and its place.

@@ -78,6 +78,9 @@ pub fn run(args: &ScaleArgs) -> u8 {
         }
     };
     let (mut workers, mut times) = (args.workers.clone(), args.at.clone());
+    if workers.is_empty() {
+        workers = (1..=10).map(|power| 1 << power).filter(|&n| n <= model.mesh.elements.len()).collect();
+    }
     workers.sort_unstable();
     workers.dedup();
     times.sort_by(f64::total_cmp);
@@ -129,6 +132,9 @@ fn refuse(model: &Model, workers: &[usize], times: &[f64]) -> Option<String> {
         return Some(format!(
             "{n} workers are more than the {elements} elements of the job; give fewer with --workers"
         ));
+    }
+    if workers.is_empty() {
+        return Some("the job has one element: there is nothing to cut up".into());
     }
     let late = times.iter().find(|&&t| t >= end)?;
     Some(format!("time {late} is not before the job's end_time = {end}; give an earlier one with --at"))

@@ -138,6 +138,8 @@ pub struct Edges {
     candidates: Vec<[u32; 2]>,
     /// In ascending order of names.
     memories: Vec<Remembered>,
+    /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
+    gathered: bool,
 }
 
 impl Edges {
@@ -160,7 +162,13 @@ impl Edges {
             nodes: memory.name.edge_nodes().map(local),
             own: names.binary_search(&[memory.name.slave, memory.name.far]).is_ok(),
         };
-        Self { memories: memories.into_iter().map(remembered).collect(), all, own, candidates: Vec::new() }
+        Self {
+            memories: memories.into_iter().map(remembered).collect(),
+            all,
+            own,
+            candidates: Vec::new(),
+            gathered: true,
+        }
     }
 
     /// Bytes in use.
@@ -280,22 +288,22 @@ impl Edges {
         }
         let [a, b, c, d] = name.edge_nodes();
         let shares = |p: [NodeId; 2], q: [NodeId; 2]| p.iter().any(|n| q.contains(n));
+        let alike = |m: &Memory| m.normal.dot(normal).abs() > ALIKE;
         let before = self.memories.iter().find_map(|r| {
             let [i, j, k, l] = r.memory.name.edge_nodes();
             let m = r.memory;
-            if shares([a, b], [i, j]) && shares([c, d], [k, l]) {
-                return Some(m);
-            }
-            let turned = Memory { normal: -m.normal, force: -m.force, ..m };
-            (shares([a, b], [k, l]) && shares([c, d], [i, j])).then_some(turned)
+            let along = shares([a, b], [i, j]) && shares([c, d], [k, l]);
+            let across = shares([a, b], [k, l]) && shares([c, d], [i, j]);
+            let turned = || Memory { normal: -m.normal, force: -m.force, ..m };
+            along.then_some(m).or_else(|| across.then(turned)).filter(alike)
         });
-        let alike = |m: &Memory| m.normal.dot(normal).abs() > ALIKE;
-        before.filter(alike).map(|m| Memory { slip: V3::zeros(), ..m })
+        before.map(|m| Memory { slip: V3::zeros(), ..m })
     }
 
     /// Remembers the pairs of a step, all that are known here.
     pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         self.memories.clear();
+        self.gathered = false;
         let edges = pairs.filter(|p| p.name.is_edge());
         let [i, j, k, l] = [0, 1, 2, 3];
         self.memories.extend(edges.map(|p| Remembered {
@@ -305,10 +313,11 @@ impl Edges {
         }));
     }
 
-    /// What own edges remember, under each of the four nodes of a pair.
+    /// What own edges remember, under each of the four nodes of a pair that is known here; before a step has gone by since the
+    /// last time also what is left of edges that nobody has any more.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
-        let own = self.memories.iter().filter(|r| r.own);
-        own.flat_map(|r| r.nodes.map(|n| (n, &r.memory)))
+        let told = self.memories.iter().filter(|r| r.own || self.gathered);
+        told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
 }
 
@@ -349,8 +358,10 @@ mod tests {
             slip: V3::x(),
             ..Pair::unknown(name([5, 6], [8, 9]), SegmentId(1), [0; 5])
         };
+        // With a lower name, and across: another contact of the same edge.
+        let other = Pair { name: name([4, 6], [8, 9]), normal: V3::x(), ..pair };
         let mut edges = Edges::default();
-        edges.remember([pair].iter());
+        edges.remember([other, pair].iter());
         let recall = |slave, other, normal: &V3| edges.recall(&name(slave, other), normal);
         assert_eq!(recall([5, 6], [8, 9], &V3::z()), Some(pair.memory()), "its own");
         let next = Memory { slip: V3::zeros(), ..pair.memory() };
@@ -358,7 +369,7 @@ mod tests {
         assert_eq!(recall([5, 6], [9, 12], &-V3::z()), Some(next), "along the other row, which may run the other way");
         let turned = Memory { normal: -next.normal, force: -next.force, ..next };
         assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
-        assert_eq!(recall([6, 7], [8, 9], &V3::x()), None, "another contact by its normal");
+        assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact by its normal");
         assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
     }
 }

@@ -35,7 +35,7 @@ pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
     (at - centre).norm_squared() > (reach + radius) * (reach + radius)
 }
 
-/// Whether the point of a segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
+/// Whether the point of a convex segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
 /// than `skin` against each other: the point is beyond an edge, seen in the mean plane. A segment without area has no such.
 pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
     let (d1, d2) = (q[2] - q[0], q[3] - q[1]);

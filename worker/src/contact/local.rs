@@ -80,7 +80,7 @@ pub fn find_pairs(
     for c in candidates {
         let segment = &surface.segments[c.segment as usize];
         let meeting = Meeting::new(surface, segment, c.ring, place, dt);
-        if may_touch(nodes, &meeting, &at, memory) {
+        if may_touch(nodes, surface, &meeting, &at, memory) {
             let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
             finds.extend(look(nodes, surface, &meeting, &at, memory, opposed));
         }
@@ -131,20 +131,20 @@ impl<'a> Meeting<'a> {
 
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
 /// one that has to fold over to be met?
-fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, thickness, scale, dt, .. } = *meeting;
-    let mut reach = REACH * scale;
+fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
+    let Meeting { segment, slave, ring, scale, dt, .. } = *meeting;
+    let mut limit = REACH * scale;
     if !segment.is_solid() && !memory.iter().any(|m| m.is_of(segment.id)) {
         // No gap closes from farther away than the two come closer in the step.
         let v = v3(&nodes.next_v[slave as usize]);
         let fastest =
             segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
-        reach = reach.min(thickness + ACTIVE * scale + dt * fastest.sqrt());
+        limit = reach(surface, slave, segment, dt * fastest.sqrt());
     }
     let q = segment.corners(&nodes.x);
     let in_box = (0..3).all(|c| {
         let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));
-        at[c] >= lo - reach && at[c] <= hi + reach
+        at[c] >= lo - limit && at[c] <= hi + limit
     });
     in_box
         && {
@@ -154,7 +154,7 @@ fn may_touch(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -
             let size = normal.norm();
             let off = |p: &V3| (p - a).dot(&normal);
             let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
-            (low - reach * size..=high + reach * size).contains(&off(at))
+            (low - limit * size..=high + limit * size).contains(&off(at))
         }
         && !(ring != 0 && is_beside(at, &q, 0.0))
 }
@@ -218,7 +218,8 @@ fn has_folded_over(nodes: &Nodes, meeting: &Meeting<'_>, near: &Nearest, offset:
     let mean = |of: &[usize]| {
         of.iter().map(|&k| v3(&nodes.x[meeting.segment.nodes[k] as usize])).sum::<V3>() / of.len() as f64
     };
-    let (ring, others): (Vec<usize>, Vec<usize>) = (0..4).partition(in_ring);
+    let corners = if meeting.segment.is_triangle() { 3 } else { 4 };
+    let (ring, others): (Vec<usize>, Vec<usize>) = (0..corners).partition(in_ring);
     if near.rim || others.is_empty() {
         return false;
     }
