@@ -1,4 +1,5 @@
-//! Engines in this process without a master, watched step by step: verification, tests and studies share this.
+//! Engines in this process without a master, watched step by step: verification,
+//! benchmarks, predictions of efficiency and tests share this.
 
 use crate::decompose::{Centres, bisect};
 use crate::job::Model;

@@ -340,7 +340,7 @@ pub struct Contact {
     /// changes how long a search takes and how often one is made, no bit of the motion, and which parts count as near.
     pub skin: f64,
     /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `gauss_seidel`, one after the
-    /// other in ascending (node, segment), the default (`cases/studies/README.md`, sandwich); `split`, all from the same
+    /// other in ascending order of their names, the default (`cases/studies/README.md`, sandwich); `split`, all from the same
     /// state with nodal masses split among their pairs, which needs more sweeps; `jacobi`, all from the same state with full
     /// masses, which diverges where many or heavy nodes sit on one segment (slaves).
     pub iteration: String,

@@ -171,10 +171,8 @@ fn edges_hold_what_would_pass_between_nodes() {
         let model = grid(&format!("edges = {edges}"), 13, [4.0, 2.0, -8.0], 0.0);
         let end = run_alone(&model, |_| {});
         let crossed = end.contact.as_ref().unwrap().crossings(&end.nodes).len();
-        let ledger = end.ledger.energies(&end.nodes);
-        eprintln!("edges {edges}: {crossed} crossings, {ledger:?}");
         crossed
     });
     assert_eq!(ends[0], 0);
-    assert!(ends[1] > 9, "many go through: {ends:?}");
+    assert!(ends[1] > 0, "without edges strips go through: {ends:?}");
 }

@@ -204,9 +204,12 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
     order.sort_by_key(|&i| job.part[i].id);
     let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
     let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
-    let thickest = parts.iter().map(|part| part.thickness).fold(0.0, f64::max);
-    let skin = (0.25 * median).max((0.4 * thickest).min(median));
-    let contact = job.contact.clone().map(|contact| Contact { skin: or(contact.skin, skin), ..contact });
+    let contact = job.contact.clone().map(|contact| {
+        let touches = |part: &&Part| contact.parts.is_empty() || contact.parts.contains(&part.id);
+        let thickest = parts.iter().filter(touches).map(|part| part.thickness).fold(0.0, f64::max);
+        let skin = (0.25 * median).max((0.4 * thickest).min(median));
+        Contact { skin: or(contact.skin, skin), ..contact }
+    });
     let mut walls = job.wall.clone();
     for wall in &mut walls {
         // Scaled by the largest component first, so that tiny and huge normals are unit vectors too.

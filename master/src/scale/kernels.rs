@@ -3,6 +3,7 @@
 //! Phases are timed by the wall clock, and what else the machine does meanwhile is taken out: the phases of a step are reduced
 //! in common to the CPU time that it took.
 
+use crate::bench::median;
 use crate::cost::element_seconds;
 use crate::job::Model;
 use crumple_proto::report::PhaseSeconds;
@@ -132,12 +133,4 @@ fn fit(engine: &Engine) -> f64 {
         thread_cpu().saturating_sub(start).as_secs_f64()
     };
     median((0..FITS).map(once))
-}
-
-/// The middle value, or the mean of the middle two; nought of none.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    if n == 0 { 0.0 } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
 }

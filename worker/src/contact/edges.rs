@@ -260,22 +260,17 @@ impl Edges {
         let [s, t] = met.along;
         let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
         let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
-        let tolerated = tolerated(old.as_ref(), gap);
         let pair = Pair {
             shape,
             weight: shape,
             normal,
             side,
-            gap: gap - tolerated,
-            depth: -gap,
-            tolerated,
             thickness: scale,
-            force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
-            slip: old.map_or(V3::zeros(), |m| m.slip_along(&normal)),
             first: (one.part, one.id) < (other.part, other.id),
             own: true,
             ..Pair::unknown(name, other.id, [i, j, k, l, NOT_LOCAL])
         };
+        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap));
         let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
         (predicted < ACTIVE * scale).then_some(pair)
     }

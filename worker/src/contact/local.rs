@@ -64,7 +64,8 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (segments ascending), appended to `out` in ascending segment id. `memory` is what the node remembers of its pairs of the last step.
+/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (segments ascending), appended to `out` in
+/// ascending segment id. `memory` is what the node remembers of its pairs of the last step.
 pub fn find_pairs(
     nodes: &Nodes,
     surface: &Surface,
@@ -280,15 +281,10 @@ fn look(
         weight: shape,
         normal,
         side,
-        gap: gap - tolerated,
-        depth: -gap,
-        tolerated,
         thickness: scale,
-        force: old.map_or(V3::zeros(), |m| m.force_along(&normal)),
-        slip: old.map_or(V3::zeros(), |m| m.slip_along(&normal)),
         first: meeting.first,
         own: true,
         ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };
-    Some(Find { pair, impact, opening, offset, gap })
+    Some(Find { pair: pair.remembering(old, gap, tolerated), impact, opening, offset, gap })
 }

@@ -434,6 +434,19 @@ impl PairTable {
 }
 
 impl Pair {
+    /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
+    /// point, turned to its normal, and the penetration that is let be, 0 or negative [length].
+    pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
+        Self {
+            gap: gap - tolerated,
+            depth: -gap,
+            tolerated,
+            force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
+            slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
+            ..self
+        }
+    }
+
     /// A pair of which no more is known.
     pub fn unknown(name: Name, segment: SegmentId, nodes: [u32; 5]) -> Self {
         Self {
