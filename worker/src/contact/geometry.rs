@@ -44,9 +44,9 @@ pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
     let edges = [0, 1, 2, 3].map(|k| q[(k + 1) % 4] - q[k]);
     let shortest = edges.iter().map(|e| e.norm_squared()).filter(|&l| l > 0.0).fold(f64::INFINITY, f64::min).sqrt();
     let warp = ((q[0] + q[2] - q[1] - q[3]).dot(&cross) / size).abs();
-    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp. An edge turns
-    // with its ends.
-    let turn = 1.1 * skin * (d1.norm() + d2.norm()) / size + (4.0 * warp + skin) / shortest;
+    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp, which may grow by
+    // twice the skin meanwhile. An edge turns with its ends.
+    let turn = 1.1 * skin * (d1.norm() + d2.norm()) / size + (warp + 3.0 * skin) / (shortest - skin).max(0.0);
     (0..4).any(|k| {
         let (out, from) = (edges[k].cross(&cross), at - q[k]);
         let lever = from.norm_squared().min((at - q[(k + 1) % 4]).norm_squared()).sqrt();
@@ -172,6 +172,7 @@ pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn where_edges_pass_is_the_nearest_of_many_points() {
@@ -225,6 +226,43 @@ mod tests {
         assert!(n.rim && n.shape == [0.5, 0.5, 0.0, 0.0]);
         let n = nearest(&V3::new(-1.0, -2.0, 0.0), &q, true).unwrap();
         assert!(n.rim && n.shape == [1.0, 0.0, 0.0, 0.0]);
+    }
+
+    proptest! {
+        /// What the near list leaves out stays out of reach, or beside, while point and corners move by half the skin each.
+        #[test]
+        fn what_is_far_or_beside_stays_so_within_the_skin(
+            corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
+            triangle in any::<bool>(),
+            at in prop::array::uniform3(-2.5..2.5f64),
+            moves in prop::array::uniform5(prop::array::uniform3(-1.0..1.0f64)),
+            skin in 0.0..0.3f64,
+            reach in 0.1..1.5f64,
+        ) {
+            let square = [V3::zeros(), V3::x(), V3::new(1.0, 1.0, 0.0), V3::y()];
+            let mut q: [V3; 4] = std::array::from_fn(|k| square[k] + V3::from(corners[k]));
+            if triangle {
+                q[3] = q[2];
+            }
+            let at = V3::from(at);
+            // No longer than half the skin.
+            let moved = |k: usize| V3::from(moves[k]) * (0.5 * skin / 3.0f64.sqrt());
+            let (then, mut later) = (at + moved(4), q);
+            (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
+            let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
+            if is_farther(&at, &q, reach + skin) {
+                prop_assert!((then - near.point).norm() > reach);
+            }
+            if is_beside(&at, &q, skin) {
+                // The local search turns away either.
+                prop_assert!(is_beside(&then, &later, 0.0) || near.rim);
+            }
+            // A plane segment that is convex: beside it is beside its rim. Of what is bent in its plane or warped that much nothing is said.
+            let flat = q.map(|p| V3::new(p.x, p.y, 0.0));
+            if is_beside(&at, &flat, 0.0) {
+                prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));
+            }
+        }
     }
 
     #[test]
