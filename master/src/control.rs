@@ -298,9 +298,18 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Plasticity can hold an unstable step in bounds; the balance of energy cannot. Stops a run that has lost it.
+    /// Plasticity can hold an unstable step in bounds; the balance of energy cannot, or velocities swing from step to step
+    /// and go on to. Stops a run of which either is true.
     fn watch_energy(&mut self) {
-        let Some(row) = self.history.last.as_ref().filter(|r| r.error.abs().max(r.growth) > MOST_ENERGY_ERROR) else {
+        let Some(row) = self.history.last.as_ref() else { return };
+        let what = if row.error.abs() > MOST_ENERGY_ERROR {
+            format!("the balance of energy is off by {:.0} %", 100.0 * row.error)
+        } else if self.history.swings_on() {
+            format!(
+                "velocities swing from step to step with {:.0} % of the energy: the step is unstable",
+                100.0 * row.swing
+            )
+        } else {
             return;
         };
         if self.trouble.is_some() || self.stop_ordered {
@@ -310,10 +319,7 @@ impl<'a> Control<'a> {
         let element = sum.controlling.map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
         let safety = self.model.settings.safety;
         let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
-        let why = format!(
-            "the balance of energy is off by {:.0} %{element}; time.safety is {safety}, use {cure}",
-            100.0 * if row.error.abs() > row.growth { row.error } else { row.growth }
-        );
+        let why = format!("{what}{element}; time.safety is {safety}, use {cure}");
         self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
         self.stop_ordered = true;
         self.order(Action::Stop);

@@ -12,8 +12,8 @@ pub struct Row {
     pub sum: HistoryPart,
     /// Unexplained energy as a fraction of what came in.
     pub error: f64,
-    /// The same with the energy of what swings from step to step: an unstable step keeps the balance, but swings.
-    pub growth: f64,
+    /// Energy of what swings from step to step, as the same fraction: an unstable step keeps the balance, but swings.
+    pub swing: f64,
 }
 
 /// What the master knows besides when a row is complete.
@@ -49,7 +49,15 @@ pub struct History {
     pub penetration: f64,
     /// Most pairs so far.
     pub pairs: u64,
+    /// Cycle of the first of the last rows that all have much of the energy in swings from step to step.
+    swings_from: Option<u64>,
 }
+
+/// Fraction of the energy in swings from step to step that only an unstable step keeps up. Where a coarse bar turns at a wall
+/// a stable one has as much for a few cycles.
+const MUCH_SWING: f64 = 0.1;
+/// How long it does [cycle].
+const TURNING: u64 = 50;
 
 /// Names of derived units for a header.
 struct Labels {
@@ -123,7 +131,14 @@ impl History {
             worst_error: 0.0,
             penetration: 0.0,
             pairs: 0,
+            swings_from: None,
         })
+    }
+
+    /// Whether the last rows have had much of the energy in swings for longer than any turn of a stable motion takes.
+    pub fn swings_on(&self) -> bool {
+        let last = self.last.as_ref().map_or(0, |row| row.sum.cycle);
+        self.swings_from.is_some_and(|from| last - from >= TURNING)
     }
 
     /// Takes in a worker's share; writes the row when all have come.
@@ -143,11 +158,13 @@ impl History {
         let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
-        let growth = if came_in > 0.0 { error + sum.energies.swing / came_in } else { 0.0 };
+        let swing = if came_in > 0.0 { sum.energies.swing / came_in } else { 0.0 };
         self.worst_error = self.worst_error.max(error.abs());
         self.penetration = self.penetration.max(sum.penetration);
         self.pairs = self.pairs.max(sum.pairs);
-        let row = Row { sum, error, growth };
+        let row = Row { sum, error, swing };
+        let swings_from = self.swings_from.unwrap_or(row.sum.cycle);
+        self.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.write(&row, extras)?;
         self.first.get_or_insert_with(|| row.clone());
         self.last = Some(row);

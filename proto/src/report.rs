@@ -32,6 +32,9 @@ pub struct StepReport {
     pub order: u64,
 }
 
+/// Kinetic energy at the turn of a vibration at 0.9 of the stable step, `-s^2 / (1 - s^2)` of the energy of the vibration.
+const LOWEST_KINETIC: f64 = 0.81 / 0.19;
+
 /// Energies of one worker's share [energy]; the work of contact and walls is positive when it drives the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
@@ -67,9 +70,12 @@ impl Energies {
     }
 
     /// What is left unexplained of the change since `initial` kinetic energy [energy]. The product of two mid-step velocities
-    /// keeps the balance of an unstable step too, with a kinetic energy below nought; that counts as none, so that growth shows.
+    /// is below nought where a vibration turns, by `(omega dt / 2)^2` of what is stored then; an unstable step keeps the balance
+    /// too, but with a kinetic energy below any that a stable one can have. What lies below counts as missing, so that growth
+    /// shows.
     pub fn balance(&self, initial: f64) -> f64 {
-        self.kinetic.max(0.0) + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
+        let kinetic = self.kinetic.max(-LOWEST_KINETIC * (initial.max(0.0) + self.external.abs()));
+        kinetic + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
     }
 }
 

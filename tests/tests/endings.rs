@@ -34,7 +34,7 @@ fn a_run_that_gains_energy_ends_and_names_its_element() {
     let failed =
         run(crumple_with(&["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=1.5"])).with_code(3);
     let reason = failed.summary()["reason"].as_str().unwrap().to_owned();
-    for text in ["balance of energy", "element ", "time ", "time.safety is 1.5, use 0.9 or less"] {
+    for text in ["% of the energy", "element ", "time ", "time.safety is 1.5, use 0.9 or less"] {
         assert!(reason.contains(text) && failed.said().contains(&reason), "not said: {text}: {reason}");
     }
     kept(&failed);

@@ -28,6 +28,8 @@ pub struct Clock {
 
 /// Cycles within round-off of a due time count as having reached it.
 const SLACK: f64 = 1e-9;
+/// Steps before the end that are of equal length, so that none is shorter by more than a twentieth.
+const LAST_STEPS: f64 = 20.0;
 
 impl Clock {
     /// At time 0 with the first stable step, safety factor not yet applied.
@@ -48,15 +50,17 @@ impl Clock {
         c
     }
 
-    /// Takes the global smallest stable step of the elements. The run ends on time; what is left of less than two steps
-    /// is halved, since a last step of next to nothing would make enormous velocities of whatever gap is to be closed.
+    /// Takes the global smallest stable step of the elements. The run ends on time: the last steps are equal parts of what is
+    /// left, since a last step of next to nothing would make enormous velocities of whatever gap is to be closed, and a jump
+    /// of the step costs the balance of energy as much of what swings.
     pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let dt = (settings.safety * stable_dt).min(largest);
         self.min_dt = self.min_dt.min(dt);
         self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);
-        self.dt = if left <= dt { left } else { dt.min(0.5 * left) };
+        let steps = left / dt;
+        self.dt = if steps <= LAST_STEPS { left / steps.ceil().max(1.0) } else { dt };
     }
 
     /// The steps around the present time. Velocities start at time 0, half a step before the first mid-step.
@@ -98,20 +102,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn first_velocity_step_is_a_half_and_the_last_step_ends_on_time() {
-        let settings = crate::testing::settings();
-        let mut c = Clock::start(&settings, 0.4 / settings.safety);
-        assert_eq!(c.steps().mid, 0.2);
-        c.tick();
-        c.choose(&settings, 0.4 / settings.safety);
-        assert!((c.steps().mid - 0.35).abs() < 1e-12);
-        c.tick();
-        c.choose(&settings, 0.4 / settings.safety);
-        assert!((c.dt - 0.3).abs() < 1e-12 && !c.is_over(&settings), "0.6 is left: two steps of 0.3, not 0.4 and 0.2");
-        c.tick();
-        c.choose(&settings, 0.4 / settings.safety);
-        c.tick();
-        assert!(c.is_over(&settings));
+    fn the_first_velocity_step_is_a_half_and_the_last_steps_are_equal_and_end_on_time() {
+        let settings = Settings { end_time: 10.0, ..crate::testing::settings() };
+        let stable = 0.31 / settings.safety;
+        let mut c = Clock::start(&settings, stable);
+        assert!((c.steps().mid - 0.155).abs() < 1e-12);
+        let mut steps = vec![c.dt];
+        while !c.is_over(&settings) {
+            c.tick();
+            c.choose(&settings, stable);
+            steps.push(c.dt);
+        }
+        assert!((c.time - 10.0).abs() < 1e-9, "{}", c.time);
+        assert_eq!(c.cycle, 33, "10 / 0.31 and what is left");
+        let last = steps[31];
+        assert!(steps[..12].iter().all(|d| (d - 0.31).abs() < 1e-12), "{steps:?}");
+        assert!(steps[13..33].iter().all(|d| (d - last).abs() < 1e-9 && *d > 0.95 * 0.31), "{steps:?}");
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
     }
 }
