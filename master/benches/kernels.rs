@@ -45,7 +45,7 @@ fn search(c: &mut Criterion) {
 
 fn contact(c: &mut Criterion) {
     let mut e = engine("tube-crush");
-    let steps = e.clock.steps();
+    let steps = e.clock.steps(e.loads.damping);
     let contact = e.contact.as_mut().expect("it has contact");
     let mut ends = threads::connect(2);
     contact.refresh_candidates(&e.nodes, &e.bodies, steps.dt);

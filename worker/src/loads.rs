@@ -135,7 +135,7 @@ impl Loads {
         }
     }
 
-    /// Damps the velocities without contact: with the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2`
+    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2`
     /// (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
     pub fn damp(&self, nodes: &mut Nodes, mid: f64) {
         if self.damping > 0.0 {
@@ -178,19 +178,18 @@ impl Loads {
         work
     }
 
-    /// Work of damping on node `i`: its impulse is what it took from the velocity without contact.
+    /// Work of damping on node `i`.
     fn damped(&self, nodes: &Nodes, i: usize, mid: f64) -> Work {
         let b = 0.5 * self.damping * mid;
-        let part = |inv: &Row, mass: f64, f: &Row, v: &Row, next: &Row| {
-            let impulse = |c: usize| -mass * b * (2.0 * v[c] + mid * f[c] * inv[c]) / (1.0 + b);
+        let part = |inv: &Row, mass: f64, v: &Row, next: &Row| {
             let free = (0..3).filter(|&c| inv[c] > 0.0);
-            free.map(|c| Work::of(impulse(c), v[c], next[c])).sum::<Work>()
+            free.map(|c| Work::of(-mass * b * (v[c] + next[c]), v[c], next[c])).sum::<Work>()
         };
-        let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.force[i], &nodes.v[i], &nodes.next_v[i]);
+        let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.v[i], &nodes.next_v[i]);
         if !nodes.rotations {
             return moved;
         }
-        moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.moment[i], &nodes.w[i], &nodes.next_w[i])
+        moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.w[i], &nodes.next_w[i])
     }
 }
 

@@ -146,7 +146,7 @@ mod tests {
         for i in 0..steps {
             nodes.accelerate(dt);
             p.prescribe(&mut nodes, i as f64 * dt, dt);
-            work += p.work(&nodes, None, Steps { dt, mid: dt, whole: dt }).total();
+            work += p.work(&nodes, None, Steps { dt, mid: dt, push: dt, whole: dt }).total();
             nodes.advance(dt);
         }
         (nodes, work)

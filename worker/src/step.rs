@@ -12,7 +12,7 @@ use crumple_proto::transport::{Lost, Transport};
 /// # Errors
 /// A worker is gone.
 pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
-    let steps = engine.clock.steps();
+    let steps = engine.clock.steps(engine.loads.damping);
     engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(engine.clock.cycle));
     let Engine {
         settings,
@@ -49,7 +49,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     nodes.accelerate(steps.mid); // contact and walls not yet felt
     loads.damp(nodes, steps.mid);
     prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
-    bodies.accelerate(wire, nodes, loads.damping, clock.time, steps)?;
+    bodies.accelerate(wire, nodes, clock.time, steps)?;
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
@@ -71,7 +71,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     let mut on_walls = Work::default();
     if !walls.is_empty() {
         let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
-        on_walls = walls.keep_out(nodes, &pushed, steps.dt);
+        on_walls = walls.keep_out(nodes, &pushed, steps);
         timer.lap(Phase::Advance);
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);

@@ -1,5 +1,6 @@
 //! Fixed planar rigid walls: a node may not end a step behind one. Coulomb friction on the wall.
 
+use crate::contact::enforce::Steps;
 use crate::energy::Work;
 use crate::nodes::{Nodes, Row};
 use crumple_proto::job::Wall as WallJob;
@@ -61,27 +62,27 @@ impl Walls {
 
     /// Keeps all held nodes out, starting from their velocities in `next_v`, or from those in `pushed`
     /// for nodes that contact pairs touch (ascending). Returns the work done on owned nodes [energy].
-    pub fn keep_out(&mut self, nodes: &mut Nodes, pushed: &[(u32, Row)], dt: f64) -> Work {
+    pub fn keep_out(&mut self, nodes: &mut Nodes, pushed: &[(u32, Row)], steps: Steps) -> Work {
         let mut pushed = pushed.iter().peekable();
         let mut work = Work::default();
         for i in 0..nodes.held {
             let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
-            nodes.next_v[i] = self.stop(&nodes.x[i], free, &nodes.inv_mass[i], dt);
+            nodes.next_v[i] = self.stop(&nodes.x[i], free, &nodes.inv_mass[i], steps.dt);
             if nodes.is_own(i) && nodes.next_v[i] != free {
-                work += self.book(nodes, i, free, dt);
+                work += self.book(nodes, i, free, steps);
             }
         }
         work
     }
 
     /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the work [energy].
-    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, dt: f64) -> Work {
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: Steps) -> Work {
         let mut work = Work::default();
         for (w, impulse) in self.walls.iter().zip(&mut self.impulse) {
-            let Some(change) = w.change(&nodes.x[i], &v, dt) else { continue };
+            let Some(change) = w.change(&nodes.x[i], &v, steps.dt) else { continue };
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
-                let p = nodes.mass[i] * change[c];
+                let p = nodes.mass[i] * change[c] * (steps.mid / steps.push);
                 impulse[c] += p;
                 work += Work::of(p, nodes.v[i][c], nodes.next_v[i][c]);
             }
@@ -129,16 +130,17 @@ mod tests {
         assert_eq!(v, [1.0, 0.0, 0.1, 0.0], "leaves freely");
     }
 
-    /// A mass on the wall under a constant force, for `steps` steps of 1e-3. Returns velocity, place and booked work.
-    fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
+    /// A mass on the wall under a constant force, for `count` steps of 1e-3. Returns velocity, place and booked work.
+    fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], count: usize) -> (Row, Row, f64) {
         let at = [0.0, 0.0, 1.0];
         let block = NodeRecord { id: NodeId(1), x0: at, x: at, v, mass: 2.0, ..NodeRecord::default() };
         let mut nodes = Nodes::new(&[block], 0, true);
         nodes.force[0] = crate::nodes::row(force);
         let mut work = 0.0;
-        for _ in 0..steps {
+        let steps = Steps { dt: 1e-3, mid: 1e-3, push: 1e-3, whole: 1e-3 };
+        for _ in 0..count {
             nodes.accelerate(1e-3);
-            work += walls.keep_out(&mut nodes, &[], 1e-3).total();
+            work += walls.keep_out(&mut nodes, &[], steps).total();
             nodes.advance(1e-3);
         }
         (nodes.v[0], nodes.x[0], work)

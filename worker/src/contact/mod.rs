@@ -326,7 +326,7 @@ impl Contact {
     /// Nodes that pairs touch, ascending, with their velocities after contact but before walls [length/time].
     pub fn pushed<'a>(&'a self, nodes: &'a Nodes, steps: Steps) -> impl Iterator<Item = (u32, Row)> + 'a {
         let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free);
-        touched.map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.mid)))
+        touched.map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.push)))
     }
 
     /// Contact force on local node `n` in this step [force].

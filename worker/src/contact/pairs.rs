@@ -5,6 +5,7 @@
 //! pairs' names.
 
 mod order;
+mod quiet;
 
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
@@ -215,6 +216,7 @@ pub struct PairTable {
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
     common: Vec<Common>,
+    quiet: quiet::Quiet,
     order: order::Order,
     incidence: Vec<(u32, u32, u8)>,
     words: Vec<u64>,
@@ -253,6 +255,7 @@ impl PairTable {
             self.sort(&source);
         }
         self.common.retain(|c| !c.sent.is_empty() || !c.received.is_empty());
+        self.quiet.start(wire.rank() - 1, self.common.iter().map(|c| c.worker));
         self.index();
         Ok(())
     }
@@ -393,13 +396,18 @@ impl PairTable {
         !self.common.is_empty()
     }
 
-    /// Exchanges the forces of pairs that several workers know. `quiet` counts the sweeps since anything last
-    /// changed here or, as far as is known, elsewhere; returns the count with the others' news in it.
+    /// Exchanges the forces of pairs that several workers know, after a sweep that has `changed` an own one or not. Returns
+    /// whether all that have pairs in common, one with the next, are quiet.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_forces(&mut self, wire: &mut dyn Transport, quiet: u64) -> Result<u64, Lost> {
-        self.swap(wire, quiet, |pair| &mut pair.force)
+    pub fn swap_forces(&mut self, wire: &mut dyn Transport, changed: bool) -> Result<bool, Lost> {
+        self.quiet.note(changed);
+        let mut quiet = std::mem::take(&mut self.quiet);
+        self.swap(wire, Some(&mut quiet), |pair| &mut pair.force)?;
+        quiet.close();
+        self.quiet = quiet;
+        Ok(self.quiet.is_over())
     }
 
     /// Exchanges the guesses of pairs that several workers know.
@@ -407,29 +415,35 @@ impl PairTable {
     /// # Errors
     /// A worker is gone.
     pub fn swap_guesses(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.swap(wire, 0, |pair| &mut pair.guess).map(|_| ())
+        self.swap(wire, None, |pair| &mut pair.guess)
     }
 
-    fn swap(&mut self, wire: &mut dyn Transport, quiet: u64, of: fn(&mut Pair) -> &mut V3) -> Result<u64, Lost> {
+    fn swap(
+        &mut self,
+        wire: &mut dyn Transport,
+        mut quiet: Option<&mut quiet::Quiet>,
+        of: fn(&mut Pair) -> &mut V3,
+    ) -> Result<(), Lost> {
         for c in &self.common {
             self.words.clear();
-            self.words.push(quiet);
+            if let Some(quiet) = &quiet {
+                quiet.write(&mut self.words);
+            }
             for &i in &c.sent {
                 let f = of(&mut self.pairs[i as usize]);
                 self.words.extend([f.x, f.y, f.z].map(f64::to_bits));
             }
             wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
         }
-        let mut least = quiet;
         for c in &self.common {
             wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
-            least = least.min(self.words[0]);
-            for (&i, f) in c.received.iter().zip(self.words[1..].chunks_exact(3)) {
+            let forces = quiet.as_mut().map_or(&self.words[..], |q| q.read(&self.words));
+            for (&i, f) in c.received.iter().zip(forces.chunks_exact(3)) {
                 *of(&mut self.pairs[i as usize]) =
                     V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
             }
         }
-        Ok(least)
+        Ok(())
     }
 }
 

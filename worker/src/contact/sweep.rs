@@ -68,8 +68,7 @@ impl Sweeps<'_> {
         }
         self.feel(t);
         self.move_bodies(t, wire, true)?;
-        let workers = (wire.size() - 1) as u64;
-        let (mut quiet, mut sweeps) = (0, 0);
+        let mut sweeps = 0;
         for _ in 0..self.law.sweeps() {
             sweeps += 1;
             let changed = match iteration {
@@ -77,10 +76,7 @@ impl Sweeps<'_> {
                 Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p), Self::feel_at)?,
                 Iteration::Correct { partition } => self.correct(t, partition, wire)?,
             };
-            quiet = if changed { 0 } else { quiet + 1 };
-            if t.is_common() {
-                quiet = t.swap_forces(wire, quiet)?;
-            }
+            let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
             self.feel(t);
             if self.coupled {
                 // All workers hear of each other, and end together.
@@ -89,8 +85,7 @@ impl Sweeps<'_> {
                 }
                 continue;
             }
-            // Quiet news travels one worker per sweep: after as many quiet sweeps as there are workers, all are quiet.
-            if quiet >= if t.is_common() { workers } else { 1 } {
+            if quiet {
                 break;
             }
         }
@@ -140,7 +135,7 @@ impl Sweeps<'_> {
             let (force, mass) = t.pressed_on(k);
             let total = self.nodes.mass[n as usize] + mass;
             let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
-            self.bring(n, push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.mid));
+            self.bring(n, push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push));
         }
         let mut changed = false;
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
@@ -163,7 +158,7 @@ impl Sweeps<'_> {
     }
 
     fn feel_at(&mut self, k: u32, n: u32, total: &V3) {
-        let v = push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.mid);
+        let v = push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.push);
         self.bring(n, v);
     }
 

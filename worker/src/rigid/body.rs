@@ -184,8 +184,12 @@ impl Body {
             return (V3::zeros(), V3::zeros());
         }
         let by = -b / (1.0 + b);
-        let mut impulse = (self.next.velocity + self.last.velocity) * (self.mass * by);
-        let angular = (self.next.angular + self.last.angular) * by;
+        let impulse = (self.next.velocity + self.last.velocity) * (self.mass * by);
+        self.slow(impulse, (self.next.angular + self.last.angular) * by)
+    }
+
+    /// Adds impulses of damping, which does not act where the body is held; returns those that did act.
+    pub fn slow(&mut self, mut impulse: V3, angular: V3) -> (V3, V3) {
         for c in (0..3).filter(|&c| self.held[c]) {
             impulse[c] = 0.0;
         }

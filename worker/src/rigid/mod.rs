@@ -87,8 +87,8 @@ pub struct Bodies {
     share: Vec<f64>,
     /// Whether contact pairs touch a body in this step.
     coupled: bool,
-    /// What damping gave each body in this step.
-    damped: Vec<(V3, V3)>,
+    /// What damping gave each body in this step: without contact, and against its forces.
+    damped: Vec<[(V3, V3); 2]>,
     /// Impulses of walls in this step.
     pushes: Vec<Push>,
     acting: Vec<Acting>,
@@ -146,7 +146,7 @@ impl Bodies {
             all.beyond.push(beyond);
         }
         all.share = vec![0.0; all.bodies.len()];
-        all.damped = vec![(V3::zeros(), V3::zeros()); all.bodies.len()];
+        all.damped = vec![[(V3::zeros(), V3::zeros()); 2]; all.bodies.len()];
         Ok(all)
     }
 
@@ -194,7 +194,6 @@ impl Bodies {
         &mut self,
         wire: &mut dyn Transport,
         nodes: &mut Nodes,
-        damping: f64,
         time: f64,
         steps: Steps,
     ) -> Result<(), Lost> {
@@ -213,9 +212,9 @@ impl Bodies {
             body.begin(time, steps.dt);
         }
         self.push_all(steps.mid);
-        let b = 0.5 * damping * steps.mid;
+        let b = steps.mid / steps.push - 1.0;
         for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
-            *damped = body.damp(b);
+            *damped = [body.damp(b), (V3::zeros(), V3::zeros())];
         }
         self.free.clear();
         self.free.extend(self.bodies.iter().map(|b| b.next));
@@ -300,6 +299,7 @@ impl Bodies {
             body.next = *free;
         }
         self.push_all(steps.mid);
+        self.slow_all(steps);
         self.keep_out(walls, steps.dt);
         for &n in touched {
             if let Some(b) = self.of(n) {
@@ -330,19 +330,26 @@ impl Bodies {
         for m in &self.members {
             nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
         }
-        if nodes.me == 0 { self.book(walls) } else { BodyWork::default() }
+        if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }
     }
 
     /// Books impulses of walls and gives the work of walls, damping and constraints.
-    fn book(&self, walls: &mut Walls) -> BodyWork {
+    fn book(&self, walls: &mut Walls, steps: Steps) -> BodyWork {
         let mut work = BodyWork::default();
+        // What a wall gives, and what damping takes of it.
+        let given = steps.mid / steps.push;
         for p in &self.pushes {
             let body = &self.bodies[p.body];
-            work.wall += body.work(&p.impulse, &p.arm.cross(&p.impulse));
-            (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c]);
+            let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));
+            work.wall += felt * given;
+            work.external += felt * (1.0 - given);
+            (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c] * given);
         }
-        for (body, (impulse, angular)) in self.bodies.iter().zip(&self.damped) {
-            work.external += body.work(impulse, angular) + body.led();
+        for (body, damped) in self.bodies.iter().zip(&self.damped) {
+            work.external += body.led();
+            for (impulse, angular) in damped {
+                work.external += body.work(impulse, angular);
+            }
         }
         work
     }
@@ -372,12 +379,20 @@ impl Bodies {
     /// Adds the impulses of what acts, in ascending node id.
     fn push_all(&mut self, mid: f64) {
         for run in self.acting.chunk_by(|a, b| a.body == b.body) {
-            let (mut force, mut angular) = (V3::zeros(), V3::zeros());
-            for a in run {
-                force += V3::from(a.force);
-                angular += V3::from(a.angular);
-            }
+            let (force, angular) = added_up(run);
             self.bodies[run[0].body as usize].push(&(force * mid), &(angular * mid));
+        }
+    }
+
+    /// Lets damping take its part of the forces that have just been added.
+    fn slow_all(&mut self, steps: Steps) {
+        let by = steps.push - steps.mid;
+        if by == 0.0 {
+            return;
+        }
+        for run in self.acting.chunk_by(|a, b| a.body == b.body) {
+            let (body, (force, angular)) = (run[0].body as usize, added_up(run));
+            self.damped[body][1] = self.bodies[body].slow(force * by, angular * by);
         }
     }
 
@@ -409,6 +424,11 @@ impl Bodies {
             }
         }
     }
+}
+
+/// Force and moment of what acts on one body, in order.
+fn added_up(run: &[Acting]) -> (V3, V3) {
+    run.iter().fold((V3::zeros(), V3::zeros()), |sum, a| (sum.0 + V3::from(a.force), sum.1 + V3::from(a.angular)))
 }
 
 /// Notes what acts on an own member, if anything.

@@ -45,7 +45,7 @@ struct Kinematic {
 /// `velocity` says.
 fn needed(pair: &Pair, velocity: &V3, steps: Steps) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
-    let per_step = -pair.mass / steps.mid;
+    let per_step = -pair.mass / steps.push;
     (per_step * (overlap(pair) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
 }
 
@@ -84,7 +84,7 @@ impl ContactLaw for Kinematic {
         let change = (new_pressed - pressed).abs();
         // Friction under a light load is small against the gap's tolerance, and wanted all the same.
         let turns = (new_sheared - sheared).norm() > self.tolerance * self.friction * new_pressed;
-        let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.mid);
+        let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.push);
         let ends = pressed > 0.0 && new_pressed == 0.0;
         (ends || turns || change > floor.max(self.tolerance * new_pressed.max(pressed)))
             .then(|| pair.normal * new_pressed + new_sheared)

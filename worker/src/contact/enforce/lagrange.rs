@@ -50,7 +50,7 @@ impl ContactLaw for Lagrange {
     }
 
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
-        let [soft_n, soft_t] = pair.compliance.map(|c| steps.mid * c);
+        let [soft_n, soft_t] = pair.compliance.map(|c| steps.push * c);
         if soft_n <= 0.0 {
             return None; // both sides are held fixed
         }

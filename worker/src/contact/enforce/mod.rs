@@ -22,6 +22,9 @@ pub struct Steps {
     pub dt: f64,
     /// From the last to the next mid-step: velocities change by `mid` times the acceleration [time].
     pub mid: f64,
+    /// The same for the forces of contact and walls, which come after damping: with the damping a they change velocities by
+    /// `mid / (1 + a mid / 2)` times the acceleration, so that what is at rest needs no other forces than without [time].
+    pub push: f64,
     /// The step that elements and contact allow, which `dt` falls short of where a run comes to its end [time].
     pub whole: f64,
 }
@@ -119,7 +122,7 @@ fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
     }
     let (pressed, sheared) = split(&pair.force, &pair.normal);
     let (_, sliding) = split(velocity, &pair.normal);
-    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.mid * pair.compliance[1]);
+    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.push * pair.compliance[1]);
     let sticks = pressed > 0.0 && back.norm() < friction * pressed * (1.0 - 1e-9);
     if sticks { pair.slip + sliding * steps.dt } else { V3::zeros() }
 }

@@ -93,7 +93,7 @@ impl Scene {
         let mut ends = connect(2);
         let wire = ends.remove(1);
         let load = vec![V3::zeros(); points.len()];
-        let steps = Steps { dt, mid: dt, whole: dt };
+        let steps = Steps { dt, mid: dt, push: dt, whole: dt };
         Self { nodes, contact, wire, _master: ends, steps, load, springs: Vec::new(), work: 0.0 }
     }
 

@@ -42,21 +42,19 @@ impl PairTable {
         }
         order.phase.clear();
         order.phase.resize(self.pairs.len(), 0);
-        let workers = (wire.size() - 1) as u64;
-        let mut quiet = 0;
-        // Phases only rise, from the lowest that others' may be. They stand when nobody has raised one for as many rounds
-        // as there are workers: news travels one worker per round.
+        // Phases only rise, from the lowest that others' may be. They stand when nobody raises one any more.
         loop {
             let changed = self.raise_phases(&mut order);
-            quiet = if changed { 0 } else { quiet + 1 };
-            if self.common.is_empty() {
+            if !self.is_common() {
                 break;
             }
-            quiet = self.swap_phases(wire, &mut order, quiet)?;
-            if quiet >= workers {
+            self.quiet.note(changed);
+            self.swap_phases(wire, &mut order)?;
+            if self.quiet.is_over() {
                 break;
             }
         }
+        self.quiet.restart();
         order.own.clear();
         order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].own));
         order.own.sort_by_key(|&i| order.phase[i as usize]);
@@ -84,20 +82,20 @@ impl PairTable {
         changed
     }
 
-    fn swap_phases(&mut self, wire: &mut dyn Transport, order: &mut Order, quiet: u64) -> Result<u64, Lost> {
+    fn swap_phases(&mut self, wire: &mut dyn Transport, order: &mut Order) -> Result<(), Lost> {
         for c in &self.common {
             self.words.clear();
-            self.words.push(quiet);
+            self.quiet.write(&mut self.words);
             self.words.extend(c.sent.iter().map(|&i| u64::from(order.phase[i as usize])));
             wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
         }
-        let mut least = quiet;
         for c in &self.common {
             wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
-            least = least.min(self.words[0]);
-            c.received.iter().zip(&self.words[1..]).for_each(|(&i, &p)| order.phase[i as usize] = p as u32);
+            let phases = self.quiet.read(&self.words);
+            c.received.iter().zip(phases).for_each(|(&i, &p)| order.phase[i as usize] = p as u32);
         }
-        Ok(least)
+        self.quiet.close();
+        Ok(())
     }
 
     /// One sweep in order. `update` gives a pair's new force, if it has one; `feel` takes a place in `touched`,

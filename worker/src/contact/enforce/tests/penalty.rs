@@ -93,7 +93,7 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     // What bounds the stiffness is the step: no other one before.
     let bounded = of.law == "penalty" && of.penalty_cap;
     let mut scene = rods(of, if bounded { dt } else { 0.1 });
-    scene.steps = Steps { dt, mid: dt, whole: dt };
+    scene.steps = Steps { dt, mid: dt, push: dt, whole: dt };
     scene.nodes.v[4 * (CELLS + 1)][2] += kick;
     let mut fastest = 0.0f64;
     for _ in 0..400 {
