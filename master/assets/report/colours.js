@@ -85,9 +85,9 @@ function colourings(model, facts) {
   return ways;
 }
 
-/** What all but a thirtieth of the elements have at most at the last time: a few that are torn do not spoil the scale. */
+/** What all but a twentieth of the elements have at most at the last time: a few that are torn do not spoil the scale. */
 function usual(model, s, value) {
   const last = model.frames[model.frames.length - 1];
   const there = last.scalars[s].filter((number, e) => number !== NO_VALUE && last.state[e]).sort();
-  return there.length ? value(there[Math.floor(0.97 * (there.length - 1))]) : 0;
+  return there.length ? value(there[Math.floor(0.95 * (there.length - 1))]) : 0;
 }

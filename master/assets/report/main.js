@@ -62,7 +62,7 @@ class Page {
     this.model = decode(await unpacked(packed.textContent), model);
     packed.remove();
     this.ways = colourings(this.model, this.facts);
-    this.way = this.ways[0];
+    this.way = this.ways.find((way) => way.kinds || way.most > 0);
     this.shown = this.model.parts.map(() => true);
     try {
       this.view = new View(byId("canvas"), this.model, this.facts.walls);
@@ -110,7 +110,7 @@ class Page {
       this.colour(this.way);
     });
     addEventListener("keydown", (event) => this.key(event));
-    new ResizeObserver(() => this.view.fit()).observe(byId("stage"));
+    resized(byId("stage"), () => this.view.fit());
   }
 
   /** Colours of the page, light or dark. */
@@ -234,6 +234,11 @@ class Page {
   }
 }
 
+/** Acts when an element has another size, once the page has been laid out. */
+function resized(element, act) {
+  new ResizeObserver(() => requestAnimationFrame(act)).observe(element);
+}
+
 /** A time with as many digits as its span needs. */
 function clock(time, span) {
   if (!(span > 0)) return digits(time);
@@ -290,7 +295,7 @@ async function begin() {
   const page = new Page(JSON.parse(byId("facts").textContent));
   window.crumple = page;
   page.dark.addEventListener("change", () => page.dress());
-  new ResizeObserver(() => page.plots && page.plots.fit()).observe(byId("plots"));
+  if (page.plots) resized(byId("plots"), () => page.plots.fit());
   try {
     await page.picture();
     root.dataset.state = "ready";

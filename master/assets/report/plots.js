@@ -3,6 +3,11 @@
 
 const PLOT_HEIGHT = 190;
 
+/** Room for the longest of the labels, of letters 7 pixels wide; the same for all plots where that is enough. */
+function besideTicks(_, labels) {
+  return Math.max(62, ...(labels || []).map((label) => 16 + 7 * label.length));
+}
+
 class Plots {
   /** `go` is called with the time at which a plot is clicked. */
   constructor(place, data, go) {
@@ -50,7 +55,7 @@ class Plots {
       scales: { x: { time: false } },
       axes: [
         { ...axis, size: 34 },
-        { ...axis, size: 62, values: (_, ticks) => ticks.map((tick) => digits(tick)) },
+        { ...axis, size: besideTicks, values: (_, ticks) => ticks.map((tick) => digits(tick)) },
       ],
       legend: { live: true },
       cursor: { sync: { key: "time", setSeries: false }, drag: { x: true, y: false } },

@@ -3,6 +3,9 @@
 
 /** From where each view looks. z is up; from above, where it cannot be, y is. */
 const VIEWS = { iso: [-0.75, -1.1, 0.7], front: [-1, 0, 0], side: [0, -1, 0], top: [0, -1e-4, 1] };
+/** Width of the legend [pixels]. */
+const LEGEND = 120;
+
 class View {
   /** Throws where there is no WebGL. */
   constructor(canvas, model, walls) {
@@ -16,6 +19,7 @@ class View {
     this.camera = new THREE.PerspectiveCamera(28, 1, 0.1, 10);
     this.camera.up.set(0, 0, 1);
     this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => this.draw());
     this.surface = new Surface(model);
     this.scene.add(...this.surface.objects);
@@ -30,6 +34,7 @@ class View {
     this.moved = [0, 0, 0];
     this.drawn = 0;
     this.sharpness = 1;
+    this.free = 1;
   }
 
   /** Takes colours of the page. */
@@ -56,7 +61,7 @@ class View {
     let distance = 0;
     for (let corner = 0; corner < 8; corner++) {
       const at = new THREE.Vector3(...low.map((a, c) => (corner & (1 << c) ? high[c] : a))).sub(middle);
-      const across = Math.abs(at.dot(right)) / this.camera.aspect;
+      const across = Math.abs(at.dot(right)) / (this.camera.aspect * this.free);
       distance = Math.max(distance, at.dot(direction) + Math.max(across, Math.abs(at.dot(above))) / slope);
     }
     const size = Math.hypot(...low.map((a, c) => high[c] - a)) || 1;
@@ -100,7 +105,10 @@ class View {
     this.renderer.setPixelRatio(this.sharpness * Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
-    this.camera.updateProjectionMatrix();
+    // The legend stands on the right: the model's place is the middle of what is left of it.
+    const legend = clientWidth > 4 * LEGEND ? LEGEND : 0;
+    this.free = 1 - legend / clientWidth;
+    this.camera.setViewOffset(clientWidth, clientHeight, 0.5 * legend, 0, clientWidth, clientHeight);
     this.draw();
   }
 
