@@ -65,4 +65,7 @@ Results in $(cd "$out" && pwd):
 END
 fi
 [[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input, 3 numerical failure, 4 a worker lost, 130 stopped)" >&2
+if [[ -f $out/report.html ]]; then
+    echo "The crash, its plots and its tables on one page: $(cd "$out" && pwd)/report.html"
+fi
 exit "$code"

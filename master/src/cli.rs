@@ -46,6 +46,14 @@ pub enum Command {
     /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with costs that are measured here
     /// and with a network that is not: more than two workers are modelled.
     Scale(ScaleArgs),
+    /// Make report.html in a folder of results: a picture that plays and turns, plots, tables and warnings on one page.
+    ///
+    /// `crumple run` does so at its end; this makes it anew, of what is in the folder alone. It opens from disk, without any
+    /// network, and takes runs that failed or were stopped as well.
+    Report {
+        /// Folder of results.
+        dir: PathBuf,
+    },
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -83,6 +91,9 @@ pub struct RunArgs {
     /// Write a time line of all workers, phase by phase, for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+    /// Do not make report.html at the end.
+    #[arg(long)]
+    pub no_report: bool,
 }
 
 /// `crumple verify`.

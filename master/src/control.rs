@@ -399,6 +399,8 @@ impl<'a> Control<'a> {
         let (first, last) = (self.history.first.unwrap_or_default().sum, self.history.last.unwrap_or_default());
         let (e, i) = (last.sum.energies, first.energies);
         let summary = Summary {
+            title: self.model.job.title.clone(),
+            units: self.model.job.units.clone(),
             status,
             reason,
             end_time: end.time,
@@ -445,6 +447,7 @@ impl<'a> Control<'a> {
                 capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
             parts: summary::parts(&self.model.job, &self.model.mesh, &self.model.settings.parts, &closings),
+            walls: self.model.job.wall.clone(),
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");

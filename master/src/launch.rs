@@ -3,6 +3,7 @@
 use crate::cli::RunArgs;
 use crate::control::{self, Results, RunError};
 use crate::job::{self, Model, Report};
+use crate::report;
 use crate::say::say;
 use crate::stop::StopFlag;
 use crate::summary::{Status, Summary};
@@ -119,9 +120,13 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
         eprint!("{}", model.show(warning));
     }
     log_to(&out);
+    model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
+    report::forget(&out); // of an older run
     let stop = StopFlag::listen(false);
     let results = Results { out: &out, trace: args.trace.as_deref() };
-    match control::run(model, wire, results, args.quiet, &stop) {
+    let ended = control::run(model, wire, results, args.quiet, &stop);
+    let made = (!args.no_report).then(|| report::write(&out, args.quiet));
+    let code = match ended {
         Ok(summary) => {
             if !args.quiet {
                 print_summary(&summary, &out);
@@ -139,7 +144,13 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
             eprintln!("error: {error}");
             if matches!(error, RunError::Lost(_)) { WORKER_LOST } else { Report::EXIT_CODE }
         }
+    };
+    match made.filter(|_| !args.quiet) {
+        Some(Ok(made)) => say!("{made}"),
+        Some(Err(why)) => eprintln!("warning: there is no report: {why}"),
+        None => {}
     }
+    code
 }
 
 /// Events of master and threads go to `log.jsonl`; a folder that cannot be written is found out by the run itself.

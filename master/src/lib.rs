@@ -11,6 +11,7 @@
 //! - [`scale`]: `crumple scale`, parallel efficiency on any number of workers, predicted
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`trace`]: `crumple run --trace`, a time line of all workers
+//! - [`report`]: `crumple report`, a page that shows a run; [`field_file`]: field files read back
 //! - [`history`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
 pub mod advise;
@@ -22,12 +23,14 @@ pub mod control;
 pub mod cost;
 pub mod decompose;
 pub mod embedded;
+pub mod field_file;
 pub mod fields;
 pub mod history;
 pub mod job;
 pub mod launch;
 pub mod pieces;
 pub mod progress;
+pub mod report;
 pub mod say;
 pub mod scale;
 pub mod stop;

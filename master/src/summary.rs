@@ -1,7 +1,7 @@
 //! `summary.json`: how a run went.
 
 use crate::pieces::{Piece, pieces};
-use crumple_proto::job::{Job, Part};
+use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{Closing, PHASES, PartRecord};
@@ -179,6 +179,10 @@ pub fn parts(job: &Job, mesh: &Mesh, parts: &[Part], closings: &[Closing]) -> Ve
 /// The whole file.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
+    /// What the scene is, as the job says.
+    pub title: String,
+    /// Units of the job, as it says.
+    pub units: String,
     /// How it ended.
     pub status: Status,
     /// Why.
@@ -217,6 +221,8 @@ pub struct Summary {
     pub contact: ContactSummary,
     /// Parts, in ascending id.
     pub parts: Vec<PartSummary>,
+    /// Rigid walls of the job.
+    pub walls: Vec<Wall>,
     /// blake3 of the state; see [`state_digest`].
     pub state_digest: String,
 }

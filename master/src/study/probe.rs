@@ -3,8 +3,8 @@
 //! Point arrays count for an element as the mean over its corners, so that the mean over equal elements of a part is
 //! the mean over its mass.
 
-use crumple_worker::vtu::{self, Array, CELL_ARRAYS, Kind, POINT_ARRAYS};
-use std::collections::HashMap;
+use crate::field_file::{Piece, pieces_of_folder};
+use crumple_worker::vtu::{self, Array, CELL_ARRAYS, POINT_ARRAYS};
 use std::path::{Path, PathBuf};
 
 /// Values of a field, element by element, at the output step nearest to `at` (the last without it).
@@ -83,65 +83,12 @@ fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
     let cannot = |error: std::io::Error| format!("{}: {error}; does the job write fields?", fields.display());
     let mut steps = Vec::new();
     for entry in std::fs::read_dir(&fields).map_err(cannot)? {
-        let path = entry.map_err(cannot)?.path();
-        let first = path.join(vtu::piece_name(0));
-        if first.is_file() {
-            steps.push((Piece::read(&first)?.time, path));
+        let pieces = pieces_of_folder(&entry.map_err(cannot)?.path());
+        if let Some(first) = pieces.first() {
+            steps.push((Piece::read(first)?.time, pieces));
         }
     }
     let distance = |time: f64| at.map_or(-time, |at| (time - at).abs());
     let nearest = steps.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
-    let (_, step) = nearest.ok_or_else(|| format!("{} holds no output step", fields.display()))?;
-    Ok((0..).map(|worker| step.join(vtu::piece_name(worker))).take_while(|path| path.is_file()).collect())
-}
-
-/// A piece as it was written: the arrays behind the XML by their names.
-struct Piece {
-    time: f64,
-    path: PathBuf,
-    arrays: HashMap<String, (Kind, usize)>,
-    bytes: Vec<u8>,
-}
-
-impl Piece {
-    fn read(path: &Path) -> Result<Self, String> {
-        let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let mark = b"<AppendedData encoding=\"raw\">\n_";
-        let broken = || format!("{} is no field file of this program", path.display());
-        let start = bytes.windows(mark.len()).position(|w| w == mark).ok_or_else(broken)?;
-        let head = String::from_utf8_lossy(&bytes[..start]).into_owned();
-        let attribute = |line: &str, name: &str| {
-            let (_, rest) = line.split_once(&format!("{name}=\""))?;
-            rest.split('"').next().map(String::from)
-        };
-        let (mut arrays, mut time) = (HashMap::new(), None);
-        for line in head.lines() {
-            let (Some(name), Some(kind)) = (attribute(line, " Name"), attribute(line, " type")) else { continue };
-            let kinds = [Kind::F32, Kind::U32, Kind::I64, Kind::U8];
-            let kind = kinds.into_iter().find(|k| k.vtk_name() == kind);
-            match (attribute(line, " offset").and_then(|o| o.parse::<usize>().ok()), kind) {
-                (Some(offset), Some(kind)) => drop(arrays.insert(name, (kind, start + mark.len() + offset))),
-                _ if name == "TimeValue" => {
-                    let text = line.split_once("format=\"ascii\">").and_then(|(_, rest)| rest.split('<').next());
-                    time = text.and_then(|t| t.parse().ok());
-                }
-                _ => {}
-            }
-        }
-        Ok(Self { time: time.ok_or_else(broken)?, path: path.to_owned(), arrays, bytes })
-    }
-
-    fn array(&self, name: &str) -> Result<Vec<f64>, String> {
-        let broken = || format!("{} has no whole array `{name}`", self.path.display());
-        let &(kind, start) = self.arrays.get(name).ok_or_else(broken)?;
-        let length = self.bytes.get(start..start + 8).ok_or_else(broken)?;
-        let length = u64::from_ne_bytes(length.try_into().map_err(|_| broken())?) as usize;
-        let data = self.bytes.get(start + 8..start + 8 + length).ok_or_else(broken)?;
-        Ok(match kind {
-            Kind::F32 => bytemuck::pod_collect_to_vec::<u8, f32>(data).into_iter().map(f64::from).collect(),
-            Kind::U32 => bytemuck::pod_collect_to_vec::<u8, u32>(data).into_iter().map(f64::from).collect(),
-            Kind::I64 => bytemuck::pod_collect_to_vec::<u8, i64>(data).into_iter().map(|i| i as f64).collect(),
-            Kind::U8 => data.iter().copied().map(f64::from).collect(),
-        })
-    }
+    nearest.map(|step| step.1).ok_or_else(|| format!("{} holds no output step", fields.display()))
 }

@@ -118,7 +118,7 @@ fn one(study: &Study, point: &Point, out: &Path, stop: &StopFlag) -> Result<Opti
     fs::create_dir_all(&folder).map_err(cannot)?;
     let words = folder.join("stderr.txt");
     let mut command = Command::new(std::env::current_exe().map_err(cannot)?);
-    command.arg("run").arg(&study.job).args(["--workers", "1", "--quiet", "--out"]).arg(&folder);
+    command.arg("run").arg(&study.job).args(["--workers", "1", "--quiet", "--no-report", "--out"]).arg(&folder);
     for set in &point.sets {
         command.args(["--set", set]);
     }

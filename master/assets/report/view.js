@@ -1,0 +1,182 @@
+"use strict";
+// The stage: camera, walls, and what is drawn when.
+
+/** From where each view looks. z is up; from above, where it cannot be, y is. */
+const VIEWS = { iso: [-0.75, -1.1, 0.7], front: [-1, 0, 0], side: [0, -1, 0], top: [0, -1e-4, 1] };
+/** Width of the legend [pixels]. */
+const LEGEND = 120;
+
+class View {
+  /** Throws where there is no WebGL. */
+  constructor(canvas, model, walls) {
+    this.software = drawnBySoftware();
+    const options = { alpha: false, antialias: !this.software, powerPreference: "high-performance" };
+    const context = canvas.getContext("webgl2", options);
+    if (!context) throw new Error("no context");
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
+    this.canvas = canvas;
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(28, 1, 0.1, 10);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener("change", () => this.draw());
+    this.surface = new Surface(model);
+    this.scene.add(...this.surface.objects);
+    this.boxes = model.frames.map((frame) => boxOf(model, frame));
+    this.middles = this.boxes.map(({ low, high }) => low.map((a, c) => 0.5 * (a + high[c])));
+    this.whole = whole(this.boxes);
+    this.walls = walls.map((wall) => wallObjects(wall, this.whole)).filter((objects) => objects);
+    this.walls.forEach((objects) => this.scene.add(...objects));
+    // The model is in front of its walls: a view from behind one of them would look through it.
+    this.mirrored = walls.some(({ normal }) => normal?.[0] > 0.5) && !walls.some(({ normal }) => normal?.[0] < -0.5);
+    this.following = 0;
+    this.moved = [0, 0, 0];
+    this.drawn = 0;
+    this.sharpness = 1;
+    this.free = 1;
+  }
+
+  /** Takes colours of the page. */
+  dress(style) {
+    const parsed = (name) => rgb(style.getPropertyValue(name));
+    this.renderer.setClearColor(toHex(parsed("--sky")), 1);
+    this.edgeColour = parsed("--edge");
+    for (const wall of this.walls) {
+      for (const object of wall) object.material.color.setHex(toHex(parsed("--wall")));
+    }
+  }
+
+  /** Looks from a named direction at all that the model sweeps. */
+  look(name) {
+    const direction = new THREE.Vector3(...VIEWS[name]);
+    if (name === "iso" && this.mirrored) direction.x = -direction.x;
+    direction.normalize();
+    const { low, high } = this.following ? this.boxes[0] : this.whole;
+    const middle = new THREE.Vector3(...low.map((a, c) => 0.5 * (a + high[c])));
+    // Far enough that all corners of the box are seen.
+    const right = new THREE.Vector3().crossVectors(this.camera.up, direction).normalize();
+    const above = new THREE.Vector3().crossVectors(direction, right);
+    const slope = Math.tan((0.5 * this.camera.fov * Math.PI) / 180);
+    let distance = 0;
+    for (let corner = 0; corner < 8; corner++) {
+      const at = new THREE.Vector3(...low.map((a, c) => (corner & (1 << c) ? high[c] : a))).sub(middle);
+      const across = Math.abs(at.dot(right)) / (this.camera.aspect * this.free);
+      distance = Math.max(distance, at.dot(direction) + Math.max(across, Math.abs(at.dot(above))) / slope);
+    }
+    const size = Math.hypot(...low.map((a, c) => high[c] - a)) || 1;
+    distance = 1.08 * Math.max(distance, 1e-3 * size);
+    this.camera.position.copy(middle).addScaledVector(direction, distance);
+    this.camera.near = 1e-3 * size;
+    this.camera.far = 50 * size;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(middle);
+    this.moved = [0, 0, 0];
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Shows the model between two frames. */
+  show(first, fraction, way, shown, model, changed) {
+    const frames = model.frames;
+    const last = frames.length - 1;
+    const next = Math.min(first + 1, last);
+    if (changed) this.surface.show(frames[first], frames[next], way, shown);
+    this.surface.between(fraction);
+    if (this.following) {
+      const middle = this.middles[first].map((a, c) => a + fraction * (this.middles[next][c] - a) - this.middles[0][c]);
+      const step = new THREE.Vector3(...middle.map((a, c) => a - this.moved[c]));
+      this.moved = middle;
+      this.camera.position.add(step);
+      this.controls.target.add(step);
+    }
+    this.controls.update();
+    this.draw();
+  }
+
+  edges(on) {
+    this.surface.edges(on, this.edgeColour);
+  }
+
+  /** Fits the canvas. */
+  fit() {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (!clientWidth || !clientHeight) return;
+    this.renderer.setPixelRatio(this.sharpness * Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    // The legend stands on the right: the model's place is the middle of what is left of it.
+    const legend = clientWidth > 4 * LEGEND ? LEGEND : 0;
+    this.free = 1 - legend / clientWidth;
+    this.camera.setViewOffset(clientWidth, clientHeight, 0.5 * legend, 0, clientWidth, clientHeight);
+    this.draw();
+  }
+
+  /** Draws with this fraction of the pixels of a line, down to half of them. */
+  sharpen(fraction) {
+    const sharpness = Math.min(Math.max(fraction, 0.5), 1);
+    if (sharpness === this.sharpness) return;
+    this.sharpness = sharpness;
+    this.fit();
+  }
+
+  draw() {
+    this.renderer.render(this.scene, this.camera);
+    this.drawn++;
+  }
+
+  /** Share of the pixels that are not background. */
+  covered() {
+    this.draw();
+    const gl = this.renderer.getContext();
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+    const pixels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    let other = 0;
+    for (let i = 4; i < pixels.length; i += 4) if (pixels[i] !== pixels[0] || pixels[i + 1] !== pixels[1]) other++;
+    return other / (width * height);
+  }
+
+  showWalls(on) {
+    for (const wall of this.walls) for (const object of wall) object.visible = on;
+    this.draw();
+  }
+}
+
+/** Whether there is no graphics card: smoothing costs half of each frame then, and is left out. */
+function drawnBySoftware() {
+  const context = document.createElement("canvas").getContext("webgl2");
+  if (!context) return false;
+  const more = context.getExtension("WEBGL_debug_renderer_info");
+  const name = String(context.getParameter(more ? more.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+/** The box around all boxes; the first one alone if a model that blows up would be a dot in it. */
+function whole(boxes) {
+  const size = ({ low, high }) => Math.hypot(...low.map((a, c) => high[c] - a));
+  const all = {
+    low: [0, 1, 2].map((c) => Math.min(...boxes.map((box) => box.low[c]))),
+    high: [0, 1, 2].map((c) => Math.max(...boxes.map((box) => box.high[c]))),
+  };
+  return size(all) > 8 * size(boxes[0]) ? boxes[0] : all;
+}
+
+/** Whether the model travels so far that the camera had better go with it. */
+function travels(view) {
+  const { low, high } = view.boxes[0];
+  const size = Math.hypot(...low.map((a, c) => high[c] - a));
+  const last = view.middles[view.middles.length - 1];
+  return Math.hypot(...last.map((a, c) => a - view.middles[0][c])) > size;
+}
+
+/** Bytes of a colour as style sheets write it (#rrggbb). */
+function rgb(text) {
+  const number = parseInt(text.trim().slice(1), 16);
+  return [(number >> 16) & 255, (number >> 8) & 255, number & 255];
+}
+
+function toHex([r, g, b]) {
+  return (r << 16) | (g << 8) | b;
+}

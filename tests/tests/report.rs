@@ -1,0 +1,145 @@
+//! The page that shows a run: made of what the run left, and drawn by a browser without a fault.
+
+use crumple_tests::program::{Ended, crumple_with, run};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+/// A few milliseconds of two bars, on two workers.
+const RUN: [&str; 4] = ["run", "cases/bars", "--workers", "2"];
+
+fn bars(more: &[&str]) -> Ended {
+    run(crumple_with(
+        &[&RUN[..], &["--set", "time.max_cycles=60", "--set", "output.field_interval=0.01"], more].concat(),
+    ))
+}
+
+fn page(run: &Ended) -> String {
+    fs::read_to_string(run.out().join("report.html")).unwrap_or_else(|e| panic!("report.html: {e}: {}", run.said()))
+}
+
+/// What stands between two marks.
+fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
+    let rest = text.split_once(begin).unwrap_or_else(|| panic!("no {begin}")).1;
+    rest.split_once(end).unwrap_or_else(|| panic!("no {end}")).0
+}
+
+fn facts(page: &str) -> serde_json::Value {
+    let json = between(page, r#"<script type="application/json" id="facts">"#, "</script>");
+    serde_json::from_str(json).expect("facts are JSON")
+}
+
+#[test]
+fn a_run_leaves_a_page_and_report_makes_the_same_again() {
+    let ended = bars(&[]).with_code(0);
+    assert!(ended.said().contains("report.html"), "{}", ended.said());
+    let first = page(&ended);
+    let summary = ended.summary();
+    let facts = facts(&first);
+    let quads = summary["elements"]["quad4"].as_u64().unwrap();
+    assert_eq!(facts["model"]["elements"].as_u64(), Some(quads), "shells are all seen");
+    assert_eq!(facts["model"]["frames"].as_array().unwrap().len(), ended.read_fields());
+    assert!(first.contains(summary["state_digest"].as_str().unwrap()), "the summary is on the page");
+    assert_eq!(facts["plots"]["plots"][0]["title"], "Energies");
+
+    fs::remove_file(ended.out().join("report.html")).unwrap();
+    run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
+    assert!(page(&ended) == first, "the same results make the same page");
+    // What is damaged or missing is told by name, and the rest is shown.
+    let piece = ended.out().join("fields/step_000000/piece_001.vtu");
+    let whole = fs::read(&piece).unwrap();
+    fs::write(&piece, &whole[..whole.len() * 9 / 10]).unwrap();
+    fs::remove_file(ended.out().join("history.csv")).unwrap();
+    let said = run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0).said();
+    assert!(said.contains("step_000000/piece_001.vtu: ends within array") && said.contains("history.csv: "), "{said}");
+    assert!(page(&ended).contains("Not read: "), "problems are on the page");
+}
+
+#[test]
+fn a_run_can_do_without_and_so_can_its_fields() {
+    let ended = bars(&["--no-report"]).with_code(0);
+    assert!(!ended.out().join("report.html").exists());
+    let ended = bars(&["--set", "output.field_interval=-1"]).with_code(0);
+    assert!(facts(&page(&ended))["model"].is_null());
+}
+
+#[test]
+fn a_run_that_failed_has_a_page_that_says_why() {
+    let ended = run(crumple_with(&[&RUN[..], &["--set", "time.safety=3"]].concat())).with_code(3);
+    let page = page(&ended);
+    let warnings = between(&page, r#"<section id="warnings""#, "</section>");
+    let reason = ended.summary()["reason"].as_str().unwrap().split(':').next().unwrap().to_owned();
+    assert!(warnings.contains("The run failed") && warnings.contains(&reason), "{warnings}");
+}
+
+#[test]
+fn a_folder_of_nothing_is_bad_input() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = run(crumple_with(&["report", &dir.path().display().to_string()])).with_code(2).said();
+    assert!(said.contains("holds nothing of a run") && said.contains("summary.json"), "{said}");
+}
+
+/// `CRUMPLE_CHROMIUM`, or the first that is found in `PATH`.
+fn browser() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("CRUMPLE_CHROMIUM") {
+        return Some(PathBuf::from(named));
+    }
+    let path = std::env::var_os("PATH")?;
+    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+    std::env::split_paths(&path).flat_map(|dir| names.map(|name| dir.join(name))).find(|file| file.is_file())
+}
+
+/// What the page is after its scripts have run. Pictures are drawn by software, so that no graphics card is needed.
+fn opened(browser: &Path, page: &Path, fragment: &str, profile: &Path, more: &[&str]) -> String {
+    let mut command = Command::new(browser);
+    command.args([
+        "--headless=new",
+        "--no-sandbox",
+        "--use-gl=angle",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ]);
+    command.args(["--window-size=1400,900", "--virtual-time-budget=20000", "--dump-dom"]);
+    command.arg(format!("--user-data-dir={}", profile.display())).args(more);
+    command.arg(format!("file://{}#{fragment}", page.display()));
+    let ended = run(command);
+    assert!(ended.took < Duration::from_secs(120));
+    ended.said()
+}
+
+fn attribute(html: &str, name: &str) -> Option<String> {
+    let tag = html.split_once("<html")?.1.split_once('>')?.0;
+    Some(tag.split_once(&format!("data-{name}=\""))?.1.split_once('"')?.0.to_owned())
+}
+
+#[test]
+fn a_browser_draws_the_page_without_a_fault() {
+    let Some(browser) = browser() else {
+        eprintln!("skipped: no Chromium in PATH, and CRUMPLE_CHROMIUM does not name one");
+        return;
+    };
+    let profile = tempfile::tempdir().unwrap();
+    let ended = bars(&[]).with_code(0);
+    let file = ended.out().join("report.html");
+    for fragment in ["check", "check&colour=part&edges=0&time=0.02", "check&colour=element class&view=top"] {
+        let html = opened(&browser, &file, fragment, profile.path(), &[]);
+        let say = |name| attribute(&html, name);
+        assert_eq!(say("state").as_deref(), Some("ready"), "{:?} {}", say("why"), &html[..html.len().min(2000)]);
+        assert_eq!(say("errors").as_deref(), Some("0"), "{:?}", say("why"));
+        let covered: f64 = say("covered").unwrap().parse().unwrap();
+        assert!(covered > 0.002, "the model covers {covered} of the stage");
+        assert_eq!(
+            html.matches("class=\"uplot").count(),
+            facts(&page(&ended))["plots"]["plots"].as_array().unwrap().len()
+        );
+    }
+    // Without WebGL, and without fields: no picture, but words, plots and tables.
+    let html = opened(&browser, &file, "", profile.path(), &["--disable-3d-apis"]);
+    assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));
+    assert!(html.contains("shows no WebGL") && html.contains("class=\"uplot"), "{:?}", attribute(&html, "why"));
+    let ended = bars(&["--set", "output.field_interval=-1"]).with_code(0);
+    let html = opened(&browser, &ended.out().join("report.html"), "", profile.path(), &[]);
+    assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));
+    assert!(html.contains("left no field files"));
+}
