@@ -4,6 +4,7 @@
 # The tests find what they start by two variables, which this sets:
 #   CRUMPLE_BIN     the crumple binary with MPI in it; tests start it directly and with mpirun
 #   CRUMPLE_PYTHON  a Python with pyvista; tests read the field files through VTK with it. Unset: they skip that
+#   CRUMPLE_CHROMIUM  a Chromium that opens the report of a run. Unset: the first in PATH, and without one that is skipped
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -166,9 +166,8 @@ impl Columns {
         }
         let first = 1 + SCALARS.len();
         for (i, &node) in scene.nodes.iter().enumerate() {
-            let x = at(node);
-            for c in 0..3 {
-                let number = if x[c].is_finite() { grid.number(x[c], c) } else { before.numbers[first + c][i] };
+            for (c, x) in at(node).into_iter().enumerate() {
+                let number = if x.is_finite() { grid.number(x, c) } else { before.numbers[first + c][i] };
                 columns.numbers[first + c][i] = number;
             }
         }
