@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Pictures of verification cases that are outside their tolerance: the thick cylinder that locks (C12) and the cube that
-slides round a drum of facets (C18).
+"""Pictures of verification cases that are outside their tolerance: the thick cylinder that locks (C12), the cube that
+slides round a drum of facets (C18), and curves of what contact does wrong (C02, C06, C09, C15).
 
-    crumple verify --only C12,C18 --out DIR
+    crumple verify --only C02,C06,C09,C12,C15,C18 --out DIR
     deploy/failures.py CRUMPLE DIR --out cases/pictures
 
 CRUMPLE is the program; it runs jobs of DIR/jobs again, with fields, in DIR/drawn. Needs pyvista and matplotlib; needs no
@@ -24,13 +24,16 @@ MAGNIFIED = 2e3
 PLACES = 12
 SPEED = 10.0
 WINDOW = (1100, 560)
+# Laws in the curves, and steps of the fields that they are read from.
+LAWS = ("lagrange", "kinematic", "penalty")
+POINTS = 200
 
 
 def run(args, job, *settings):
     """Results of a job of the catalogue."""
     source, folder = args.verify / "jobs" / f"{job}.toml", args.verify / "drawn" / job
     if not source.is_file():
-        stop(f"{source} is missing; run `crumple verify --only C12,C18 --out {args.verify}` first")
+        stop(f"{source} is missing; run `crumple verify --only C02,C06,C09,C12,C15,C18 --out {args.verify}` first")
     done = subprocess.run([args.crumple, "run", source, "--workers", "1", "--quiet", "--out", folder, *settings])
     if done.returncode != 0:
         stop(f"{source} ended with exit code {done.returncode}")
@@ -113,6 +116,50 @@ def round_the_drum(args, pv):
     return scene
 
 
+def moving(args, pv, job, array):
+    """Times, and the array of all nodes at them [times, nodes, 3]."""
+    text = (args.verify / "jobs" / f"{job}.toml").read_text()
+    end = float(text.split("end_time = ")[1].split()[0])
+    steps = read_steps(run(args, job, "--set", f"output.field_interval={end / POINTS!r}"))
+    meshes = [(time, read_mesh(pv, files)) for time, files in steps]
+    return np.array([t for t, _ in meshes]), np.array([m.point_data[array] for _, m in meshes])
+
+
+def curves(args, pv):
+    """What contact does wrong over time, beside what it may do."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(2, 2, figsize=(11, 7.2), constrained_layout=True)
+    for law, colour in zip(LAWS, DISTINCT):
+        time, v = moving(args, pv, f"C02_{law}_1_mg_on_1_g_nodes", "velocity")
+        node = np.abs(v[0]).max(axis=1).argmax()
+        panels[0, 0].plot(1e6 * time, v[:, node, 2], color=colour, label=law)
+        time, v = moving(args, pv, f"C06_block_{law}", "velocity")
+        panels[0, 1].plot(1e6 * time, np.linalg.norm(v, axis=2).max(axis=1), color=colour, label=law)
+        time, u = moving(args, pv, f"C09_{law}_1.5", "displacement")
+        panels[1, 0].plot(1e3 * time, 1e6 * u[:, np.abs(u[-1, :, 0]).argmax(), 0], color=colour, label=law)
+        time, v = moving(args, pv, f"C15a_{law}", "velocity")
+        panels[1, 1].plot(1e6 * time, np.abs(v[:, :, 2]).max(axis=1), color=colour, label=law)
+    titles = (
+        ("C02: a node of 1 mg on nodes of 1 g; it may leave at 9.8 to 10.2 m/s", "time [us]", "its velocity [m/s]"),
+        ("C06: a block that starts 0.1 mm inside its base; limit 0.1 m/s", "time [us]", "fastest node [m/s]"),
+        ("C09: a block pushed to and fro at 1.5 mu N", "time [ms]", "displacement [um]"),
+        ("C15: 1 g between plates of 1 kg; all at rest afterwards", "time [us]", "fastest plate [m/s]"),
+    )
+    for axis, (title, x, y) in zip(panels.flat, titles):
+        axis.set_title(title, fontsize=9)
+        axis.set_xlabel(x)
+        axis.set_ylabel(y)
+        axis.grid(alpha=0.3)
+    panels[0, 1].axhline(0.1, color="#404040", linestyle="--", linewidth=1)
+    panels[1, 1].axhline(0.01, color="#404040", linestyle="--", linewidth=1)
+    panels[0, 0].legend()
+    figure.savefig(args.out / "contact_failures.png", dpi=110)
+
+
 def view(scene, towards=(0.0, 0.0, 1.0), up=(0.0, 1.0, 0.0)):
     """Parallel projection that holds all."""
     scene.set_background("white")
@@ -133,6 +180,7 @@ def main():
     except ImportError as error:
         stop(f"cannot import pyvista ({error}); pip install pyvista")
     args.out.mkdir(parents=True, exist_ok=True)
+    curves(args, pv)
     for name, draw in (("C12_locking", locked), ("C18_drum", round_the_drum)):
         scene = draw(args, pv)
         scene.enable_anti_aliasing("ssaa")

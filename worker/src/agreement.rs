@@ -25,6 +25,10 @@ pub struct Agreed {
     pub urgency: f64,
     /// Whether elements have failed.
     pub eroded: bool,
+    /// Whether workers that are apart tell each other of their motion in the next step.
+    pub check_in: bool,
+    /// No two nodes of contact surfaces had velocities that differ by more in the last step [length/time].
+    pub spread: f64,
 }
 
 /// What a worker knows after its element forces.
@@ -34,6 +38,8 @@ pub struct Known {
     pub totals: PassTotals,
     /// Whether elements have failed since membership was settled.
     pub eroded: bool,
+    /// How near the next check-in is, due at 1.
+    pub parted: f64,
     /// Largest velocity components of the nodes of contact surfaces, then the largest of their negatives; minus
     /// infinity without any [length/time].
     pub velocities: [f64; 6],
@@ -49,8 +55,8 @@ pub struct Agreement {
     pub urgency: f64,
 }
 
-/// Step, trouble, order, urgency, failure, and the range of the velocities of what can touch.
-pub const WORDS: usize = 11;
+/// Step, trouble, order, urgency, failure, check-in, and the range of the velocities of what can touch.
+pub const WORDS: usize = 12;
 
 /// Ids count downwards from here, so that the lowest wins a maximum.
 const TOP: f64 = ElemId::LARGEST.0 as f64 + 1.0;
@@ -82,8 +88,9 @@ impl Agreement {
         let trouble = culprit.map_or(0.0, |id| TOP - id.0 as f64);
         let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
         let mut words = [0.0; WORDS];
-        words[..5].copy_from_slice(&[-step, trouble, self.order as f64, self.urgency, f64::from(known.eroded)]);
-        words[5..].copy_from_slice(&known.velocities);
+        let eroded = f64::from(known.eroded);
+        words[..6].copy_from_slice(&[-step, trouble, self.order as f64, self.urgency, eroded, known.parted]);
+        words[6..].copy_from_slice(&known.velocities);
         self.reduction.begin(wire, &words)
     }
 
@@ -94,8 +101,16 @@ impl Agreement {
     pub fn finish(&mut self, wire: &mut dyn Transport, thinnest: f64) -> Result<Agreed, Lost> {
         let max = self.reduction.finish(wire)?;
         let trouble = (max[1] > 0.0).then(|| ElemId((TOP - max[1]) as u64));
-        let stable_dt = (-max[0]).min(contact_dt(&max[5..], thinnest));
-        Ok(Agreed { stable_dt, trouble, order: max[2] as u64, urgency: max[3], eroded: max[4] > 0.0 })
+        let spread = spread(&max[6..]);
+        Ok(Agreed {
+            stable_dt: (-max[0]).min(contact_dt(spread, thinnest)),
+            trouble,
+            order: max[2] as u64,
+            urgency: max[3],
+            eroded: max[4] > 0.0,
+            check_in: max[5] >= 1.0,
+            spread,
+        })
     }
 
     /// The global minimum of a first stable step, contact included as in [`Agreement::finish`].
@@ -111,19 +126,23 @@ impl Agreement {
     ) -> Result<f64, Lost> {
         let mut words = [0.0; WORDS];
         words[0] = -stable_dt;
-        words[5..].copy_from_slice(&velocities);
+        words[6..].copy_from_slice(&velocities);
         self.reduction.begin(wire, &words)?;
         let max = self.reduction.finish(wire)?;
-        Ok((-max[0]).min(contact_dt(&max[5..], thinnest)))
+        Ok((-max[0]).min(contact_dt(spread(&max[6..]), thinnest)))
     }
 }
 
 /// Step in which no two nodes of contact surfaces come nearer to each other than by the smallest sum of two scales: what
 /// is about to touch is then seen before it is through (the reach of the local search is half as much again) [time].
-fn contact_dt(velocities: &[f64], thinnest: f64) -> f64 {
+fn contact_dt(spread: f64, thinnest: f64) -> f64 {
+    if spread > 0.0 { 2.0 * thinnest / spread } else { f64::INFINITY }
+}
+
+/// Largest difference of two velocities within a range as in [`Known::velocities`], 0 without any [length/time].
+fn spread(velocities: &[f64]) -> f64 {
     let range = [0, 1, 2].map(|c| velocities[c] + velocities[3 + c]);
-    let fastest = range.iter().map(|r| r * r).sum::<f64>().sqrt();
-    if range[0] >= 0.0 && fastest > 0.0 { 2.0 * thinnest / fastest } else { f64::INFINITY }
+    if range[0] >= 0.0 { range.iter().map(|r| r * r).sum::<f64>().sqrt() } else { 0.0 }
 }
 
 impl Default for Agreement {

@@ -7,18 +7,20 @@
 
 use crate::agreement;
 use crate::blocks::LocalElement;
+use crate::contact::pairs::quiet::distances;
 use crate::contact::pairs::{Pair, WIRE_WORDS};
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
 use crate::halo;
 use crate::lanes::LANES;
-use crate::membership::{covered, seeking};
+use crate::membership::{are_near, covered, seeking};
 use crate::migrate::centre;
+use crate::nodes::xyz;
 use crate::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::transport::MaxReduction;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// One worker's share of the work and of the messages of a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -47,6 +49,8 @@ pub struct Count {
     pub corners: u64,
     /// Node states that go to workers with copies.
     pub exports: u64,
+    /// Workers that could come upon something of it, or it of theirs: they tell each other how they have moved.
+    pub near_workers: u64,
     /// Workers that some node is local to on both sides: they tell each other of pairs.
     pub meets: u64,
     /// Candidates that are near, of own slaves.
@@ -57,6 +61,8 @@ pub struct Count {
     pub told: u64,
     /// Workers that it has contact pairs in common with.
     pub partners: u64,
+    /// Rounds after which it knows that nobody it has to do with through contact pairs, one with the next, changes anything.
+    pub quiet: u64,
     /// Own nodes of rigid bodies that something acts on.
     pub members: u64,
 }
@@ -131,6 +137,26 @@ impl Census {
         partners.sort_unstable();
         partners.dedup();
         partners.iter().for_each(|p| self.counts[p.0 as usize].partners += 1);
+        self.count_quiet(&partners);
+    }
+
+    /// How far from each other those are that have to do with each other through `partners`, both ways, ascending.
+    fn count_quiet(&mut self, partners: &[(u32, u32)]) {
+        let mut neighbours: BTreeMap<u64, Vec<u64>> = BTreeMap::new();
+        partners.iter().for_each(|&(a, b)| neighbours.entry(a.into()).or_default().push(b.into()));
+        // The lowest worker that each reaches, and how far the farthest is.
+        let reached: Vec<(u64, u64, u64)> = neighbours
+            .keys()
+            .map(|&w| {
+                let to = distances(&neighbours, w);
+                (w, to.keys().next().copied().unwrap_or(w), to.values().copied().max().unwrap_or(0))
+            })
+            .collect();
+        let mut widest: BTreeMap<u64, u64> = BTreeMap::new();
+        for &(_, group, far) in &reached {
+            widest.entry(group).and_modify(|w| *w = far.max(*w)).or_insert(far);
+        }
+        reached.iter().for_each(|(w, group, _)| self.counts[*w as usize].quiet = widest[group] + 1);
     }
 
     /// Workers that have a node local.
@@ -222,6 +248,7 @@ impl Census {
         bounds.sort_unstable_by(|a, b| a.0.min[0].total_cmp(&b.0.min[0]));
         let widest = bounds.iter().map(|(b, _)| b.max[0] - b.min[0]).fold(0.0, f64::max);
         let mut copies: Vec<(u32, u32)> = Vec::new();
+        self.count_near(held, &parts, engine, grow);
         for (w, own) in (0u32..).zip(&parts) {
             let count = &mut self.counts[w as usize];
             (count.slaves, count.segments) = (own.slaves.len() as u64, own.segments.len() as u64);
@@ -248,6 +275,18 @@ impl Census {
             self.counts[w as usize].exterior_nodes += 1;
         }
         copies
+    }
+
+    /// Counts who is near whom, by their boxes.
+    fn count_near(&mut self, held: &[(u32, u32)], parts: &[Surface], engine: &Engine, grow: f64) {
+        let mut places: Vec<Vec<[f64; 3]>> = vec![Vec::new(); parts.len()];
+        held.iter().for_each(|&(n, w)| places[w as usize].push(xyz(&engine.nodes.x[n as usize])));
+        let held: Vec<Aabb> = places.into_iter().map(Aabb::around).collect();
+        let seeking: Vec<Aabb> = parts.iter().map(|p| seeking(&engine.settings, p, &engine.nodes)).collect();
+        let near = |a: usize, b: usize| are_near(&seeking[a], &held[b], grow) || are_near(&seeking[b], &held[a], grow);
+        for (w, count) in self.counts.iter_mut().enumerate() {
+            count.near_workers = (0..parts.len()).filter(|&o| o != w && near(w, o)).count() as u64;
+        }
     }
 
     fn count_meetings(&mut self) {
@@ -294,8 +333,9 @@ impl Count {
         let mut words = (self.corners * halo::corner_words(engine.settings.rotations)) as f64;
         words += hops * agreement::WORDS as f64;
         if engine.contact.is_some() {
-            messages += self.meets as f64;
-            words += others * halo::DRIFT_WORDS as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
+            messages += (self.near_workers + self.meets) as f64;
+            words +=
+                (self.near_workers * halo::DRIFT_WORDS as u64) as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
             words += (self.told * WIRE_WORDS as u64) as f64;
         }
         if !engine.bodies.is_empty() {
@@ -308,10 +348,9 @@ impl Count {
     }
 }
 
-/// Messages of a step that every worker sends to all others: how it has moved, what acts on rigid bodies, and what contact
-/// touches of them.
+/// Messages of a step that every worker sends to all others: what acts on rigid bodies, and what contact touches of them.
 pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
     let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
-    let rounds = u8::from(contact) + u8::from(bodies) + u8::from(contact && bodies);
+    let rounds = u8::from(bodies) + u8::from(contact && bodies);
     f64::from(rounds) * (workers as f64 - 1.0).max(0.0)
 }

@@ -35,8 +35,12 @@ pub struct Link {
     pub region: Option<Aabb>,
     /// Relative motion since the last renewal that the exterior copies cover [length].
     pub margin: f64,
-    /// Whether the two are so far apart that no copies are needed yet: the margin is then the distance left.
+    /// Whether the other is so far off that no copies of its nodes are needed yet: the margin is then the distance left.
     pub far: bool,
+    /// Whether that is so on both sides: they tell each other of their motion now and then only.
+    pub apart: bool,
+    /// Relative motion when they last did [length].
+    pub base: f64,
     /// Box around the other's held nodes at the last renewal, grown by all that the exterior copies cover.
     pub reach: Option<Aabb>,
 }
@@ -52,7 +56,14 @@ pub struct Halo {
     pub users: Vec<u32>,
     /// Message under construction.
     pub words: Vec<u64>,
+    /// Whether workers that are apart tell each other of their motion in this step.
+    pub check_in: bool,
+    /// How much nearer any two nodes that can touch may have come since they last did, and in one step [length].
+    pub nearer: [f64; 2],
 }
+
+/// Workers that are apart tell each other of their motion when nodes may have come nearer by this fraction of the margin.
+const CHECK_IN_AT: f64 = 0.1;
 
 impl Halo {
     /// Other workers that have local node `i`, held or exterior.
@@ -116,7 +127,7 @@ impl Halo {
     /// # Errors
     /// A worker is gone.
     pub fn show_exterior(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes) -> Result<(), Lost> {
-        for link in &self.links {
+        for link in self.links.iter().filter(|l| !l.export.is_empty()) {
             self.words.clear();
             for i in link.export.iter().map(|&i| i as usize) {
                 let turning = nodes.w.get(i).map_or(&[][..], |w| &w[..3]);
@@ -124,7 +135,7 @@ impl Halo {
             }
             wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
-        for link in &self.links {
+        for link in self.links.iter().filter(|l| !l.import.is_empty()) {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let width = if nodes.rotations { 9 } else { 6 };
             for (i, words) in link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(width)) {
@@ -138,14 +149,28 @@ impl Halo {
         Ok(())
     }
 
+    /// How near the next check-in of workers that are apart is, due at 1.
+    pub fn parted(&self) -> f64 {
+        let margins = self.links.iter().filter(|l| l.apart && l.region.is_some()).map(|l| l.margin);
+        self.nearer[0] / (CHECK_IN_AT * margins.fold(f64::INFINITY, f64::min))
+    }
+
+    /// Any two nodes that can touch have come nearer by `by` at most in the last step [length].
+    pub fn follow(&mut self, by: f64, check_in: bool) {
+        self.nearer = [self.nearer[0] + by, by];
+        self.check_in = check_in;
+    }
+
     /// Brings exterior nodes up to date: coordinates, and velocities without contact at the next mid-step.
-    /// Every worker also tells every other how its nodes have moved since the last renewal.
+    /// Workers also tell each other how their nodes have moved since the last renewal, those that are apart only when they
+    /// check in: until then the range of all velocities bounds how much nearer they have come.
     /// Returns the largest relative motion as a fraction of what the exterior copies cover.
     ///
     /// # Errors
     /// A worker is gone.
     pub fn swap_exterior(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, drift: &Drift) -> Result<f64, Lost> {
-        for link in &self.links {
+        let check_in = std::mem::take(&mut self.check_in);
+        for link in self.links.iter().filter(|l| check_in || !l.apart) {
             self.words.clear();
             self.words.extend(drift.to_words().map(f64::to_bits));
             for &i in &link.export {
@@ -154,8 +179,16 @@ impl Halo {
             }
             wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
+        if check_in {
+            self.nearer[0] = 0.0;
+        }
         let mut urgency = 0.0f64;
-        for link in &self.links {
+        for link in &mut self.links {
+            if link.apart && !check_in {
+                // Two steps more: so long the others take to hear of it.
+                urgency = urgency.max((link.base + self.nearer[0] + 2.0 * self.nearer[1]) / link.margin);
+                continue;
+            }
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
             let (head, body) = words.split_at(Drift::WORDS);
@@ -166,6 +199,7 @@ impl Halo {
             if let Some(region) = &link.region {
                 let other = Drift::from_words(head);
                 let apart = if link.far { drift.apart(&other, region) } else { drift.apart_nearby(&other, region) };
+                link.base = apart;
                 urgency = urgency.max(apart / link.margin);
             }
         }

@@ -203,6 +203,11 @@ pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }
 
+/// Whether something held in the box `held` could be near enough to what is sought around the box `seeking`.
+pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
+    !seeking.is_empty() && !held.is_empty() && !seeking.common(&held.grown(grow)).is_empty()
+}
+
 /// Copies the segments of other workers that own slaves and edges could meet before the next renewal, with their nodes.
 fn copy_exterior(
     wire: &mut dyn Transport,
@@ -230,6 +235,8 @@ fn copy_exterior(
             link.far = near.is_empty();
             link.margin = settings.buffer + mine.distance(theirs);
         }
+        link.apart =
+            !are_near(&slave_boxes[me], theirs, grow) && !are_near(&slave_boxes[link.worker], &held_bounds[me], grow);
     }
     let offer = |(w, b): (usize, &Aabb)| {
         if w == me || b.is_empty() {

@@ -40,7 +40,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Elements);
     let eroded = clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
     let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
-    let known = Known { totals, eroded, velocities };
+    let known = Known { totals, eroded, parted: halo.parted(), velocities };
     engine.agreement.begin(wire, blocks, nodes, &known, clock, settings)?;
     halo.recv_corners(wire, blocks)?;
     timer.lap(Phase::Halo);
@@ -86,6 +86,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
 
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
     let agreed = engine.agreement.finish(wire, thinnest)?;
+    halo.follow(clock.last_dt * agreed.spread, agreed.check_in);
     timer.lap(Phase::Halo);
     if agreed.trouble.is_none() {
         engine.at_present_time(wire)?; // history, while velocities before and after are both known

@@ -26,7 +26,7 @@ pub struct Clock {
     pub fields: usize,
 }
 
-/// Cycles within round-off of a due time count as having reached it.
+/// Cycles within round-off of a due time count as having reached it, and a whole number of steps as whole.
 const SLACK: f64 = 1e-9;
 /// Steps before the end that are of equal length, so that none is shorter by more than a thousandth.
 const LAST_STEPS: f64 = 1000.0;
@@ -60,7 +60,7 @@ impl Clock {
         self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);
         let steps = left / dt;
-        self.dt = if steps <= LAST_STEPS { left / steps.ceil().max(1.0) } else { dt };
+        self.dt = if steps <= LAST_STEPS { left / (steps * (1.0 - SLACK)).ceil().max(1.0) } else { dt };
     }
 
     /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities start at time 0, half a step

@@ -220,8 +220,8 @@ fn count(engine: &Engine, tree: &CutTree) -> Vec<Count> {
 /// A step of workers with these counts, `workers` in all: as many as there are counts, or more of the same kind.
 fn step(engine: &Engine, counts: &[Count], workers: usize, costs: Costs<'_>, alone: [f64; 2]) -> Step {
     let none = Exchange { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
-    let exchange = engine.contact.as_ref().map_or(none, |c| c.exchange(costs.kernels.sweeps, workers));
-    let of = |c: &Count| Work::of(c, c.traffic(engine, workers), Some(exchange), costs);
+    let exchange = |quiet| engine.contact.as_ref().map_or(none, |c| c.exchange(costs.kernels.sweeps, quiet));
+    let of = |c: &Count| Work::of(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
     let works: Vec<Work> = counts.iter().map(of).collect();
     Step::of(&works, alone)
 }

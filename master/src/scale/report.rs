@@ -111,7 +111,7 @@ pub fn write(title: &str, samples: &[Sample], out: &Path) -> Result<String, Stri
 fn csv(samples: &[Sample]) -> String {
     let mut out = String::from(
         "time,cycle,workers,elements least,elements most,elements at shared nodes most,held nodes most,copied nodes most,\
-         copied segments most,neighbours most,workers told of pairs most,near candidates most,pairs most,\
+         copied segments most,neighbours most,workers near most,workers told of pairs most,near candidates most,pairs most,\
          messages most,messages to all others,bytes most,\
          step [us],own work of the slowest [us],efficiency [%],scaled efficiency [%]",
     );
@@ -119,12 +119,13 @@ fn csv(samples: &[Sample]) -> String {
     out.push('\n');
     for s in samples {
         for p in &s.predictions {
-            let counts: [fn(&Count) -> u64; 8] = [
+            let counts: [fn(&Count) -> u64; 9] = [
                 |c| c.shared,
                 |c| c.held,
                 |c| c.exterior_nodes,
                 |c| c.exterior_segments,
                 |c| c.neighbours,
+                |c| c.near_workers,
                 |c| c.meets,
                 |c| c.near,
                 |c| c.pairs,

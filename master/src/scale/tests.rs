@@ -38,6 +38,7 @@ fn counted(engine: &Engine, workers: usize) -> Count {
         neighbours: sum(|l| usize::from(!l.corners_out.is_empty())),
         corners: sum(|l| l.corners_out.len()),
         exports: sum(|l| l.export.len()),
+        near_workers: sum(|l| usize::from(!l.apart)),
         meets: sum(|l| usize::from(l.meets)),
         ..Count::default()
     }
@@ -100,7 +101,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                     } else {
                         assert!((seen.sent.messages as f64) > messages, "worker {w} of {workers} has partners");
                     }
-                    counted.partners = 0; // known in the middle of a step only
+                    (counted.partners, counted.quiet) = (0, 0); // known in the middle of a step only
                     assert_eq!(counted, seen.count, "worker {w} of {workers}");
                 }
                 return ControlFlow::Break(());

@@ -197,9 +197,10 @@ impl Contact {
         self.surface.slaves[..searched].iter().enumerate().map(|(i, &s)| (s, self.close.of(i).len()))
     }
 
-    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, on `workers` workers.
-    pub fn exchange(&self, sweeps: f64, workers: usize) -> Exchange {
-        Exchange::of(self.law.as_ref(), sweeps, workers)
+    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are
+    /// quiet.
+    pub fn exchange(&self, sweeps: f64, quiet: u64) -> Exchange {
+        Exchange::of(self.law.as_ref(), sweeps, quiet)
     }
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's.

@@ -5,7 +5,7 @@
 //! pairs' names.
 
 mod order;
-mod quiet;
+pub mod quiet;
 
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;

@@ -39,17 +39,18 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// That of a step that takes `alone` sweeps on one worker. What [`Sweeps::run`] does, with the least that it may take: one
-    /// message in a sweep for the forces; one more for guesses, or for the forces of a phase of pairs in order; and rounds in
-    /// which the phases are laid down, of which there are at least as many as workers. The last sweep of one worker changes
-    /// nothing, and on several there are as many such as workers, as far as the law lets them.
-    pub fn of(law: &dyn ContactLaw, alone: f64, workers: usize) -> Self {
-        let workers = workers as f64;
-        let sweeps = (alone + workers - 1.0).min(law.sweeps() as f64).max(alone);
+    /// That of a step that takes `alone` sweeps on one worker, among workers that know after `quiet` rounds that none has changed
+    /// anything. What [`Sweeps::run`] does, with the least that it may take: one message in a sweep for the forces; one more
+    /// for guesses, or for the forces of a phase of pairs in order; and the rounds in which the phases are laid down, at least
+    /// as many as it takes to know that they stand. The last sweep of one worker changes nothing; on several there are `quiet`
+    /// such, as far as the law lets them.
+    pub fn of(law: &dyn ContactLaw, alone: f64, quiet: u64) -> Self {
+        let quiet = quiet as f64;
+        let sweeps = (alone + quiet - 1.0).min(law.sweeps() as f64).max(alone);
         let [messages, lead, each] = match law.iteration() {
-            Iteration::Split | Iteration::Jacobi => [sweeps, sweeps, 3.0 * sweeps],
+            Iteration::Split | Iteration::Jacobi => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
             Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
-            Iteration::GaussSeidel => [workers + 2.0 * sweeps, workers + sweeps, workers + 6.0 * sweeps],
+            Iteration::GaussSeidel => [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps],
         };
         Self { sweeps, messages, words: [lead, each] }
     }

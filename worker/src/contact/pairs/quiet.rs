@@ -71,7 +71,8 @@ impl Quiet {
         std::mem::swap(&mut self.fresh, &mut self.heard);
         self.heard.clear();
         if self.enough.is_none() && self.neighbours.values().flatten().all(|w| self.neighbours.contains_key(w)) {
-            self.enough = Some(self.neighbours.keys().map(|&w| self.farthest(w)).max().unwrap_or(0) + 1);
+            let farthest = |&w| distances(&self.neighbours, w).values().copied().max().unwrap_or(0);
+            self.enough = Some(self.neighbours.keys().map(farthest).max().unwrap_or(0) + 1);
         }
     }
 
@@ -79,23 +80,22 @@ impl Quiet {
     pub fn is_over(&self) -> bool {
         self.enough.is_some_and(|enough| self.rounds >= enough)
     }
+}
 
-    /// Rounds that news from a worker takes to the farthest other one.
-    fn farthest(&self, from: u64) -> u64 {
-        let mut distance = BTreeMap::from([(from, 0u64)]);
-        let mut queue = VecDeque::from([from]);
-        let mut last = 0;
-        while let Some(w) = queue.pop_front() {
-            last = distance[&w];
-            for &o in &self.neighbours[&w] {
-                distance.entry(o).or_insert_with(|| {
-                    queue.push_back(o);
-                    last + 1
-                });
-            }
+/// Rounds that news from a worker takes to each that it reaches.
+pub fn distances(neighbours: &BTreeMap<u64, Vec<u64>>, from: u64) -> BTreeMap<u64, u64> {
+    let mut distance = BTreeMap::from([(from, 0u64)]);
+    let mut queue = VecDeque::from([from]);
+    while let Some(w) = queue.pop_front() {
+        let next = distance[&w] + 1;
+        for &o in neighbours.get(&w).into_iter().flatten() {
+            distance.entry(o).or_insert_with(|| {
+                queue.push_back(o);
+                next
+            });
         }
-        last
     }
+    distance
 }
 
 #[cfg(test)]
