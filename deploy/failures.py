@@ -139,7 +139,7 @@ def curves(args, pv):
         panels[0, 0].plot(1e6 * time, v[:, node, 2], color=colour, label=law)
         time, v = moving(args, pv, f"C06_block_{law}", "velocity")
         panels[0, 1].plot(1e6 * time, np.linalg.norm(v, axis=2).max(axis=1), color=colour, label=law)
-        time, u = moving(args, pv, f"C09_{law}_1.5", "displacement")
+        time, u = moving(args, pv, f"C09_{law}", "displacement")
         panels[1, 0].plot(1e3 * time, 1e6 * u[:, np.abs(u[-1, :, 0]).argmax(), 0], color=colour, label=law)
         time, v = moving(args, pv, f"C15a_{law}", "velocity")
         panels[1, 1].plot(1e6 * time, np.abs(v[:, :, 2]).max(axis=1), color=colour, label=law)

@@ -304,7 +304,7 @@ impl<'a> Control<'a> {
         let Some(row) = self.history.last.as_ref() else { return };
         let what = if row.error.abs() > MOST_ENERGY_ERROR {
             format!("the balance of energy is off by {:.0} %", 100.0 * row.error)
-        } else if self.history.swings_on() {
+        } else if self.history.swings_on(self.model.settings.safety > 1.0) {
             format!(
                 "velocities swing from step to step with {:.0} % of the energy: the step is unstable",
                 100.0 * row.swing

@@ -53,9 +53,11 @@ pub struct History {
     swings_from: Option<u64>,
 }
 
-/// Fraction of the energy in swings from step to step that only an unstable step keeps up. Where a coarse bar turns at a wall
-/// a stable one has as much for a few cycles.
+/// Fraction of the energy in swings from step to step that a step above the stability limit soon has and keeps up. A stable one
+/// may have it too, for a few cycles where a coarse bar turns at a wall, for longer where next to nothing moves.
 const MUCH_SWING: f64 = 0.1;
+/// More than any stable vibration has: `2 s^2 / (1 - s^2)` at s = 0.9 of the limit.
+const MOST_SWING: f64 = 2.0 * 0.81 / 0.19;
 /// How long it does [cycle].
 const TURNING: u64 = 50;
 
@@ -135,10 +137,12 @@ impl History {
         })
     }
 
-    /// Whether the last rows have had much of the energy in swings for longer than any turn of a stable motion takes.
-    pub fn swings_on(&self) -> bool {
-        let last = self.last.as_ref().map_or(0, |row| row.sum.cycle);
-        self.swings_from.is_some_and(|from| last - from >= TURNING)
+    /// Whether more swings from step to step than stable motion can have; for steps `above_limit` already when the last rows
+    /// have had much for longer than any turn of it takes.
+    pub fn swings_on(&self, above_limit: bool) -> bool {
+        let Some(last) = &self.last else { return false };
+        let long = self.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
+        (above_limit && long) || last.swing > MOST_SWING
     }
 
     /// Takes in a worker's share; writes the row when all have come.
