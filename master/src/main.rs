@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => crumple::verify::run(&args),
         Command::Advise { dir } => crumple::advise::run(&dir),
         Command::Bench(args) => crumple::bench::run(&args),
+        Command::ExportDeck(args) => crumple::deck::export::run(&args),
         Command::Scale(args) => crumple::scale::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })

@@ -215,6 +215,8 @@ pub struct Summary {
     pub imbalance: MeanMax,
     /// Contact.
     pub contact: ContactSummary,
+    /// What the deck has and the run went on without, with file and line; see `--allow-unsupported`.
+    pub unsupported: Vec<String>,
     /// Parts, in ascending id.
     pub parts: Vec<PartSummary>,
     /// blake3 of the state; see [`state_digest`].
