@@ -35,6 +35,7 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     steps(model, out)?;
     shapes(model, out)?;
     loads(model, out)?;
+    mapping(model, out)?;
     writeln!(out)?;
     if model.warnings.is_empty() {
         return writeln!(out, "no warnings");
@@ -80,6 +81,29 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         writeln!(out, "  {}", line.trim_end())?;
     }
     writeln!(out)
+}
+
+/// What a deck asks for and what it gets, things with the same answer in one line.
+fn mapping(model: &Model, out: &mut String) -> std::fmt::Result {
+    let mut rows: Vec<(String, &str, &str)> = Vec::new();
+    for entry in &model.mapping {
+        match rows.iter_mut().find(|r| r.1 == entry.asked && r.2 == entry.used) {
+            Some(row) => row.0 += &format!(", {}", entry.of),
+            None => rows.push((entry.of.clone(), &entry.asked, &entry.used)),
+        }
+    }
+    if rows.is_empty() {
+        return Ok(());
+    }
+    writeln!(out)?;
+    writeln!(out, "deck         asked -> used")?;
+    for (of, asked, used) in rows {
+        writeln!(out, "  {of}: {asked} -> {used}")?;
+    }
+    for left_out in &model.unsupported {
+        writeln!(out, "  left out: {left_out}")?;
+    }
+    Ok(())
 }
 
 fn masses(model: &Model, out: &mut String) -> std::fmt::Result {

@@ -54,6 +54,8 @@ pub enum Command {
         /// Folder of results.
         dir: PathBuf,
     },
+    /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
+    ExportDeck(ExportArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -64,13 +66,16 @@ pub enum Command {
 /// What a job is and how it is changed.
 #[derive(Args, Clone, Debug)]
 pub struct JobArgs {
-    /// A .toml job file, or a folder that holds job.toml.
+    /// A .toml job file, a folder that holds job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
     pub job: PathBuf,
     /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core; under mpirun, ranks - 1].
     #[arg(long, value_name = "N", value_parser = workers)]
     pub workers: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     set: Vec<String>,
+    /// Go on without what a deck has and the engine cannot do; it is listed in summary.json.
+    #[arg(long)]
+    pub allow_unsupported: bool,
 }
 
 /// `crumple run`.
@@ -168,6 +173,19 @@ pub struct ScaleArgs {
     pub set: Vec<String>,
 }
 
+/// `crumple export-deck`.
+#[derive(Args, Clone, Debug)]
+pub struct ExportArgs {
+    /// A .toml job file, a folder that holds job.toml, or a deck.
+    pub job: PathBuf,
+    /// File for the deck [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Changes of the job.
+    #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
+    pub set: Vec<String>,
+}
+
 impl ScaleArgs {
     /// The folder for results.
     pub fn out_dir(&self) -> PathBuf {
@@ -178,7 +196,8 @@ impl ScaleArgs {
 impl JobArgs {
     /// All `key=value`, in order.
     pub fn sets(&self) -> Vec<String> {
-        self.set.clone()
+        let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
+        self.set.iter().cloned().chain(allowed).collect()
     }
 }
 

@@ -446,6 +446,7 @@ impl<'a> Control<'a> {
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
                 capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
+            unsupported: self.model.unsupported.clone(),
             parts: summary::parts(&self.model.job, &self.model.mesh, &self.model.settings.parts, &closings),
             walls: self.model.job.wall.clone(),
             state_digest: summary::state_digest(&mut self.states),

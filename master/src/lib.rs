@@ -2,6 +2,7 @@
 //!
 //! - [`cli`]: what can be said on the command line
 //! - [`job`]: from a job file to a sound model, or to everything that is wrong with it
+//! - [`deck`]: LS-DYNA keyword decks, in and out
 //! - [`check`]: `crumple check`
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
@@ -21,6 +22,7 @@ pub mod check;
 pub mod cli;
 pub mod control;
 pub mod cost;
+pub mod deck;
 pub mod decompose;
 pub mod embedded;
 pub mod field_file;

@@ -12,6 +12,7 @@ fn main() -> ExitCode {
         Command::Advise { dir } => crumple::advise::run(&dir),
         Command::Bench(args) => crumple::bench::run(&args),
         Command::Report { dir } => crumple::report::run(&dir),
+        Command::ExportDeck(args) => crumple::deck::export::run(&args),
         Command::Scale(args) => crumple::scale::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })

@@ -219,6 +219,8 @@ pub struct Summary {
     pub imbalance: MeanMax,
     /// Contact.
     pub contact: ContactSummary,
+    /// What the deck has and the run went on without, with file and line; see `--allow-unsupported`.
+    pub unsupported: Vec<String>,
     /// Parts, in ascending id.
     pub parts: Vec<PartSummary>,
     /// Rigid walls of the job.

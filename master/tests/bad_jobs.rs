@@ -105,7 +105,7 @@ fn files_that_are_no_jobs_are_refused() {
     for (path, said) in [
         (folder("nowhere.toml"), "there is no file"),
         (folder("good"), "holds no job.toml"),
-        (write("deck.k", b"*KEYWORD"), "keyword decks are not supported yet"),
+        (write("deck.k", b"*KEYWORD"), "the job has no `end_time`"),
         (write("job.txt", b"end_time = 1"), "is no .toml file"),
         (write("latin.toml", b"end_time = 1\ntitle = \"\xe9\""), "latin.toml:2: not UTF-8"),
         (write("empty.toml", b""), "the job has no `end_time`"),

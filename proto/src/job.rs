@@ -88,7 +88,7 @@ impl Job {
     }
 }
 
-/// Where the mesh comes from: exactly one of generator, file, or nodes with shells or solids.
+/// Where the mesh comes from: exactly one of generator, file, deck, or nodes with shells or solids.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
@@ -98,6 +98,17 @@ pub struct MeshSource {
     /// A TOML file beside the job with `nodes`, `shells`, `solids` and `node_sets` as below.
     #[serde(default)]
     pub file: Option<String>,
+    /// An LS-DYNA keyword deck beside the job: mesh, node sets, parts, materials and all else that it says. The job's own
+    /// keys go before those of the deck; entries of its lists are merged with the deck's of the same id or name, and added
+    /// if there is none.
+    #[serde(default)]
+    pub deck: Option<String>,
+    /// Keywords of the deck that are not read, such as `DEFORMABLE_TO_RIGID`.
+    #[serde(default)]
+    pub leave_out: Vec<String>,
+    /// Go on without what the deck has and the engine cannot do; it is an error otherwise.
+    #[serde(default)]
+    pub allow_unsupported: bool,
     /// Nodes as `[id, x, y, z]` [length].
     #[serde(default)]
     pub nodes: Vec<[f64; 4]>,
@@ -108,7 +119,7 @@ pub struct MeshSource {
     /// those opposite.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
-    /// Named sets of node ids.
+    /// Named sets of node ids; with a deck, further ones.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
 }

@@ -24,6 +24,11 @@ pub struct Read {
 }
 
 impl Read {
+    /// The mesh of a deck, whose first `shells` elements are shells.
+    pub fn of_deck(mesh: Mesh, shells: usize) -> Self {
+        Read { mesh, written: Some(shells) }
+    }
+
     fn node_path(&self, index: usize) -> String {
         if self.written.is_some() { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
     }

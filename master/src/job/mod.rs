@@ -1,6 +1,7 @@
 //! From a job as it is written to a [`Model`] that can be cut up and dealt out, or to everything that is wrong with it.
 //!
-//! 1. `tree.rs`: TOML with the place of every value; `sets.rs` puts in what the command line says
+//! 1. `tree.rs`: TOML with the place of every value, over that of a deck if the job has one (`deck`); `sets.rs` puts in
+//!    what the command line says
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its faults
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
@@ -24,13 +25,17 @@ mod validate;
 pub use laws::Blocks;
 pub use report::{Located, Report, Sources, Spot};
 pub use state::{ElementStart, NodeStart};
+pub use units::fit as units_fit;
+pub use validate::nearest;
 
+use crate::deck;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, Shape, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
-use report::Source;
+use report::{DeckSource, Source};
 use std::path::{Path, PathBuf};
 use tree::Node;
 use validate::Findings;
@@ -56,6 +61,10 @@ pub struct Model {
     pub blocks: Blocks,
     /// What the user should know of; [`Model::show`] adds the line in the job. The run may add its own.
     pub warnings: Vec<Problem>,
+    /// What a deck asks for, and what it gets.
+    pub mapping: Vec<deck::Mapping>,
+    /// What a deck has and the run goes on without.
+    pub unsupported: Vec<String>,
     /// The job file that was read.
     pub path: PathBuf,
     sources: Sources,
@@ -65,6 +74,9 @@ pub struct Model {
 /// `sets` are `key=value` of the command line.
 pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     let path = find(path).map_err(Report::from_problem)?;
+    if deck::is_deck(&path) {
+        return read_tree(path.clone(), deck_job(&path), sets, Findings::default());
+    }
     let text = load(&path).map_err(Report::from_problem)?;
     read_text(path, text, sets)
 }
@@ -76,11 +88,28 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
         Err(errors) => (Node::table(tree::Place::Whole), errors),
     };
     let job = Source { file: path.display().to_string(), text, tree };
-    let mut sources = Sources { job, mesh: None, sets: sets.to_vec() };
     let mut findings = Findings::default();
     for (message, help, place) in errors {
         findings.add_faulty(Problem::error("", message, help), Some(place));
     }
+    read_tree(path, job, sets, findings)
+}
+
+/// A job that is nothing but this deck.
+fn deck_job(path: &Path) -> Source {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let whole = tree::Place::Whole;
+    let entry = |node| tree::Entry { key: whole, node };
+    let table = |key: &str, node| {
+        let entries = [(key.to_string(), entry(node))].into_iter().collect();
+        Node { kind: tree::Kind::Table(entries), place: whole }
+    };
+    let tree = table("mesh", table("deck", Node { kind: tree::Kind::String(name), place: whole }));
+    Source { file: path.display().to_string(), text: String::new(), tree }
+}
+
+fn read_tree(path: PathBuf, job: Source, sets: &[String], mut findings: Findings) -> Result<Model, Report> {
+    let mut sources = Sources { job, mesh: None, deck: None, sets: sets.to_vec() };
     if findings.any_error() {
         return Err(Report::new(findings.list, &sources));
     }
@@ -97,6 +126,8 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
                 quality: built.quality,
                 blocks: built.blocks,
                 warnings,
+                mapping: built.mapping,
+                unsupported: built.unsupported,
                 path,
                 sources,
             };
@@ -117,10 +148,52 @@ struct Built {
     quality: Quality,
     blocks: Blocks,
     warnings: Vec<Problem>,
+    mapping: Vec<deck::Mapping>,
+    unsupported: Vec<String>,
+}
+
+/// The deck that a job names, read and put under the job's own keys.
+fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Option<deck::Deck> {
+    let mut tree = sources.job.tree.clone();
+    if sources.sets.iter().any(|set| set.trim_start().starts_with("mesh.")) {
+        sets::apply(&mut tree, &sources.sets, &mut Findings::default());
+    }
+    let mesh = tree.get("mesh")?;
+    let tree::Kind::String(name) = &mesh.get("deck")?.kind else { return None };
+    let words = |node: &Node| match &node.kind {
+        tree::Kind::String(word) => Some(word.clone()),
+        _ => None,
+    };
+    let leave_out = match mesh.get("leave_out").map(|n| &n.kind) {
+        Some(tree::Kind::Array(items)) => items.iter().filter_map(words).collect(),
+        _ => Vec::new(),
+    };
+    let allowed = matches!(mesh.get("allow_unsupported").map(|n| &n.kind), Some(tree::Kind::Boolean(true)));
+    let file = path.parent().unwrap_or(Path::new("")).join(name);
+    let mut deck = deck::read(&file, &leave_out, allowed);
+    let own = std::mem::replace(&mut sources.job.tree, Node::table(tree::Place::Whole));
+    let from_deck = std::mem::replace(&mut deck.tree, Node::table(tree::Place::Whole));
+    sources.job.tree = deck::merge(from_deck, own);
+    let (files, places) = (std::mem::take(&mut deck.files), std::mem::take(&mut deck.places));
+    sources.deck = Some(DeckSource { files, places });
+    findings.list.append(&mut deck.findings);
+    Some(deck)
 }
 
 /// All stages after parsing; `None` if there is too little to go on with.
 fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Findings) -> Option<Built> {
+    let mut deck = under_deck(sources, path, findings);
+    if let Some(deck) = deck.take_if(|_| findings.any_error()) {
+        // What refers to a card that is wrong would be blamed for that: of the rest, the mesh can be looked at.
+        if deck.whole && !deck.mesh.elements.is_empty() {
+            mesh::check(mesh::Read::of_deck(deck.mesh, deck.shells), None, findings);
+        }
+        return None;
+    }
+    let (mapping, unsupported) = match &mut deck {
+        Some(deck) => (std::mem::take(&mut deck.mapping), std::mem::take(&mut deck.unsupported)),
+        None => Default::default(),
+    };
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
     // Problems are looked up in the tree as it is written, with `--set` but before mending.
@@ -134,7 +207,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
             return None;
         }
     };
-    let mesh = read_mesh(&job, path, sources, findings);
+    let mesh = read_mesh(&job, path, deck, sources, findings);
     resolve::check(&job, workers_given, findings);
 
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
@@ -162,15 +235,27 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         return None;
     }
     let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
-    Some(Built { quality: figures?, job, mesh, settings, nodes, elements, blocks, warnings })
+    Some(Built { quality: figures?, job, mesh, settings, nodes, elements, blocks, warnings, mapping, unsupported })
 }
 
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.
-fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, solids, node_sets } = &job.mesh;
+fn read_mesh(
+    job: &Job,
+    path: &Path,
+    deck: Option<deck::Deck>,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<mesh::Read> {
+    let MeshSource { generator, file, nodes, shells, solids, node_sets, .. } = &job.mesh;
     let rows = !(nodes.is_empty() && shells.is_empty() && solids.is_empty());
     if findings.any_faulty_below("mesh") {
         return None;
+    }
+    if let Some(deck) = deck.filter(|_| generator.is_none() && file.is_none() && !rows) {
+        let mut mesh = deck.mesh;
+        let own = node_sets.iter().map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
+        mesh.node_sets.extend(own);
+        return Some(mesh::Read::of_deck(mesh, deck.shells));
     }
     match (generator, file, rows) {
         (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
@@ -185,12 +270,13 @@ fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findi
         }
         (None, None, true) => mesh::from_rows(&job.mesh, findings),
         (None, None, false) => {
-            let help = "give mesh.generator, mesh.file, or mesh.nodes with mesh.shells or mesh.solids";
+            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
             findings.add(Problem::error("mesh", "the job has no mesh", help));
             None
         }
         _ => {
-            let help = "give one of mesh.generator, mesh.file, or mesh.nodes with mesh.shells or mesh.solids";
+            let help =
+                "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
             findings.add(Problem::error("mesh", "the job has more than one mesh", help));
             None
         }
@@ -244,19 +330,15 @@ fn find(path: &Path) -> Result<PathBuf, Problem> {
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "k" | "key" | "dyn" => {
-            let help = "describe the job in a .toml file; cases/ has examples";
-            Err(Problem::error("", format!("{shown}: keyword decks are not supported yet"), help))
-        }
         _ if !path.exists() => {
-            let help = "name a .toml job file, or a folder that holds job.toml";
+            let help = "name a .toml job file, a .k deck, or a folder that holds job.toml";
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
-        "toml" => Ok(path.to_path_buf()),
+        "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
         _ => Err(Problem::error(
             "",
             format!("{shown} is no .toml file"),
-            "a job is a .toml file, or a folder that holds job.toml",
+            "a job is a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
         )),
     }
 }

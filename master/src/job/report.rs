@@ -1,6 +1,7 @@
 //! What is wrong with a job, shown beside the line at fault.
 
 use super::tree::{Node, Place};
+use crate::deck;
 use crumple_proto::problem::{Problem, Severity};
 use std::fmt;
 
@@ -25,7 +26,32 @@ pub(crate) struct Source {
 pub struct Sources {
     pub(crate) job: Source,
     pub(crate) mesh: Option<Source>,
+    pub(crate) deck: Option<DeckSource>,
     pub(crate) sets: Vec<String>,
+}
+
+/// The files of a deck, and where its mesh is written.
+#[derive(Debug)]
+pub(crate) struct DeckSource {
+    pub files: Vec<deck::Text>,
+    pub places: deck::Places,
+}
+
+/// How the path of a problem begins that is at a place of a deck.
+const DECK: &str = "deck:";
+
+/// The path of a problem that is at a place of a deck.
+pub(crate) fn deck_path(place: Place) -> String {
+    match place {
+        Place::Deck { file, start, end } => format!("{DECK}{file}:{start}:{end}"),
+        _ => String::new(),
+    }
+}
+
+/// The place of such a path.
+fn deck_place(path: &str) -> Option<Place> {
+    let mut numbers = path.strip_prefix(DECK)?.split(':').map(|n| n.parse().ok());
+    Some(Place::Deck { file: numbers.next()??, start: numbers.next()??, end: numbers.next()?? })
 }
 
 /// A problem, and its place if that is not simply the place of its path.
@@ -171,11 +197,18 @@ impl Sources {
             Some(mesh) if inside || in_mesh_file => (mesh, problem.path.strip_prefix("mesh.").unwrap_or_default()),
             _ => (&self.job, problem.path.as_str()),
         };
+        let written = |deck: &DeckSource| deck_place(&problem.path).or_else(|| deck.places.of(&problem.path));
+        let place = place.or_else(|| self.deck.as_ref().and_then(written));
         let place = place.unwrap_or_else(|| source.tree.locate(path));
         let spot = match place {
             Place::Set(index) => self.sets.get(index as usize).map(|s| Spot::Set(printable(s))),
             Place::Whole => Some(source.spot(0, None)),
             Place::File { start, end } => Some(source.spot(start as usize, Some(end as usize))),
+            Place::Deck { file, start, end } => {
+                let files = self.deck.iter().flat_map(|deck| &deck.files);
+                let file = files.into_iter().nth(file as usize);
+                file.map(|f| spot(&f.file, &f.text, start as usize, Some(end as usize)))
+            }
         };
         Located { problem, spot }
     }
@@ -183,26 +216,30 @@ impl Sources {
 
 impl Source {
     fn spot(&self, start: usize, end: Option<usize>) -> Spot {
-        let text = self.text.as_str();
-        let mut start = start.min(text.len());
-        while !text.is_char_boundary(start) {
-            start -= 1;
-        }
-        let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
-        let line = text[..line_start].bytes().filter(|&b| b == b'\n').count() + 1;
-        let line_text: Vec<char> = text[line_start..line_end].trim_end_matches('\r').chars().collect();
-        let column = text[line_start..start].chars().count();
-        let underline = end.map(|end| {
-            let length = text[start..].char_indices().take_while(|(i, _)| start + i < end).count();
-            (column, length.clamp(1, (line_text.len().saturating_sub(column)).max(1)))
-        });
-        // A mesh can stand on one line of a million characters: show what is around the place.
-        let first = if column > WIDTH / 2 && line_text.len() > WIDTH { column - WIDTH / 4 } else { 0 };
-        let shown: String = line_text.iter().skip(first).take(WIDTH).collect();
-        let underline = underline.map(|(at, length)| (at - first, length.min(WIDTH.saturating_sub(at - first)).max(1)));
-        Spot::Line { file: self.file.clone(), line, column: column + 1, text: printable(&shown), underline }
+        spot(&self.file, &self.text, start, end)
     }
+}
+
+/// A place in a text by its bytes.
+fn spot(file: &str, text: &str, start: usize, end: Option<usize>) -> Spot {
+    let mut start = start.min(text.len());
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+    let line = text[..line_start].bytes().filter(|&b| b == b'\n').count() + 1;
+    let line_text: Vec<char> = text[line_start..line_end].trim_end_matches('\r').chars().collect();
+    let column = text[line_start..start].chars().count();
+    let underline = end.map(|end| {
+        let length = text[start..].char_indices().take_while(|(i, _)| start + i < end).count();
+        (column, length.clamp(1, (line_text.len().saturating_sub(column)).max(1)))
+    });
+    // A mesh can stand on one line of a million characters: show what is around the place.
+    let first = if column > WIDTH / 2 && line_text.len() > WIDTH { column - WIDTH / 4 } else { 0 };
+    let shown: String = line_text.iter().skip(first).take(WIDTH).collect();
+    let underline = underline.map(|(at, length)| (at - first, length.min(WIDTH.saturating_sub(at - first)).max(1)));
+    Spot::Line { file: file.to_string(), line, column: column + 1, text: printable(&shown), underline }
 }
 
 /// The text with control characters as blanks, so that a stray byte does not disturb a terminal.

@@ -14,6 +14,15 @@ pub enum Place {
         /// One past the last byte.
         end: u32,
     },
+    /// Bytes of a file of the deck.
+    Deck {
+        /// Number of the file.
+        file: u32,
+        /// First byte.
+        start: u32,
+        /// One past the last byte.
+        end: u32,
+    },
     /// The numbered `--set` of the command line.
     Set(u32),
     /// The whole file, where no key is at fault.
@@ -113,6 +122,26 @@ impl Node {
                 }
             }
             Kind::Array(items) => items.iter_mut().for_each(|item| item.set_place(place)),
+            _ => {}
+        }
+    }
+
+    /// Says that all its bytes are those of a file of the deck.
+    pub fn move_to(&mut self, file: u32) {
+        let moved = |place: &mut Place| {
+            if let Place::File { start, end } = *place {
+                *place = Place::Deck { file, start, end };
+            }
+        };
+        moved(&mut self.place);
+        match &mut self.kind {
+            Kind::Table(entries) => {
+                for entry in entries.values_mut() {
+                    moved(&mut entry.key);
+                    entry.node.move_to(file);
+                }
+            }
+            Kind::Array(items) => items.iter_mut().for_each(|item| item.move_to(file)),
             _ => {}
         }
     }

@@ -44,6 +44,17 @@ pub fn check(job: &Job) -> Vec<Problem> {
     problems
 }
 
+/// Whether a solid can have this density [mass/length^3] and Young's modulus [force/length^2] in these units; a density
+/// that is not above 0 fits in any.
+pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
+    let Some(units) = read(units) else { return false };
+    let speed = (youngs_modulus / density).sqrt() * units.length / units.time;
+    let density = density * units.mass / units.length.powi(3);
+    density.is_nan()
+        || density <= 0.0
+        || (DENSITIES.contains(&density) && (WAVE_SPEEDS.contains(&speed) || speed == 0.0))
+}
+
 /// Reads `mm, ms, kg` and the like; `None` if the text does not name one unit each of length, time and mass.
 fn read(text: &str) -> Option<Units> {
     let words: Vec<&str> =

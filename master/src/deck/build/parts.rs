@@ -1,0 +1,277 @@
+//! `*PART`: material, section and hourglass control of elements.
+
+use super::Build;
+use super::materials::Material;
+use super::sections::{self, Hourglass, Kind, Section, Sections};
+use super::tree::Table;
+use crate::deck::record::Record;
+use crate::job::tree::Place;
+use crumple_proto::mesh::Shape;
+use std::collections::{BTreeMap, HashMap};
+
+/// A part of the deck.
+#[derive(Debug)]
+pub struct Part {
+    /// What a rigid one holds; `None` if it deforms.
+    pub rigid: Option<Vec<&'static str>>,
+    /// Where it is written.
+    pub place: Place,
+}
+
+/// What a part's elements are.
+#[derive(Clone, Copy, Default)]
+struct Shapes {
+    quads: bool,
+    triangles: bool,
+    solids: bool,
+}
+
+impl Build {
+    pub(super) fn parts(&mut self, materials: &HashMap<i64, Material>, sections: &Sections) {
+        let mut shapes: HashMap<i64, Shapes> = HashMap::new();
+        for element in self.rows.elements() {
+            let of = shapes.entry(i64::from(element.part)).or_default();
+            match element.shape {
+                Shape::Quad4 => of.quads = true,
+                Shape::Tri3 => of.triangles = true,
+                Shape::Hex8 => of.solids = true,
+            }
+        }
+        let own_thickness = self.thickness_of_elements();
+        let mut names: Vec<String> = Vec::new();
+        let mut taken: Vec<i64> = Vec::new();
+        for record in self.take("PART") {
+            let (id, place) = (record.integer("pid"), record.place("pid"));
+            if self.parts.contains_key(&id) {
+                self.trouble.error(place, format!("there are two *PART with the id {id}"), "give each its own");
+                continue;
+            }
+            let mid = record.integer("mid");
+            let material = materials.get(&mid);
+            if material.is_none() {
+                let mut known: Vec<i64> = materials.keys().copied().collect();
+                known.sort_unstable();
+                let known: Vec<String> = known.iter().map(i64::to_string).collect();
+                self.missing(record.place("mid"), "*MAT_...", mid, &known);
+            }
+            let secid = record.integer("secid");
+            let section = sections.by_id.get(&secid);
+            if section.is_none() {
+                let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
+                known.sort_unstable();
+                let known: Vec<String> = known.iter().map(i64::to_string).collect();
+                self.missing(record.place("secid"), "*SECTION_...", secid, &known);
+            }
+            let (Some(material), Some(section)) = (material, section) else {
+                let part = Part { rigid: None, place };
+                self.parts.insert(id, part);
+                continue;
+            };
+            if record.integer("eosid") != 0 {
+                self.unsupported_value(&record, "eosid", "equations of state");
+            }
+            let heading = record.word("heading").to_string();
+            let name = match heading.is_empty() {
+                true => format!("part-{id}"),
+                false if names.contains(&heading) => format!("{heading} ({id})"),
+                false => heading,
+            };
+            names.push(name.clone());
+            let mut table = Table::new(record.head)
+                .with("id", place, id)
+                .with("name", record.place("heading"), name)
+                .with("material", record.place("mid"), material.name.as_str());
+            let shapes = shapes.get(&id).copied().unwrap_or_default();
+            match section.kind {
+                Kind::Shell => self.shell(&record, section, sections, shapes, own_thickness.get(&id), &mut table),
+                Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
+                Kind::Other => {}
+            }
+            let part = Part { rigid: material.rigid.clone(), place };
+            self.parts.insert(id, part);
+            if section.kind == Kind::Other {
+                continue;
+            }
+            if !taken.contains(&mid) {
+                taken.push(mid);
+            }
+            self.add("part", table);
+        }
+        self.used_materials = taken;
+    }
+
+    /// What a part of shells has.
+    fn shell(
+        &mut self,
+        record: &Record,
+        section: &Section,
+        sections: &Sections,
+        shapes: Shapes,
+        own: Option<&[f64; 3]>,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let id = record.integer("pid");
+        let of = format!("part {id}");
+        if shapes.solids {
+            let message = format!("part {id} has solids and *SECTION_SHELL {}", card.integer("secid"));
+            self.trouble.error(record.place("secid"), message, "give solids a part of their own with a *SECTION_SOLID");
+        }
+        let elform = match card.integer("elform") {
+            0 => sections.defaults.theory,
+            given => given,
+        };
+        let corners = ["t1", "t2", "t3", "t4"].map(|t| card.real(t));
+        let given = if corners[1..].iter().all(|&t| t == 0.0) { [corners[0]; 4] } else { corners };
+        let mean = if given[1..].iter().all(|&t| t == given[0]) { given[0] } else { given.iter().sum::<f64>() / 4.0 };
+        let mut thickness = mean;
+        if given.iter().any(|&t| t != mean) {
+            self.map(&of, format!("thicknesses {given:?} at the corners"), format!("their mean {mean}"));
+        }
+        if let Some(&[least, most, average]) = own {
+            thickness = average;
+            if most - least > 1e-6 * most {
+                let message = format!("part {id}: single shells are {least} to {most} thick, which is not supported");
+                self.unsupported(record.place("pid"), message, "*ELEMENT_SHELL_THICKNESS".into());
+            }
+            self.map(&of, format!("thickness of its shells, {least} to {most}"), format!("{average} for all"));
+        }
+        table.put("thickness", card.place("t1"), thickness);
+        match card.integer("nip") {
+            0 => table.put("points", card.place("nip"), 2),
+            n => table.put("points", card.place("nip"), n),
+        }
+        if card.real("nloc") != 0.0 {
+            self.unsupported_value(card, "nloc", "a reference surface beside the middle");
+        }
+        let Some(form) = sections::shell(elform) else {
+            self.unsupported_value(
+                card,
+                "elform",
+                "no formulation of shells is near to it; 2 and 16 are the usual ones",
+            );
+            return;
+        };
+        table.put("element", card.place("elform"), form.element);
+        let bt = form.element == "belytschko_tsay";
+        let warping = form.warping || (matches!(elform, 2) && sections.defaults.warping.is_some());
+        if bt && warping {
+            table.put("warping", sections.defaults.warping.unwrap_or(card.place("elform")), true);
+        }
+        if let Some(place) = sections.defaults.thinning {
+            table.put("thinning", place, true);
+        }
+        let mut used = if shapes.quads || !shapes.triangles { form.element.to_string() } else { String::new() };
+        if bt && warping && !used.is_empty() {
+            used += " with warping terms";
+        }
+        if shapes.triangles {
+            let and = if used.is_empty() { "" } else { ", " };
+            used += &format!("{and}c0_triangle");
+        }
+        if bt {
+            let (form, told) = self.hourglass(record, sections, table, false);
+            used += &format!("; hourglass {form}{told}");
+        }
+        let asked = match card.integer("elform") {
+            0 => format!("shells, theory {elform}"),
+            _ => format!("shells, elform {elform}"),
+        };
+        self.map(&of, asked, used);
+        if !matches!(card.real("qr"), 0.0) {
+            self.map(&of, format!("qr {}: rule of the points", card.real("qr")), "Gauss points");
+        }
+    }
+
+    fn solid(&mut self, record: &Record, section: &Section, sections: &Sections, shapes: Shapes, table: &mut Table) {
+        let card = &section.record;
+        let (id, elform) = (record.integer("pid"), card.integer("elform"));
+        if shapes.quads || shapes.triangles {
+            let message = format!("part {id} has shells and *SECTION_SOLID {}", card.integer("secid"));
+            self.trouble.error(record.place("secid"), message, "give shells a part of their own with a *SECTION_SHELL");
+        }
+        let Some(wanted) = sections::solid(elform) else {
+            self.unsupported_value(
+                card,
+                "elform",
+                "hexahedra with one point (1) are the only solids; 2 is taken as such",
+            );
+            return;
+        };
+        table.put("element", card.place("elform"), "hexahedron");
+        let (form, told) = match wanted {
+            Some(form) => {
+                table.put("hourglass", card.place("elform"), form);
+                (form, "")
+            }
+            None => self.hourglass(record, sections, table, true),
+        };
+        let own = sections.hourglass.get(&record.integer("hgid")).and_then(|h| h.1.map(|bulk| (bulk, h.2)));
+        if let Some((bulk, place)) = own.or(sections.defaults.bulk) {
+            table.put("bulk_viscosity", place, bulk);
+        }
+        self.map(
+            format!("part {id}"),
+            format!("solids, elform {elform}"),
+            format!("hexahedron; hourglass {form}{told}"),
+        );
+    }
+
+    /// Hourglass control of a part; gives the form's name and where it comes from.
+    fn hourglass(
+        &mut self,
+        record: &Record,
+        sections: &Sections,
+        table: &mut Table,
+        solids: bool,
+    ) -> (&'static str, &'static str) {
+        let default = if solids { "assumed_strain" } else { "stiffness" };
+        let hgid = record.integer("hgid");
+        let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
+        if hgid != 0 && own.is_none() {
+            let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
+            self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
+        }
+        let Some((Hourglass { form, coefficient }, place)) = own.or(sections.defaults.hourglass) else {
+            return (default, " (the deck names none)");
+        };
+        let name = match (form, solids) {
+            (0, _) => default,
+            (1..=3, _) => "viscous",
+            (4 | 5, _) => "stiffness",
+            (6 | 7 | 9 | 10, true) => "assumed_strain",
+            _ => default,
+        };
+        table.put("hourglass", place, name);
+        if coefficient > 0.0 && name != "assumed_strain" {
+            table.put("hourglass_coefficient", place, coefficient);
+        }
+        let told = match form {
+            0 => " (ihq blank)",
+            1..=5 => "",
+            6 | 7 | 9 | 10 if solids => "",
+            _ => " (ihq of another kind)",
+        };
+        (name, told)
+    }
+
+    /// Least, most and mean thickness of the parts whose shells have their own.
+    fn thickness_of_elements(&self) -> BTreeMap<i64, [f64; 3]> {
+        let mut all: BTreeMap<i64, (f64, f64, f64, usize)> = BTreeMap::new();
+        for (at, t) in &self.rows.thickness {
+            let Some(shell) = self.rows.shells.get(*at) else { continue };
+            let corners = shell.shape.corners();
+            let given: Vec<f64> = t[..corners].iter().copied().filter(|&t| t > 0.0).collect();
+            let Some(mean) = (!given.is_empty()).then(|| given.iter().sum::<f64>() / given.len() as f64) else {
+                continue;
+            };
+            let of = all.entry(i64::from(shell.part)).or_insert((f64::INFINITY, 0.0, 0.0, 0));
+            *of = (of.0.min(mean), of.1.max(mean), of.2 + mean, of.3 + 1);
+        }
+        all.into_iter()
+            .map(|(part, (least, most, sum, n))| {
+                (part, [least, most, if most == least { most } else { sum / n as f64 }])
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,104 @@
+//! Contact and rigid walls.
+
+use super::{id, not_yet};
+use crate::deck::record::Record;
+use crate::deck::table::{
+    Effect::Output,
+    Keyword,
+    Times::{self, *},
+};
+
+const CARDS: &[(&str, Times)] = &[
+    ("cid:i heading:a70", Count(id)),
+    ("ignore_mpp:i bckt:r lcbckt:r ns2trk:r inititr:r parmax:r unused:r cparm8:r", Count(mpp)),
+    ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
+    ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Once),
+    ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Once),
+    ("isym:i erosop:i iadj:i", Count(eroding)),
+    ("soft:i sofscl:r lcidab:i maxpar:r sbopt:r depth:i bsort:i frcfrq:i", Maybe),
+    ("penmax:r thkopt:i shlthk:i snlog:i isym_b:i i2d3d:i sldthk:r sldstf:r", Maybe),
+    ("igap:i ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
+    ("q2tri:i dtpchk:r sfnbr:r fnlscl:r dnlscl:r tcso:i tiedid:i shledg:i", Maybe),
+    ("sharec:i cparm8:r ipback:i srnde:i fricsf:r icor:i ftorq:i region:i", Maybe),
+    ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
+];
+
+const SINGLE: &str =
+    "`[contact]`: its parts take part, fs (fd with decay) is the friction; all contacts of a deck are one";
+const PAIR: &str = "the same: both sides take part, in contact with each other and with themselves";
+
+const fn contact(name: &'static str, note: &'static str) -> Keyword {
+    Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
+}
+
+const fn tied(name: &'static str) -> Keyword {
+    not_yet(name, CARDS, "ties").options(&["ID", "TITLE", "MPP", "OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"])
+}
+
+const WALL: &[(&str, Times)] = &[
+    ("wid:i heading:a70", Count(id)),
+    ("nsid:i nsidex:i boxid:i offset:r birth:r death:r=1e20 rwksf:r=1", Once),
+    ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r wvel:r", Once),
+    ("xhev:r yhev:r zhev:r lenl:r lenm:r", Count(finite)),
+    ("mass:r v0:r", Count(moving)),
+    ("soft:i ssid:i n1:i n2:i n3:i n4:i", Count(forces)),
+];
+
+pub const KEYWORDS: &[Keyword] = &[
+    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_AUTOMATIC_GENERAL", SINGLE),
+    contact("CONTACT_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_AUTOMATIC_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_ERODING_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_FORCE_TRANSDUCER_PENALTY", "it measures, and changes nothing: not written yet").effect(Output),
+    contact("CONTACT_FORCE_TRANSDUCER", "the same").effect(Output),
+    tied("CONTACT_TIED_NODES_TO_SURFACE"),
+    tied("CONTACT_TIED_SURFACE_TO_SURFACE"),
+    tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE"),
+    tied("CONTACT_SPOTWELD"),
+    Keyword::new(
+        "RIGIDWALL_PLANAR",
+        WALL,
+        "`[[wall]]` through the tail, its normal to the head; fric is the friction. It stops all nodes, not those of nsid alone, \
+         which is told; FINITE and MOVING are not supported yet",
+    )
+    .options(&["ID", "FINITE", "MOVING", "FORCES"])
+    .repeats(),
+    not_yet(
+        "RIGIDWALL_GEOMETRIC_CYLINDER",
+        &[
+            ("wid:i heading:a70", Count(id)),
+            ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once),
+            ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once),
+            ("radcyl:r lencyl:r", Once),
+        ],
+        "cylinders",
+    )
+    .options(&["ID"]),
+];
+
+fn mpp(record: &Record) -> usize {
+    usize::from(record.has("MPP"))
+}
+
+fn eroding(record: &Record) -> usize {
+    usize::from(record.row.keyword.name.contains("ERODING"))
+}
+
+fn finite(record: &Record) -> usize {
+    usize::from(record.has("FINITE"))
+}
+
+fn moving(record: &Record) -> usize {
+    usize::from(record.has("MOVING"))
+}
+
+fn forces(record: &Record) -> usize {
+    usize::from(record.has("FORCES"))
+}

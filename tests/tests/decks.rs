@@ -1,0 +1,210 @@
+//! Keyword decks: formats that give the same model, decks that are wrong, decks that other programs read, and back again.
+//!
+//! A file in `decks/bad` begins with what its report has to say: one `$: text` for each piece of text. The pipe and the
+//! Taylor bar are public examples: `decks/README.md`.
+
+use crumple::job::{Model, read};
+use crumple_tests::program::{self, crumple_with};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn decks(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("decks").join(name)
+}
+
+fn good(path: &Path) -> Model {
+    read(path, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// All that a run starts with, as text.
+fn whole(model: &Model) -> String {
+    let mut job = model.job.clone();
+    job.mesh.deck = None;
+    let (elements, nodes) = model.records();
+    format!("{}\n{:?}\n{elements:?}\n{nodes:?}", serde_json::to_string(&job).unwrap(), model.mesh)
+}
+
+/// The deck as somebody else would have saved it.
+fn saved(name: &str, change: impl Fn(&str) -> String) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, change(&fs::read_to_string(decks(name)).unwrap())).unwrap();
+    whole(&good(&path))
+}
+
+#[test]
+fn all_formats_give_the_same_model() {
+    let model = good(&decks("good/fixed.k"));
+    assert_eq!((model.mesh.nodes.len(), model.mesh.elements.len()), (9, 5));
+    assert_eq!(model.job.part[0].element.as_deref(), Some("stabilised_quad"));
+    assert_eq!((model.job.part[0].thickness, model.job.part[0].points), (1.5, 3), "by parameters");
+    assert_eq!(model.job.title, "A small plate");
+    assert_eq!(model.job.load[0].force, [0.0, 0.0, 0.75], "0.25 on each of three nodes");
+    assert_eq!(model.job.curve[0].points, [[0.0, 0.0], [1.0, 2.0]], "with its scale");
+    assert_eq!(model.mesh.node_sets["edge"], model.mesh.node_sets["set-1"]);
+    let one = whole(&model);
+    for name in ["good/long.k", "good/comma.k"] {
+        assert_eq!(one, whole(&good(&decks(name))), "{name}");
+    }
+    assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "\r\n")), "line ends");
+    assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "   \n")), "blanks at line ends");
+    assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "\n$ a comment, with commas\n")), "comments");
+    let lower = |text: &str| {
+        let line = |l: &str| if l.starts_with('*') { l.to_lowercase() } else { l.to_string() };
+        text.lines().map(line).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(one, saved("good/fixed.k", lower), "lower case, and no line end at the end");
+    let tabs = |text: &str| text.lines().map(with_tabs).collect::<Vec<_>>().join("\n");
+    assert_eq!(one, saved("good/fixed.k", tabs), "tabs");
+    assert_eq!(one, saved("good/fixed.k", |text| text.replace("A plate in", "*ABOUT in \u{e9}")), "text before");
+}
+
+/// A line with tabs for blanks wherever these reach a column that is a multiple of eight.
+fn with_tabs(line: &str) -> String {
+    let mut out = String::new();
+    for (number, eight) in line.as_bytes().chunks(8).enumerate() {
+        let text = String::from_utf8_lossy(eight);
+        let cut = text.trim_end_matches(' ');
+        let whole = eight.len() == 8 && cut.len() < 7 && number < line.len() / 8;
+        out += if whole { cut } else { &text };
+        if whole {
+            out.push('\t');
+        }
+    }
+    out
+}
+
+#[test]
+fn every_bad_deck_says_what_is_wrong_with_it() {
+    let mut count = 0;
+    let mut failures = String::new();
+    for entry in fs::read_dir(decks("bad")).unwrap() {
+        let path = entry.unwrap().path();
+        count += 1;
+        let text = fs::read_to_string(&path).unwrap();
+        let wanted: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("$: ")).collect();
+        assert!(!wanted.is_empty(), "{} wants nothing", path.display());
+        let report = match read(&path, &[]) {
+            Ok(_) => {
+                failures += &format!("--- {} passes\n", path.display());
+                continue;
+            }
+            Err(report) => report.to_string(),
+        };
+        for want in wanted.iter().filter(|want| !report.contains(**want)) {
+            failures += &format!("--- {}: not said: {want}\n{report}\n", path.display());
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
+    assert!(count >= 25, "{count} bad decks");
+}
+
+/// The whole text of a report, once.
+#[test]
+fn a_report_shows_the_card_and_underlines_the_field() {
+    let Err(report) = read(&decks("bad/number.k"), &[]) else { panic!("it passes") };
+    let report = report.to_string();
+    let (head, rest) = report.split_once(" --> ").unwrap();
+    assert_eq!(head, "error: *MAT_ELASTIC: `e` has to be a number, not `207.0x`\n ");
+    let (_, rest) = rest.split_once("bad/number.k").unwrap();
+    assert_eq!(
+        rest,
+        ":16:25\n   |\n16 |          1   7.85e-6    207.0x       0.3\n   |                         ^^^^^^\n   = help: card 1: the \
+         fields are mid ro e pr da db k, 10 columns each or with commas between them\n\n1 error: nothing was run\n"
+    );
+}
+
+#[test]
+fn what_is_left_out_is_told() {
+    let bad = decks("bad/unsupported.k");
+    let allowed = read(&bad, &["mesh.allow_unsupported=true".into()]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(allowed.unsupported.len(), 3);
+    assert!(
+        allowed.unsupported[0].starts_with("*AIRBAG_SIMPLE_PRESSURE_VOLUME (")
+            && allowed.unsupported[0].contains("unsupported.k:")
+    );
+    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"ELEMENT_BEAM\"]";
+    let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
+    assert!(left_out.unsupported.is_empty());
+    let run = program::run(crumple_with(&["run", bad.to_str().unwrap(), "--allow-unsupported", "--workers", "1"]))
+        .with_code(0);
+    assert_eq!(run.summary()["unsupported"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn includes_are_read_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(decks("good/fixed.k")).unwrap();
+    let (before, rest) = text.split_once("*NODE\n").unwrap();
+    let (nodes, after) = rest.split_once("*ELEMENT_SHELL\n").unwrap();
+    fs::create_dir(folder.path().join("mesh")).unwrap();
+    fs::write(folder.path().join("mesh/nodes.k"), format!("*KEYWORD\n*NODE\n{nodes}*END\nno more")).unwrap();
+    let elements = format!("*ELEMENT_SHELL\n{}", after.split("*END").next().unwrap());
+    fs::write(folder.path().join("mesh/all.k"), format!("*KEYWORD\n*INCLUDE\nnodes.k\n{elements}")).unwrap();
+    let main = folder.path().join("main.k");
+    fs::write(&main, format!("{before}*INCLUDE\nmesh/ +\nall.k\n*END\n")).unwrap();
+    assert_eq!(whole(&good(&main)), whole(&good(&decks("good/fixed.k"))));
+}
+
+#[test]
+fn a_jobs_own_keys_go_before_its_decks() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = decks("good/fixed.k");
+    let text = format!(
+        "end_time = 2.0\n[mesh]\ndeck = {:?}\nnode_sets = {{ tip = [9] }}\n[[part]]\nid = 7\nthickness = 4.0\n\
+         [[fix]]\nnodes = \"tip\"\ndofs = [\"x\"]\n",
+        deck
+    );
+    let path = folder.path().join("job.toml");
+    fs::write(&path, text).unwrap();
+    let (job, plain) = (good(&path).job, good(&deck).job);
+    assert_eq!((job.end_time, job.part[0].thickness, &job.part[0].name), (2.0, 4.0, &plain.part[0].name));
+    assert_eq!((job.part[1].thickness, job.fix.len()), (plain.part[1].thickness, plain.fix.len() + 1));
+    let set = read(&path, &["part.plate.thickness=5".into()]).unwrap_or_else(|report| panic!("{report}")).job;
+    assert_eq!(set.part[0].thickness, 5.0, "the command line goes before both");
+}
+
+#[test]
+fn check_tells_what_was_made_of_a_deck() {
+    let text = crumple::check::describe(&good(&decks("good/fixed.k")));
+    for said in [
+        "asked -> used",
+        "shells, elform 16 -> stabilised_quad, c0_triangle",
+        "contact 1: single surface -> every part with every other and itself",
+        "units: a deck names none -> mm, ms, kg",
+    ] {
+        assert!(text.contains(said), "not said: {said}\n{text}");
+    }
+}
+
+#[test]
+fn public_decks_are_what_they_are() {
+    let pipe = good(&decks("pipe/pipe.k"));
+    assert_eq!((pipe.mesh.nodes.len(), pipe.mesh.elements.len(), pipe.job.part.len()), (2049, 1704, 4));
+    assert_eq!(pipe.job.rigid.len(), 2, "pipe and end are one body, the bracket is another");
+    let taylor = good(&decks("taylor/input.k"));
+    assert_eq!(taylor.job.units, "mm, s, tonne (guessed)");
+    assert_eq!(taylor.job.part[0].element.as_deref(), Some("hexahedron"));
+}
+
+#[test]
+fn an_exported_job_gives_the_same_digest() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = folder.path().join("frame.k");
+    let deck = deck.to_str().unwrap();
+    program::run(crumple_with(&["export-deck", "cases/jeep-frame", "--out", deck])).with_code(0);
+    let few = ["--set", "time.max_cycles=40", "--set", "output.field_interval=-1", "--workers", "1"];
+    let digest =
+        |job: &str| program::run(crumple_with(&[&["run", job], few.as_slice()].concat())).with_code(0).digest();
+    assert_eq!(digest("cases/jeep-frame"), digest(deck));
+}
+
+#[test]
+fn the_page_of_keywords_is_current() {
+    let path = program::root().join("cases/DECKS.md");
+    let page = crumple::deck::reference::page();
+    if std::env::var_os("CRUMPLE_BLESS").is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    assert_eq!(fs::read_to_string(&path).unwrap(), page, "run this test with CRUMPLE_BLESS=1 and look at what changed");
+}
