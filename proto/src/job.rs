@@ -380,6 +380,9 @@ pub struct Contact {
     /// Whether edges meet edges too: free ones of shells, and sharp ones of solids. Without it they pass each other between
     /// their nodes.
     pub edges: bool,
+    /// Largest thickness with which a shell is met, as a multiple of its shortest side; 0 for no limit. Shells finer than they
+    /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost.
+    pub thickness_limit: f64,
     /// Parts that take part; all if empty.
     pub parts: Vec<u32>,
 }
@@ -401,6 +404,7 @@ impl Default for Contact {
             penalty_damping: 0.1,
             penalty_cap: true,
             edges: true,
+            thickness_limit: 1.0,
             parts: Vec::new(),
         }
     }

@@ -6,7 +6,7 @@ use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
 use crate::contact::edges::outline;
 use crate::contact::pairs::Memory;
-use crate::contact::surface::{NOT_LOCAL, Segment, Surface, contact_parts};
+use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::halo::{Halo, Link};
 use crate::nodes::{Nodes, xyz};
 use bytemuck::{Pod, Zeroable};
@@ -105,7 +105,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     });
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);
-    let parts = contact_parts(settings);
+    let parts = ContactParts::of(settings);
     let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, &nodes, &parts));
     let mut halo = link_corners(wire, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {

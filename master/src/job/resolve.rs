@@ -144,6 +144,8 @@ fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         numbers.findings.add(Problem::error("time.safety", message, help));
     }
     numbers.need(contact.friction >= 0.0, "contact.friction", contact.friction, "0 or above");
+    let limit = contact.thickness_limit;
+    numbers.need(limit >= 0.0, "contact.thickness_limit", limit, "0 (for none) or above; 1 is usual");
     numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (for the default) or above");
     numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");
     numbers.need(contact.tolerance > 0.0, "contact.tolerance", contact.tolerance, "above 0; 1e-3 is usual");

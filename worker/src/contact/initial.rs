@@ -3,7 +3,7 @@
 use crate::blocks::LocalElement;
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::search::linked_cells;
-use crate::contact::surface::{Surface, contact_parts};
+use crate::contact::surface::{ContactParts, Surface};
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
@@ -34,7 +34,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
         LocalElement { record: *e, nodes: numbers, shared: false }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();
-    let mut surface = Surface::of(&elements, &nodes, &contact_parts(settings));
+    let mut surface = Surface::of(&elements, &nodes, &ContactParts::of(settings));
     surface.collect_slaves(&nodes);
     let largest = surface.largest_scale();
     let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();

@@ -88,18 +88,35 @@ impl Segment {
     }
 }
 
-/// Which parts take part in contact, and with what half thickness (0 for solids) [length].
-pub fn contact_parts(settings: &Settings) -> Vec<Option<f64>> {
-    let takes_part = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
-    settings.parts.iter().map(|p| takes_part(p.id).then_some(0.5 * p.thickness)).collect()
+/// Which parts take part in contact, and how thick they are for it.
+pub struct ContactParts {
+    /// Half thickness of those that do, 0 for solids [length].
+    half: Vec<Option<f64>>,
+    /// Largest thickness of a shell as a multiple of its shortest side.
+    limit: f64,
+}
+
+impl ContactParts {
+    /// Of a job.
+    pub fn of(settings: &Settings) -> Self {
+        let contact = settings.contact.as_ref();
+        let takes_part = |id: u32| contact.is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+        Self {
+            half: settings.parts.iter().map(|p| takes_part(p.id).then_some(0.5 * p.thickness)).collect(),
+            limit: contact.map_or(0.0, |c| c.thickness_limit),
+        }
+    }
 }
 
 /// The segments of an element.
-pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &[Option<f64>]) -> Vec<Segment> {
-    let Some(half) = parts[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
+pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
+    let Some(half) = parts.half[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
     let shape = e.record.shape;
     let shell = shape.is_shell();
-    let scale = if shell { half } else { SOLID_SCALE * shortest_edge(e, nodes) };
+    let shortest = shortest_edge(e, nodes);
+    // Shells thicker than their sides would touch what is round the next corner.
+    let half = if parts.limit > 0.0 { half.min(0.5 * parts.limit * shortest) } else { half };
+    let scale = if shell { half } else { SOLID_SCALE * shortest };
     let is_free = |face: &usize| shell || e.record.free_faces >> face & 1 == 1;
     let segment = |face: usize| {
         let corners = shape.faces()[face];
@@ -121,16 +138,16 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &[Option<f64>]) -> Ve
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
 }
 
-/// Shortest edge of a solid at the start [length].
+/// Shortest edge of an element at the start [length].
 fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
     let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
     let sides = e.record.shape.faces().iter().flat_map(|f| (0..4).map(|i| (at(f[i]) - at(f[(i + 1) % 4])).norm()));
-    sides.fold(f64::INFINITY, f64::min)
+    sides.filter(|&s| s > 0.0).fold(f64::INFINITY, f64::min) // a triangle's face repeats a corner
 }
 
 impl Surface {
     /// Segments of elements and what they make of the held nodes.
-    pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &[Option<f64>]) -> Self {
+    pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
         let mut s = Self {
             segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
