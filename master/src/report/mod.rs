@@ -195,6 +195,9 @@ fn left_out_of(series: &Series, scene: &Scene, description: &Description, source
     if series.unknown_shapes > 0 {
         out.push("Elements of a shape that this program does not draw were left out.".into());
     }
+    if sources.walls_move() {
+        out.push("Rigid walls that move are drawn where they are at first.".into());
+    }
     let unit = description.frames.iter().map(|f| f.unit).fold(0.0, f64::max);
     let [length, _] = sources.length_and_stress();
     let unit = format!("{} {length}", tables::short(unit));
