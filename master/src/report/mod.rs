@@ -1,9 +1,9 @@
 //! `crumple report`: one page that shows a run, made of what the run left in its folder, and of nothing else.
 //!
-//! - [`sources`]: summary, history and log; [`plots`], [`things`], [`tables`]: what the page makes of them
-//! - [`series`]: the field files, joined; [`surface`]: what can be seen of them
-//! - [`scene`]: what of that goes into the page; [`encode`]: as bytes
-//! - [`page`]: the page; its scripts lie in `master/assets/report`
+//! - `sources`: summary, history and log; `plots`, `things`, `tables`: what the page makes of them
+//! - `series`: the field files, joined; `surface`: what can be seen of them
+//! - `scene`: what of that goes into the page; `encode`: as bytes
+//! - `page`: the page; its scripts lie in `master/assets/report`
 
 mod encode;
 mod page;
