@@ -2,7 +2,7 @@
 //! (`worker/src/vtu.rs`, `fields.rs`), and all of it is checked: a message names the file and what is wrong with it.
 
 use bytemuck::Pod;
-use crumple_worker::vtu::{self, BYTE_ORDER, Kind};
+use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, Kind, POINT_ARRAYS};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -51,7 +51,7 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
         return Err(broken("is no whole collection of field files"));
     }
     let step = |line: &str| {
-        let time = attribute(line, "timestep").and_then(|t| t.parse().ok());
+        let time = attribute(line, "timestep").and_then(|t| t.parse().ok()).filter(|t: &f64| t.is_finite());
         let file = attribute(line, "file").and_then(|name| beside(collection, name));
         Some(Step { time: time?, file: file? })
     };
@@ -101,17 +101,14 @@ impl Piece {
         let count = |name| head.lines().find_map(|line| attribute(line, name)?.parse::<usize>().ok());
         let (points, cells) = (count("NumberOfPoints").ok_or(foreign)?, count("NumberOfCells").ok_or(foreign)?);
         let mut arrays = HashMap::new();
-        let mut tuples = None;
-        for line in head.lines() {
-            tuples = match line {
-                "<Points>" | "<PointData>" => Some(points),
-                "<Cells>" | "<CellData>" => Some(cells),
-                _ => tuples,
-            };
-            if attribute(line, "format") == Some("appended") {
-                let (name, stored) = stored(line, &bytes, start, tuples.ok_or(foreign)?)?;
-                arrays.insert(name, stored);
+        for line in head.lines().filter(|line| attribute(line, "format") == Some("appended")) {
+            let (name, stored) = stored(line, &bytes[start..])?;
+            let numbers = stored.bytes.len() / size_of_kind(stored.kind);
+            if numbers_due(&name, points, cells).is_some_and(|due| due != Some(numbers)) {
+                return Err(format!("has {numbers} numbers in array `{name}`, for {points} points and {cells} cells"));
             }
+            let bytes = start + stored.bytes.start..start + stored.bytes.end;
+            arrays.insert(name, Stored { bytes, ..stored });
         }
         let piece = Self { time: time.ok_or(foreign)?, points, cells, path: path.to_owned(), arrays, bytes };
         piece.check_cells()?;
@@ -187,34 +184,41 @@ impl Piece {
     }
 }
 
-/// Name and place of the array that a line declares. `connectivity` has no number of tuples of its own.
-fn stored(line: &str, bytes: &[u8], start: usize, tuples: usize) -> Result<(String, Stored), String> {
+/// Numbers that an array has to have, if their number is known: of `connectivity`, and arrays of later versions, it is not.
+fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>> {
+    let of = |arrays: &[Array], tuples: usize| {
+        let array = arrays.iter().find(|a| a.name == name)?;
+        Some(tuples.checked_mul(array.components))
+    };
+    let of_cells = ["offsets", "types"].contains(&name).then_some(Some(cells));
+    of(&[vtu::POINTS], points).or(of(POINT_ARRAYS, points)).or(of(CELL_ARRAYS, cells)).or(of_cells)
+}
+
+fn size_of_kind(kind: Kind) -> usize {
+    match kind {
+        Kind::F32 | Kind::U32 => 4,
+        Kind::I64 => 8,
+        Kind::U8 => 1,
+    }
+}
+
+/// Name and place of the array that a line declares, in the bytes behind the XML.
+fn stored(line: &str, bytes: &[u8]) -> Result<(String, Stored), String> {
     let unread = || format!("has an array that cannot be read: `{line}`");
     let name = attribute(line, "Name").ok_or_else(unread)?;
     let kinds = [Kind::F32, Kind::U32, Kind::I64, Kind::U8];
     let kind = kinds.into_iter().find(|k| Some(k.vtk_name()) == attribute(line, "type")).ok_or_else(unread)?;
-    let number = |name| attribute(line, name).and_then(|text| text.parse::<usize>().ok()).ok_or_else(unread);
-    let (components, offset) = (number("NumberOfComponents")?, number("offset")?);
+    let at = attribute(line, "offset").and_then(|text| text.parse::<usize>().ok()).ok_or_else(unread)?;
     let torn = || format!("ends within array `{name}`: it is not whole");
-    let at = start.checked_add(offset).ok_or_else(unread)?;
     let begin = at.checked_add(LENGTH).ok_or_else(unread)?;
     let length = bytes.get(at..begin).ok_or_else(torn)?;
     let length = u64::from_ne_bytes(length.try_into().map_err(|_| torn())?);
     let end = usize::try_from(length).ok().and_then(|l| begin.checked_add(l)).ok_or_else(torn)?;
-    if end > bytes.len() {
-        return Err(torn());
+    match bytes.get(begin..end) {
+        None => Err(torn()),
+        Some(data) if data.len() % size_of_kind(kind) != 0 => Err(unread()),
+        Some(_) => Ok((name.to_owned(), Stored { kind, bytes: begin..end })),
     }
-    let size = match kind {
-        Kind::F32 | Kind::U32 => 4,
-        Kind::I64 => 8,
-        Kind::U8 => 1,
-    };
-    let due = tuples.checked_mul(components).and_then(|n| n.checked_mul(size));
-    let right = if name == "connectivity" { (end - begin) % size == 0 } else { due == Some(end - begin) };
-    if !right {
-        return Err(format!("has {} bytes in array `{name}`, where it has {tuples} tuples", end - begin));
-    }
-    Ok((name.to_owned(), Stored { kind, bytes: begin..end }))
 }
 
 fn text(path: &Path) -> Result<String, String> {

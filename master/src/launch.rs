@@ -125,7 +125,8 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
     let stop = StopFlag::listen(false);
     let results = Results { out: &out, trace: args.trace.as_deref() };
     let ended = control::run(model, wire, results, args.quiet, &stop);
-    let made = (!args.no_report).then(|| report::write(&out, args.quiet));
+    let writable = !matches!(ended, Err(RunError::Output { .. }));
+    let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
     let code = match ended {
         Ok(summary) => {
             if !args.quiet {

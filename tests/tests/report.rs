@@ -71,6 +71,7 @@ fn a_run_that_failed_has_a_page_that_says_why() {
     let warnings = between(&page, r#"<section id="warnings""#, "</section>");
     let reason = ended.summary()["reason"].as_str().unwrap().split(':').next().unwrap().to_owned();
     assert!(warnings.contains("The run failed") && warnings.contains(&reason), "{warnings}");
+    assert!(warnings.contains("safety = 3 is above 1"), "what the job was warned of: {warnings}");
 }
 
 #[test]

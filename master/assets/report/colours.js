@@ -35,9 +35,9 @@ function css(colour) {
   return `rgb(${colour.join(",")})`;
 }
 
-/** Four digits, with an exponent where there would be many noughts. */
-function digits(value) {
-  const short = Number(value.toPrecision(4));
+/** So many digits, with an exponent where there would be many noughts. */
+function digits(value, count = 4) {
+  const short = Number(value.toPrecision(count));
   const size = Math.abs(short);
   return size > 0 && (size < 1e-4 || size >= 1e6) ? short.toExponential() : String(short);
 }

@@ -158,7 +158,9 @@ class Page {
     this.frame = first;
     this.view.show(first, span > 0 ? (this.time - this.times[first]) / span : 0, this.way, this.shown, this.model, changed);
     byId("slider").value = this.time;
-    byId("clock").textContent = `t = ${clock(this.time, this.end - this.begin)} ${this.facts.time_unit}`;
+    const words = `${clock(this.time, this.end - this.begin)} ${this.facts.time_unit}`;
+    byId("clock").textContent = `t = ${words}`;
+    byId("slider").setAttribute("aria-valuetext", words);
   }
 
   /** The same time, drawn from the beginning. */

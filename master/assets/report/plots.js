@@ -3,6 +3,14 @@
 
 const PLOT_HEIGHT = 190;
 
+/** Labels with as many digits as tell the ticks apart. */
+function labels(ticks) {
+  const largest = Math.max(...ticks.map((tick) => Math.abs(tick)));
+  const step = Math.abs(ticks[1] - ticks[0]);
+  const count = step > 0 ? 2 + Math.max(0, Math.floor(Math.log10(largest / step))) : 4;
+  return ticks.map((tick) => digits(tick, Math.min(count, 12)));
+}
+
 /** Room for the longest of the labels, of letters 7 pixels wide; the same for all plots where that is enough. */
 function besideTicks(_, labels) {
   return Math.max(62, ...(labels || []).map((label) => 16 + 7 * label.length));
@@ -35,7 +43,7 @@ class Plots {
     const colour = (name) => style.getPropertyValue(name).trim();
     const axis = { stroke: colour("--quiet"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
     const unit = this.data.unit ? ` [${this.data.unit}]` : "";
-    const number = (_, value) => (value === null || value === undefined ? "–" : digits(value));
+    const number = (_, value) => (value === null || value === undefined ? "–" : digits(value, 6));
     const lines = plot.lines.map((line, i) => ({
       label: line.label,
       stroke: colour(`--c${(plot.lines.length > 1 ? i : 1) % 8}`),
@@ -55,7 +63,7 @@ class Plots {
       scales: { x: { time: false } },
       axes: [
         { ...axis, size: 34 },
-        { ...axis, size: besideTicks, values: (_, ticks) => ticks.map((tick) => digits(tick)) },
+        { ...axis, size: besideTicks, values: (_, ticks) => labels(ticks) },
       ],
       legend: { live: true },
       cursor: { sync: { key: "time", setSeries: false }, drag: { x: true, y: false } },

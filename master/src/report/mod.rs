@@ -1,9 +1,9 @@
 //! `crumple report`: one page that shows a run, made of what the run left in its folder, and of nothing else.
 //!
-//! - [`sources`]: summary, history and log; [`plots`], [`things`], [`tables`]: what the page makes of them
-//! - [`series`]: the field files, joined; [`surface`]: what can be seen of them
-//! - [`scene`]: what of that goes into the page; [`encode`]: as bytes
-//! - [`page`]: the page; its scripts lie in `master/assets/report`
+//! - `sources`: summary, history and log; `plots`, `things`, `tables`: what the page makes of them
+//! - `series`: the field files, joined; `surface`: what can be seen of them
+//! - `scene`: what of that goes into the page; `encode`: as bytes
+//! - `page`: the page; its scripts lie in `master/assets/report`
 
 mod encode;
 mod page;
@@ -194,6 +194,9 @@ fn left_out_of(series: &Series, scene: &Scene, description: &Description, source
     }
     if series.unknown_shapes > 0 {
         out.push("Elements of a shape that this program does not draw were left out.".into());
+    }
+    if sources.walls_move() {
+        out.push("Rigid walls that move are drawn where they are at first.".into());
     }
     let unit = description.frames.iter().map(|f| f.unit).fold(0.0, f64::max);
     let [length, _] = sources.length_and_stress();

@@ -133,6 +133,14 @@ impl Sources {
         walls.into_iter().flatten().filter_map(|w| Wall::deserialize(w).ok()).collect()
     }
 
+    /// Whether a wall moves, freely or as prescribed.
+    pub fn walls_move(&self) -> bool {
+        let walls = self.summary.as_ref().and_then(|s| s.get("walls")?.as_array());
+        let moves =
+            |w: &Value| ["mass", "velocity", "displacement"].iter().any(|key| w.get(key).is_some_and(|v| !v.is_null()));
+        walls.into_iter().flatten().any(moves)
+    }
+
     /// Labels of length and stress in the job's units, by their first three words: length, time, mass.
     pub fn length_and_stress(&self) -> [String; 2] {
         let words: Vec<&str> = self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
@@ -194,7 +202,7 @@ mod tests {
             "summary.json",
             r#"{"status": "failed", "reason": "cycle 3: an element inverts", "energy": {"error_max": 0.25}, "end_time": 0.5,
                 "cycles": 3, "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
-                "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]}, {"point": "nowhere"}]}"#,
+                "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]}, {"point": "nowhere", "mass": null}]}"#,
         );
         write(
             "log.jsonl",
@@ -216,6 +224,7 @@ mod tests {
         assert_eq!((s.length_and_stress(), s.workers()), (["mm".into(), "GPa".into()], Some(2)));
         assert_eq!(s.part_names()["4"], "a<b");
         let walls = s.walls();
+        assert!(!s.walls_move());
         assert_eq!((walls.len(), walls[0].point, walls[0].normal), (1, [0.0, 0.0, 1.5], Some([0.0, 0.0, 1.0])));
         assert_eq!(s.ending(), "failed at time 0.5 after 3 cycles");
     }
