@@ -1,7 +1,7 @@
 //! Searches and contact laws as a job names them, on seven bodies in collision.
 
 use crumple_tests::program::{crumple_with, run};
-use crumple_tests::{case, read, run_side_by_side};
+use crumple_tests::{case, read, run_alone, run_side_by_side};
 
 /// Both global searches find the same candidates, point in box, so nothing that follows can differ.
 #[test]
@@ -81,4 +81,20 @@ fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
         let depth = summary["contact"]["penetration_max"].as_f64().unwrap();
         assert!(depth < 0.3, "{law}: penetration of {depth} (it was 1.27)");
     }
+}
+
+/// A tube of shells finer than they are thick touches itself round its corners from the start, unless contact takes shells for
+/// no thicker than their sides.
+#[test]
+fn fine_shells_do_not_touch_round_a_corner() {
+    let fine = ["scene.elements=40", "scene.side=40", "scene.length=12", "scene.trigger=0", "time.max_cycles=5"];
+    let pairs = ["1", "0"].map(|limit| {
+        let limit = format!("contact.thickness_limit={limit}");
+        let mut most = 0;
+        let model = read(&case("tube-crush"), &[&fine[..], &[&limit]].concat());
+        run_alone(&model, |e| most = most.max(e.contact.as_ref().unwrap().own_table().count()));
+        most
+    });
+    assert_eq!(pairs[0], 0);
+    assert!(pairs[1] > 0, "the tube is no test of it: {pairs:?}");
 }
