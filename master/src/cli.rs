@@ -46,6 +46,16 @@ pub enum Command {
     /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with costs that are measured here
     /// and with a network that is not: more than two workers are modelled.
     Scale(ScaleArgs),
+    /// Write the fields of a run as a d3plot database, for post-processors that read it.
+    ExportD3plot {
+        /// Folder of results of a run with fields.
+        dir: PathBuf,
+        /// Largest file of the family, unless one state needs more [MB].
+        #[arg(long, value_name = "MB", default_value_t = crate::d3plot::FILE_SIZE)]
+        file_size: u64,
+    },
+    /// Print the JSON Schema of job files, for editors.
+    Schema(SchemaArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -83,6 +93,14 @@ pub struct RunArgs {
     /// Write a time line of all workers, phase by phase, for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+}
+
+/// `crumple schema`.
+#[derive(Args, Clone, Debug)]
+pub struct SchemaArgs {
+    /// The reference of jobs as Markdown instead: cases/REFERENCE.md.
+    #[arg(long)]
+    pub reference: bool,
 }
 
 /// `crumple verify`.

@@ -12,6 +12,8 @@ fn main() -> ExitCode {
         Command::Advise { dir } => crumple::advise::run(&dir),
         Command::Bench(args) => crumple::bench::run(&args),
         Command::Scale(args) => crumple::scale::run(&args),
+        Command::ExportD3plot { dir, file_size } => crumple::d3plot::run(&dir, file_size),
+        Command::Schema(args) => crumple::reference::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })
 }

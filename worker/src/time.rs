@@ -16,6 +16,8 @@ pub struct Clock {
     pub whole_dt: f64,
     /// Step of the cycle before, 0 in the first [time].
     pub last_dt: f64,
+    /// By how much velocities were changed last: from the mid-step before the last one to that [time].
+    pub last_mid: f64,
     /// First and smallest step so far [time].
     pub first_dt: f64,
     /// See `first_dt`.
@@ -38,6 +40,7 @@ impl Clock {
             dt: 0.0,
             whole_dt: 0.0,
             last_dt: 0.0,
+            last_mid: 0.0,
             first_dt: 0.0,
             min_dt: f64::INFINITY,
             rows: 0,
@@ -67,6 +70,7 @@ impl Clock {
     /// Goes on to the next time.
     pub fn tick(&mut self) {
         self.time += self.dt;
+        self.last_mid = self.steps().mid;
         self.last_dt = self.dt;
         self.cycle += 1;
     }

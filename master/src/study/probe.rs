@@ -96,7 +96,7 @@ fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
 }
 
 /// A piece as it was written: the arrays behind the XML by their names.
-struct Piece {
+pub(crate) struct Piece {
     time: f64,
     path: PathBuf,
     arrays: HashMap<String, (Kind, usize)>,
@@ -104,7 +104,8 @@ struct Piece {
 }
 
 impl Piece {
-    fn read(path: &Path) -> Result<Self, String> {
+    /// Reads a file.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mark = b"<AppendedData encoding=\"raw\">\n_";
         let broken = || format!("{} is no field file of this program", path.display());
@@ -131,7 +132,8 @@ impl Piece {
         Ok(Self { time: time.ok_or_else(broken)?, path: path.to_owned(), arrays, bytes })
     }
 
-    fn array(&self, name: &str) -> Result<Vec<f64>, String> {
+    /// The numbers of an array, components side by side.
+    pub(crate) fn array(&self, name: &str) -> Result<Vec<f64>, String> {
         let broken = || format!("{} has no whole array `{name}`", self.path.display());
         let &(kind, start) = self.arrays.get(name).ok_or_else(broken)?;
         let length = self.bytes.get(start..start + 8).ok_or_else(broken)?;
