@@ -79,13 +79,14 @@ impl Labels {
             [l, t, m, ..] => (l, t, m),
             _ => ("length", "time", "mass"),
         };
-        let (energy, force): (String, String) = match (l, t, m) {
-            ("mm", "ms", "kg") => ("J".into(), "kN".into()),
-            ("mm", "s", "t" | "tonne") => ("mJ".into(), "N".into()),
-            ("m", "s", "kg") => ("J".into(), "N".into()),
-            _ => (format!("{m} {l}^2/{t}^2"), format!("{m} {l}/{t}^2")),
+        let named = |energy: &str, force: &str| (energy.to_string(), force.to_string(), format!("{force} {l}"));
+        let product = format!("{m} {l}^2/{t}^2");
+        let (energy, force, moment) = match (l, t, m) {
+            ("mm", "ms", "kg") => named("J", "kN"),
+            ("mm", "s", "t" | "tonne") => named("mJ", "N"),
+            ("m", "s", "kg") => named("J", "N"),
+            _ => (product.clone(), format!("{m} {l}/{t}^2"), product),
         };
-        let moment = if force.len() > 2 { energy.clone() } else { format!("{force} {l}") };
         Self {
             length: l.into(),
             time: t.into(),

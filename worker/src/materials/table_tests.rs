@@ -64,9 +64,9 @@ fn the_tables_say_what_may_be_left_out() {
 
 /// Stress after some steps with plastic flow, in plane stress and in three dimensions.
 fn stress(material: &Material) -> [f64; 9] {
-    let law = build(material).ok().expect("a sound material");
+    let law = build(material).expect("a sound material");
     let mut state = vec![0.0; 3 + law.history().len()];
-    let solid = build_solid(material).ok().expect("a sound material");
+    let solid = build_solid(material).expect("a sound material");
     let mut solid_state = vec![0.0; 6 + solid.history().len()];
     for _ in 0..20 {
         let strain = [[1e-3, -3e-4, 2e-4]];
