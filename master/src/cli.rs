@@ -56,6 +56,16 @@ pub enum Command {
     },
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),
+    /// Write the fields of a run as a d3plot database, for post-processors that read it.
+    ExportD3plot {
+        /// Folder of results of a run with fields.
+        dir: PathBuf,
+        /// Largest file of the family, unless one state needs more [MB].
+        #[arg(long, value_name = "MB", default_value_t = crate::d3plot::FILE_SIZE)]
+        file_size: u64,
+    },
+    /// Print the JSON Schema of job files, for editors.
+    Schema(SchemaArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.
     Advise {
         /// Folder of results of a run that completed.
@@ -99,6 +109,14 @@ pub struct RunArgs {
     /// Do not make report.html at the end.
     #[arg(long)]
     pub no_report: bool,
+}
+
+/// `crumple schema`.
+#[derive(Args, Clone, Debug)]
+pub struct SchemaArgs {
+    /// The reference of jobs as Markdown instead: cases/REFERENCE.md.
+    #[arg(long)]
+    pub reference: bool,
 }
 
 /// `crumple verify`.

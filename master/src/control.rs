@@ -120,12 +120,7 @@ impl<'a> Control<'a> {
         if fields.exists() {
             std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
         }
-        let path = out.join("history.csv");
-        let name = |(i, w): (usize, &crumple_proto::job::Wall)| {
-            if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
-        };
-        let walls = settings.walls.iter().enumerate().map(name).collect();
-        let history = History::new(&path, workers, &job.units, walls).map_err(|e| failed(&path)(e.into()))?;
+        let history = History::new(out, workers, model).map_err(|(path, error)| RunError::Output { path, error })?;
         let trace = trace.map(|path| {
             let failed = |error| RunError::Trace { path: path.to_owned(), error };
             Trace::new(path, workers).map_err(failed)

@@ -1,9 +1,14 @@
 //! `history.csv`: one row per history interval, added up from the workers' shares.
 
+use crate::histories::Histories;
+use crate::job::Model;
 use crumple_proto::report::HistoryPart;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Its name.
+const FILE: &str = "history.csv";
 
 /// A whole row, added up over workers.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +43,7 @@ pub struct History {
     file: csv::Writer<File>,
     workers: usize,
     walls: Vec<String>,
+    kinds: Histories,
     parts: BTreeMap<u64, Vec<HistoryPart>>,
     /// First complete row.
     pub first: Option<Row>,
@@ -62,40 +68,75 @@ const MOST_SWING: f64 = 2.0 * 0.81 / 0.19;
 const TURNING: u64 = 50;
 
 /// Names of derived units for a header.
-struct Labels {
-    time: String,
-    energy: String,
-    momentum: String,
-    force: String,
+pub(crate) struct Labels {
+    pub(crate) length: String,
+    pub(crate) time: String,
+    pub(crate) mass: String,
+    pub(crate) velocity: String,
+    pub(crate) acceleration: String,
+    pub(crate) energy: String,
+    pub(crate) momentum: String,
+    pub(crate) force: String,
+    pub(crate) moment: String,
     angular: String,
 }
 
 impl Labels {
     /// From the first three words of the job's units (length, time, mass), or dimensions if it does not say.
-    fn of(units: &str) -> Self {
+    pub(crate) fn of(units: &str) -> Self {
         let words: Vec<&str> = units.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
         let (l, t, m) = match words[..] {
             [l, t, m, ..] => (l, t, m),
             _ => ("length", "time", "mass"),
         };
-        let (energy, force) = match (l, t, m) {
-            ("mm", "ms", "kg") => ("J".into(), "kN".into()),
-            ("mm", "s", "t" | "tonne") => ("mJ".into(), "N".into()),
-            ("m", "s", "kg") => ("J".into(), "N".into()),
-            _ => (format!("{m} {l}^2/{t}^2"), format!("{m} {l}/{t}^2")),
+        let named = |energy: &str, force: &str| (energy.to_string(), force.to_string(), format!("{force} {l}"));
+        let product = format!("{m} {l}^2/{t}^2");
+        let (energy, force, moment) = match (l, t, m) {
+            ("mm", "ms", "kg") => named("J", "kN"),
+            ("mm", "s", "t" | "tonne") => named("mJ", "N"),
+            ("m", "s", "kg") => named("J", "N"),
+            _ => (product.clone(), format!("{m} {l}/{t}^2"), product),
         };
-        Self { time: t.into(), energy, force, momentum: format!("{m} {l}/{t}"), angular: format!("{m} {l}^2/{t}") }
+        Self {
+            length: l.into(),
+            time: t.into(),
+            mass: m.into(),
+            velocity: format!("{l}/{t}"),
+            acceleration: format!("{l}/{t}^2"),
+            energy,
+            momentum: format!("{m} {l}/{t}"),
+            force,
+            moment,
+            angular: format!("{m} {l}^2/{t}"),
+        }
     }
 }
 
+/// Names of walls: their own, or their numbers.
+pub(crate) fn wall_names(walls: &[crumple_proto::job::Wall]) -> Vec<String> {
+    let name = |(i, w): (usize, &crumple_proto::job::Wall)| {
+        if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
+    };
+    walls.iter().enumerate().map(name).collect()
+}
+
+/// A file that cannot be written, and why.
+pub(crate) type Unwritten = (PathBuf, std::io::Error);
+
+/// A file that is to be written.
+pub(crate) fn begin(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
+    csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
+}
+
 impl History {
-    /// Begins the file.
+    /// Begins the file, and those of histories by kind beside it.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn new(path: &Path, workers: usize, units: &str, walls: Vec<String>) -> csv::Result<Self> {
-        let mut file = csv::Writer::from_path(path)?;
-        let u = Labels::of(units);
+    pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
+        let mut file = begin(&dir.join(FILE))?;
+        let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
+        let u = Labels::of(&model.job.units);
         let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
         for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"]
         {
@@ -122,11 +163,12 @@ impl History {
             "high redecompositions",
         ];
         header.extend(accounts.map(String::from));
-        file.write_record(&header)?;
+        file.write_record(&header).map_err(|e| (dir.join(FILE), e.into()))?;
         Ok(Self {
             file,
             workers,
             walls,
+            kinds,
             parts: BTreeMap::new(),
             first: None,
             last: None,
@@ -170,6 +212,7 @@ impl History {
         let swings_from = self.swings_from.unwrap_or(row.sum.cycle);
         self.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.write(&row, extras)?;
+        self.kinds.write(&row.sum)?;
         self.first.get_or_insert_with(|| row.clone());
         self.last = Some(row);
         Ok(())
@@ -210,6 +253,7 @@ fn add_up(parts: &[HistoryPart]) -> HistoryPart {
         for (a, b) in sum.wall_impulse.iter_mut().zip(&p.wall_impulse) {
             (0..3).for_each(|c| a[c] += b[c]);
         }
+        sum.shares.add(&p.shares);
         sum.pairs += p.pairs;
         sum.penetration = sum.penetration.max(p.penetration);
         if p.controlling_dt < sum.controlling_dt {

@@ -132,6 +132,12 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
             if !args.quiet {
                 print_summary(&summary, &out);
             }
+            if model.job.output.d3plot
+                && let Err(why) = crate::d3plot::export(&out, 1_000_000 * crate::d3plot::FILE_SIZE)
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
             match summary.status {
                 Status::Completed => COMPLETED,
                 Status::Stopped => STOPPED,

@@ -10,10 +10,12 @@
 //! - [`advise`]: `crumple advise`, what a run did not need
 //! - [`bench`]: `crumple bench`, what elements cost per cycle
 //! - [`scale`]: `crumple scale`, parallel efficiency on any number of workers, predicted
+//! - [`mod@reference`]: `crumple schema`, what a job may say, for editors and for people
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`trace`]: `crumple run --trace`, a time line of all workers
 //! - [`report`]: `crumple report`, a page that shows a run; [`field_file`]: field files read back
-//! - [`history`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
+//! - [`d3plot`]: `crumple export-d3plot`, fields for post-processors of LS-DYNA
+//! - [`history`], [`histories`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
 pub mod advise;
 pub mod balance;
@@ -22,16 +24,19 @@ pub mod check;
 pub mod cli;
 pub mod control;
 pub mod cost;
+pub mod d3plot;
 pub mod deck;
 pub mod decompose;
 pub mod embedded;
 pub mod field_file;
 pub mod fields;
+pub mod histories;
 pub mod history;
 pub mod job;
 pub mod launch;
 pub mod pieces;
 pub mod progress;
+pub mod reference;
 pub mod report;
 pub mod say;
 pub mod scale;

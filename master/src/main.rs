@@ -14,6 +14,8 @@ fn main() -> ExitCode {
         Command::Report { dir } => crumple::report::run(&dir),
         Command::ExportDeck(args) => crumple::deck::export::run(&args),
         Command::Scale(args) => crumple::scale::run(&args),
+        Command::ExportD3plot { dir, file_size } => crumple::d3plot::run(&dir, file_size),
+        Command::Schema(args) => crumple::reference::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })
 }

@@ -1,9 +1,11 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
 mod loads;
+mod output;
 mod rigid;
 
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
+pub use output::{NodeHistory, Output, SectionHistory};
 pub use rigid::Rigid;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -157,18 +159,6 @@ impl Default for Time {
             dt_max: 0.0,
         }
     }
-}
-
-/// What is written, how often.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Output {
-    /// Time between rows of `history.csv` [time]; 0 for a two-hundredth of the run.
-    pub history_interval: f64,
-    /// Time between field files [time]; 0 for a twentieth of the run, negative for none.
-    pub field_interval: f64,
-    /// Further times of field files [time].
-    pub field_times: Vec<f64>,
 }
 
 /// Decomposition and redecomposition.

@@ -4,10 +4,12 @@
 //! - [`quality`]: how good the elements' shapes are
 //! - [`partition`]: what one worker receives; [`loads`], [`rigid`]: what acts on the model, and what of it is rigid
 //! - [`boxes`]: the boxes that tile space
+//! - [`histories`]: what is recorded by kind, as it is asked for and as workers report it
 //! - [`message`], [`report`], [`trace`], [`wire`]: the conversation between master and workers
 //! - [`transport`]: the wires, threads or MPI
 
 pub mod boxes;
+pub mod histories;
 pub mod ids;
 pub mod job;
 pub mod loads;

@@ -1,6 +1,7 @@
 //! What a worker receives: settings for all, records of its elements and nodes.
 //! The same records travel at start-up and from worker to worker when boxes are renewed.
 
+use crate::histories::Asked;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Contact, Part, Wall};
 use crate::loads::Loads;
@@ -10,7 +11,8 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it but loaded nodes and faces and rigid bodies grows with the mesh.
+/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies and
+/// what histories ask for grows with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
     /// Simulated time to run to [time].
@@ -25,6 +27,8 @@ pub struct Settings {
     pub history_interval: f64,
     /// Times of field files, ascending [time].
     pub field_times: Vec<f64>,
+    /// What is recorded at every history interval beside the sums.
+    pub histories: Asked,
     /// Folder for field files.
     pub field_dir: String,
     /// Materials, in the job's order.

@@ -1,5 +1,6 @@
 //! What workers tell the master while they run.
 
+use crate::histories::Shares;
 use crate::ids::ElemId;
 use serde::{Deserialize, Serialize};
 
@@ -106,6 +107,8 @@ pub struct HistoryPart {
     pub controlling_dt: f64,
     /// Element that has it.
     pub controlling: Option<ElemId>,
+    /// What else is recorded.
+    pub shares: Shares,
 }
 
 /// Why a worker cannot go on.

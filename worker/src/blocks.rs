@@ -57,6 +57,9 @@ pub struct Blocks {
     pub moment: Vec<Row>,
     /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
     pub mass_scaled: bool,
+    /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless histories ask for it
+    /// [energy].
+    pub by_part: Vec<[f64; 2]>,
     gather_start: Vec<u32>,
     gather: Vec<u32>,
     /// Groups in the order in which they are computed: those that other workers wait for, then the rest.
@@ -144,6 +147,7 @@ impl Blocks {
                 .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_rigid(settings, e.record.part)),
             elements,
             blocks,
+            by_part: Vec::new(),
             force: Vec::new(),
             moment: Vec::new(),
             gather_start: Vec::new(),
@@ -277,6 +281,9 @@ impl Blocks {
             let out = CornerForces { force: &mut self.force[slots], moment };
             let mut pass = b.forces(batch.groups.clone(), nodes, dt, out);
             pass.trouble = pass.trouble.map(|i| b.first + i);
+            if let Some(energy) = self.by_part.get_mut(self.elements[b.first].record.part as usize) {
+                *energy = [energy[0] + pass.internal, energy[1] + pass.hourglass];
+            }
             totals.add(&pass);
             self.gather(nodes, &self.early[batch.nodes.clone()]);
         }

@@ -8,6 +8,7 @@ use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
 use crate::halo::Halo;
+use crate::histories::Histories;
 use crate::loads::Loads;
 use crate::membership::{Local, Share, settle};
 use crate::migrate::{centre, migrate};
@@ -122,6 +123,8 @@ pub struct Engine {
     pub bodies: Bodies,
     /// Energies.
     pub ledger: Ledger,
+    /// Where what is recorded is.
+    histories: Histories,
     /// How held nodes have moved since the boxes were last renewed.
     pub motion: Motion,
     /// What workers agree on.
@@ -154,6 +157,7 @@ impl Engine {
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
+            histories: Histories::default(),
             timer: Timer::new(),
             centre: [0.0; 3],
             nodes: local.nodes,
@@ -163,6 +167,9 @@ impl Engine {
             tree,
             agreement,
         };
+        if engine.settings.histories.parts {
+            engine.blocks.by_part = vec![[0.0; 2]; engine.settings.parts.len()];
+        }
         engine.begin_membership(local.surface, |_| Vec::new());
         Ok(engine)
     }
@@ -173,6 +180,7 @@ impl Engine {
     /// A worker is gone.
     pub fn renew(&mut self, wire: &mut dyn Transport, tree: CutTree) -> Result<(), Lost> {
         self.tree = tree;
+        let by_part = std::mem::take(&mut self.blocks.by_part); // what was done here stays booked here
         let local = Local {
             nodes: std::mem::take(&mut self.nodes),
             blocks: std::mem::take(&mut self.blocks),
@@ -184,6 +192,7 @@ impl Engine {
         let memories = std::mem::take(&mut share.memories);
         let local = settle(wire, &self.settings, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
+        self.blocks.by_part = by_part;
         self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
         Ok(())
@@ -212,6 +221,7 @@ impl Engine {
         }
         self.loads.settle(&self.nodes, &self.blocks);
         self.prescribed.settle(&self.nodes);
+        self.histories.settle(&self.settings.histories, &self.nodes, &self.blocks);
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();
     }
@@ -298,6 +308,7 @@ impl Engine {
             penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map(|s| s.1),
+            shares: self.histories.shares(self, ended),
         };
         self.clock.rows += 1;
         post(wire, 0, Tag::Report, &ToMaster::History(Box::new(row)))

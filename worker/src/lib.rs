@@ -8,7 +8,7 @@
 //!   [`rigid`]: bodies that do not deform
 //! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who would have what;
 //!   [`halo`]: what goes over the wires in a step; [`agreement`]: what all must know alike; [`motion`]: how far things have moved
-//! - [`time`], [`energy`], [`output`], [`vtu`]: step sizes, ledger, files; [`trace`]: what happens when
+//! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records, files; [`trace`]: what happens when
 
 pub mod agreement;
 pub mod blocks;
@@ -20,6 +20,7 @@ pub mod energy;
 pub mod engine;
 pub mod erosion;
 pub mod halo;
+pub mod histories;
 pub mod lanes;
 pub mod loads;
 pub mod materials;

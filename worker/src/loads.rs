@@ -112,6 +112,11 @@ impl Loads {
         }
     }
 
+    /// What pressure has put into corner slots at the present time, face after face: slots and forces [force].
+    pub fn on_slots(&self) -> impl Iterator<Item = (usize, &Row)> {
+        self.faces.iter().flat_map(|face| face.slots.iter().copied().zip(&face.force))
+    }
+
     /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64) {
         if !self.gravity.is_empty() {

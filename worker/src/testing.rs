@@ -11,6 +11,7 @@ pub fn settings() -> Settings {
         dt_min_ratio: 1e-3,
         history_interval: 0.1,
         field_times: Vec::new(),
+        histories: Default::default(),
         field_dir: String::new(),
         materials: Vec::new(),
         parts: Vec::new(),

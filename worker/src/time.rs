@@ -16,6 +16,8 @@ pub struct Clock {
     pub whole_dt: f64,
     /// Step of the cycle before, 0 in the first [time].
     pub last_dt: f64,
+    /// By how much velocities were changed last: from the mid-step before the last one to that [time].
+    pub last_mid: f64,
     /// First and smallest step so far [time].
     pub first_dt: f64,
     /// See `first_dt`.
@@ -40,6 +42,7 @@ impl Clock {
             dt: 0.0,
             whole_dt: 0.0,
             last_dt: 0.0,
+            last_mid: 0.0,
             first_dt: 0.0,
             min_dt: f64::INFINITY,
             rows: 0,
@@ -63,16 +66,22 @@ impl Clock {
         self.dt = if steps <= LAST_STEPS { left / (steps * (1.0 - SLACK)).ceil().max(1.0) } else { dt };
     }
 
+    /// From the last to the next mid-step [time].
+    pub fn mid(&self) -> f64 {
+        0.5 * (self.last_dt + self.dt)
+    }
+
     /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities start at time 0, half a step
     /// before the first mid-step.
     pub fn steps(&self, damping: f64) -> Steps {
-        let mid = 0.5 * (self.last_dt + self.dt);
+        let mid = self.mid();
         Steps { dt: self.dt, mid, push: mid / (1.0 + 0.5 * damping * mid), whole: self.whole_dt }
     }
 
     /// Goes on to the next time.
     pub fn tick(&mut self) {
         self.time += self.dt;
+        self.last_mid = self.mid();
         self.last_dt = self.dt;
         self.cycle += 1;
     }

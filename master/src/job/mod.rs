@@ -5,11 +5,12 @@
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its faults
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
-//! 5. `state.rs`: what nodes and elements start with; `loads.rs`: what acts on them
+//! 5. `state.rs`: what nodes and elements start with; `loads.rs`: what acts on them; `histories.rs`: what is recorded of them
 //!
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
 //! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
 
+mod histories;
 mod laws;
 mod loads;
 mod mesh;
@@ -226,6 +227,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
+    settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
     settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape != Shape::Hex8);
     if findings.any_error() {
         return None;

@@ -2,6 +2,7 @@
 
 use super::laws;
 use super::validate::{Findings, nearest};
+use crumple_proto::histories::Asked;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{Material, Param, Settings};
@@ -227,6 +228,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         dt_min_ratio: job.time.dt_min_ratio,
         history_interval: or(job.output.history_interval, job.end_time / 200.0),
         field_times: field_times(job),
+        histories: Asked::default(),
         field_dir: String::new(),
         materials: job.material.iter().map(material).collect(),
         parts,

@@ -171,6 +171,11 @@ impl Edges {
         }
     }
 
+    /// Lowest segment that has the edge between these local nodes, in the order in which edges have them.
+    pub fn segment_of(&self, nodes: [u32; 2]) -> Option<u32> {
+        self.all.binary_search_by_key(&nodes, |e| e.nodes).ok().map(|i| self.all[i].segments[0])
+    }
+
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.all[..]) + size_of_val(&self.own[..]) + size_of_val(&self.candidates[..])

@@ -16,6 +16,7 @@ pub mod initial;
 pub mod local;
 pub mod pairs;
 pub mod record;
+mod resultants;
 pub mod search;
 pub mod surface;
 mod sweep;

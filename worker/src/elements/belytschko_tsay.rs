@@ -21,7 +21,12 @@ use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "belytschko_tsay", shape: Shape::Quad4, build: Build::Shell(build) };
+pub const ROW: ElementRow = ElementRow {
+    name: "belytschko_tsay",
+    meaning: "Belytschko-Lin-Tsay: one point in its plane, hourglass control with a coefficient.",
+    shape: Shape::Quad4,
+    build: Build::Shell(build),
+};
 
 /// Parameters of the four-node shell. Its own columns, after those of the section: hourglass resultants of tx, ty
 /// [force length], vz, vx, vy [force], then the drilling moments.

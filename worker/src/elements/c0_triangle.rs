@@ -36,7 +36,12 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "c0_triangle", shape: Shape::Tri3, build: Build::Shell(build) };
+pub const ROW: ElementRow = ElementRow {
+    name: "c0_triangle",
+    meaning: "Belytschko-Stolarski-Carpenter: what every triangle is.",
+    shape: Shape::Tri3,
+    build: Build::Shell(build),
+};
 
 /// Own columns, after those of the section: drilling moments of the corners [force length], resultant of c [force].
 const OWN: usize = 4;

@@ -43,7 +43,12 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "hexahedron", shape: Shape::Hex8, build: Build::Solid(build) };
+pub const ROW: ElementRow = ElementRow {
+    name: "hexahedron",
+    meaning: "One point, the exact mean gradient, a choice of hourglass controls.",
+    shape: Shape::Hex8,
+    build: Build::Solid(build),
+};
 
 /// Hourglass coefficient where the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.05;

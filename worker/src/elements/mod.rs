@@ -158,6 +158,8 @@ pub type Built = Result<Box<dyn Element>, Vec<Problem>>;
 pub struct ElementRow {
     /// Name in jobs.
     pub name: &'static str,
+    /// What it is, in a line.
+    pub meaning: &'static str,
     /// Shape that the formulation is for.
     pub shape: Shape,
     /// Checks what the formulation needs of a part; paths of problems are relative to the part.

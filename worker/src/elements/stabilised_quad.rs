@@ -46,7 +46,12 @@ use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow { name: "stabilised_quad", shape: Shape::Quad4, build: Build::Shell(build) };
+pub const ROW: ElementRow = ElementRow {
+    name: "stabilised_quad",
+    meaning: "One point in its plane, physically stabilised: bends exactly where quads are distorted.",
+    shape: Shape::Quad4,
+    build: Build::Shell(build),
+};
 
 /// Own columns, after those of the section: stabilising forces on gam tx, gam ty, gamma_xi, gamma_eta
 /// [force length], gam vx and gam vy [force]; then the drilling moments.

@@ -56,6 +56,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         dt_min_ratio: 0.0,
         history_interval: 1.0,
         field_times: Vec::new(),
+        histories: Default::default(),
         field_dir: String::new(),
         materials: vec![material],
         parts: vec![part],

@@ -12,7 +12,8 @@ use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
 /// The row of this law.
-pub const LAW: Law = Law { name: "elastic", build, solid };
+pub const LAW: Law =
+    Law { name: "elastic", meaning: "Linear elasticity, large rotations.", parameters: &[], build, solid };
 
 struct LinearElastic {
     elastic: Elastic,

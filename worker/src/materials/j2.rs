@@ -15,12 +15,46 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate};
-use super::{Built, BuiltSolid, Elastic, Law};
+use super::{Built, BuiltSolid, Elastic, Law, Otherwise, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
 /// The row of this law.
-pub const LAW: Law = Law { name: "j2", build, solid };
+pub const LAW: Law =
+    Law { name: "j2", meaning: "Von Mises plasticity with isotropic hardening.", parameters: PARAMETERS, build, solid };
+
+const PARAMETERS: &[ParameterRow] = &[
+    ParameterRow {
+        key: "yield_stress",
+        form: "number",
+        otherwise: Otherwise::Depends("needed without `hardening`"),
+        meaning: "Yield stress at no plastic strain [force/length^2].",
+    },
+    ParameterRow {
+        key: "hardening_modulus",
+        form: "number",
+        otherwise: Otherwise::Number(0.0),
+        meaning: "Slope of the yield stress over plastic strain; beside `yield_stress` [force/length^2].",
+    },
+    ParameterRow {
+        key: "hardening",
+        form: "[[strain, stress], ...]",
+        otherwise: Otherwise::Absent,
+        meaning: "Instead of both: effective plastic strain, from 0, and yield stress; straight between, constant beyond [force/length^2].",
+    },
+    ParameterRow {
+        key: "cowper_symonds",
+        form: "[C, p]",
+        otherwise: Otherwise::Absent,
+        meaning: "Rate: the yield stress times `1 + (rate/C)^(1/p)`; C is a rate [1/time].",
+    },
+    ParameterRow {
+        key: "failure_strain",
+        form: "number",
+        otherwise: Otherwise::Absent,
+        meaning: "Effective plastic strain at which a point fails and bears nothing any more.",
+    },
+];
 
 fn build(material: &Material) -> Built {
     Parameters::new(material).shell_law(read)

@@ -152,11 +152,56 @@ pub type Built = Result<Box<dyn PlaneStress>, Vec<Problem>>;
 /// A law in three dimensions, or everything that is wrong with its material.
 pub type BuiltSolid = Result<Box<dyn Solid>, Vec<Problem>>;
 
+/// A parameter of a law, as the reference of jobs shows it.
+pub struct ParameterRow {
+    /// Key in the material.
+    pub key: &'static str,
+    /// What is written: a number, or a list such as `[C, p]`.
+    pub form: &'static str,
+    /// What counts if it is left out.
+    pub otherwise: Otherwise,
+    /// What it is, with its dimension in brackets.
+    pub meaning: &'static str,
+}
+
+/// What counts when a parameter is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Otherwise {
+    /// It cannot be.
+    Needed,
+    /// What it describes is not there.
+    Absent,
+    /// This number.
+    Number(f64),
+    /// It depends on others: in words.
+    Depends(&'static str),
+}
+
+/// What every law has.
+pub const ELASTIC: &[ParameterRow] = &[
+    ParameterRow {
+        key: "youngs_modulus",
+        form: "number",
+        otherwise: Otherwise::Needed,
+        meaning: "Young's modulus [force/length^2].",
+    },
+    ParameterRow {
+        key: "poisson",
+        form: "number",
+        otherwise: Otherwise::Needed,
+        meaning: "Poisson's ratio; of solids below 0.5.",
+    },
+];
+
 /// A row of [`LAWS`]. Both functions read the same parameters; they return everything that is wrong with them, with
 /// paths relative to the material.
 pub struct Law {
     /// Name in jobs.
     pub name: &'static str,
+    /// What it is, in a line.
+    pub meaning: &'static str,
+    /// Its parameters beside [`ELASTIC`].
+    pub parameters: &'static [ParameterRow],
     /// For shells.
     pub build: fn(&Material) -> Built,
     /// For solids.
@@ -183,6 +228,10 @@ fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
         vec![unknown_name("law", what, &material.law, &names)]
     })
 }
+
+#[cfg(test)]
+#[path = "table_tests.rs"]
+mod table_tests;
 
 /// Constants to check a part with when its law cannot be built.
 const STAND_IN: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };

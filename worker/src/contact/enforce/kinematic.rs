@@ -28,6 +28,7 @@ use crate::contact::pairs::Pair;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "kinematic",
+    meaning: "Partitioned kinematic predictor and corrector, as in PRONTO3D.",
     build: |c, _| {
         let (sweeps, tolerance) = (c.sweeps, c.tolerance);
         Box::new(Kinematic { friction: c.friction, partition: c.partition, sweeps, tolerance })

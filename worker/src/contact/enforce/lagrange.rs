@@ -11,6 +11,7 @@ use crate::contact::pairs::Pair;
 
 pub(super) const LAW: LawRow = LawRow {
     name: "lagrange",
+    meaning: "Local Lagrange multipliers: the forces that close the gaps by the end of the step, iterated over all pairs.",
     build: |c, _| {
         let iteration = ITERATIONS.iter().find(|i| i.0 == c.iteration);
         let iteration = iteration.unwrap_or_else(|| panic!("no iteration {}", c.iteration)).1;

@@ -93,6 +93,8 @@ pub trait ContactLaw: Send + Sync {
 pub struct LawRow {
     /// Name in the job.
     pub name: &'static str,
+    /// What it is, in a line.
+    pub meaning: &'static str,
     /// Makes the law from the job's numbers. Panics on names that the master's checks refuse.
     pub build: fn(&Contact, &Elasticity) -> Box<dyn ContactLaw>,
 }

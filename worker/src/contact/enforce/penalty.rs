@@ -25,7 +25,11 @@ use crate::contact::surface::Segment;
 use crate::nodes::Row;
 use crumple_proto::job::Contact;
 
-pub(super) const LAW: LawRow = LawRow { name: "penalty", build: |c, parts| Box::new(Penalty::new(c, parts)) };
+pub(super) const LAW: LawRow = LawRow {
+    name: "penalty",
+    meaning: "Springs between nodes and what they sink into.",
+    build: |c, parts| Box::new(Penalty::new(c, parts)),
+};
 
 /// Forms of the stiffness, as a job names them.
 pub const FORMS: &[&str] = &["soft", "stiffness"];

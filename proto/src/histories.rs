@@ -1,0 +1,169 @@
+//! Histories by kind: what a job asks for, in ids, and the workers' shares of what is recorded at every history interval.
+
+use crate::ids::{ElemId, NodeId};
+use serde::{Deserialize, Serialize};
+
+/// What is recorded beside the sums of `history.csv`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Asked {
+    /// Energies, mass and momentum of each part.
+    pub parts: bool,
+    /// Contact forces between parts.
+    pub contacts: bool,
+    /// Groups of nodes.
+    pub nodes: Vec<NodeGroup>,
+    /// Sections.
+    pub sections: Vec<Section>,
+}
+
+/// Nodes whose motion is recorded.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct NodeGroup {
+    /// Name for people.
+    pub name: String,
+    /// The nodes, ascending.
+    pub nodes: Vec<NodeId>,
+}
+
+/// A section through the model: nodes, and the elements on one side that end at them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Section {
+    /// Name for people.
+    pub name: String,
+    /// The nodes, ascending.
+    pub nodes: Vec<NodeId>,
+    /// The elements, ascending; each has at least one of the nodes.
+    pub elements: Vec<ElemId>,
+}
+
+/// One worker's shares of what is recorded at one time; empty where nothing is asked for.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shares {
+    /// Per part, in the order of the settings.
+    pub parts: Vec<PartShare>,
+    /// Pairs of parts that touch, ascending.
+    pub contacts: Vec<ContactShare>,
+    /// Nodes of all groups that the worker owns, ascending.
+    pub nodes: Vec<NodeState>,
+    /// Per section.
+    pub sections: Vec<SectionShare>,
+}
+
+/// What the elements of a part have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartShare {
+    /// Mass [mass].
+    pub mass: f64,
+    /// Kinetic energy of that mass [energy].
+    pub kinetic: f64,
+    /// Internal energy: stored and plastically dissipated [energy].
+    pub internal: f64,
+    /// Hourglass and drilling energy [energy].
+    pub hourglass: f64,
+    /// Linear momentum [mass length/time].
+    pub momentum: [f64; 3],
+}
+
+/// Contact force between two parts, the first of which has the lower index.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactShare {
+    /// Indices into the parts of the settings.
+    pub parts: [u32; 2],
+    /// Force on the first [force].
+    pub force: [f64; 3],
+}
+
+/// The motion of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NodeState {
+    /// The node.
+    pub id: NodeId,
+    /// Coordinates [length].
+    pub x: [f64; 3],
+    /// Displacement since the start [length].
+    pub u: [f64; 3],
+    /// Velocity [length/time].
+    pub v: [f64; 3],
+    /// Acceleration [length/time^2].
+    pub a: [f64; 3],
+}
+
+/// What the elements of a section put on its nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SectionShare {
+    /// Force [force].
+    pub force: [f64; 3],
+    /// Moment about the origin [force length].
+    pub moment: [f64; 3],
+    /// Sum of the coordinates of the owned nodes [length].
+    pub places: [f64; 3],
+    /// Their number.
+    pub nodes: u64,
+}
+
+fn add(a: &mut [f64; 3], b: &[f64; 3]) {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+}
+
+impl Shares {
+    /// Adds another worker's shares of the same time.
+    pub fn add(&mut self, o: &Self) {
+        for (a, b) in self.parts.iter_mut().zip(&o.parts) {
+            a.mass += b.mass;
+            a.kinetic += b.kinetic;
+            a.internal += b.internal;
+            a.hourglass += b.hourglass;
+            add(&mut a.momentum, &b.momentum);
+        }
+        for b in &o.contacts {
+            match self.contacts.binary_search_by_key(&b.parts, |a| a.parts) {
+                Ok(i) => add(&mut self.contacts[i].force, &b.force),
+                Err(i) => self.contacts.insert(i, *b),
+            }
+        }
+        self.nodes.extend(&o.nodes);
+        self.nodes.sort_by_key(|n| n.id);
+        for (a, b) in self.sections.iter_mut().zip(&o.sections) {
+            add(&mut a.force, &b.force);
+            add(&mut a.moment, &b.moment);
+            add(&mut a.places, &b.places);
+            a.nodes += b.nodes;
+        }
+    }
+}
+
+impl SectionShare {
+    /// Middle of the section's nodes [length], and the moment about it [force length]; to be asked of the sum over workers.
+    pub fn about_middle(&self) -> ([f64; 3], [f64; 3]) {
+        let (c, f) = (self.places.map(|x| x / self.nodes.max(1) as f64), self.force);
+        let turn = [c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]];
+        (c, std::array::from_fn(|k| self.moment[k] - turn[k]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_parts_add_up_by_name_and_nodes_come_in_order() {
+        let pair = |a, b, f| ContactShare { parts: [a, b], force: [f, 0.0, -f] };
+        let node = |id| NodeState { id: NodeId(id), ..NodeState::default() };
+        let mut one = Shares { contacts: vec![pair(0, 3, 1.0)], nodes: vec![node(2), node(9)], ..Shares::default() };
+        let other =
+            Shares { contacts: vec![pair(0, 1, 4.0), pair(0, 3, 2.0)], nodes: vec![node(5)], ..Shares::default() };
+        one.add(&other);
+        assert_eq!(one.contacts, [pair(0, 1, 4.0), pair(0, 3, 3.0)]);
+        assert_eq!(one.nodes, [node(2), node(5), node(9)]);
+    }
+
+    /// Two forces of 5 along z at y = 1 and y = 3 are 10 in the middle, and no moment about it; the same with the nodes
+    /// at y = 0 and y = 2 give a moment of 10 about x.
+    #[test]
+    fn the_moment_is_about_the_middle_of_the_nodes() {
+        let of =
+            |places: [f64; 3]| SectionShare { force: [0.0, 0.0, 10.0], moment: [20.0, 0.0, 0.0], places, nodes: 2 };
+        assert_eq!(of([0.0, 4.0, 0.0]).about_middle(), ([0.0, 2.0, 0.0], [0.0; 3]));
+        assert_eq!(of([0.0, 2.0, 0.0]).about_middle(), ([0.0, 1.0, 0.0], [10.0, 0.0, 0.0]));
+    }
+}
