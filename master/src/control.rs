@@ -121,7 +121,7 @@ impl<'a> Control<'a> {
             std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
         }
         let path = out.join("history.csv");
-        let name = |(i, w): (usize, &crumple_proto::job::Wall)| {
+        let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
             if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
         };
         let walls = settings.walls.iter().enumerate().map(name).collect();

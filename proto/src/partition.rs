@@ -2,10 +2,11 @@
 //! The same records travel at start-up and from worker to worker when boxes are renewed.
 
 use crate::ids::{ElemId, NodeId};
-use crate::job::{Contact, Part, Wall};
+use crate::job::{Contact, Part};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use crate::rigid::RigidBody;
+use crate::wall::Wall;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -112,4 +113,7 @@ pub struct ElementRecord {
     pub failed: bool,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
+    /// Stable step that the masses of its nodes leave an element that has none, before the safety factor; infinite for
+    /// all others [time].
+    pub stable_dt: f64,
 }

@@ -19,8 +19,8 @@ const NO_AREA: f64 = 1e-12;
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    /// How many of its elements are in the list of shells, if it is written as rows.
-    written: Option<usize>,
+    /// Lists that its elements are written in, with their lengths, if it is written as rows.
+    written: Option<[(&'static str, usize); 3]>,
 }
 
 impl Read {
@@ -29,11 +29,14 @@ impl Read {
     }
 
     fn element_path(&self, index: usize) -> String {
-        match self.written {
-            Some(shells) if index < shells => format!("mesh.shells.{index}"),
-            Some(shells) => format!("mesh.solids.{}", index - shells),
-            None => "mesh.generator".into(),
+        let mut place = index;
+        for (list, length) in self.written.iter().flatten() {
+            match place.checked_sub(*length) {
+                None => return format!("mesh.{list}.{place}"),
+                Some(beyond) => place = beyond,
+            }
         }
+        "mesh.generator".into()
     }
 
     fn set_path(&self, name: &str) -> String {
@@ -81,13 +84,19 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         mesh.elements
             .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 8).then_some(Shape::Hex8)));
     }
+    for (index, row) in source.springs.iter().enumerate() {
+        let kind = Kind { list: "springs", called: "a spring", help: "write [id, part id, n1, n2]" };
+        mesh.elements
+            .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 2).then_some(Shape::Line2)));
+    }
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
     // What refers to a row that was left out would be blamed for that.
-    let rows = source.shells.len() + source.solids.len();
+    let lists = [("shells", source.shells.len()), ("solids", source.solids.len()), ("springs", source.springs.len())];
+    let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(Read { mesh, written: Some(source.shells.len()) })
+    whole.then_some(Read { mesh, written: Some(lists) })
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
@@ -213,6 +222,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
                 Shape::Hex8 => {
                     "a solid needs eight nodes, all different: wedges and tetrahedra are not there, mesh it with hexahedra"
                 }
+                Shape::Line2 => "a spring has two ends; for one to the ground hold its other node by a [[fix]]",
                 _ => "a triangle repeats its last node only; correct or remove the element",
             };
             few.error("repeated", path(), message, help);
@@ -230,6 +240,9 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         }
         if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
             continue;
+        }
+        if element.shape == Shape::Line2 {
+            continue; // its part says whether it needs a length
         }
         if element.shape == Shape::Hex8 {
             solid(element, &x, path(), few);

@@ -4,7 +4,7 @@
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its faults
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
-//! 5. `state.rs`: what nodes and elements start with; `loads.rs`: what acts on them
+//! 5. `state.rs`: what nodes and elements start with, `springs.rs`: and springs; `loads.rs`, `walls.rs`: what acts on them
 //!
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
 //! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
@@ -16,17 +16,19 @@ pub mod report;
 mod resolve;
 mod rigid;
 mod sets;
+mod springs;
 pub mod state;
 pub mod tree;
 mod units;
 mod validate;
+mod walls;
 
 pub use laws::Blocks;
 pub use report::{Located, Report, Sources, Spot};
 pub use state::{ElementStart, NodeStart};
 
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::{Mesh, Shape, free_faces};
+use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
@@ -144,7 +146,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
-        None => vec![[false; 3]; order.len()],
+        None => vec![laws::Used::default(); order.len()],
     };
     let blocks = Blocks::build(&settings, &order, &used, findings);
     let mesh = mesh?;
@@ -152,12 +154,13 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let mut nodes = state::nodes(&job, &mesh, &sets, findings);
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
+    settings.walls = walls::resolve(&job, &sets, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
-    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape != Shape::Hex8);
+    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.is_shell());
     if findings.any_error() {
         return None;
     }
-    let elements = state::elements(&job, &mesh, &settings, &blocks, findings);
+    let elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
     if findings.any_error() {
         return None;
     }
@@ -167,8 +170,8 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.
 fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, solids, node_sets } = &job.mesh;
-    let rows = !(nodes.is_empty() && shells.is_empty() && solids.is_empty());
+    let MeshSource { generator, file, nodes, shells, solids, springs, node_sets } = &job.mesh;
+    let rows = ![nodes.is_empty(), shells.is_empty(), solids.is_empty(), springs.is_empty()].iter().all(|&empty| empty);
     if findings.any_faulty_below("mesh") {
         return None;
     }
@@ -295,6 +298,7 @@ impl Model {
             free_faces: free[i],
             failed: false,
             mass_factor: self.elements.mass_factor[i],
+            stable_dt: self.elements.massless_dt(i),
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {
             id: n.id,

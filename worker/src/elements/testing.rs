@@ -12,6 +12,7 @@ pub fn part(thickness: f64) -> Part {
         id: 1,
         name: String::new(),
         material: "sheet".into(),
+        spring: None,
         thickness,
         element: None,
         points: 5,
