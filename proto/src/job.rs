@@ -1,10 +1,12 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
+mod beam;
 mod loads;
 mod rigid;
 mod spring;
 mod wall;
 
+pub use beam::{Beam, BeamSection};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use rigid::Rigid;
 pub use spring::Spring;
@@ -92,14 +94,15 @@ impl Job {
     }
 }
 
-/// Where the mesh comes from: exactly one of generator, file, or nodes with shells, solids or springs.
+/// Where the mesh comes from: exactly one of generator, file, or nodes with shells, solids, beams or springs.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
     /// Name of a generator of the `cases` crate; its options are in `[scene]`.
     #[serde(default)]
     pub generator: Option<String>,
-    /// A TOML file beside the job with `nodes`, `shells`, `solids`, `springs` and `node_sets` as below.
+    /// A TOML file beside the job with `nodes`, `shells`, `solids`, `beams`, `springs` and `node_sets`
+    /// as below.
     #[serde(default)]
     pub file: Option<String>,
     /// Nodes as `[id, x, y, z]` [length].
@@ -112,6 +115,10 @@ pub struct MeshSource {
     /// those opposite.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
+    /// Beams as `[id, part id, n1, n2, n3]`; the second axis of the section points from the line n1 n2 towards n3, which may
+    /// belong to no element.
+    #[serde(default)]
+    pub beams: Vec<Vec<u64>>,
     /// Springs and dampers as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
@@ -227,6 +234,9 @@ pub struct Part {
     /// Makes it a part of springs and dampers.
     #[serde(default)]
     pub spring: Option<Spring>,
+    /// Makes it a part of beams.
+    #[serde(default)]
+    pub beam: Option<Beam>,
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,

@@ -15,11 +15,13 @@ pub enum Shape {
     Hex8,
     /// Two nodes: a spring or damper.
     Line2,
+    /// A beam: two nodes, and in a mesh as it is given a third one, in the plane of the first and second axis.
+    Beam2,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 4] = [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2];
+    pub const ALL: [Shape; 5] = [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
 
     /// Number of corner nodes.
     pub fn corners(self) -> usize {
@@ -27,7 +29,7 @@ impl Shape {
             Shape::Quad4 => 4,
             Shape::Tri3 => 3,
             Shape::Hex8 => 8,
-            Shape::Line2 => 2,
+            Shape::Line2 | Shape::Beam2 => 2,
         }
     }
 
@@ -36,7 +38,7 @@ impl Shape {
         match self {
             Shape::Quad4 | Shape::Tri3 => 4,
             Shape::Hex8 => 8,
-            Shape::Line2 => 2,
+            Shape::Line2 | Shape::Beam2 => 2,
         }
     }
 
@@ -47,11 +49,16 @@ impl Shape {
             Shape::Quad4 => &[[0, 1, 2, 3]],
             Shape::Tri3 => &[[0, 1, 2, 2]],
             Shape::Hex8 => &[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
-            Shape::Line2 => &[],
+            Shape::Line2 | Shape::Beam2 => &[],
         }
     }
 
-    /// Whether it is a shell, whose nodes turn.
+    /// Whether its nodes turn.
+    pub fn turns(self) -> bool {
+        self.is_shell() || self == Shape::Beam2
+    }
+
+    /// Whether it is a shell.
     pub fn is_shell(self) -> bool {
         matches!(self, Shape::Quad4 | Shape::Tri3)
     }

@@ -32,6 +32,8 @@ pub struct Settings {
     pub materials: Vec<Material>,
     /// Parts in ascending id; a record's `part` is an index into this.
     pub parts: Vec<Part>,
+    /// Vectors from beams towards their second axes at the start, by ascending id [length].
+    pub axes: Vec<(ElemId, [f64; 3])>,
     /// Rigid walls.
     pub walls: Vec<Wall>,
     /// Loads and prescribed motions.

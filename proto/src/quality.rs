@@ -114,7 +114,7 @@ fn measure(element: &MeshElement, x: &[V3]) -> Figures {
     match element.shape {
         Shape::Hex8 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
-        Shape::Line2 => measure_line(x),
+        Shape::Line2 | Shape::Beam2 => measure_line(x),
     }
 }
 

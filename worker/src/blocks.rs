@@ -423,6 +423,10 @@ impl Block {
                 // Padding repeats the last element, so that it computes nothing unusual.
                 let i = (g * LANES + lane).min(run.len() - 1);
                 (0..slots).for_each(|c| b.groups[g * slots + c][lane] = run[i].nodes[c]);
+                let axis = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0);
+                if let (Ok(at), true) = (axis, histories[i].is_empty()) {
+                    b.element.orient(history, lane, settings.axes[at].1);
+                }
                 for (column, &h) in history.iter_mut().zip(&histories[i]) {
                     let mut lanes = column.to_array();
                     lanes[lane] = h;

@@ -204,6 +204,7 @@ mod tests {
             (element(3, Shape::Tri3, 5), Vec::new()),
             (element(u64::MAX >> 11, Shape::Hex8, 2), vec![f64::MAX; 100]),
             (element(4, Shape::Line2, 1), vec![1.0; 5]),
+            (element(5, Shape::Beam2, 0), vec![0.5; 7]),
         ];
         let memory = |segment, side| Memory {
             name: Name::of_node(NodeId(4), SegmentId(segment)),

@@ -43,7 +43,7 @@ pub struct Blocks {
 
 impl Blocks {
     /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]), and of parts without
-    /// elements for quads or springs, so that their numbers are checked too. `order[i]` is the place in the job of
+    /// elements for what they could have, so that their numbers are checked too. `order[i]` is the place in the job of
     /// the part that is the i-th of `settings`.
     pub fn build(settings: &Settings, order: &[usize], used: &[Used], findings: &mut Findings) -> Self {
         let mut problems: Vec<Problem> = Vec::new();
@@ -61,7 +61,11 @@ impl Blocks {
                     None
                 }
             };
-            let idle = if settings.parts[index].spring.is_some() { Shape::Line2 } else { Shape::Quad4 };
+            let idle = match &settings.parts[index] {
+                Part { spring: Some(_), .. } => Shape::Line2,
+                Part { beam: Some(_), .. } => Shape::Beam2,
+                _ => Shape::Quad4,
+            };
             let none = !used[index].contains(&true);
             parts.push(Shape::ALL.map(|shape| {
                 let wanted = used[index][shape as usize] || none && shape == idle;

@@ -141,9 +141,10 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
-    let mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let (mesh, axes) = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings)).unzip();
     let figures = mesh.as_ref().and_then(quality);
     let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
+    settings.axes = axes.unwrap_or_default();
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![laws::Used::default(); order.len()],
@@ -156,7 +157,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
     settings.walls = walls::resolve(&job, &sets, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
-    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.is_shell());
+    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
     if findings.any_error() {
         return None;
     }
@@ -170,8 +171,10 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.
 fn read_mesh(job: &Job, path: &Path, sources: &mut Sources, findings: &mut Findings) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, solids, springs, node_sets } = &job.mesh;
-    let rows = ![nodes.is_empty(), shells.is_empty(), solids.is_empty(), springs.is_empty()].iter().all(|&empty| empty);
+    let MeshSource { generator, file, nodes, shells, solids, beams, springs, node_sets } = &job.mesh;
+    let rows = ![nodes.is_empty(), shells.is_empty(), solids.is_empty(), beams.is_empty(), springs.is_empty()]
+        .iter()
+        .all(|&empty| empty);
     if findings.any_faulty_below("mesh") {
         return None;
     }

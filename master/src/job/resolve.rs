@@ -208,6 +208,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         field_dir: String::new(),
         materials: job.material.iter().map(material).collect(),
         parts,
+        axes: Vec::new(),
         walls: Vec::new(),
         loads: Loads::default(),
         rigid: Vec::new(),

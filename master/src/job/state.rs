@@ -6,7 +6,7 @@ use super::springs;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
@@ -253,6 +253,10 @@ pub fn warnings(
                 "take it out, or check the part ids of the mesh",
             ));
         }
+    }
+    if settings.contact.is_some() && mesh.elements.iter().any(|e| e.shape == Shape::Beam2) {
+        let message = "beams take no part in contact: other things pass through them";
+        warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));
     }
     let structure = deformable_mass(elements);
     let added = scaled_mass(elements);

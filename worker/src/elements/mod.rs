@@ -2,6 +2,7 @@
 //!
 //! Elements are worked on in groups of [`LANES`]: lane l of every vector belongs to element l of the group.
 
+mod beam;
 mod belytschko_tsay;
 mod c0_triangle;
 mod hexahedron;
@@ -122,6 +123,9 @@ pub trait Element: Send + Sync {
     /// Sets the history of one fresh group (thickness and the like).
     fn start(&self, history: &mut [Lane]);
 
+    /// Turns a fresh beam in `lane` of a group with this history: its second axis lies towards the vector `towards`.
+    fn orient(&self, _history: &mut [Lane], _lane: usize, _towards: [f64; 3]) {}
+
     /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its corners.
     /// `x` are the coordinates of its slots.
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64);
@@ -202,7 +206,7 @@ pub enum Build {
 
 /// Every formulation.
 pub const ELEMENTS: &[ElementRow] =
-    &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW, spring::ROW];
+    &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW, beam::ROW, spring::ROW];
 
 /// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
@@ -265,6 +269,10 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
     if part.spring.is_some() && shape != Shape::Line2 {
         let what = format!("part {}: it is one of springs, and has other elements", section::label(part));
         return Err(Problem::error("spring", what, "take [part.spring] out, or give its elements another part"));
+    }
+    if part.beam.is_some() && shape != Shape::Beam2 {
+        let what = format!("part {}: it is one of beams, and has other elements", section::label(part));
+        return Err(Problem::error("beam", what, "take [part.beam] out, or give its elements another part"));
     }
     let of_shape = |row: &&ElementRow| row.shape == shape;
     let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
