@@ -19,7 +19,13 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     writeln!(out, "title        {}", or(&job.title, "(none)"))?;
     writeln!(out, "units        {}", or(&job.units, "(not stated)"))?;
     let count = |shape: Shape| mesh.elements.iter().filter(|e| e.shape == shape).count();
-    let kinds = [(Shape::Quad4, "quads"), (Shape::Tri3, "triangles"), (Shape::Hex8, "solids")];
+    let kinds = [
+        (Shape::Quad4, "quads"),
+        (Shape::Tri3, "triangles"),
+        (Shape::Hex8, "solids"),
+        (Shape::Beam2, "beams"),
+        (Shape::Line2, "springs"),
+    ];
     let counts = kinds.map(|(shape, name)| (count(shape), name));
     let counts: Vec<_> = counts.iter().filter(|c| c.0 > 0).map(|c| format!("{} {}", c.0, c.1)).collect();
     writeln!(out, "elements     {}", counts.join(", "))?;

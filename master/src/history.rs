@@ -113,8 +113,8 @@ impl Labels {
 }
 
 /// Names of walls: their own, or their numbers.
-pub(crate) fn wall_names(walls: &[crumple_proto::job::Wall]) -> Vec<String> {
-    let name = |(i, w): (usize, &crumple_proto::job::Wall)| {
+pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
+    let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
         if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
     };
     walls.iter().enumerate().map(name).collect()

@@ -40,7 +40,7 @@ pub struct Energy {
     pub contact: f64,
     /// Part of `contact` that friction did.
     pub friction: f64,
-    /// Work of rigid walls on the nodes, friction included.
+    /// Work of rigid walls on the nodes, and of these on walls that have a mass, friction included.
     pub wall: f64,
     /// Hourglass and drilling.
     pub hourglass: f64,

@@ -137,7 +137,7 @@ fn a_good_job_becomes_a_model() {
     // Ten mm from the centre in x and y, turning at 0.5 about z.
     assert_eq!((nodes[8].v, nodes[8].w), ([-5.0, -5.0, 0.0], [0.0, 0.0, 0.5]));
     assert_eq!(nodes[0].v, [0.0, -10.0, 0.0]);
-    assert_eq!(model.settings.walls[0].normal, [0.0, 1.0, 0.0]);
+    assert_eq!(model.settings.walls[0].direction, [0.0, 1.0, 0.0]);
     assert_eq!(model.settings.field_times, [0.0, 0.02, 0.05, 0.1]);
     // Sides: ten everywhere but the triangle's diagonal.
     assert_eq!((model.settings.buffer, model.settings.contact.as_ref().unwrap().skin), (5.0, 2.5));

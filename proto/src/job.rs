@@ -1,12 +1,18 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
+mod beam;
 mod loads;
 mod output;
 mod rigid;
+mod spring;
+mod wall;
 
+pub use beam::{Beam, BeamSection};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory};
 pub use rigid::Rigid;
+pub use spring::Spring;
+pub use wall::Wall;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -90,14 +96,15 @@ impl Job {
     }
 }
 
-/// Where the mesh comes from: exactly one of generator, file, deck, or nodes with shells or solids.
+/// Where the mesh comes from: exactly one of generator, file, deck, or nodes with shells, solids, beams or springs.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
     /// Name of a generator of the `cases` crate; its options are in `[scene]`.
     #[serde(default)]
     pub generator: Option<String>,
-    /// A TOML file beside the job with `nodes`, `shells`, `solids` and `node_sets` as below.
+    /// A TOML file beside the job with `nodes`, `shells`, `solids`, `beams`, `springs` and `node_sets`
+    /// as below.
     #[serde(default)]
     pub file: Option<String>,
     /// An LS-DYNA keyword deck beside the job: mesh, node sets, parts, materials and all else that it says. The job's own
@@ -121,6 +128,13 @@ pub struct MeshSource {
     /// those opposite.
     #[serde(default)]
     pub solids: Vec<Vec<u64>>,
+    /// Beams as `[id, part id, n1, n2, n3]`; the second axis of the section points from the line n1 n2 towards n3, which may
+    /// belong to no element.
+    #[serde(default)]
+    pub beams: Vec<Vec<u64>>,
+    /// Springs and dampers as `[id, part id, n1, n2]`.
+    #[serde(default)]
+    pub springs: Vec<Vec<u64>>,
     /// Named sets of node ids; with a deck, further ones.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
@@ -215,8 +229,15 @@ pub struct Part {
     /// Name for people and for `--set part.NAME.key`.
     #[serde(default)]
     pub name: String,
-    /// Name of the material.
+    /// Name of the material; a part of springs has none.
+    #[serde(default)]
     pub material: String,
+    /// Makes it a part of springs and dampers.
+    #[serde(default)]
+    pub spring: Option<Spring>,
+    /// Makes it a part of beams.
+    #[serde(default)]
+    pub beam: Option<Beam>,
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,
@@ -281,22 +302,6 @@ pub struct LumpedMass {
     pub nodes: String,
     /// Mass of the whole set [mass].
     pub mass: f64,
-}
-
-/// A fixed planar rigid wall.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Wall {
-    /// Name for histories.
-    #[serde(default)]
-    pub name: String,
-    /// A point of the wall [length].
-    pub point: [f64; 3],
-    /// Normal towards the side where the model is (made a unit vector).
-    pub normal: [f64; 3],
-    /// Coulomb friction coefficient.
-    #[serde(default)]
-    pub friction: f64,
 }
 
 /// Initial velocity of a node set, or of all nodes: rigid motion about a centre.

@@ -13,15 +13,23 @@ pub enum Shape {
     Tri3,
     /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the solid, then those opposite.
     Hex8,
+    /// Two nodes: a spring or damper.
+    Line2,
+    /// A beam: two nodes, and in a mesh as it is given a third one, in the plane of the first and second axis.
+    Beam2,
 }
 
 impl Shape {
+    /// All shapes, in the order of their numbers.
+    pub const ALL: [Shape; 5] = [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
+
     /// Number of corner nodes.
     pub fn corners(self) -> usize {
         match self {
             Shape::Quad4 => 4,
             Shape::Tri3 => 3,
             Shape::Hex8 => 8,
+            Shape::Line2 | Shape::Beam2 => 2,
         }
     }
 
@@ -30,22 +38,34 @@ impl Shape {
         match self {
             Shape::Quad4 | Shape::Tri3 => 4,
             Shape::Hex8 => 8,
+            Shape::Line2 | Shape::Beam2 => 2,
         }
     }
 
     /// Corners of each face, whose right-hand normal points outwards; of a shell its own corners
-    /// (a triangle repeats its third).
+    /// (a triangle repeats its third). Lines have none.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
             Shape::Tri3 => &[[0, 1, 2, 2]],
             Shape::Hex8 => &[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+            Shape::Line2 | Shape::Beam2 => &[],
         }
     }
 
-    /// Whether it is a shell, whose nodes turn.
+    /// Whether its nodes turn.
+    pub fn turns(self) -> bool {
+        self.is_shell() || self == Shape::Beam2
+    }
+
+    /// Whether it is a shell.
     pub fn is_shell(self) -> bool {
-        self != Shape::Hex8
+        matches!(self, Shape::Quad4 | Shape::Tri3)
+    }
+
+    /// Whether it is a solid.
+    pub fn is_solid(self) -> bool {
+        self == Shape::Hex8
     }
 }
 
@@ -99,11 +119,11 @@ impl MeshElement {
     }
 }
 
-/// The faces of each solid that no other solid repeats, as bits by their number; 0 for shells.
+/// The faces of each solid that no other solid repeats, as bits by their number; 0 for all else.
 pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
     let mut open: HashMap<[NodeId; 4], (usize, usize)> = HashMap::new();
     let mut free = vec![0u8; elements.len()];
-    for (i, e) in elements.iter().enumerate().filter(|(_, e)| !e.shape.is_shell()) {
+    for (i, e) in elements.iter().enumerate().filter(|(_, e)| e.shape.is_solid()) {
         for (f, face) in e.shape.faces().iter().enumerate() {
             let mut key = face.map(|c| e.nodes[c]);
             key.sort_unstable();

@@ -3,10 +3,11 @@
 
 use crate::histories::Asked;
 use crate::ids::{ElemId, NodeId};
-use crate::job::{Contact, Part, Wall};
+use crate::job::{Contact, Part};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use crate::rigid::RigidBody;
+use crate::wall::Wall;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -35,6 +36,8 @@ pub struct Settings {
     pub materials: Vec<Material>,
     /// Parts in ascending id; a record's `part` is an index into this.
     pub parts: Vec<Part>,
+    /// Vectors from beams towards their second axes at the start, by ascending id [length].
+    pub axes: Vec<(ElemId, [f64; 3])>,
     /// Rigid walls.
     pub walls: Vec<Wall>,
     /// Loads and prescribed motions.
@@ -116,4 +119,7 @@ pub struct ElementRecord {
     pub failed: bool,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
+    /// Stable step that the masses of its nodes leave an element that has none, before the safety factor; infinite for
+    /// all others [time].
+    pub stable_dt: f64,
 }

@@ -99,6 +99,10 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
         sides.extend(f.sides);
     }
     let mut q = q?;
+    if sides.is_empty() {
+        // Springs without length alone.
+        (sides, q.min_side.value) = (vec![0.0], 0.0);
+    }
     let middle = sides.len() / 2;
     q.median_side = *sides.select_nth_unstable_by(middle, f64::total_cmp).1;
     q.zero_area = zero_area;
@@ -110,7 +114,15 @@ fn measure(element: &MeshElement, x: &[V3]) -> Figures {
     match element.shape {
         Shape::Hex8 => measure_solid(element, x),
         Shape::Quad4 | Shape::Tri3 => measure_face(element.corners(), x),
+        Shape::Line2 | Shape::Beam2 => measure_line(x),
     }
+}
+
+/// Of a line: its length alone, if it has any.
+fn measure_line(x: &[V3]) -> Figures {
+    let length = norm(sub(x[1], x[0]));
+    let sides = if length > 0.0 { vec![length] } else { Vec::new() };
+    Figures { sides, aspect: 1.0, warpage_deg: 0.0, jacobian: 1.0, area: f64::INFINITY, degenerate: false }
 }
 
 /// Of a solid: sides are its edges, warpage and area those of its worst face, Jacobians those at its corners.

@@ -51,7 +51,7 @@ pub struct Energies {
     pub contact: f64,
     /// Part of `contact` that friction did.
     pub friction: f64,
-    /// Work of rigid walls, friction included.
+    /// Work of rigid walls, friction included, and of what they are given on walls that have a mass.
     pub wall: f64,
     /// Work of loads, damping and prescribed motion.
     pub external: f64,

@@ -55,6 +55,8 @@ pub struct Blocks {
     pub force: Vec<Row>,
     /// Internal moments of corners; empty where nothing can turn [force length].
     pub moment: Vec<Row>,
+    /// Stable step of own elements without mass, whose kernels do not know it [time].
+    massless_dt: f64,
     /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
     pub mass_scaled: bool,
     /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless histories ask for it
@@ -145,6 +147,7 @@ impl Blocks {
             mass_scaled: elements
                 .iter()
                 .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_rigid(settings, e.record.part)),
+            massless_dt: elements.iter().map(|e| e.record.stable_dt).fold(f64::INFINITY, f64::min),
             elements,
             blocks,
             by_part: Vec::new(),
@@ -272,7 +275,7 @@ impl Blocks {
     /// Internal forces, batch by batch; nodes whose corners are then complete get minus their sum. Trouble is an index into
     /// `elements`; `front` selects the groups that other workers wait for, or the rest.
     pub fn add_internal_forces(&mut self, nodes: &mut Nodes, dt: f64, front: bool) -> PassTotals {
-        let mut totals = PassTotals::NONE;
+        let mut totals = PassTotals { stable_dt: self.massless_dt, ..PassTotals::NONE };
         let batches = std::mem::take(&mut self.batches);
         for batch in &batches[usize::from(!front)] {
             let b = &mut self.blocks[batch.block];
@@ -360,7 +363,8 @@ impl Blocks {
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
         let step = |b: &Block, e: &LocalElement| {
             let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
-            (if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() }, e.record.id)
+            let dt = if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() };
+            (dt.min(e.record.stable_dt), e.record.id)
         };
         let of_block = |b: &Block| {
             let own = self.elements[b.first..b.first + b.count].iter();
@@ -426,6 +430,10 @@ impl Block {
                 // Padding repeats the last element, so that it computes nothing unusual.
                 let i = (g * LANES + lane).min(run.len() - 1);
                 (0..slots).for_each(|c| b.groups[g * slots + c][lane] = run[i].nodes[c]);
+                let axis = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0);
+                if let (Ok(at), true) = (axis, histories[i].is_empty()) {
+                    b.element.orient(history, lane, settings.axes[at].1);
+                }
                 for (column, &h) in history.iter_mut().zip(&histories[i]) {
                     let mut lanes = column.to_array();
                     lanes[lane] = h;

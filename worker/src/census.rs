@@ -348,9 +348,10 @@ impl Count {
     }
 }
 
-/// Messages of a step that every worker sends to all others: what acts on rigid bodies, and what contact touches of them.
+/// Messages of a step that every worker sends to all others: what acts on rigid bodies, what contact touches of them, and
+/// what may touch walls that have a mass.
 pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
     let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
-    let rounds = u8::from(bodies) + u8::from(contact && bodies);
-    f64::from(rounds) * (workers as f64 - 1.0).max(0.0)
+    let rounds = usize::from(bodies) + usize::from(contact && bodies) + engine.walls.pushed();
+    rounds as f64 * (workers as f64 - 1.0).max(0.0)
 }

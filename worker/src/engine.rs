@@ -150,7 +150,7 @@ impl Engine {
         let stable_dt = agreement.first_step(wire, own, velocities, thinnest)?;
         let mut engine = Self {
             clock: Clock::start(&settings, stable_dt),
-            walls: Walls::new(&settings.walls),
+            walls: Walls::new(&settings.walls, &settings.loads.curves),
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
             bodies: Bodies::start(wire, &settings, &local.nodes)?,
@@ -214,6 +214,7 @@ impl Engine {
         memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::Memory>,
     ) {
         self.bodies.settle(&self.nodes);
+        self.walls.settle(&self.nodes);
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
             let slack = self.halo.slack(&self.nodes);
@@ -287,12 +288,15 @@ impl Engine {
     /// The master is gone.
     pub fn send_row(&mut self, wire: &mut dyn Transport, ended: bool) -> Result<(), Lost> {
         let of = if ended { momentum } else { momentum_at_present };
-        let (momentum, mut angular_momentum) = of(&self.nodes);
+        let (mut momentum, mut angular_momentum) = of(&self.nodes);
         let mut energies = self.ledger.energies(&self.nodes);
         if self.nodes.me == 0 {
             let (energy, angular) = self.bodies.beyond();
             energies.kinetic += energy;
             (0..3).for_each(|c| angular_momentum[c] += angular[c]);
+            let (energy, carried) = self.walls.carried(ended);
+            energies.kinetic += energy;
+            (0..3).for_each(|c| momentum[c] += carried[c]);
         }
         let smallest = self.blocks.smallest_step(&self.nodes);
         let row = HistoryPart {

@@ -32,7 +32,7 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
 pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Result<(), Lost> {
     let failed: Vec<usize> = blocks.newly_failed().collect();
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
-    let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| !r.shape.is_shell());
+    let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
     let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only who has a corner of a face near can have its other side; all are told, since failure is rare.
     let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
@@ -45,7 +45,7 @@ pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Re
         return Ok(());
     }
     let mut opposing: HashMap<Face, Vec<(usize, usize)>> = HashMap::new();
-    for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| !e.record.shape.is_shell()) {
+    for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
         for (f, face) in faces_of(&e.record.nodes, e.record.shape.faces()).enumerate() {
             opposing.entry(face).or_default().push((i, f));
         }

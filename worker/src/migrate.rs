@@ -24,6 +24,7 @@ struct WireElement {
     free_faces: u16,
     nodes: CornerNodes,
     mass_factor: f64,
+    stable_dt: f64,
     columns: u64,
 }
 const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
@@ -121,6 +122,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8,
         nodes: e.nodes,
         mass_factor: e.mass_factor,
+        stable_dt: e.stable_dt,
         columns: history.len() as u64,
     };
     words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&wire)));
@@ -132,7 +134,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
         let (head, rest) = words.split_at(ELEMENT_WORDS);
         let e: WireElement = bytemuck::pod_read_unaligned(bytemuck::cast_slice(head));
         let (history, after) = rest.split_at(e.columns as usize);
-        let shape = [Shape::Quad4, Shape::Tri3, Shape::Hex8][e.shape as usize];
+        let shape = Shape::ALL[e.shape as usize];
         let record = ElementRecord {
             id: e.id,
             part: e.part,
@@ -141,6 +143,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
             free_faces: e.free_faces as u8,
             failed: e.free_faces >> 8 != 0,
             mass_factor: e.mass_factor,
+            stable_dt: e.stable_dt,
         };
         into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
         words = after;
@@ -194,11 +197,14 @@ mod tests {
             free_faces: part as u8,
             failed: part == 5,
             mass_factor: 1.0 + 0.1 * id as f64,
+            stable_dt: if part == 2 { f64::INFINITY } else { 0.3 },
         };
         let sent = vec![
             (element(7, Shape::Quad4, 0), vec![0.1, -0.0, f64::MIN_POSITIVE / 3.0]),
             (element(3, Shape::Tri3, 5), Vec::new()),
             (element(u64::MAX >> 11, Shape::Hex8, 2), vec![f64::MAX; 100]),
+            (element(4, Shape::Line2, 1), vec![1.0; 5]),
+            (element(5, Shape::Beam2, 0), vec![0.5; 7]),
         ];
         let memory = |segment, side| Memory {
             name: Name::of_node(NodeId(4), SegmentId(segment)),

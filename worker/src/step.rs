@@ -50,6 +50,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     loads.damp(nodes, steps.mid);
     prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
     bodies.accelerate(wire, nodes, clock.time, steps)?;
+    walls.begin(clock.time, steps.dt);
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
@@ -71,10 +72,13 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     let mut on_walls = Work::default();
     if !walls.is_empty() {
         let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
-        on_walls = walls.keep_out(nodes, &pushed, steps);
+        on_walls = walls.keep_out(wire, nodes, &pushed, steps)?;
         timer.lap(Phase::Advance);
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
+    if nodes.me == 0 {
+        on_walls += walls.work_on_masses(); // all workers know it
+    }
     ledger.book_wall(on_walls + on_bodies.wall);
     if let Some(contact) = contact {
         ledger.book_contact(contact.close(nodes, steps)); // with the velocities that walls leave
@@ -92,6 +96,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         engine.at_present_time(wire)?; // history, while velocities before and after are both known
         engine.nodes.advance(steps.dt);
         engine.bodies.advance(&mut engine.nodes, steps.dt);
+        engine.walls.advance(steps.dt);
         engine.clock.tick();
         engine.clock.choose(&engine.settings, agreed.stable_dt);
         engine.timer.lap(Phase::Advance);

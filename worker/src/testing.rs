@@ -15,6 +15,7 @@ pub fn settings() -> Settings {
         field_dir: String::new(),
         materials: Vec::new(),
         parts: Vec::new(),
+        axes: Vec::new(),
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
         rigid: Vec::new(),

@@ -5,7 +5,7 @@
 
 use super::number::shortest;
 use crate::job::{Model, Report};
-use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time};
+use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time, Wall};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
 use std::collections::{BTreeMap, BTreeSet};
@@ -101,6 +101,10 @@ fn line(text: &str) -> String {
 
 /// A model as a deck.
 pub fn export(model: &Model) -> Result<String, String> {
+    let lines = model.mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Line2 | Shape::Beam2)).count();
+    if lines > 0 {
+        return Err(format!("{lines} beams and springs cannot be written as a deck yet: take them out of the mesh"));
+    }
     let mut deck = Deck::default();
     let job = &model.job;
     deck.keyword("TITLE");
@@ -335,19 +339,27 @@ fn loads(deck: &mut Deck, job: &Job, sets: &BTreeMap<&str, u64>) {
     if !plain {
         list(deck, "initial_velocity", &job.initial_velocity);
     }
-    for (wall, number) in job.wall.iter().zip(1..) {
+    let fixed_planes: Option<Vec<[f64; 3]>> = job.wall.iter().map(|w| w.normal.filter(|_| is_fixed_plane(w))).collect();
+    let Some(normals) = fixed_planes else { return list(deck, "wall", &job.wall) };
+    for ((wall, normal), number) in job.wall.iter().zip(normals).zip(1..) {
         let name = if wall.name.is_empty() { format!("wall-{number}") } else { line(&wall.name) };
         deck.keyword("RIGIDWALL_PLANAR_ID");
         deck.card(&[Id(number), Blank]);
         deck.body.truncate(deck.body.len() - 1);
         deck.text(&name);
         deck.card(&[Blank]);
-        let head = [0, 1, 2].map(|c| wall.point[c] + wall.normal[c]);
+        let head = [0, 1, 2].map(|c| wall.point[c] + normal[c]);
         deck.card(&[wall.point.map(Number).as_slice(), &head.map(Number), &[Number(wall.friction)]].concat());
-        if [0, 1, 2].map(|c| head[c] - wall.point[c]) != wall.normal {
-            deck.entry("wall", Table::from_iter([named(&name), ("normal".into(), Value::from(wall.normal.to_vec()))]));
+        if [0, 1, 2].map(|c| head[c] - wall.point[c]) != normal {
+            deck.entry("wall", Table::from_iter([named(&name), ("normal".into(), Value::from(normal.to_vec()))]));
         }
     }
+}
+
+/// Whether a wall is what a deck's plane is: without end, for all nodes, and at rest.
+fn is_fixed_plane(wall: &Wall) -> bool {
+    let plane = Wall { name: String::new(), point: [0.0; 3], normal: None, friction: 0.0, ..wall.clone() };
+    plane == Wall::default()
 }
 
 fn contact(deck: &mut Deck, job: &Job) {

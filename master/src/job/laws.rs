@@ -33,16 +33,19 @@ pub fn searches() -> Vec<&'static str> {
     SEARCHES.iter().map(|search| search.name).collect()
 }
 
+/// Which shapes a part has elements of, by [`Shape`].
+pub type Used = [bool; Shape::ALL.len()];
+
 /// The elements of every part, as the worker will build them.
 pub struct Blocks {
-    parts: Vec<[Option<Box<dyn Element>>; 3]>,
+    parts: Vec<[Option<Box<dyn Element>>; Shape::ALL.len()]>,
 }
 
 impl Blocks {
     /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]), and of parts without
-    /// elements for quads, so that their numbers are checked too. `order[i]` is the place in the job of
+    /// elements for what they could have, so that their numbers are checked too. `order[i]` is the place in the job of
     /// the part that is the i-th of `settings`.
-    pub fn build(settings: &Settings, order: &[usize], used: &[[bool; 3]], findings: &mut Findings) -> Self {
+    pub fn build(settings: &Settings, order: &[usize], used: &[Used], findings: &mut Findings) -> Self {
         let mut problems: Vec<Problem> = Vec::new();
         let mut parts = Vec::with_capacity(order.len());
         for (index, &place) in order.iter().enumerate() {
@@ -58,12 +61,16 @@ impl Blocks {
                     None
                 }
             };
-            let [quads, triangles, solids] = used[index];
-            parts.push([
-                if quads || !(triangles || solids) { build(Shape::Quad4) } else { None },
-                if triangles { build(Shape::Tri3) } else { None },
-                if solids { build(Shape::Hex8) } else { None },
-            ]);
+            let idle = match &settings.parts[index] {
+                Part { spring: Some(_), .. } => Shape::Line2,
+                Part { beam: Some(_), .. } => Shape::Beam2,
+                _ => Shape::Quad4,
+            };
+            let none = !used[index].contains(&true);
+            parts.push(Shape::ALL.map(|shape| {
+                let wanted = used[index][shape as usize] || none && shape == idle;
+                if wanted { build(shape) } else { None }
+            }));
         }
         for (index, material) in settings.materials.iter().enumerate() {
             for mut problem in materials::build(material).err().unwrap_or_default() {
@@ -85,7 +92,7 @@ impl Blocks {
 
     /// Names of the formulations of a part, which is the `index`-th of the settings.
     pub fn names(&self, part: &Part, index: usize) -> Vec<&'static str> {
-        let shapes = [Shape::Quad4, Shape::Tri3, Shape::Hex8].into_iter();
+        let shapes = Shape::ALL.into_iter();
         shapes.filter(|&s| self.element(index, s).is_some()).filter_map(|s| formulation(part, s)).collect()
     }
 

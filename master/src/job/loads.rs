@@ -126,7 +126,8 @@ impl<'j> Curves<'j> {
         }
     }
 
-    fn find(&self, name: &Option<String>, path: &str, findings: &mut Findings) -> Option<usize> {
+    /// Index of a curve that may be left out.
+    pub fn find(&self, name: &Option<String>, path: &str, findings: &mut Findings) -> Option<usize> {
         let name = name.as_ref()?;
         let found = self.names.iter().position(|n| n == name);
         if found.is_none() {
@@ -207,15 +208,18 @@ pub fn motion_form(
         findings.add(Problem::error(path, "a motion has none or more than one form", help));
         return None;
     };
-    if form == MotionForm::Displacement {
-        let first = if m.curve.is_none() { Some(1.0) } else { curve.and_then(|c| curves.starts[c]) };
-        if first.is_some_and(|y| y != 0.0) {
-            let message = "a prescribed displacement starts with a jump";
-            findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
-        }
+    if starts_with_jump(form, curves, &m.curve, curve) {
+        let message = "a prescribed displacement starts with a jump";
+        findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
     }
     let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
     Some((Motion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
+}
+
+/// Whether a motion is a displacement that is not 0 at time 0; `index` is that of the curve it names.
+pub fn starts_with_jump(form: MotionForm, curves: &Curves<'_>, name: &Option<String>, index: Option<usize>) -> bool {
+    let first = if name.is_none() { Some(1.0) } else { index.and_then(|c| curves.starts[c]) };
+    form == MotionForm::Displacement && first.is_some_and(|y| y != 0.0)
 }
 
 /// A motion of nodes in numbers; its degrees of freedom are marked as not free, and none may be so already.

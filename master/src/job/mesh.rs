@@ -3,7 +3,7 @@
 use super::validate::Findings;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -19,14 +19,15 @@ const NO_AREA: f64 = 1e-12;
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    /// How many of its elements are in the list of shells, if it is written as rows.
-    written: Option<usize>,
+    /// Lists that its elements are written in, with their lengths, if it is written as rows.
+    written: Option<[(&'static str, usize); 4]>,
 }
 
 impl Read {
     /// The mesh of a deck, whose first `shells` elements are shells.
     pub fn of_deck(mesh: Mesh, shells: usize) -> Self {
-        Read { mesh, written: Some(shells) }
+        let solids = mesh.elements.len() - shells;
+        Read { mesh, written: Some([("shells", shells), ("solids", solids), ("beams", 0), ("springs", 0)]) }
     }
 
     fn node_path(&self, index: usize) -> String {
@@ -34,11 +35,14 @@ impl Read {
     }
 
     fn element_path(&self, index: usize) -> String {
-        match self.written {
-            Some(shells) if index < shells => format!("mesh.shells.{index}"),
-            Some(shells) => format!("mesh.solids.{}", index - shells),
-            None => "mesh.generator".into(),
+        let mut place = index;
+        for (list, length) in self.written.iter().flatten() {
+            match place.checked_sub(*length) {
+                None => return format!("mesh.{list}.{place}"),
+                Some(beyond) => place = beyond,
+            }
         }
+        "mesh.generator".into()
     }
 
     fn set_path(&self, name: &str) -> String {
@@ -86,13 +90,29 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         mesh.elements
             .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 8).then_some(Shape::Hex8)));
     }
+    for (index, row) in source.beams.iter().enumerate() {
+        let kind = Kind { list: "beams", called: "a beam", help: "write [id, part id, n1, n2, n3]" };
+        mesh.elements
+            .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 3).then_some(Shape::Beam2)));
+    }
+    for (index, row) in source.springs.iter().enumerate() {
+        let kind = Kind { list: "springs", called: "a spring", help: "write [id, part id, n1, n2]" };
+        mesh.elements
+            .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 2).then_some(Shape::Line2)));
+    }
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
     // What refers to a row that was left out would be blamed for that.
-    let rows = source.shells.len() + source.solids.len();
+    let lists = [
+        ("shells", source.shells.len()),
+        ("solids", source.solids.len()),
+        ("beams", source.beams.len()),
+        ("springs", source.springs.len()),
+    ];
+    let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(Read { mesh, written: Some(source.shells.len()) })
+    whole.then_some(Read { mesh, written: Some(lists) })
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
@@ -125,14 +145,19 @@ fn element(
         few.error("part id", path(), message, "part ids go up to 4294967295");
         return None;
     };
-    let nodes: Vec<NodeId> = corners[..shape.corners()].iter().copied().map(NodeId).collect();
+    let given = if shape == Shape::Beam2 { corners } else { &corners[..shape.corners()] };
+    let nodes: Vec<NodeId> = given.iter().copied().map(NodeId).collect();
     Some(MeshElement::new(ElemId(id), part, shape, &nodes))
 }
 
-/// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything by id.
+/// Vectors from beams towards their second axes [length].
+type Axes = Vec<(ElemId, [f64; 3])>;
+
+/// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything by id. Beside the mesh,
+/// vectors from beams towards their second axes, ascending; beams then have two nodes.
 ///
 /// `parts` are the ids of the job's parts; `None` if those are faulty themselves.
-pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> Mesh {
+pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mesh, Axes) {
     let mut few = Few::new(findings);
     let at = check_nodes(&read, &mut few);
     check_elements(&read, &at, parts, &mut few);
@@ -146,9 +171,17 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> Mesh
             few.error("set", read.set_path(name), message, "add the node or take it out of the set");
         }
     }
+    let turned: HashSet<NodeId> =
+        read.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).map(|e| e.nodes[2]).collect();
     let used: HashSet<NodeId> = read.mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
-    let unused: Vec<(usize, NodeId)> =
-        read.mesh.nodes.iter().enumerate().filter(|(_, n)| !used.contains(&n.id)).map(|(i, n)| (i, n.id)).collect();
+    let unused: Vec<(usize, NodeId)> = read
+        .mesh
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| !used.contains(&n.id) && !turned.contains(&n.id))
+        .map(|(i, n)| (i, n.id))
+        .collect();
     if let (Some(&(index, first)), false) = (unused.first(), read.mesh.elements.is_empty()) {
         let message = match unused.len() {
             1 => format!("node {first} belongs to no element and is left out"),
@@ -164,11 +197,18 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> Mesh
     mesh.nodes.retain(|n| used.contains(&n.id));
     mesh.nodes.sort_by_key(|n| n.id);
     mesh.elements.sort_by_key(|e| e.id);
+    let mut axes = Axes::new();
+    for e in mesh.elements.iter_mut().filter(|e| e.shape == Shape::Beam2) {
+        if let (Some(from), Some(to)) = (at.get(&e.nodes[0]), at.get(&e.nodes[2])) {
+            axes.push((e.id, [0, 1, 2].map(|c| to[c] - from[c])));
+        }
+        e.nodes = corner_nodes(&e.nodes[..2]);
+    }
     for ids in mesh.node_sets.values_mut() {
         ids.sort_unstable();
         ids.dedup();
     }
-    mesh
+    (mesh, axes)
 }
 
 fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
@@ -218,6 +258,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
                 Shape::Hex8 => {
                     "a solid needs eight nodes, all different: wedges and tetrahedra are not there, mesh it with hexahedra"
                 }
+                Shape::Line2 => "a spring has two ends; for one to the ground hold its other node by a [[fix]]",
                 _ => "a triangle repeats its last node only; correct or remove the element",
             };
             few.error("repeated", path(), message, help);
@@ -234,6 +275,23 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
             }
         }
         if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
+            continue;
+        }
+        if element.shape == Shape::Line2 {
+            continue; // its part says whether it needs a length
+        }
+        if element.shape == Shape::Beam2 {
+            match at.get(&element.nodes[2]) {
+                Some(third) if matches!(outline(&[x[0], x[1], *third]), Outline::Good) => {}
+                Some(_) => {
+                    let message = format!("beam {id}: its third node stands on the line of the first two");
+                    few.error("third node", path(), message, "give one that shows where the second axis points");
+                }
+                None => {
+                    let message = format!("element {id}: there is no node {}", element.nodes[2]);
+                    few.error("no node", path(), message, "add the node or correct the element");
+                }
+            }
             continue;
         }
         if element.shape == Shape::Hex8 {

@@ -5,7 +5,8 @@
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh and its faults
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
-//! 5. `state.rs`: what nodes and elements start with; `loads.rs`: what acts on them; `histories.rs`: what is recorded of them
+//! 5. `state.rs`: what nodes and elements start with, `springs.rs`: and springs; `loads.rs`, `walls.rs`: what acts on them;
+//!    `histories.rs`: what is recorded of them
 //!
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
 //! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
@@ -18,10 +19,12 @@ pub mod report;
 mod resolve;
 mod rigid;
 mod sets;
+mod springs;
 pub mod state;
 pub mod tree;
 mod units;
 mod validate;
+mod walls;
 
 pub use laws::Blocks;
 pub use report::{Located, Report, Sources, Spot};
@@ -32,7 +35,7 @@ pub use validate::nearest;
 use crate::deck;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, MeshSource};
-use crumple_proto::mesh::{Mesh, Shape, free_faces};
+use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
@@ -213,12 +216,13 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
-    let mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let (mesh, axes) = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings)).unzip();
     let figures = mesh.as_ref().and_then(quality);
     let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
+    settings.axes = axes.unwrap_or_default();
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
-        None => vec![[false; 3]; order.len()],
+        None => vec![laws::Used::default(); order.len()],
     };
     let blocks = Blocks::build(&settings, &order, &used, findings);
     let mesh = mesh?;
@@ -226,13 +230,14 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let mut nodes = state::nodes(&job, &mesh, &sets, findings);
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
+    settings.walls = walls::resolve(&job, &sets, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
     settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
-    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape != Shape::Hex8);
+    settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
     if findings.any_error() {
         return None;
     }
-    let elements = state::elements(&job, &mesh, &settings, &blocks, findings);
+    let elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
     if findings.any_error() {
         return None;
     }
@@ -248,8 +253,10 @@ fn read_mesh(
     sources: &mut Sources,
     findings: &mut Findings,
 ) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, solids, node_sets, .. } = &job.mesh;
-    let rows = !(nodes.is_empty() && shells.is_empty() && solids.is_empty());
+    let MeshSource { generator, file, nodes, shells, solids, beams, springs, node_sets, .. } = &job.mesh;
+    let rows = ![nodes.is_empty(), shells.is_empty(), solids.is_empty(), beams.is_empty(), springs.is_empty()]
+        .iter()
+        .all(|&empty| empty);
     if findings.any_faulty_below("mesh") {
         return None;
     }
@@ -379,6 +386,7 @@ impl Model {
             free_faces: free[i],
             failed: false,
             mass_factor: self.elements.mass_factor[i],
+            stable_dt: self.elements.massless_dt(i),
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {
             id: n.id,

@@ -1,7 +1,7 @@
 //! A job's numbers: what is out of range, and what a job leaves to a default is filled in.
 
-use super::laws;
 use super::validate::{Findings, nearest};
+use super::{laws, walls};
 use crumple_proto::histories::Asked;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
@@ -56,6 +56,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
 
     parts_and_materials(job, numbers.findings);
     loads(job, &mut Numbers { findings });
+    walls::check(job, findings);
     if let Some(contact) = &job.contact {
         contact_numbers(contact, job, &mut Numbers { findings });
     }
@@ -103,19 +104,6 @@ fn parts_and_materials(job: &Job, findings: &mut Findings) {
 }
 
 fn loads(job: &Job, numbers: &mut Numbers<'_>) {
-    for (index, wall) in job.wall.iter().enumerate() {
-        let length = wall.normal.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let path = format!("wall.{index}.normal");
-        if !(length > 0.0 && length.is_finite()) {
-            let message = format!("the normal {:?} of a wall has no direction", wall.normal);
-            numbers.findings.add(Problem::error(
-                path,
-                message,
-                "it points from the wall to where the model is, such as [1, 0, 0]",
-            ));
-        }
-        numbers.need(wall.friction >= 0.0, &format!("wall.{index}.friction"), wall.friction, "0 or above");
-    }
     for (index, mass) in job.mass.iter().enumerate() {
         numbers.need(mass.mass > 0.0, &format!("mass.{index}.mass"), mass.mass, "above 0");
     }
@@ -200,7 +188,7 @@ impl Numbers<'_> {
 }
 
 /// The settings that all workers get, defaults filled in; lengths come from the sides of the mesh's elements.
-/// Loads and rigid bodies need the mesh and come later. Beside them, for each of their parts its place in the job.
+/// Walls, loads and rigid bodies need the mesh and come later. Beside them, for each of their parts its place in the job.
 pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
@@ -213,14 +201,6 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         let skin = (0.25 * median).max((0.4 * thickest).min(median));
         Contact { skin: or(contact.skin, skin), ..contact }
     });
-    let mut walls = job.wall.clone();
-    for wall in &mut walls {
-        // Scaled by the largest component first, so that tiny and huge normals are unit vectors too.
-        let largest = wall.normal.iter().fold(0.0f64, |m, c| m.max(c.abs()));
-        let scaled = wall.normal.map(|c| c / largest);
-        let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
-        wall.normal = scaled.map(|c| c / length);
-    }
     let settings = Settings {
         end_time: job.end_time,
         safety: job.time.safety,
@@ -232,7 +212,8 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         field_dir: String::new(),
         materials: job.material.iter().map(material).collect(),
         parts,
-        walls,
+        axes: Vec::new(),
+        walls: Vec::new(),
         loads: Loads::default(),
         rigid: Vec::new(),
         dt_max: job.time.dt_max,
@@ -298,12 +279,5 @@ mod tests {
         );
         assert_eq!(field_times(&job("")).len(), 21);
         assert_eq!(field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")), [0.3]);
-    }
-
-    #[test]
-    fn normals_become_unit_vectors() {
-        let job = job("[[wall]]\npoint = [0, 0, 0]\nnormal = [3e-200, 0, 4e-200]");
-        let normal = settings(&job, None).0.walls[0].normal;
-        assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
     }
 }

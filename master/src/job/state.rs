@@ -1,11 +1,12 @@
 //! What nodes and elements start with: added mass, fixed degrees of freedom, velocities, steps and masses.
 
-use super::laws::Blocks;
+use super::laws::{Blocks, Used};
 use super::loads::dof_bits;
+use super::springs;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
@@ -95,6 +96,11 @@ impl<'m> NodeSets<'m> {
 }
 
 impl ElementStart {
+    /// Stable step of an element without mass; infinite for all others [time].
+    pub fn massless_dt(&self, i: usize) -> f64 {
+        if self.mass[i] == 0.0 { self.stable_dt[i] } else { f64::INFINITY }
+    }
+
     /// Mass of an element with what scaling adds [mass].
     pub fn mass_with_scaling(&self, i: usize) -> f64 {
         if self.stable_dt[i].is_finite() { self.mass[i] * self.mass_factor[i] } else { self.mass[i] }
@@ -153,7 +159,14 @@ pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Finding
 }
 
 /// Masses and stable steps of all elements, with the mass that scaling to a given step adds.
-pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, findings: &mut Findings) -> ElementStart {
+pub fn elements(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &Settings,
+    blocks: &Blocks,
+    nodes: &NodeStart,
+    findings: &mut Findings,
+) -> ElementStart {
     let at: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
     let mut start = ElementStart::default();
@@ -165,7 +178,8 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
         let x = element.nodes.map(|id| at[&id]);
         let mass = formulation.corner_mass(&x).0 * element.shape.corners() as f64;
         let dt = formulation.stable_dt(&x);
-        if !(dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0) {
+        let sound = dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0;
+        if !sound && formulation.discrete().is_none() {
             unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));
         }
         let wanted = job.time.mass_scaling_dt;
@@ -186,6 +200,7 @@ pub fn elements(job: &Job, mesh: &Mesh, settings: &Settings, blocks: &Blocks, fi
             start.mass_factor[e] = factor;
         }
     }
+    springs::steps(mesh, settings, blocks, nodes, &mut start, findings);
     let (added, limit) = (scaled_mass(&start) / deformable_mass(&start), job.time.mass_scaling_limit);
     if unsound.0 == 0 && added > limit {
         let message = format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
@@ -273,6 +288,10 @@ pub fn warnings(
         }
     }
     warnings.extend(thin_for_contact(mesh, settings, elements));
+    if settings.contact.is_some() && mesh.elements.iter().any(|e| e.shape == Shape::Beam2) {
+        let message = "beams take no part in contact: other things pass through them";
+        warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));
+    }
     let structure = deformable_mass(elements);
     let added = scaled_mass(elements);
     if added > 0.05 * structure {
@@ -314,9 +333,9 @@ pub fn smallest(values: &[f64]) -> Option<(usize, f64)> {
 }
 
 /// Which shapes each part of the settings has elements of, by [`Shape`].
-pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<[bool; 3]> {
+pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<Used> {
     let part_of: HashMap<u32, usize> = settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
-    let mut used = vec![[false; 3]; settings.parts.len()];
+    let mut used = vec![Used::default(); settings.parts.len()];
     for element in &mesh.elements {
         if let Some(&part) = part_of.get(&element.part) {
             used[part][element.shape as usize] = true;

@@ -169,6 +169,6 @@ impl Sweeps<'_> {
             return;
         }
         let n = n as usize;
-        self.nodes.next_v[n] = self.walls.stop(&self.nodes.x[n], v, &self.nodes.inv_mass[n], self.steps.dt);
+        self.nodes.next_v[n] = self.walls.stop(self.nodes, n, v, self.steps.dt);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Elements are worked on in groups of [`LANES`]: lane l of every vector belongs to element l of the group.
 
+mod beam;
 mod belytschko_tsay;
 mod c0_triangle;
 mod hexahedron;
@@ -17,6 +18,7 @@ mod shell;
 mod shell_benchmarks;
 #[cfg(test)]
 pub(crate) mod solid_testing;
+mod spring;
 mod stabilised_quad;
 #[cfg(test)]
 mod statics;
@@ -121,6 +123,9 @@ pub trait Element: Send + Sync {
     /// Sets the history of one fresh group (thickness and the like).
     fn start(&self, history: &mut [Lane]);
 
+    /// Turns a fresh beam in `lane` of a group with this history: its second axis lies towards the vector `towards`.
+    fn orient(&self, _history: &mut [Lane], _lane: usize, _towards: [f64; 3]) {}
+
     /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its corners.
     /// `x` are the coordinates of its slots.
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64);
@@ -132,6 +137,11 @@ pub trait Element: Send + Sync {
     /// `x` are the coordinates of its slots.
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64;
 
+    /// What a spring or damper is between its nodes: it has no mass, and the masses of its nodes set its step.
+    fn discrete(&self) -> Option<Discrete> {
+        None
+    }
+
     /// Whether the law of the element in `lane` of a group with this history has failed at every point. Such an element
     /// gives no force, limits no step and is never in trouble.
     fn failed(&self, history: &[Lane], lane: usize) -> bool;
@@ -141,6 +151,25 @@ pub trait Element: Send + Sync {
 
     /// Fields of the element in `lane` of a group with this history at slot coordinates `x`.
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields;
+}
+
+/// A spring or damper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discrete {
+    /// Largest change of its force with its elongation [force/length].
+    pub stiffness: f64,
+    /// Largest change of its force with the rate of its elongation [force time/length].
+    pub damping: f64,
+    /// Whether it acts along the line between its nodes.
+    pub along_line: bool,
+}
+
+impl Discrete {
+    /// Stable step between nodes whose inverse masses have the sum `softness` [1/mass], before the safety factor [time].
+    pub fn stable_dt(&self, softness: f64) -> f64 {
+        let (k, c) = (self.stiffness * softness, self.damping * softness);
+        4.0 / (c + (c * c + 4.0 * k).sqrt())
+    }
 }
 
 /// The four slots of a shell.
@@ -173,15 +202,18 @@ pub enum Build {
     Shell(fn(&Part, Box<dyn PlaneStress>) -> Built),
     /// In three dimensions.
     Solid(fn(&Part, Box<dyn Solid>) -> Built),
+    /// Without a law.
+    Discrete(fn(&Part) -> Built),
 }
 
 /// Every formulation.
-pub const ELEMENTS: &[ElementRow] = &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW];
+pub const ELEMENTS: &[ElementRow] =
+    &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW, beam::ROW, spring::ROW];
 
 /// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
-/// Quads and hexahedra take the part's formulation, triangles the only one there is for them.
+/// Quads and hexahedra take the part's formulation, others the only one there is for them.
 pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Built {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
@@ -192,19 +224,22 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
 
     let materials = &settings.materials;
     let index = materials.iter().position(|material| material.name == part.material);
-    if index.is_none() {
+    let row = row_for(part, shape).map(|row| row.build);
+    let lawless = matches!(row, Ok(Build::Discrete(_)));
+    if index.is_none() && !lawless {
         let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
         let what = format!("part {}: there is no material '{}'", section::label(part), part.material);
         note(format!("part.{part_index}"), vec![unknown_name("material", what, &part.material, &names)]);
     }
     // A part is checked even where its material is wrong, so that one run of the checks tells all.
-    let mut stand_in = index.is_none();
+    let mut stand_in = index.is_none() && !lawless;
     let mut law_problems = |found: Vec<Problem>| {
         stand_in = true;
         note(format!("material.{}", index.unwrap_or(0)), found);
     };
     let material = index.map(|index| &materials[index]);
-    let built = match row_for(part, shape).map(|row| row.build) {
+    let built = match row {
+        Ok(Build::Discrete(build)) => build(part),
         Ok(Build::Shell(build)) => {
             let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
             build(part, law.unwrap_or_else(materials::stand_in))
@@ -233,8 +268,16 @@ pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.
 fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
+    if part.spring.is_some() && shape != Shape::Line2 {
+        let what = format!("part {}: it is one of springs, and has other elements", section::label(part));
+        return Err(Problem::error("spring", what, "take [part.spring] out, or give its elements another part"));
+    }
+    if part.beam.is_some() && shape != Shape::Beam2 {
+        let what = format!("part {}: it is one of beams, and has other elements", section::label(part));
+        return Err(Problem::error("beam", what, "take [part.beam] out, or give its elements another part"));
+    }
     let of_shape = |row: &&ElementRow| row.shape == shape;
-    let wanted = part.element.as_deref().filter(|_| shape != Shape::Tri3);
+    let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
     let row = ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
     row.ok_or_else(|| {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();

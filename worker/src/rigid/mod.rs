@@ -24,7 +24,7 @@ use crumple_proto::partition::Settings;
 use crumple_proto::rigid::RigidBody as BodyJob;
 use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
 use nalgebra::Matrix3;
-use walls::Push;
+use walls::{Meeting, Push};
 
 /// Marks a node that is no member.
 const NONE: u32 = u32::MAX;
@@ -91,6 +91,8 @@ pub struct Bodies {
     damped: Vec<[(V3, V3); 2]>,
     /// Impulses of walls in this step.
     pushes: Vec<Push>,
+    /// Velocities of walls as bodies leave them.
+    wall_velocities: Vec<V3>,
     acting: Vec<Acting>,
     words: Vec<u64>,
 }
@@ -320,6 +322,7 @@ impl Bodies {
         if !self.coupled {
             self.keep_out(walls, steps.dt);
         }
+        self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
         self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
         // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
         for m in self.members.iter().chain(&self.copies) {
@@ -418,10 +421,14 @@ impl Bodies {
     /// Keeps members out of walls.
     fn keep_out(&mut self, walls: &Walls, dt: f64) {
         self.pushes.clear();
-        if !walls.is_empty() {
-            for (b, (body, arms)) in self.bodies.iter_mut().zip(&self.arms).enumerate() {
-                walls::keep_out(b, body, arms, walls, dt, &mut self.pushes);
-            }
+        if walls.is_empty() {
+            return;
+        }
+        self.wall_velocities.clear();
+        self.wall_velocities.extend(walls.each().iter().map(|w| w.velocity()));
+        let mut meeting = Meeting { walls, velocity: &mut self.wall_velocities, dt, pushes: &mut self.pushes };
+        for (b, ((body, arms), job)) in self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs).enumerate() {
+            meeting.keep_out(b, body, (arms, &job.nodes));
         }
     }
 }

@@ -35,6 +35,7 @@ impl Build {
                 Shape::Quad4 => of.quads = true,
                 Shape::Tri3 => of.triangles = true,
                 Shape::Hex8 => of.solids = true,
+                Shape::Line2 | Shape::Beam2 => {} // no keyword makes them yet
             }
         }
         let own_thickness = self.thickness_of_elements();

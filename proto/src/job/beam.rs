@@ -1,0 +1,43 @@
+//! Cross sections of beams as they are written in a job.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Cross section of a part of beams, whose elements are the rows of `mesh.beams`. Its second axis lies in the plane of the three
+/// nodes of an element, square to the beam; its third axis is square to both.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// Form of the section.
+    pub section: BeamSection,
+    /// Height of a rectangle or an I along the second axis [length].
+    #[serde(default)]
+    pub height: f64,
+    /// Width of a rectangle or an I along the third axis [length].
+    #[serde(default)]
+    pub width: f64,
+    /// Thickness of each flange of an I [length].
+    #[serde(default)]
+    pub flange: f64,
+    /// Thickness of the web of an I [length].
+    #[serde(default)]
+    pub web: f64,
+    /// Outer radius of a tube [length].
+    #[serde(default)]
+    pub radius: f64,
+    /// Wall of a tube, 0 for a solid round bar [length].
+    #[serde(default)]
+    pub wall: f64,
+}
+
+/// Form of a beam's cross section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BeamSection {
+    /// `height` by `width`.
+    Rectangle,
+    /// `radius` and `wall`.
+    Tube,
+    /// Two flanges of `width` by `flange`, and a `web`; `height` over all.
+    I,
+}

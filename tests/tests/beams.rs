@@ -1,0 +1,210 @@
+//! Beams against closed forms, and the same bits on any number of workers. Units mm, ms, kg.
+
+use crumple::job::Model;
+use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_worker::energy::momentum;
+use crumple_worker::engine::Engine;
+use nalgebra::{Rotation3, Vector3};
+
+const E: f64 = 207.0;
+const RHO: f64 = 7.85e-6;
+const LENGTH: f64 = 100.0;
+const RECTANGLE: &str = "section = \"rectangle\"\nheight = 4.0\nwidth = 2.0";
+
+/// A cantilever of `n` beams from the origin along the first axis of `turn`, whose second axis is that of the section; sets `root`
+/// and `tip`. `law` and `rest` are the rest of its material and of the job.
+fn cantilever(n: usize, turn: &Rotation3<f64>, section: &str, law: &str, end_time: f64, rest: &str) -> Model {
+    let point = |id: usize, x: Vector3<f64>| format!("[{id}, {:?}, {:?}, {:?}],\n", x.x, x.y, x.z);
+    let along = |i: usize| turn * Vector3::new(LENGTH * i as f64 / n as f64, 0.0, 0.0);
+    let nodes: String = (0..=n).map(|i| point(i + 1, along(i))).collect();
+    let third = point(n + 2, turn * Vector3::new(30.0, 50.0, 0.0));
+    let beams: String = (1..=n).map(|i| format!("[{i}, 1, {i}, {}, {}],\n", i + 1, n + 2)).collect();
+    let text = format!(
+        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}{third}]\nbeams = [{beams}]\n\
+         node_sets = {{ root = [1], tip = [{}] }}\n[output]\nfield_interval = -1.0\n\
+         [[material]]\nname = \"steel\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n{law}\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\n{section}\n\
+         [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n{rest}",
+        n + 1
+    );
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("beams.toml");
+    std::fs::write(&path, text).unwrap();
+    read(&path, &[])
+}
+
+const ELASTIC: &str = "law = \"elastic\"";
+
+/// First frequency of the cantilever for bending with the second moment `i`, and its area 8 [1/ms].
+fn first_frequency(i: f64) -> f64 {
+    1.875_104_07f64.powi(2) * (E * i / (RHO * 8.0 * LENGTH.powi(4))).sqrt()
+}
+
+/// The tip goes down by P L^3 / 3 E I under a force, turns by M L / E I under a moment, and by T L / G J under a torque, whatever
+/// the mesh and wherever the beam points: the cubic shape is exact. 1e-3 of the length are 1e-6 from small displacements; the
+/// torsion constant of 4 x 2 is 0.229 a b^3 (Timoshenko & Goodier 1970, sec. 109).
+#[test]
+fn a_cantilever_bends_and_twists_as_beams_do() {
+    let turn = Rotation3::from_euler_angles(0.3, -0.8, 1.1);
+    let (iy, iz) = (4.0 * 8.0 / 12.0, 2.0 * 64.0 / 12.0);
+    for n in [1, 3] {
+        for (axis, i) in [(1, iz), (2, iy)] {
+            let down = 1e-3 * LENGTH;
+            let force = turn * Vector3::ith(axis, down * 3.0 * E * i / LENGTH.powi(3));
+            let w = first_frequency(i);
+            let rest = format!(
+                "[time]\ndamping = {:?}\n[[load]]\nnodes = \"tip\"\nforce = [{:?}, {:?}, {:?}]\n",
+                2.0 * w,
+                force.x,
+                force.y,
+                force.z
+            );
+            let end = run_alone(&cantilever(n, &turn, RECTANGLE, ELASTIC, 60.0 / w, &rest), |_| {});
+            let moved = Vector3::from_fn(|c, _| end.nodes.x[n][c] - end.nodes.x0[n][c]);
+            let moved = turn.inverse() * moved;
+            assert!((moved[axis] / down - 1.0).abs() < 1e-5, "{n} beams, axis {axis}: {moved}");
+            assert!(moved[3 - axis].abs() < 1e-6 * down, "{n} beams, axis {axis}: {moved}");
+        }
+    }
+    let shear = E / 2.6;
+    let torque = 1e-3 * shear * 0.229 * 4.0 * 8.0 / LENGTH;
+    let moment = turn * Vector3::new(torque, 0.0, 0.0);
+    let rest = format!(
+        "[time]\ndamping = 20.0\n[[load]]\nnodes = \"tip\"\nmoment = [{:?}, {:?}, {:?}]\n",
+        moment.x, moment.y, moment.z
+    );
+    let end = run_alone(&cantilever(2, &turn, RECTANGLE, ELASTIC, 60.0, &rest), |_| {});
+    let energy = end.ledger.energies(&end.nodes).internal;
+    assert!((energy / (0.5 * torque * 1e-3) - 1.0).abs() < 0.01, "constant to three digits: {energy}");
+}
+
+/// The first frequency comes with the square of the element length to that of Euler and Bernoulli, 1.875^2 sqrt(E I/(rho A
+/// L^4)); rotatory inertia takes (r/L)^2 terms of 1e-4.
+#[test]
+fn a_cantilever_swings_as_beams_do() {
+    let i = 2.0 * 64.0 / 12.0;
+    let w = first_frequency(i);
+    let quarter = 0.5 * std::f64::consts::PI / w;
+    let late = |n: usize| {
+        let rest = "[[initial_velocity]]\nnodes = \"tip\"\nvelocity = [0.0, 1e-3, 0.0]\n";
+        // A blow on the tip excites higher modes too: the static shape is let go instead.
+        let force = 1e-3 * LENGTH * 3.0 * E * i / LENGTH.powi(3);
+        let rest = format!(
+            "{}[[curve]]\nname = \"off\"\npoints = [[0.0, 0.0], [{:?}, 1.0], [{:?}, 1.0], [{:?}, 0.0]]\n\
+             [[load]]\nnodes = \"tip\"\nforce = [0.0, {force:?}, 0.0]\ncurve = \"off\"\n",
+            rest.replace("1e-3", "0.0"),
+            40.0 * quarter,
+            40.5 * quarter,
+            40.5 * quarter + 1e-6
+        );
+        let model = cantilever(n, &Rotation3::identity(), RECTANGLE, ELASTIC, 61.0 * quarter, &rest);
+        let (mut crossings, mut before) = (Vec::new(), (0.0, 0.0));
+        run_alone(&model, |e| {
+            let now = (e.clock.time, e.nodes.x[n][1]);
+            if now.0 > 40.6 * quarter && before.1 * now.1 < 0.0 {
+                crossings.push(before.0 + (now.0 - before.0) * before.1 / (before.1 - now.1));
+            }
+            before = now;
+        });
+        let half = (crossings[8] - crossings[0]) / 8.0;
+        std::f64::consts::PI / half / w - 1.0
+    };
+    let [coarse, fine] = [6, 12].map(late);
+    assert!(fine.abs() < 0.01 && coarse.abs() > 2.5 * fine.abs(), "{coarse} {fine}");
+}
+
+/// A tip that is led down far beyond yield needs the force M_p / (L - h/3), M_p = sigma b h^2 / 4: by the cubic shape the
+/// middle of the first element yields with its end, so that its plastic moment is that a third of its length h from the root. The
+/// force is the work over the way; the arm shortens by 1 % at 14 of 100.
+#[test]
+fn a_plastic_hinge_bears_its_moment() {
+    let law = "law = \"j2\"\nhardening = [[0.0, 0.3], [1.0, 0.3]]";
+    let rest = "[time]\ndamping = 2.0\n[[motion]]\nnodes = \"tip\"\ndofs = [\"y\"]\nvelocity = [0.0, -0.5, 0.0]\n";
+    for n in [4, 8] {
+        let (mut at, mut unexplained) = (None, 0.0f64);
+        let end = run_alone(&cantilever(n, &Rotation3::identity(), RECTANGLE, law, 32.0, rest), |e| {
+            let energies = e.ledger.energies(&e.nodes);
+            if e.clock.time > 24.0 {
+                at.get_or_insert((e.nodes.x[n][1], energies.external));
+            }
+            unexplained = unexplained.max(energies.balance(0.0).abs() / energies.external.abs().max(1e-3));
+        });
+        let (way, work) = at.unwrap();
+        let force = (end.ledger.energies(&end.nodes).external - work) / (way - end.nodes.x[n][1]);
+        let expected = 1.01 * 0.3 * 2.0 * 16.0 / 4.0 / (LENGTH * (1.0 - 1.0 / (3.0 * n as f64)));
+        assert!((force / expected - 1.0).abs() < 0.01, "{n} beams: {force} {expected}");
+        assert!(unexplained < 1e-3, "{n} beams: {unexplained}");
+    }
+}
+
+/// A loose angle of tubes, elastic-plastic, flies, turns and bends: momentum and angular momentum keep to round-off, energy
+/// to the squares of rotations within an element.
+#[test]
+fn a_loose_frame_keeps_momentum() {
+    let law = "law = \"j2\"\nhardening = [[0.0, 0.1], [1.0, 0.3]]";
+    let tube = "section = \"tube\"\nradius = 3.0\nwall = 0.5";
+    let rest = "[[initial_velocity]]\nvelocity = [1.0, 2.0, 3.0]\nspin = [0.3, 0.5, -0.8]\ncentre = [40.0, 0.0, 0.0]\n\
+                [[initial_velocity]]\nnodes = \"tip\"\nvelocity = [0.0, 60.0, 35.0]\n";
+    let mut model = cantilever(6, &Rotation3::identity(), tube, law, 3.0, rest);
+    model.nodes.fixed.fill(0);
+    let (mut first, mut worst, mut unexplained, mut initial) = (None, [0.0f64; 2], 0.0f64, 0.0);
+    let end = run_alone(&model, |e: &Engine| {
+        let (p, l) = momentum(&e.nodes);
+        let energies = e.ledger.energies(&e.nodes);
+        let now = [p, l];
+        let start = *first.get_or_insert(now);
+        if e.clock.cycle == 1 {
+            initial = energies.balance(0.0);
+        }
+        for k in 0..2 {
+            worst[k] = (0..3).map(|c| (now[k][c] - start[k][c]).abs()).fold(worst[k], f64::max);
+        }
+        unexplained = unexplained.max(energies.balance(initial).abs() / initial);
+    });
+    let (p, l) = (0.01, 1.0);
+    assert!(worst[0] < 1e-12 * p * 1e2 && worst[1] < 1e-10 * l, "{worst:?}");
+    let internal = end.ledger.energies(&end.nodes).internal;
+    assert!(internal > 0.01 * initial, "it yields: {internal} of {initial}");
+    assert!(unexplained < 1e-3, "{unexplained}");
+}
+
+/// A sheet of shells with ribs of beams of all sections, that hits a wall: the same bits on 1, 2 and 4 workers, with boxes
+/// renewed by force.
+#[test]
+fn bits_do_not_depend_on_workers() {
+    let (mut nodes, mut shells, mut beams) = (String::new(), String::new(), String::new());
+    for i in 0..7 {
+        for j in 0..5 {
+            let n = 5 * i + j + 1;
+            nodes += &format!("[{n}, {:?}, {:?}, 0.0],\n", 10.0 * i as f64, 10.0 * j as f64);
+            if i < 6 && j < 4 {
+                shells += &format!("[{n}, 1, {n}, {}, {}, {}],\n", n + 5, n + 6, n + 1);
+            }
+            if i < 6 && j % 2 == 0 {
+                beams += &format!("[{}, {}, {n}, {}, 100],\n", n + 200, 2 + j / 2, n + 5);
+            }
+        }
+    }
+    let part = |id: u32, section: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\n{section}\n");
+    let text = format!(
+        "end_time = 1.0\n[mesh]\nnodes = [{nodes}[100, 20.0, 20.0, 300.0]]\nshells = [{shells}]\nbeams = [{beams}]\n\
+         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = {RHO:?}\n\
+         youngs_modulus = {E:?}\npoisson = 0.3\nhardening = [[0.0, 0.2], [1.0, 0.4]]\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n{}{}{}\
+         [[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.4, 0.1, 1.0]\n\
+         [[initial_velocity]]\nvelocity = [0.0, 0.0, -20.0]\n",
+        part(2, RECTANGLE),
+        part(3, "section = \"tube\"\nradius = 2.0"),
+        part(4, "section = \"i\"\nheight = 5.0\nwidth = 4.0\nflange = 0.6\nweb = 0.5"),
+    );
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("ribs.toml");
+    std::fs::write(&path, text).unwrap();
+    let model = read(&path, &[]);
+    let serial = run_side_by_side(&model, 1, 700, 0);
+    assert!(serial.trouble.is_none(), "{:?} in cycle {}", serial.trouble, serial.pairs.len());
+    for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
+        let parallel = run_side_by_side(&model, workers, 700, force);
+        assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+}

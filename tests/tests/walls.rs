@@ -1,0 +1,158 @@
+//! Rigid walls that move, end somewhere or are round, on any number of workers. Units mm, ms, kg.
+
+use crumple::job::Model;
+use crumple_tests::{read, run_alone, run_side_by_side};
+use crumple_worker::energy::momentum;
+use crumple_worker::engine::Engine;
+
+const RHO: f64 = 7.85e-6;
+
+/// Square plates of shells of 1 mm, a part and a node set `part_1` and so on each: corner, sides and cells along x and y.
+/// `rest` is the rest of the job.
+fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -> Model {
+    let (mut nodes, mut shells, mut sets, mut parts) = (String::new(), String::new(), String::new(), String::new());
+    let (mut first, mut shell) = (1, 1);
+    for (p, &(at, side, cells)) in (1..).zip(plates) {
+        let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
+        for i in 0..=cells[0] {
+            for j in 0..=cells[1] {
+                let x = [at[0] + side[0] * i as f64 / cells[0] as f64, at[1] + side[1] * j as f64 / cells[1] as f64];
+                nodes += &format!("[{}, {:?}, {:?}, {:?}],\n", node(i, j), x[0], x[1], at[2]);
+                if i < cells[0] && j < cells[1] {
+                    let ring = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+                    shells += &format!("[{shell}, {p}, {}, {}, {}, {}],\n", ring[0], ring[1], ring[2], ring[3]);
+                    shell += 1;
+                }
+            }
+        }
+        let last = node(cells[0], cells[1]);
+        sets += &format!("part_{p} = {:?}, ", (first..=last).collect::<Vec<_>>());
+        parts += &format!("[[part]]\nid = {p}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        first = last + 1;
+    }
+    let text = format!(
+        "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ {sets} }}\n\
+         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
+         youngs_modulus = 207.0\npoisson = 0.3\n{parts}{rest}"
+    );
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("walls.toml");
+    std::fs::write(&path, text).unwrap();
+    read(&path, &[])
+}
+
+/// Momentum along z of nodes and walls at the last mid-step.
+fn along_z(e: &Engine) -> f64 {
+    momentum(&e.nodes).0[2] + e.walls.carried(true).1.z
+}
+
+/// A plate falls flat on a wall of mass M that comes to meet it, and a rigid one likewise: both go on with what momentum
+/// gives, (m v + M V) / (m + M), to round-off; the energy that is lost is m M / (m + M) (V - v)^2 / 2, and booked.
+#[test]
+fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
+    let (big, mass, speed, v) = (0.004, RHO * 20.0 * 20.0, 2.0, -10.0);
+    for rigid in ["", "[[rigid]]\nname = \"plate\"\nparts = [1]\n[time]\ndt_max = 1e-3\n"] {
+        let rest = format!(
+            "[[wall]]\npoint = [0.0, 0.0, -0.05]\nnormal = [0.0, 0.0, 1.0]\nmass = {big:?}\nspeed = {speed:?}\n\
+             [[initial_velocity]]\nvelocity = [0.0, 0.0, {v:?}]\n{rigid}"
+        );
+        let model = job(&[([0.0; 3], [20.0, 20.0], [4, 4])], 0.02, &rest);
+        let initial = 0.5 * (mass * v * v + big * speed * speed);
+        let (mut left, mut drift, start) = (0.0f64, 0.0f64, mass * v + big * speed);
+        let end = run_alone(&model, |e| {
+            let mut energies = e.ledger.energies(&e.nodes);
+            energies.kinetic += e.walls.carried(false).0;
+            left = left.max(energies.balance(initial).abs());
+            drift = drift.max((along_z(e) - start).abs());
+        });
+        let after = start / (mass + big);
+        let worst = (0..end.nodes.held).map(|i| (end.nodes.v[i][2] - after).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{rigid}: {worst} off {after}");
+        assert!((end.walls.each()[0].velocity().z - after).abs() < 1e-9, "{:?}", end.walls.each()[0].velocity());
+        assert!(drift < 1e-13 * mass * 10.0 * 1e2, "{rigid}: round-off of all steps: {drift}");
+        let lost = 0.5 * mass * big / (mass + big) * (speed - v) * (speed - v);
+        let wall = end.ledger.energies(&end.nodes).wall;
+        assert!((wall + lost).abs() < 1e-6 * lost, "{rigid}: {wall} of {lost}");
+        assert!(left < 1e-9 * initial, "{rigid}: {left} of {initial}");
+        let given = end.walls.impulse[0][2];
+        assert!((given - mass * (after - v)).abs() < 1e-9 * mass * 10.0, "{rigid}: {given}");
+    }
+}
+
+/// Two strips fall: the one above the rectangle rests on it, the other falls by. A rigid one does the same.
+#[test]
+fn a_rectangle_lets_pass_what_is_beside_it() {
+    let strips = [([1.0, 1.0, 0.2], [6.0, 6.0], [3, 3]), ([12.0, 1.0, 0.2], [6.0, 6.0], [3, 3])];
+    for rigid in [
+        "",
+        "[[rigid]]\nname = \"on\"\nparts = [1]\n[[rigid]]\nname = \"beside\"\nparts = [2]\n[time]\ndt_max = 1e-3\n",
+    ] {
+        let rest = format!(
+            "[[wall]]\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nedge = [1.0, 0.0, 0.3]\nlengths = [9.0, 9.0]\n\
+             friction = 0.2\n[[initial_velocity]]\nvelocity = [0.3, 0.0, -10.0]\n{rigid}"
+        );
+        let end = run_alone(&job(&strips, 0.3, &rest), |_| {});
+        let range = |ids: std::ops::Range<usize>| {
+            ids.map(|i| end.nodes.x[i][2]).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], z| [l.min(z), h.max(z)])
+        };
+        let [on, beside] = [range(0..16), range(16..32)];
+        assert!(on[0] > -1e-9 && on[1] < 0.2, "{rigid}: {on:?}");
+        assert!(beside.iter().all(|z| (z + 2.8).abs() < 1e-9), "{rigid}: {beside:?}");
+    }
+}
+
+/// A strip that falls across a cylinder, rigid or not, hangs over it: its middle stays outside and its ends go down, and
+/// a cylinder that is led upwards through the set of its ends passes these.
+#[test]
+fn a_cylinder_catches_a_strip() {
+    let strip = [([-20.0, 0.0, 10.5], [40.0, 4.0], [20, 2])];
+    for (rigid, led) in [
+        ("", ""),
+        ("[[rigid]]\nname = \"strip\"\nparts = [1]\n[time]\ndt_max = 1e-3\n", ""),
+        ("", "velocity = [0.0, 0.0, 5.0]\n"),
+    ] {
+        let rest = format!(
+            "[[wall]]\npoint = [0.0, -1.0, 0.0]\naxis = [0.0, 1.0, 0.0]\nradius = 10.0\nlength = 6.0\n{led}\
+             [[initial_velocity]]\nvelocity = [0.0, 0.0, -5.0]\n{rigid}"
+        );
+        let (mut deepest, mut pressed) = (f64::INFINITY, 0.0f64);
+        let end = run_alone(&job(&strip, 0.5, &rest), |e| {
+            let axis = e.walls.each()[0].surface.place().z;
+            let off = |i: usize| e.nodes.x[i][0].hypot(e.nodes.x[i][2] - axis) - 10.0;
+            deepest = (0..e.nodes.held).map(off).fold(deepest, f64::min);
+            pressed = pressed.max(e.walls.impulse[0][2]);
+        });
+        assert!(deepest > -1e-6, "{rigid}{led}: {deepest}");
+        assert!(pressed > 0.0, "{rigid}{led}: it has been met");
+        let middle = end.nodes.x[10 * 3][2];
+        let axis = end.walls.each()[0].surface.place().z;
+        assert!(middle > 10.0 - 1e-6 + axis, "{rigid}{led}: {middle}");
+        assert!((axis - if led.is_empty() { 0.0 } else { 2.5 }).abs() < 1e-12, "{axis}");
+    }
+}
+
+/// A wall with a mass throws two plates and a rigid one against each other, against a rectangle, a led cylinder and a plane
+/// that only some nodes meet: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+#[test]
+fn bits_do_not_depend_on_workers() {
+    let plates = [
+        ([0.0, 0.0, 0.0], [40.0, 20.0], [8, 4]),
+        ([5.0, -3.0, 2.0], [30.0, 30.0], [6, 6]),
+        ([10.0, 2.0, 4.0], [15.0, 15.0], [3, 3]),
+    ];
+    let rest = "[[rigid]]\nname = \"top\"\nparts = [3]\n[contact]\nfriction = 0.2\n\
+                [[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.02, 0.0, 1.0]\nmass = 0.01\nspeed = 12.0\nfriction = 0.3\n\
+                [[wall]]\npoint = [20.0, -10.0, 3.5]\nnormal = [0.0, 0.0, -1.0]\nedge = [1.0, 0.0, 0.0]\nlengths = [15.0, 0.0]\n\
+                [[wall]]\npoint = [30.0, -20.0, 9.0]\naxis = [0.0, 1.0, 0.0]\nradius = 6.0\nvelocity = [1.0, 0.0, -8.0]\nfriction = 0.1\n\
+                [[wall]]\npoint = [0.0, 0.0, 3.0]\nnormal = [0.0, 0.0, -1.0]\nmass = 0.004\nspeed = 1.0\nnodes = \"part_1\"\n\
+                [[wall]]\npoint = [0.0, 0.0, 6.0]\nnormal = [0.0, 0.0, -1.0]\nexcept = \"part_2\"\n\
+                [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 1.0, -6.0]\n";
+    let model = job(&plates, 2.0, rest);
+    let serial = run_side_by_side(&model, 1, 800, 0);
+    let met: usize = serial.pairs.iter().map(Vec::len).sum();
+    assert!(serial.trouble.is_none() && met > 500, "{met} pairs in {} cycles", serial.pairs.len());
+    for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
+        let parallel = run_side_by_side(&model, workers, 800, force);
+        assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");
+    }
+}

@@ -1,0 +1,88 @@
+//! One beam that is led.
+
+use super::*;
+use crate::elements::build_block;
+use crate::elements::testing::{elastic, part, settings};
+use crumple_proto::job::{Beam as BeamJob, Part as PartJob};
+
+fn beam() -> Box<dyn Element> {
+    let section = BeamJob {
+        section: BeamSection::Rectangle,
+        height: 0.4,
+        width: 0.2,
+        flange: 0.0,
+        web: 0.0,
+        radius: 0.0,
+        wall: 0.0,
+    };
+    let part = PartJob { beam: Some(section), ..part(0.0) };
+    build_block(&settings(part, elastic(2.0, 0.3, 1.0)), 0, Shape::Beam2).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// Forces and moments of a beam whose ends go through `places` with rotational velocities `w` in steps of 1.
+fn led(places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
+    let beam = beam();
+    let mut history = vec![Lane::splat(0.0); beam.columns()];
+    beam.start(&mut history);
+    beam.orient(&mut history, 0, [0.3, 1.0, 0.2]);
+    let groups = [[0u32; LANES], [1; LANES]];
+    let row = |v: V3| [v.x, v.y, v.z, 0.0];
+    let (mut force, mut moment) = ([[0.0; 4]; 2 * LANES], [[0.0; 4]; 2 * LANES]);
+    for (k, x) in places.iter().enumerate() {
+        let before = places[k.saturating_sub(1)];
+        let v = [0, 1].map(|c| row(x[c] - before[c]));
+        let (x, w) = (x.map(row), if k == 0 { [[0.0; 4]; 2] } else { w[k - 1].map(row) });
+        let nodes = crate::elements::NodeView { x: &x, v: &v, w: &w };
+        let out = crate::elements::CornerForces { force: &mut force, moment: &mut moment };
+        let dt = if k == 0 { 0.0 } else { 1.0 };
+        let pass = Pass { range: 0..1, count: 1, groups: &groups, history: &mut history, nodes, dt, out };
+        assert_eq!(beam.forces(pass).trouble, None);
+    }
+    [force[1], moment[0], moment[1]].map(|r| V3::new(r[0], r[1], r[2]))
+}
+
+/// Turned by several full turns about a slanted axis in large steps, and moved, a beam has no force beyond round-off: 100
+/// products of quaternions.
+#[test]
+fn no_rotation_strains_it() {
+    let axis = V3::new(1.0, -2.0, 0.5).normalize() * 0.4;
+    let turned = |k: usize, p: V3| Turn::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64;
+    let ends = [V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)];
+    let places: Vec<[V3; 2]> = (0..=100).map(|k| ends.map(|p| turned(k, p))).collect();
+    let [force, first, last] = led(&places, &[[axis; 2]; 100]);
+    let largest = force.norm() + first.norm() + last.norm();
+    assert!(largest < 1e-12, "E A is 0.16: {largest}");
+}
+
+/// Ends that turn by 2e-3 against the line and each other, and part by 1e-3: the stiffness of the books, after a large turn too.
+#[test]
+fn it_has_the_stiffness_of_a_beam() {
+    let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
+    let (iy, iz, area) = (0.4 * 0.008 / 12.0, 0.2 * 0.064 / 12.0, 0.08);
+    for turn in [Turn::identity(), Turn::from_euler_angles(0.4, 1.2, -0.7)] {
+        // Axes of the section: the vector towards the second one is (0.3, 1, 0.2).
+        let along = V3::x();
+        let third = along.cross(&V3::new(0.3, 1.0, 0.2)).normalize();
+        let axes = frame(&along, &third.cross(&along));
+        let start = [V3::zeros(), along * length];
+        let whole = start.map(|p| turn * p);
+        let stretched = [whole[0], whole[1] + turn * along * 1e-3];
+        let own = [V3::new(1e-3, 2e-3, 0.0), V3::new(-1e-3, 0.0, 2e-3)];
+        let rates = [[turn.scaled_axis(); 2], own.map(|w| turn * (axes * w))];
+        let [force, first, last] =
+            led(&[start, whole, stretched], &rates).map(|f| axes.inverse() * (turn.inverse() * f));
+        let torsion = 0.229 * 0.4 * 0.008;
+        let about = |i: f64, near: f64, far: f64| e * i / length * (4.0 * near + 2.0 * far);
+        let expected = [
+            V3::new(g * torsion / length * 2e-3, about(iy, 2e-3, 0.0), about(iz, 0.0, 2e-3)),
+            V3::new(-g * torsion / length * 2e-3, about(iy, 0.0, 2e-3), about(iz, 2e-3, 0.0)),
+        ];
+        assert!((force.x / (e * area * 1e-3 / length) - 1.0).abs() < 1e-9, "{force}");
+        for (ours, exact) in [first, last].iter().zip(expected) {
+            assert!((ours.x / exact.x - 1.0).abs() < 0.01, "constant to three digits: {ours} {exact}");
+            assert!((ours.y / exact.y - 1.0).abs() < 1e-3 && (ours.z / exact.z - 1.0).abs() < 1e-3, "{ours} {exact}");
+        }
+        let shear = (first + last) / (length + 1e-3);
+        assert!((force.z - shear.y).abs() < 1e-6 * shear.norm() && (force.y + shear.z).abs() < 1e-6 * shear.norm());
+    }
+}
