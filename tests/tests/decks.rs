@@ -179,7 +179,7 @@ fn check_tells_what_was_made_of_a_deck() {
 
 #[test]
 fn public_decks_are_what_they_are() {
-    let pipe = good(&decks("pipe/pipe.k"));
+    let pipe = good(&program::root().join("cases/pipe-whip/pipe.k"));
     assert_eq!((pipe.mesh.nodes.len(), pipe.mesh.elements.len(), pipe.job.part.len()), (2049, 1704, 4));
     assert_eq!(pipe.job.rigid.len(), 2, "pipe and end are one body, the bracket is another");
     let taylor = good(&decks("taylor/input.k"));
@@ -187,16 +187,75 @@ fn public_decks_are_what_they_are() {
     assert_eq!(taylor.job.part[0].element.as_deref(), Some("hexahedron"));
 }
 
+/// The pipe as it is written: what spins is rigid and touches nothing. And the whip that a job makes of it.
+#[test]
+fn the_pipe_runs_to_its_end_on_any_workers() {
+    let run = |job: &str, workers: &str| program::run(crumple_with(&["run", job, "--workers", workers])).with_code(0);
+    for job in ["cases/pipe-whip/pipe.k", "cases/pipe-whip"] {
+        let one = run(job, "1");
+        let summary = one.summary();
+        assert_eq!(summary["end_time"], 20.0);
+        let error = summary["energy"]["error_max"].as_f64().unwrap();
+        assert!(error < 1e-3, "{job}: {error}; 3e-5 was seen, the issue asks for 1 %");
+        for workers in ["2", "4"] {
+            assert_eq!(one.digest(), run(job, workers).digest(), "{job} on {workers} workers");
+        }
+        let strained =
+            summary["parts"].as_array().unwrap().iter().filter(|p| p["plastic_strain_max"].as_f64() > Some(0.05));
+        let wanted = if job.ends_with("pipe.k") { 0 } else { 2 };
+        assert_eq!(strained.count(), wanted, "{job}: the whip bends one pipe and dents the other");
+        // Nothing of the pipe that is hit comes out on the far side of the one that hits it.
+        let through = summary["contact"]["penetration_max"].as_f64().unwrap();
+        assert!(through < 0.5, "{job}: {through} of the contact thickness");
+    }
+}
+
+/// B01 by a deck: the quarter bar of the Taylor deck with the planes that it leaves out, and the copper and speed of B01.
+#[test]
+fn the_taylor_bar_shortens_as_the_published_one() {
+    let copper = [
+        "material.mat-1.density=8.93e-9",
+        "material.mat-1.youngs_modulus=117000",
+        "material.mat-1.poisson=0.35",
+        "material.mat-1.yield_stress=400",
+        "material.mat-1.hardening_modulus=100",
+        "initial_velocity.0.velocity=[0,227000,0]",
+    ];
+    let model = crumple_tests::read(&decks("taylor/symmetric.toml"), &copper);
+    let engine = crumple_tests::run_alone(&model, |_| {});
+    // Nodes of the axis: x = z = 0 at the start.
+    let axis = model.mesh.nodes.iter().filter(|n| n.x[0].abs() < 1e-6 && n.x[2].abs() < 1e-6).map(|n| n.id);
+    let axis: std::collections::BTreeSet<_> = axis.collect();
+    let own = (0..engine.nodes.held).filter(|&i| axis.contains(&engine.nodes.id[i]));
+    let y: Vec<f64> = own.map(|i| engine.nodes.x[i][1]).collect();
+    let length = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
+    // Lengths scale with the bar: 21.43 of 32.4 mm (B01). 2 %: this bar is thicker (L/D 3.75, not 5.06), its foot is not held
+    // to the wall, and it has five cells on its radius; 1.5 % was seen.
+    assert!((length / 30.0 / (21.43 / 32.4) - 1.0).abs() < 0.02, "{length}");
+}
+
+#[test]
+fn an_independent_reader_agrees() {
+    let Some(python) = std::env::var_os("CRUMPLE_PYTHON").filter(|p| !p.is_empty()) else { return };
+    let mut command = std::process::Command::new(python);
+    let decks = ["cases/pipe-whip/pipe.k", "tests/decks/taylor/input.k"];
+    command.arg("deploy/compare_decks.py").arg(program::crumple()).args(decks);
+    let ended = program::run(command);
+    assert!(matches!(ended.code, Some(0 | 3)), "3 stands for no dynars: {}", ended.said());
+}
+
 #[test]
 fn an_exported_job_gives_the_same_digest() {
     let folder = tempfile::tempdir().unwrap();
     let deck = folder.path().join("frame.k");
     let deck = deck.to_str().unwrap();
-    program::run(crumple_with(&["export-deck", "cases/jeep-frame", "--out", deck])).with_code(0);
     let few = ["--set", "time.max_cycles=40", "--set", "output.field_interval=-1", "--workers", "1"];
     let digest =
         |job: &str| program::run(crumple_with(&[&["run", job], few.as_slice()].concat())).with_code(0).digest();
-    assert_eq!(digest("cases/jeep-frame"), digest(deck));
+    for job in ["cases/jeep-frame", "cases/tumble", "cases/block", "cases/twist", "cases/pipe-whip"] {
+        program::run(crumple_with(&["export-deck", job, "--out", deck])).with_code(0);
+        assert_eq!(digest(job), digest(deck), "{job}");
+    }
 }
 
 #[test]

@@ -289,10 +289,14 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     if !by_card && part.warping {
         own.insert("warping".into(), true.into());
     }
+    if part.bulk_viscosity == Some([0.0; 2]) {
+        own.insert("bulk_viscosity".into(), Value::from(vec![0.0, 0.0]));
+    }
     if own.len() > 1 {
         deck.entry("part", own);
     }
-    let viscosity = part.bulk_viscosity;
+    // Noughts on a card stand for the defaults.
+    let viscosity = part.bulk_viscosity.filter(|v| *v != [0.0; 2]);
     let any = (by_card && (form != 0 || coefficient.is_some())) || viscosity.is_some();
     if any {
         let [linear, quadratic] = viscosity.unwrap_or_default();

@@ -215,6 +215,9 @@ impl Rows {
 
     /// Ids of solids and shells may be the same in a deck, not here: those of solids are raised then.
     pub fn number_solids_apart(&mut self, mapping: &mut Vec<Mapping>) {
+        if self.solids.is_empty() {
+            return;
+        }
         let shells: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
         if !self.solids.iter().any(|e| shells.contains(&e.id)) {
             return;

@@ -46,7 +46,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("usrstr:i usrfrc:i nsbcs:i interm:i xpene:r ssthk:i ecdt:i tiedprj:i", Maybe),
             ("sfric:r dfric:r edc:r vfc:r th:r th_sf:r pen_sf:r ptscl:r", Maybe),
         ],
-        "not used: the contact law needs no stiffness of its own; sfric where a contact gives no friction",
+        "not used: the contact law needs no stiffness of its own",
     ),
     Keyword::new("CONTROL_ENERGY", ANY, "not used: all energies are computed"),
     Keyword::new("DAMPING_GLOBAL", &[("lcid:i valdmp:r stx:r sty:r stz:r srx:r sry:r srz:r", Once)], "`time.damping`"),

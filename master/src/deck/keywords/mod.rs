@@ -81,9 +81,9 @@ fn title(record: &Record) -> usize {
     usize::from(record.has("TITLE"))
 }
 
-/// One heading line under the option `ID`.
+/// One line with an id and a heading under the options `ID` and `TITLE`.
 fn id(record: &Record) -> usize {
-    usize::from(record.has("ID"))
+    usize::from(record.has("ID") || record.has("TITLE"))
 }
 
 /// A keyword that the engine cannot serve yet.

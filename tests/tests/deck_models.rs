@@ -1,0 +1,173 @@
+//! What keywords become: each deck here adds a few lines to a plate of two shells above a cube, and the job is looked at.
+
+use crumple::job::{Model, read};
+use crumple_proto::mesh::Shape;
+use std::fs;
+
+/// Units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below; nodes 1 to 8 the cube, 11 to 16 the plate.
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n8,0,10,10\n\
+    11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n1,1,11,12,15,14\n\
+    2,1,12,13,16,15\n*ELEMENT_SOLID\n1,2,1,2,3,4,5,6,7,8\n";
+const STEEL: &str = "*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n";
+const MOVES: &str = "*INITIAL_VELOCITY\n0\n1.0\n";
+
+fn model_of(text: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{text}*END\n")).unwrap();
+    read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// The base with an elastic material and these lines.
+fn with(lines: &str) -> Model {
+    model_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
+}
+
+fn parameter(model: &Model, key: &str) -> f64 {
+    let value = &model.job.material[0].parameters[key];
+    value.as_float().unwrap_or_else(|| panic!("{key}: {value}"))
+}
+
+fn set(model: &Model, name: &str) -> Vec<u64> {
+    model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}")).iter().map(|n| n.0).collect()
+}
+
+#[test]
+fn ids_that_shells_and_solids_share_are_told_apart() {
+    let model = with("");
+    let solid = model.mesh.elements.iter().find(|e| e.shape == Shape::Hex8).unwrap();
+    assert_eq!((solid.id.0, model.mesh.elements.len()), (11, 3), "1, raised by 10");
+    assert!(crumple::check::describe(&model).contains("ids raised by 10"));
+}
+
+#[test]
+fn plastic_materials_keep_their_curves() {
+    let kinematic = format!("{BASE}{MOVES}*MAT_003\n1,7.85e-6,200.0,0.3,0.25,0.5,1.0\n40.0,5.0,0.2\n");
+    let model = model_of(&kinematic);
+    assert_eq!(parameter(&model, "hardening_modulus"), 200.0 * 0.5 / 199.5, "from the tangent modulus");
+    assert_eq!((parameter(&model, "yield_stress"), parameter(&model, "failure_strain")), (0.25, 0.2));
+    let rows = |text: &str| {
+        let table = model_of(&format!("{BASE}{MOVES}{text}")).job.material[0].parameters["hardening"].clone();
+        let row = |r: &toml::Value| [0, 1].map(|c| r[c].as_float().unwrap());
+        table.as_array().unwrap().iter().map(row).collect::<Vec<_>>()
+    };
+    let points = "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,7.85e-6,200.0,0.3\n\n0.0,0.1,0.5\n0.3,0.4,0.6\n";
+    assert_eq!(rows(points), [[0.0, 0.3], [0.1, 0.4], [0.5, 0.6]]);
+    let curve = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,9\n*DEFINE_CURVE\n9,0,1.0,1000.0\n0.1,3.0e-4\n0.5,4.0e-4\n";
+    assert_eq!(rows(curve), [[0.0, 0.3], [0.1, 0.3], [0.5, 0.4]], "in other units, and level before its first point");
+    let jc = "*MAT_JOHNSON_COOK\n1,7.85e-6,80.0,0,0.25\n0.4,0.3,0.3,0.01,1.0,1800.0,293.0,0.001\n450.0e-6\n";
+    let model = model_of(&format!("{BASE}{MOVES}{jc}"));
+    assert_eq!(model.job.material[0].law, "johnson_cook");
+    assert_eq!(parameter(&model, "youngs_modulus"), 2.0 * 80.0 * 1.25, "from the shear modulus");
+    assert_eq!((parameter(&model, "reference_rate"), parameter(&model, "melting_temperature")), (0.001, 1800.0));
+}
+
+#[test]
+fn rigid_parts_are_bodies_with_what_joins_them() {
+    let rigid = "*PART\ndriver\n3,1,2\n*MAT_RIGID\n2,7.85e-6,207.0,0.3\n1.0,4,7\n*NODE\n21,30,0,0\n22,40,0,0\n23,40,10,0\n\
+        24,30,10,0\n*ELEMENT_SHELL\n7,3,21,22,23,24\n*CONSTRAINED_EXTRA_NODES_SET\n3,5\n*SET_NODE_LIST\n5\n13,16\n";
+    let model = with(&format!("{rigid}*INITIAL_VELOCITY_RIGID_BODY\n3,1.0,0,0,0,0,2.0\n"));
+    let body = &model.job.rigid[0];
+    assert_eq!((body.name.as_str(), body.parts.as_slice()), ("part-3", [3].as_slice()));
+    assert_eq!(body.fixed, ["rx", "ry", "rz", "x", "y"], "code 4 of translations, 7 of rotations");
+    assert_eq!(set(&model, body.nodes.as_ref().unwrap()), [13, 16]);
+    let start = &model.job.initial_velocity[1];
+    assert_eq!((start.velocity, start.spin, start.centre), ([1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [35.0, 5.0, 0.0]));
+    let switched = with("*DEFORMABLE_TO_RIGID\n1\n");
+    assert_eq!(switched.job.rigid[0].parts, [1]);
+    let lines =
+        "*CONSTRAINED_NODAL_RIGID_BODY\n9,0,5\n*SET_NODE_LIST\n5\n1,2,3,4\n*DEFINE_CURVE\n3\n0.0,0.0\n1.0,1.0\n";
+    let led = with(&format!("{lines}*BOUNDARY_PRESCRIBED_MOTION_RIGID\n9,3,2,3,-4.0\n"));
+    assert_eq!((led.job.rigid[0].name.as_str(), led.job.rigid[0].nodes.as_deref()), ("body-9", Some("set-5")));
+    let motion = &led.job.motion[0];
+    assert_eq!((motion.rigid.as_deref(), motion.displacement), (Some("body-9"), Some([0.0, 0.0, -4.0])));
+    assert_eq!((motion.dofs.as_slice(), motion.curve.as_deref()), (["z".to_string()].as_slice(), Some("curve-3")));
+}
+
+#[test]
+fn rigid_parts_with_nodes_in_common_are_one_body() {
+    let model = with(
+        "*DEFORMABLE_TO_RIGID\n1\n3\n*PART\nedge\n3,1,1\n*NODE\n31,30,0,12\n32,30,10,12\n*ELEMENT_SHELL\n9,3,13,31,32,16\n",
+    );
+    assert_eq!((model.job.rigid.len(), model.job.rigid[0].parts.as_slice()), (1, [1, 3].as_slice()));
+}
+
+#[test]
+fn initial_velocities_of_all_forms() {
+    let model = with(
+        "*INITIAL_VELOCITY_GENERATION\n1,2,3.0,0,0,0,0,7\n1.0,2.0,3.0,0.0,4.0,0.0\n*INITIAL_VELOCITY_NODE\n2,5.0\n3,5.0\n\
+        4,0,6.0\n*INITIAL_VELOCITY\n0,0,8\n0,0,9.0\n*DEFINE_BOX\n8,-1,1,-1,1,-1,1\n*DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n",
+    );
+    let start = &model.job.initial_velocity;
+    assert_eq!(start[0].nodes, None);
+    let box_of = start.iter().find(|v| v.nodes.as_deref() == Some("box-8")).unwrap();
+    assert_eq!((set(&model, "box-8"), box_of.velocity), (vec![1], [0.0, 0.0, 9.0]));
+    let spin = start.iter().find(|v| v.nodes.as_deref() == Some("part-1")).unwrap();
+    assert_eq!((spin.spin, spin.centre), ([0.0, 3.0, 0.0], [1.0, 2.0, 3.0]), "along a unit vector");
+    let equal = start.iter().find(|v| v.velocity == [5.0, 0.0, 0.0]).unwrap();
+    assert_eq!(set(&model, equal.nodes.as_ref().unwrap()), [2, 3]);
+}
+
+#[test]
+fn pressure_and_gravity_have_their_signs() {
+    let curve = "*DEFINE_CURVE\n4\n0.0,1.0\n20.0,1.0\n";
+    let segments = "*LOAD_SEGMENT\n4,2.0,0,11,12,15,14\n4,2.0,0,12,15,16,13\n4,2.0,0,1,4,3,2\n";
+    let model = with(&format!("{curve}{segments}*LOAD_BODY_Z\n4,9.81\n*LOAD_NODE_POINT\n5,1,4,0.5\n"));
+    let loads = &model.settings.loads;
+    let of = |sign: f64| loads.pressures.iter().filter(move |p| p.pressure == sign * 2.0).flat_map(|p| &p.faces);
+    let ids = |sign: f64| of(sign).map(|f| f.0.0).collect::<Vec<_>>();
+    assert_eq!((ids(1.0), ids(-1.0)), (vec![1, 11], vec![2]), "against the normal of a segment, into solids");
+    assert_eq!(model.job.gravity[0].acceleration, [0.0, 0.0, -9.81], "the frame of reference accelerates upwards");
+    assert_eq!((set(&model, "load-node-5"), model.job.load[0].force), (vec![5], [0.5, 0.0, 0.0]));
+}
+
+#[test]
+fn what_is_held_comes_from_cards_and_codes() {
+    let model = with(
+        "*BOUNDARY_SPC_NODE\n2,0,1,0,1\n3,0,1,0,1\n*SET_NODE_GENERAL\n6\nPART,2\nDBOX,1\n*DEFINE_BOX\n1,-1,11,-1,11,9,11\n\
+        *BOUNDARY_SPC_SET\n6,0,0,1\n",
+    );
+    let held = |node: u64| model.nodes.fixed[model.mesh.nodes.iter().position(|n| n.id.0 == node).unwrap()];
+    assert_eq!([1, 2, 3, 5].map(held), [0b10, 0b111, 0b111, 0]);
+    let coded = model_of(&format!("{}{STEEL}{MOVES}", BASE.replace("16,20,10,12", "16,20,10,12,5,7")));
+    assert_eq!(coded.nodes.fixed[13], 0b11_1110, "y and z, and all rotations");
+}
+
+#[test]
+fn contacts_are_one_with_the_largest_friction() {
+    let model = with(
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,first\n1,0,3\n0.1,0.1\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\
+        0.4,0.2,3.0\n\n2\n",
+    );
+    let contact = model.job.contact.as_ref().unwrap();
+    assert_eq!((contact.friction, contact.parts.as_slice()), (0.2, [1, 2].as_slice()), "with decay, the one at speed");
+    assert!(crumple::check::describe(&model).contains("contact 2: soft 2 -> not used"));
+    assert!(model.warnings.iter().any(|w| w.message.contains("contacts have different friction")));
+    assert!(with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n").job.contact.unwrap().parts.is_empty(), "all");
+}
+
+#[test]
+fn control_cards_set_the_run() {
+    let model = with(
+        "*CONTROL_TIMESTEP\n0,0.67,0,0,-1.0e-3\n*CONTROL_SHELL\n20,0,0,1,2,1\n*CONTROL_HOURGLASS\n1,0.07\n\
+        *CONTROL_BULK_VISCOSITY\n1.2,0.05\n*DATABASE_BINARY_D3PLOT\n0.5\n*DAMPING_GLOBAL\n0,3.0\n*TITLE\nTwo\n",
+    );
+    let (time, plate, cube) = (&model.job.time, &model.job.part[0], &model.job.part[1]);
+    assert_eq!((time.safety, time.mass_scaling_dt, time.damping), (0.67, 1e-3, 3.0));
+    assert_eq!((plate.warping, plate.thinning, plate.hourglass_coefficient), (true, true, Some(0.07)));
+    assert_eq!((cube.bulk_viscosity, model.job.output.field_interval), (Some([0.05, 1.2]), 0.5));
+    assert_eq!(model.job.title, "Two");
+}
+
+#[test]
+fn single_thicknesses_and_masses() {
+    let shells = BASE.replace(
+        "*ELEMENT_SHELL\n1,1,11,12,15,14\n2,1,12,13,16,15\n",
+        "*ELEMENT_SHELL_THICKNESS\n1,1,11,12,15,14\n2.5,2.5,2.5,2.5\n2,1,12,13,16,15\n2.5,2.5,2.5,2.5\n",
+    );
+    let model = model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
+    assert_eq!(model.job.part[0].thickness, 2.5);
+    let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
+    assert_eq!(masses, [0.5, 1.0], "two nodes of a quarter, one of one");
+}
