@@ -6,7 +6,7 @@ mod rigid;
 mod spring;
 mod wall;
 
-pub use beam::{Beam, BeamSection};
+pub use beam::{Beam, BeamSection, Weld};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use rigid::Rigid;
 pub use spring::Spring;
