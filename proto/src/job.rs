@@ -7,7 +7,7 @@ mod rigid;
 mod spring;
 mod wall;
 
-pub use beam::{Beam, BeamSection};
+pub use beam::{Beam, BeamSection, Weld};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory};
 pub use rigid::Rigid;

@@ -9,6 +9,7 @@ use crumple_proto::job::Job;
 use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_proto::wall::WallMotion;
 use std::collections::HashMap;
 
 /// Per node, in the order of the mesh.
@@ -271,7 +272,8 @@ pub fn warnings(
 ) -> Vec<Problem> {
     let mut warnings = Vec::new();
     let still = nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
-    let led = settings.rigid.iter().any(|r| !r.motions.is_empty());
+    let led = settings.rigid.iter().any(|r| !r.motions.is_empty())
+        || settings.walls.iter().any(|w| w.motion != WallMotion::Still);
     if still && !led && !settings.loads.act() {
         let message = "nothing moves: no node has an initial velocity, and there are no loads";
         warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]] or a load"));

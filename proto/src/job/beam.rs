@@ -28,6 +28,27 @@ pub struct Beam {
     /// Wall of a tube, 0 for a solid round bar [length].
     #[serde(default)]
     pub wall: f64,
+    /// Makes beams welds that break.
+    #[serde(default)]
+    pub weld: Option<Weld>,
+}
+
+/// When a beam breaks as a spot weld does: once `(N/normal)^n + (V/shear)^m >= 1`, with the tension N along it and the shear force
+/// V across it. From then on it bears nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Weld {
+    /// Tension that breaks it alone [force].
+    pub normal: f64,
+    /// Shear force that breaks it alone [force].
+    pub shear: f64,
+    /// Exponents n and m; 2 and 2 without them.
+    #[serde(default = "squares")]
+    pub exponents: [f64; 2],
+}
+
+fn squares() -> [f64; 2] {
+    [2.0; 2]
 }
 
 /// Form of a beam's cross section.

@@ -10,7 +10,8 @@
 //! ```
 //! integrated by Lobatto's rule at both ends and the middle: bending is exact for forces on the nodes, and a plastic hinge
 //! comes at the very end. Fibres have a law in plane stress without stress across. Those of tubes bear the torque as
-//! shear, with the law; in other sections it stays elastic. There is no transverse shear.
+//! shear, with the law; in other sections it stays elastic. There is no transverse shear. A weld breaks when the forces at its
+//! end reach `(N/S_n)^n + (V/S_s)^m = 1`, tension only.
 //!
 //! Forces are those of virtual work, and shear forces from the moments, so that they keep momentum and angular momentum:
 //! `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
@@ -28,7 +29,7 @@ use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, 
 use crate::lanes::{LANES, Lane};
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::nodes::xyz;
-use crumple_proto::job::{BeamSection, Part};
+use crumple_proto::job::{BeamSection, Part, Weld};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -45,13 +46,14 @@ type V3 = Vector3<f64>;
 type Turn = UnitQuaternion<f64>;
 
 /// Columns of an element: whether it has started (0 or 1), length then [length], triads as quaternions (before the start a vector
-/// towards the second axis), deformation, forces at its corners; then those of its fibres.
+/// towards the second axis), deformation, forces at its corners, whether it has broken (0 or 1); then those of its fibres.
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const TRIADS: usize = 2;
 const DEFORMED: usize = 10;
 const FORCES: usize = 16;
-const FIBRES: usize = 25;
+const BROKEN: usize = 25;
+const FIBRES: usize = 26;
 /// Ends.
 const ENDS: usize = 2;
 /// Lobatto's weights at s = 0, 1/2, 1, and the factors of the ends' rotations in the curvature there.
@@ -78,6 +80,7 @@ pub struct Beam {
     /// Where a fibre keeps its effective plastic strain, and where it marks that it has failed.
     plastic_strain: Option<usize>,
     failed: Option<usize>,
+    weld: Option<Weld>,
 }
 
 fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
@@ -118,6 +121,13 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     if beam.section == BeamSection::I && !(2.0 * beam.flange < beam.height && beam.web <= beam.width) {
         say("beam", "flanges or web are thicker than the section".into(), "correct height, width, flange and web");
     }
+    if let Some(Weld { normal, shear, exponents: [n, m] }) = beam.weld {
+        for (key, value) in [("normal", normal), ("shear", shear), ("exponents", n), ("exponents", m)] {
+            if value <= 0.0 {
+                say(&format!("beam.weld.{key}"), format!("{key} of its welds is {value}"), "it has to be above 0");
+            }
+        }
+    }
     let history = law.history();
     if STRESS + history.len() > MOST {
         say("material", "beams cannot keep the history of its law".into(), "take another law");
@@ -127,6 +137,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     }
     let section = Section::new(beam);
     Ok(Box::new(Beam {
+        weld: beam.weld.clone(),
         elastic: law.elastic(),
         moments: section.moments(),
         section,
@@ -211,7 +222,13 @@ impl Beam {
         // 3. Forces in space.
         let moments =
             [V3::new(-torque, bending[0], bending[2]), V3::new(torque, bending[1], bending[3])].map(|m| axes * m);
-        let force = along * axial + along.cross(&(moments[0] + moments[1])) / length;
+        let across = along.cross(&(moments[0] + moments[1])) / length;
+        let force = along * axial + across;
+        if let Some(Weld { normal, shear, exponents: [n, m] }) = self.weld
+            && (axial.max(0.0) / normal).powf(n) + (across.norm() / shear).powf(m) >= 1.0
+        {
+            state[BROKEN] = 1.0;
+        }
         let sum = force.abs().sum() + moments[0].abs().sum() + moments[1].abs().sum();
         Response { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
     }
@@ -301,8 +318,8 @@ impl Element for Beam {
                 v: [0, 1].map(|c| at(nodes.v, c)),
                 w: [0, 1].map(|c| at(nodes.w, c)),
             };
-            let gone = self.all_failed(&state);
             let mut r = self.respond(&mut state, &ends, dt);
+            let gone = self.is_gone(&state);
             if gone {
                 (r.force, r.moments, r.sound) = (V3::zeros(), [V3::zeros(); 2], true);
             }
@@ -346,11 +363,11 @@ impl Element for Beam {
 
     fn failed(&self, history: &[Lane], lane: usize) -> bool {
         let state: Vec<f64> = history.iter().map(|column| column.as_array()[lane]).collect();
-        self.all_failed(&state)
+        self.is_gone(&state)
     }
 
     fn can_fail(&self) -> bool {
-        self.failed.is_some()
+        self.failed.is_some() || self.weld.is_some()
     }
 
     fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
@@ -371,14 +388,15 @@ impl Element for Beam {
         }
         let dyad = |i: usize, j: usize| mean * along[i] * along[j];
         fields.stress = [dyad(0, 0), dyad(1, 1), dyad(2, 2), dyad(0, 1), dyad(1, 2), dyad(2, 0)];
-        fields.failed = self.all_failed(&state);
+        fields.failed = self.is_gone(&state);
         fields
     }
 }
 
 impl Beam {
-    /// Whether all fibres have failed.
-    fn all_failed(&self, state: &[f64]) -> bool {
-        self.failed.is_some_and(|column| state[FIBRES..].chunks_exact(self.stride).all(|fibre| fibre[column] > 0.5))
+    /// Whether it has broken, or all of its fibres have failed.
+    fn is_gone(&self, state: &[f64]) -> bool {
+        let of_all = |column: usize| state[FIBRES..].chunks_exact(self.stride).all(|fibre| fibre[column] > 0.5);
+        state[BROKEN] > 0.5 || self.failed.is_some_and(of_all)
     }
 }

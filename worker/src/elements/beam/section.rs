@@ -105,7 +105,7 @@ mod tests {
     }
 
     fn beam(section: BeamSection) -> Beam {
-        Beam { section, height: 6.0, width: 4.0, flange: 0.5, web: 0.3, radius: 5.0, wall: 1.0 }
+        Beam { section, height: 6.0, width: 4.0, flange: 0.5, web: 0.3, radius: 5.0, wall: 1.0, weld: None }
     }
 
     /// Plastic moment over the yield stress for bending about the third axis.

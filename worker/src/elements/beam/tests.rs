@@ -14,6 +14,7 @@ fn beam() -> Box<dyn Element> {
         web: 0.0,
         radius: 0.0,
         wall: 0.0,
+        weld: None,
     };
     let part = PartJob { beam: Some(section), ..part(0.0) };
     build_block(&settings(part, elastic(2.0, 0.3, 1.0)), 0, Shape::Beam2).unwrap_or_else(|e| panic!("{e:?}"))
