@@ -230,6 +230,9 @@ fn bits_do_not_depend_on_workers() {
     let path = there.path().join("ribs.toml");
     std::fs::write(&path, text).unwrap();
     let model = read(&path, &[]);
+    let alone = run_alone(&model, |_| {});
+    let broken = alone.blocks.elements.iter().filter(|e| e.record.failed).count();
+    assert!((1..18).contains(&broken), "{broken} welds break");
     let serial = run_side_by_side(&model, 1, 700, 0);
     assert!(serial.trouble.is_none(), "{:?} in cycle {}", serial.trouble, serial.pairs.len());
     for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
