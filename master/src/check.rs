@@ -41,7 +41,7 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
     steps(model, out)?;
     shapes(model, out)?;
     loads(model, out)?;
-    mapping(model, out)?;
+    out.push_str(&mapping(model));
     writeln!(out)?;
     if model.warnings.is_empty() {
         return writeln!(out, "no warnings");
@@ -90,7 +90,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
 }
 
 /// What a deck asks for and what it gets, things with the same answer in one line.
-fn mapping(model: &Model, out: &mut String) -> std::fmt::Result {
+pub fn mapping(model: &Model) -> String {
     let mut rows: Vec<(String, &str, &str)> = Vec::new();
     for entry in &model.mapping {
         match rows.iter_mut().find(|r| r.1 == entry.asked && r.2 == entry.used) {
@@ -98,18 +98,12 @@ fn mapping(model: &Model, out: &mut String) -> std::fmt::Result {
             None => rows.push((entry.of.clone(), &entry.asked, &entry.used)),
         }
     }
-    if rows.is_empty() {
-        return Ok(());
+    if rows.is_empty() && model.unsupported.is_empty() {
+        return String::new();
     }
-    writeln!(out)?;
-    writeln!(out, "deck         asked -> used")?;
-    for (of, asked, used) in rows {
-        writeln!(out, "  {of}: {asked} -> {used}")?;
-    }
-    for left_out in &model.unsupported {
-        writeln!(out, "  left out: {left_out}")?;
-    }
-    Ok(())
+    let rows = rows.into_iter().map(|(of, asked, used)| format!("  {of}: {asked} -> {used}\n"));
+    let left_out = model.unsupported.iter().map(|what| format!("  left out: {what}\n"));
+    std::iter::once("\ndeck         asked -> used\n".to_string()).chain(rows).chain(left_out).collect()
 }
 
 fn masses(model: &Model, out: &mut String) -> std::fmt::Result {

@@ -119,6 +119,9 @@ fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
         eprint!("{}", model.show(warning));
     }
+    if !args.quiet {
+        crate::say::write(format_args!("{}", crate::check::mapping(model)));
+    }
     log_to(&out);
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
     report::forget(&out); // of an older run

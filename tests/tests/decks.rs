@@ -162,6 +162,10 @@ fn a_jobs_own_keys_go_before_its_decks() {
     assert_eq!((job.part[1].thickness, job.fix.len()), (plain.part[1].thickness, plain.fix.len() + 1));
     let set = read(&path, &["part.plate.thickness=5".into()]).unwrap_or_else(|report| panic!("{report}")).job;
     assert_eq!(set.part[0].thickness, 5.0, "the command line goes before both");
+    fs::write(&path, "end_time = 1.0\n[mesh]\ndeck = \"nowhere.k\"\n").unwrap();
+    let Err(report) = read(&path, &[]) else { panic!("it passes") };
+    let report = report.to_string();
+    assert!(report.contains("nowhere.k cannot be read") && report.contains("3 | deck = \"nowhere.k\""), "{report}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The table of keywords as a page for people; a test keeps `cases/DECKS.md` equal to it.
 
 use super::keywords::{FAMILIES, OUTPUT};
-use super::table::{Card, Effect, Times};
+use super::table::{Card, Effect, Field, Kind, Times};
 use std::fmt::Write;
 
 /// What stands above the table.
@@ -40,9 +40,15 @@ fn write(page: &mut String) -> std::fmt::Result {
     writeln!(page, "Every other keyword is an error that names its line, or is left out with `--allow-unsupported`.")
 }
 
-/// The names of a card's fields; in brackets where the card is not always there.
+/// A card's fields, with columns that are not ten and defaults that are not nought; in brackets where the card is not always
+/// there.
 fn fields(card: &str, times: Times) -> String {
-    let mut names: Vec<String> = Card::parse(card).fields.into_iter().map(|f| f.name).collect();
+    let name = |f: &Field| {
+        let width = if f.width == 10 || f.kind == Kind::Line { String::new() } else { format!(":{}", f.width) };
+        let default = if f.default == 0.0 { String::new() } else { format!("={:?}", f.default) };
+        format!("{}{width}{}", f.name, default.trim_end_matches(".0"))
+    };
+    let mut names: Vec<String> = Card::parse(card).fields.iter().map(name).collect();
     names.dedup();
     let text = names.join(" ");
     match times {

@@ -40,11 +40,11 @@ pub(crate) struct DeckSource {
 /// How the path of a problem begins that is at a place of a deck.
 const DECK: &str = "deck:";
 
-/// The path of a problem that is at a place of a deck.
+/// The path of a problem that is at a place of a deck, or with the deck as a whole.
 pub(crate) fn deck_path(place: Place) -> String {
     match place {
         Place::Deck { file, start, end } => format!("{DECK}{file}:{start}:{end}"),
-        _ => String::new(),
+        _ => "mesh.deck".into(),
     }
 }
 

@@ -179,6 +179,10 @@ impl Build {
             _ => format!("shells, elform {elform}"),
         };
         self.map(&of, asked, used);
+        let shear = card.real("shrf");
+        if (shear - 5.0 / 6.0).abs() > 1e-3 {
+            self.map(&of, format!("shear factor {shear}"), "5/6");
+        }
         if !matches!(card.real("qr"), 0.0) {
             self.map(&of, format!("qr {}: rule of the points", card.real("qr")), "Gauss points");
         }

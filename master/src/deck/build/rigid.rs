@@ -5,6 +5,7 @@ use super::sets::id;
 use super::tree::Table;
 use crate::job::tree::Place;
 use crumple_proto::ids::NodeId;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A body in the making, by its leading part.
@@ -35,7 +36,7 @@ impl Build {
         }
         self.join_touching(&mut lead);
         let mut bodies: BTreeMap<i64, Body> = BTreeMap::new();
-        for (&part, _) in &lead {
+        for &part in lead.keys() {
             let body = bodies.entry(root(&lead, part)).or_default();
             body.parts.insert(part);
             let of = &self.parts[&part];
@@ -58,7 +59,7 @@ impl Build {
             }
             self.add("rigid", table);
         }
-        for (&part, _) in &lead {
+        for &part in lead.keys() {
             self.bodies.insert(part, format!("part-{}", root(&lead, part)));
         }
         self.nodal_bodies();
@@ -75,8 +76,8 @@ impl Build {
                     _ => Vec::new(),
                 };
                 for part in parts {
-                    if !lead.contains_key(&part) {
-                        lead.insert(part, part);
+                    if let Entry::Vacant(free) = lead.entry(part) {
+                        free.insert(part);
                         self.map(format!("part {part}"), "switched to rigid", "a rigid body from the start to the end");
                     }
                     let other = line.integer("lrb");

@@ -21,7 +21,7 @@ impl Build {
             let name = if heading.is_empty() { format!("wall-{}", number + 1) } else { heading.to_string() };
             if friction == 1.0 {
                 self.map(&name, "fric 1: no sliding", "friction 1");
-            } else if friction < 0.0 || friction > 1.0 {
+            } else if !(0.0..=1.0).contains(&friction) {
                 self.unsupported_value(&record, "fric", "codes of sliding; give a coefficient from 0 to 1");
             }
             if record.real("wvel") != 0.0 {
