@@ -229,9 +229,14 @@ impl Body {
         }
     }
 
-    /// Where a member is at the end of the step; `arm` is its place against the centre at time 0.
-    pub fn next_place(&self, arm: &V3, dt: f64) -> V3 {
-        self.centre + self.next.velocity * dt + self.next_turn * arm
+    /// Centre and rotation at present: a member is at `c + R r` with its place r against the centre at time 0.
+    pub fn frame(&self) -> (V3, Matrix3<f64>) {
+        (self.centre, self.turn.to_rotation_matrix().into_inner())
+    }
+
+    /// The same at the end of the step.
+    pub fn next_frame(&self, dt: f64) -> (V3, Matrix3<f64>) {
+        (self.centre + self.next.velocity * dt, self.next_turn.to_rotation_matrix().into_inner())
     }
 
     /// Work of impulses in the step.

@@ -205,6 +205,9 @@ impl Bodies {
         self.acting.clear();
         for m in self.members.iter().filter(|m| nodes.is_own(m.local as usize)) {
             let i = m.local as usize;
+            if nodes.force[i] == [0.0; 4] && nodes.moment[i] == [0.0; 4] {
+                continue; // most members: their elements bear nothing
+            }
             let (force, moment) = (V3::from(xyz(&nodes.force[i])), V3::from(xyz(&nodes.moment[i])));
             let arm = V3::from(xyz(&nodes.x[i])) - self.bodies[m.body as usize].centre;
             act(&mut self.acting, m.body as usize, nodes.id[i], &force, &(arm.cross(&force) + moment));
@@ -221,10 +224,11 @@ impl Bodies {
         self.free.clear();
         self.free.extend(self.bodies.iter().map(|b| b.next));
         self.coupled = false;
+        let motions: Vec<(V3, V3)> = self.bodies.iter().map(|b| (b.next.velocity, b.spin(&b.next.angular))).collect();
         for m in &self.members {
-            let body = &self.bodies[m.body as usize];
-            let arm = V3::from(xyz(&nodes.x[m.local as usize])) - body.centre;
-            nodes.next_v[m.local as usize] = row(body.velocity_at(&arm).into());
+            let (velocity, spin) = motions[m.body as usize];
+            let arm = V3::from(xyz(&nodes.x[m.local as usize])) - self.bodies[m.body as usize].centre;
+            nodes.next_v[m.local as usize] = row((velocity + spin.cross(&arm)).into());
         }
         Ok(())
     }
@@ -325,10 +329,12 @@ impl Bodies {
         self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
         self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
         // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
+        let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
+        let per_dt = 1.0 / steps.dt;
         for m in self.members.iter().chain(&self.copies) {
-            let (body, i) = (&self.bodies[m.body as usize], m.local as usize);
-            let place = body.next_place(&self.arms[m.body as usize][m.index as usize], steps.dt);
-            (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) / steps.dt);
+            let ((centre, turn), i) = (&frames[m.body as usize], m.local as usize);
+            let place = centre + turn * self.arms[m.body as usize][m.index as usize];
+            (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) * per_dt);
         }
         for m in &self.members {
             nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
@@ -360,10 +366,10 @@ impl Bodies {
     /// Ends the step: bodies and their held members are at their new places.
     pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
         self.bodies.iter_mut().for_each(|b| b.advance(dt));
+        let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(Body::frame).collect();
         for m in &self.members {
-            let body = &self.bodies[m.body as usize];
-            let place = body.centre + body.turn * self.arms[m.body as usize][m.index as usize];
-            nodes.x[m.local as usize] = row(place.into());
+            let (centre, turn) = &frames[m.body as usize];
+            nodes.x[m.local as usize] = row((centre + turn * self.arms[m.body as usize][m.index as usize]).into());
         }
     }
 
