@@ -145,6 +145,10 @@ impl Walls {
         let mut work = Work::default();
         for i in 0..nodes.held {
             let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
+            if self.walls.iter().all(|w| w.misses(&nodes.x[i], &free, dt)) {
+                nodes.next_v[i] = free;
+                continue;
+            }
             nodes.next_v[i] = self.stop(nodes, i, free, dt);
             if nodes.is_own(i) && nodes.next_v[i] != free {
                 work += self.book(nodes, i, free, steps);
@@ -278,10 +282,16 @@ impl Wall {
         self.job.admits(node)
     }
 
+    /// Whether a node at `x` with velocity `v` does not meet the wall in the step, as most do not.
+    #[inline(always)]
+    fn misses(&self, x: &Row, v: &Row, dt: f64) -> bool {
+        self.surface.misses(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
+    }
+
     /// Change of the velocity `v` that keeps local node `i` out, friction included.
     #[inline]
     fn change(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<V3> {
-        if self.meets.get(i) == Some(&false) {
+        if self.meets.get(i) == Some(&false) || self.misses(&nodes.x[i], v, dt) {
             return None;
         }
         let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
