@@ -62,8 +62,8 @@ pub struct History {
 /// Fraction of the energy in swings from step to step that a step above the stability limit soon has and keeps up. A stable one
 /// may have it too, for a few cycles where a coarse bar turns at a wall, for longer where next to nothing moves.
 const MUCH_SWING: f64 = 0.1;
-/// More than any stable vibration has: `2 s^2 / (1 - s^2)` at s = 0.9 of the limit.
-const MOST_SWING: f64 = 2.0 * 0.81 / 0.19;
+/// The most that a stable vibration has of the energy stored at its turn, `2 s^2` with a fraction s of the stable step.
+const MOST_SWING: f64 = 2.0;
 /// How long it does [cycle].
 const TURNING: u64 = 50;
 
@@ -204,7 +204,8 @@ impl History {
         let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
-        let swing = if came_in > 0.0 { sum.energies.swing / came_in } else { 0.0 };
+        let there = sum.energies.came_in(initial).max(sum.energies.internal);
+        let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
         self.worst_error = self.worst_error.max(error.abs());
         self.penetration = self.penetration.max(sum.penetration);
         self.pairs = self.pairs.max(sum.pairs);

@@ -70,12 +70,17 @@ impl Energies {
         self.external += o.external;
     }
 
+    /// Energy there was at first and what has come in since [energy].
+    pub fn came_in(&self, initial: f64) -> f64 {
+        initial.max(0.0) + self.external.abs() + self.wall.max(0.0) + self.contact.max(0.0)
+    }
+
     /// What is left unexplained of the change since `initial` kinetic energy [energy]. The product of two mid-step velocities
     /// is below nought where a vibration turns, by `(omega dt / 2)^2` of what is stored then; an unstable step keeps the balance
     /// too, but with a kinetic energy below any that a stable one can have. What lies below counts as missing, so that growth
     /// shows.
     pub fn balance(&self, initial: f64) -> f64 {
-        let kinetic = self.kinetic.max(-LOWEST_KINETIC * (initial.max(0.0) + self.external.abs()));
+        let kinetic = self.kinetic.max(-LOWEST_KINETIC * self.came_in(initial));
         kinetic + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
     }
 }

@@ -27,7 +27,7 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     assert_eq!((alone.digest(), &alone.summary()["reason"]), (failed.digest(), &s["reason"]));
 }
 
-/// Just above the limit plasticity holds the motion in bounds; the balance of energy tells all the same. The order to stop
+/// Just above the limit plasticity holds the motion in bounds; swings from step to step tell all the same. The order to stop
 /// reaches workers at a cycle of their own, so nothing is said of the digest.
 #[test]
 fn a_run_that_gains_energy_ends_and_names_its_element() {

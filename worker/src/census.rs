@@ -20,7 +20,7 @@ use crate::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::transport::MaxReduction;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// One worker's share of the work and of the messages of a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -248,7 +248,6 @@ impl Census {
         bounds.sort_unstable_by(|a, b| a.0.min[0].total_cmp(&b.0.min[0]));
         let widest = bounds.iter().map(|(b, _)| b.max[0] - b.min[0]).fold(0.0, f64::max);
         let mut copies: Vec<(u32, u32)> = Vec::new();
-        self.count_near(held, &parts, engine, grow);
         for (w, own) in (0u32..).zip(&parts) {
             let count = &mut self.counts[w as usize];
             (count.slaves, count.segments) = (own.slaves.len() as u64, own.segments.len() as u64);
@@ -274,16 +273,20 @@ impl Census {
             self.counts[owner].exports += 1;
             self.counts[w as usize].exterior_nodes += 1;
         }
+        self.count_near([held, &copies], &parts, engine, grow);
         copies
     }
 
-    /// Counts who is near whom, by their boxes.
-    fn count_near(&mut self, held: &[(u32, u32)], parts: &[Surface], engine: &Engine, grow: f64) {
+    /// Counts who is near whom, by their boxes, or has `copies` of another's nodes.
+    fn count_near(&mut self, [held, copies]: [&[(u32, u32)]; 2], parts: &[Surface], engine: &Engine, grow: f64) {
+        let copied: BTreeSet<(usize, usize)> =
+            copies.iter().map(|&(n, w)| (self.owner(n), w as usize)).flat_map(|(o, w)| [(o, w), (w, o)]).collect();
         let mut places: Vec<Vec<[f64; 3]>> = vec![Vec::new(); parts.len()];
         held.iter().for_each(|&(n, w)| places[w as usize].push(xyz(&engine.nodes.x[n as usize])));
         let held: Vec<Aabb> = places.into_iter().map(Aabb::around).collect();
         let seeking: Vec<Aabb> = parts.iter().map(|p| seeking(&engine.settings, p, &engine.nodes)).collect();
-        let near = |a: usize, b: usize| are_near(&seeking[a], &held[b], grow) || are_near(&seeking[b], &held[a], grow);
+        let one_way = |a: usize, b: usize| are_near(&seeking[a], &held[b], grow);
+        let near = |a: usize, b: usize| one_way(a, b) || one_way(b, a) || copied.contains(&(a, b));
         for (w, count) in self.counts.iter_mut().enumerate() {
             count.near_workers = (0..parts.len()).filter(|&o| o != w && near(w, o)).count() as u64;
         }

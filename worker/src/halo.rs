@@ -186,7 +186,9 @@ impl Halo {
         for link in &mut self.links {
             if link.apart && !check_in {
                 // Two steps more: so long the others take to hear of it.
-                urgency = urgency.max((link.base + self.nearer[0] + 2.0 * self.nearer[1]) / link.margin);
+                if link.region.is_some() {
+                    urgency = urgency.max((link.base + self.nearer[0] + 2.0 * self.nearer[1]) / link.margin);
+                }
                 continue;
             }
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;

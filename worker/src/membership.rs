@@ -285,6 +285,8 @@ fn copy_exterior(
         let number = |id: &u64| nodes.number(NodeId(*id)).expect("requests name local nodes");
         link.export = requests[link.worker].iter().map(number).collect();
         link.import = wanted(link.worker).iter().map(number).collect();
+        // A segment may come from one worker and its far corner belong to another, which is no nearer for that.
+        link.apart &= link.export.is_empty() && link.import.is_empty();
     }
     Ok(())
 }

@@ -30,7 +30,7 @@ pub struct Clock {
 
 /// Cycles within round-off of a due time count as having reached it, and a whole number of steps as whole.
 const SLACK: f64 = 1e-9;
-/// Steps before the end that are of equal length, so that none is shorter by more than a thousandth.
+/// Steps before the end that are of equal length: while the stable step stays as it is none is shorter by more than a thousandth.
 const LAST_STEPS: f64 = 1000.0;
 
 impl Clock {

@@ -17,6 +17,12 @@ pub fn check(job: &Job, findings: &mut Findings) {
         for (key, message, help) in faults(wall) {
             findings.add(Problem::error(join(i, key), message, help));
         }
+        if wall.mass.is_some() && job.time.damping > 0.0 {
+            let message =
+                "damping and a wall with a mass do not go together: the wall would not feel all that it gives to nodes";
+            let help = "leave out time.damping, or lead the wall by `velocity`";
+            findings.add(Problem::error(join(i, "mass"), message, help));
+        }
     }
 }
 

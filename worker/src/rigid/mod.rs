@@ -399,6 +399,7 @@ impl Bodies {
         if by == 0.0 {
             return;
         }
+        self.damped.iter_mut().for_each(|d| d[1] = (V3::zeros(), V3::zeros()));
         for run in self.acting.chunk_by(|a, b| a.body == b.body) {
             let (body, (force, angular)) = (run[0].body as usize, added_up(run));
             self.damped[body][1] = self.bodies[body].slow(force * by, angular * by);

@@ -18,6 +18,8 @@ pub struct Quiet {
     heard: Vec<u64>,
     /// Rounds that it takes; none while somebody's neighbours are not known.
     enough: Option<u64>,
+    /// What was known in the end the last time, and how many rounds it takes: mostly the same again.
+    last: (BTreeMap<u64, Vec<u64>>, u64),
 }
 
 impl Quiet {
@@ -71,8 +73,12 @@ impl Quiet {
         std::mem::swap(&mut self.fresh, &mut self.heard);
         self.heard.clear();
         if self.enough.is_none() && self.neighbours.values().flatten().all(|w| self.neighbours.contains_key(w)) {
-            let farthest = |&w| distances(&self.neighbours, w).values().copied().max().unwrap_or(0);
-            self.enough = Some(self.neighbours.keys().map(farthest).max().unwrap_or(0) + 1);
+            if self.neighbours != self.last.0 {
+                let farthest = |&w| distances(&self.neighbours, w).values().copied().max().unwrap_or(0);
+                let enough = self.neighbours.keys().map(farthest).max().unwrap_or(0) + 1;
+                self.last = (self.neighbours.clone(), enough);
+            }
+            self.enough = Some(self.last.1);
         }
     }
 
@@ -103,8 +109,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rounds among workers with these connections, where `changes[r]` says who changes something in round r once news of
-    /// the round before has reached it, until all are quiet; the round in which each says so.
+    /// Among workers with these connections `first` changes something, in the next round its neighbours do, and so on for `reach`
+    /// rounds; the round in which each says that all are quiet.
     fn rounds(edges: &[(usize, usize)], workers: usize, first: usize, reach: usize) -> Vec<usize> {
         let of = |w: usize| {
             let mut all: Vec<usize> =
