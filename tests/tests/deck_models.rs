@@ -190,8 +190,14 @@ fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
     assert_eq!(near.normal, Some([0.0, 1.0, 0.0]));
     assert_eq!(set(&model, near.nodes.as_ref().unwrap()), [1, 2, 5, 6, 11, 12, 13], "those with y = 0");
     let said = crumple::check::describe(&model);
-    assert!(said.contains("sled: soft 10: nodes are stopped within some cycles -> nodes are stopped at once"), "{said}");
-    assert!(said.contains("wall-2: stops nodes by nsid 5, boxid 7, offset 0.0 -> the 4 nodes of wall-2-nodes"), "{said}");
+    assert!(
+        said.contains("sled: soft 10: nodes are stopped within some cycles -> nodes are stopped at once"),
+        "{said}"
+    );
+    assert!(
+        said.contains("wall-2: stops nodes by nsid 5, boxid 7, offset 0.0 -> the 4 nodes of wall-2-nodes"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -208,4 +214,37 @@ fn shaped_walls_are_led_by_curves() {
     let plate = walls.iter().find(|w| w.lengths.is_some()).unwrap();
     assert_eq!((plate.velocity, plate.nodes.as_deref()), (Some([0.0, 0.0, 1.0]), None));
     assert!(crumple::check::describe(&model).contains("punch: a cylinder of length 100 -> its ends are open"));
+}
+
+#[test]
+fn springs_and_dampers_have_their_laws_and_scales() {
+    let parts = "*PART\nlink\n3,3,11\n\n4,3,12\n\n5,3,13\n\n6,3,14\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n\
+        *MAT_S02\n12,0.25\n*MAT_SPRING_NONLINEAR_ELASTIC\n13,8\n*MAT_DAMPER_NONLINEAR_VISCOUS\n14,9\n\
+        *DEFINE_CURVE\n8\n0.0,0.0\n1.0,3.0\n*DEFINE_CURVE\n9\n-1.0,-2.0\n1.0,2.0\n";
+    let model = with(&format!(
+        "{parts}*ELEMENT_DISCRETE\n1,3,5,11,0,0.5\n2,3,6,12,0,0.5\n3,4,7,15\n4,5,8,14,0,2.0\n5,6,1,16\n"
+    ));
+    let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
+    assert_eq!(
+        springs.iter().map(|e| (e.id.0, e.part)).collect::<Vec<_>>(),
+        [(101, 3), (102, 3), (103, 4), (104, 5), (105, 6)]
+    );
+    assert_eq!((springs[0].nodes[0].0, springs[0].nodes[1].0), (5, 11));
+    let law = |part: usize| model.job.part[part].spring.clone().unwrap();
+    assert_eq!(
+        (law(2).stiffness, law(2).damping, model.job.part[2].name.as_str()),
+        (2.0, 0.0, "link"),
+        "4, scaled by a half"
+    );
+    assert_eq!((law(3).damping, law(3).stiffness), (0.25, 0.0));
+    assert_eq!(law(4).force_elongation, [[0.0, 0.0], [1.0, 6.0]]);
+    assert_eq!(law(5).force_rate, [[-1.0, -2.0], [1.0, 2.0]]);
+    let said = crumple::check::describe(&model);
+    for line in [
+        "part 3: *MAT_SPRING_ELASTIC scaled by 0.5 -> springs with stiffness",
+        "part 5: curve 8 says nothing of negative elongations -> its first slope goes on there",
+        "springs: ids that other elements have too -> ids raised by 100",
+    ] {
+        assert!(said.contains(line), "not said: {line}\n{said}");
+    }
 }
