@@ -171,3 +171,80 @@ fn single_thicknesses_and_masses() {
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
     assert_eq!(masses, [0.5, 1.0], "two nodes of a quarter, one of one");
 }
+
+#[test]
+fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
+    let sets = "*SET_NODE_LIST\n5\n1,2,3,4\n*SET_NODE_LIST\n6\n3\n*DEFINE_BOX\n7,-1,11,-1,11,-1,11\n";
+    let walls = "*RIGIDWALL_PLANAR_FINITE_MOVING_FORCES_ID\n1,sled\n5,6\n0,0,-5,0,0,-3,0.2\n8,0,-5,20,30\n100,4\n10,0\n\
+        *RIGIDWALL_PLANAR\n5,0,7\n30,0,0,29,0,0\n0,0,0,1.5\n0,-1,0,0,0,0\n";
+    let model = with(&format!("{sets}{walls}"));
+    let sled = &model.job.wall[0];
+    assert_eq!((sled.name.as_str(), sled.point, sled.normal), ("sled", [0.0, 0.0, -5.0], Some([0.0, 0.0, 2.0])));
+    assert_eq!((sled.edge, sled.lengths), (Some([8.0, 0.0, 0.0]), Some([20.0, 30.0])), "from the tail to its head");
+    assert_eq!((sled.mass, sled.speed, sled.friction), (Some(100.0), 4.0, 0.2));
+    assert_eq!((sled.nodes.as_deref(), sled.except.as_deref()), (Some("set-5"), Some("set-6")));
+    let plane = &model.job.wall[1];
+    assert_eq!((plane.edge, plane.mass, plane.except.as_deref()), (None, None, None));
+    assert_eq!(set(&model, plane.nodes.as_ref().unwrap()), [1, 2, 3, 4], "of the set, those in the box");
+    let near = &model.job.wall[2];
+    assert_eq!(near.normal, Some([0.0, 1.0, 0.0]));
+    assert_eq!(set(&model, near.nodes.as_ref().unwrap()), [1, 2, 5, 6, 11, 12, 13], "those with y = 0");
+    let said = crumple::check::describe(&model);
+    assert!(
+        said.contains("sled: soft 10: nodes are stopped within some cycles -> nodes are stopped at once"),
+        "{said}"
+    );
+    assert!(
+        said.contains("wall-2: stops nodes by nsid 5, boxid 7, offset 0.0 -> the 4 nodes of wall-2-nodes"),
+        "{said}"
+    );
+}
+
+#[test]
+fn shaped_walls_are_led_by_curves() {
+    let model = with(
+        "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID\n3,punch\n0\n0,-50,30,0,1,30,0.1\n5,100\n4,1,0,0,-2\n\
+        *RIGIDWALL_GEOMETRIC_FLAT_MOTION_DISPLAY\n0\n0,0,-5,0,0,-4\n1,0,-5,20,30\n4,0,0,0,1\n9\n\
+        *DEFINE_CURVE\n4\n0.0,0.0\n20.0,40.0\n",
+    );
+    let walls = &model.job.wall;
+    let punch = walls.iter().find(|w| w.name == "punch").unwrap();
+    assert_eq!((punch.axis, punch.radius, punch.length), (Some([0.0, 51.0, 0.0]), Some(5.0), 100.0));
+    assert_eq!((punch.displacement, punch.curve.as_deref()), (Some([0.0, 0.0, -1.0]), Some("curve-4")), "made a unit");
+    let plate = walls.iter().find(|w| w.lengths.is_some()).unwrap();
+    assert_eq!((plate.velocity, plate.nodes.as_deref()), (Some([0.0, 0.0, 1.0]), None));
+    assert!(crumple::check::describe(&model).contains("punch: a cylinder of length 100 -> its ends are open"));
+}
+
+#[test]
+fn springs_and_dampers_have_their_laws_and_scales() {
+    let parts = "*PART\nlink\n3,3,11\n\n4,3,12\n\n5,3,13\n\n6,3,14\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n\
+        *MAT_S02\n12,0.25\n*MAT_SPRING_NONLINEAR_ELASTIC\n13,8\n*MAT_DAMPER_NONLINEAR_VISCOUS\n14,9\n\
+        *DEFINE_CURVE\n8\n0.0,0.0\n1.0,3.0\n*DEFINE_CURVE\n9\n-1.0,-2.0\n1.0,2.0\n";
+    let model = with(&format!(
+        "{parts}*ELEMENT_DISCRETE\n1,3,5,11,0,0.5\n2,3,6,12,0,0.5\n3,4,7,15\n4,5,8,14,0,2.0\n5,6,1,16\n"
+    ));
+    let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
+    assert_eq!(
+        springs.iter().map(|e| (e.id.0, e.part)).collect::<Vec<_>>(),
+        [(101, 3), (102, 3), (103, 4), (104, 5), (105, 6)]
+    );
+    assert_eq!((springs[0].nodes[0].0, springs[0].nodes[1].0), (5, 11));
+    let law = |part: usize| model.job.part[part].spring.clone().unwrap();
+    assert_eq!(
+        (law(2).stiffness, law(2).damping, model.job.part[2].name.as_str()),
+        (2.0, 0.0, "link"),
+        "4, scaled by a half"
+    );
+    assert_eq!((law(3).damping, law(3).stiffness), (0.25, 0.0));
+    assert_eq!(law(4).force_elongation, [[0.0, 0.0], [1.0, 6.0]]);
+    assert_eq!(law(5).force_rate, [[-1.0, -2.0], [1.0, 2.0]]);
+    let said = crumple::check::describe(&model);
+    for line in [
+        "part 3: *MAT_SPRING_ELASTIC scaled by 0.5 -> springs with stiffness",
+        "part 5: curve 8 says nothing of negative elongations -> its first slope goes on there",
+        "springs: ids that other elements have too -> ids raised by 100",
+    ] {
+        assert!(said.contains(line), "not said: {line}\n{said}");
+    }
+}

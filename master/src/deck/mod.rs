@@ -22,7 +22,7 @@ mod table;
 mod text;
 mod trouble;
 
-pub use build::mesh::Places;
+pub use build::mesh::{Lists, Places};
 pub use merge::merge;
 pub use text::Text;
 
@@ -61,10 +61,10 @@ pub struct Unsupported {
 pub struct Deck {
     /// The job that it describes, without its mesh.
     pub tree: Node,
-    /// The mesh: nodes, shells, then solids as they are written.
+    /// The mesh, elements list by list as they are written.
     pub mesh: Mesh,
-    /// How many of the elements are shells.
-    pub shells: usize,
+    /// How many elements there are of each kind, in the order of the mesh.
+    pub lists: Lists,
     /// Its files.
     pub files: Vec<Text>,
     /// Where the mesh is written.
@@ -99,12 +99,12 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
         }
     }
     let whole_cards = !built.trouble.is_unsure();
-    let shells = built.rows.shells.len();
+    let lists = built.rows.lists();
     let (mesh, places) = built.rows.finish();
     Deck {
         tree: whole,
         mesh,
-        shells,
+        lists,
         files: std::mem::take(&mut texts.files),
         places,
         findings: built.trouble.into_findings(),

@@ -1,6 +1,7 @@
 //! The mesh of a job, from a generator, a file or the job itself, and everything that can be wrong with it.
 
 use super::validate::Findings;
+use crate::deck::Lists;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, corner_nodes};
@@ -20,14 +21,13 @@ pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
     /// Lists that its elements are written in, with their lengths, if it is written as rows.
-    written: Option<[(&'static str, usize); 4]>,
+    written: Option<Lists>,
 }
 
 impl Read {
-    /// The mesh of a deck, whose first `shells` elements are shells.
-    pub fn of_deck(mesh: Mesh, shells: usize) -> Self {
-        let solids = mesh.elements.len() - shells;
-        Read { mesh, written: Some([("shells", shells), ("solids", solids), ("beams", 0), ("springs", 0)]) }
+    /// The mesh of a deck, whose elements are in `lists` one after the other.
+    pub fn of_deck(mesh: Mesh, lists: Lists) -> Self {
+        Read { mesh, written: Some(lists) }
     }
 
     fn node_path(&self, index: usize) -> String {

@@ -190,7 +190,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     if let Some(deck) = deck.take_if(|_| findings.any_error()) {
         // What refers to a card that is wrong would be blamed for that: of the rest, the mesh can be looked at.
         if deck.whole && !deck.mesh.elements.is_empty() {
-            mesh::check(mesh::Read::of_deck(deck.mesh, deck.shells), None, findings);
+            mesh::check(mesh::Read::of_deck(deck.mesh, deck.lists), None, findings);
         }
         return None;
     }
@@ -264,7 +264,7 @@ fn read_mesh(
         let mut mesh = deck.mesh;
         let own = node_sets.iter().map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
         mesh.node_sets.extend(own);
-        return Some(mesh::Read::of_deck(mesh, deck.shells));
+        return Some(mesh::Read::of_deck(mesh, deck.lists));
     }
     match (generator, file, rows) {
         (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {

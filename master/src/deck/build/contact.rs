@@ -124,7 +124,7 @@ impl Build {
         let found: BTreeSet<i64> = self
             .rows
             .elements()
-            .filter(|e| e.corners().iter().any(|n| nodes.contains(n)))
+            .filter(|e| !e.shape.faces().is_empty() && e.corners().iter().any(|n| nodes.contains(n)))
             .map(|e| i64::from(e.part))
             .collect();
         let list: Vec<String> = found.iter().map(i64::to_string).collect();

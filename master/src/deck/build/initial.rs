@@ -7,6 +7,7 @@ use super::tree::Table;
 use crate::deck::record::{Line, Record};
 use crate::job::tree::Place;
 use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::MeshElement;
 use std::collections::BTreeMap;
 
 /// Bits of a velocity, to find equal ones.
@@ -155,7 +156,8 @@ impl Build {
 
     /// Centre of a part's elements, each with its corners' mean and its area or volume.
     fn centre_of(&mut self, part: i64) -> [f64; 3] {
-        let elements: Vec<_> = self.rows.elements().filter(|e| i64::from(e.part) == part).copied().collect();
+        let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
+        let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
         let (mut sum, mut total) = ([0.0; 3], 0.0);
         for element in elements {
             let x: Vec<[f64; 3]> = element.corners().iter().filter_map(|&n| self.rows.at(n)).collect();

@@ -22,9 +22,11 @@ pub struct Rows {
     pub nodes: Vec<MeshNode>,
     pub shells: Vec<MeshElement>,
     pub solids: Vec<MeshElement>,
+    pub springs: Vec<MeshElement>,
     node_lines: Vec<Line>,
     shell_lines: Vec<Line>,
     solid_lines: Vec<Line>,
+    spring_lines: Vec<Line>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
     /// Codes of what is held, `tc` and `rc`, with a line that says so.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
@@ -213,26 +215,37 @@ impl Rows {
         }
     }
 
-    /// Ids of solids and shells may be the same in a deck, not here: those of solids are raised then.
-    pub fn number_solids_apart(&mut self, mapping: &mut Vec<Mapping>) {
-        if self.solids.is_empty() {
+    /// Ids of solids, shells and springs may be the same in a deck, not here: those of the later kinds are raised then.
+    pub fn number_apart(&mut self, mapping: &mut Vec<Mapping>) {
+        if self.solids.is_empty() && self.springs.is_empty() {
             return;
         }
-        let shells: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
-        if !self.solids.iter().any(|e| shells.contains(&e.id)) {
-            return;
+        let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
+        let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
+        for (kind, list) in [("solids", &mut self.solids), ("springs", &mut self.springs)] {
+            most = list.iter().map(|e| e.id.0).fold(most, u64::max);
+            if list.iter().any(|e| seen.contains(&e.id)) {
+                let mut raise = 10u64;
+                while raise <= most && raise < 1_000_000_000_000_000 {
+                    raise *= 10;
+                }
+                list.iter_mut().for_each(|e| e.id.0 = e.id.0.saturating_add(raise));
+                most = most.saturating_add(raise);
+                mapping.push(Mapping {
+                    of: kind.into(),
+                    asked: "ids that other elements have too".into(),
+                    used: format!("ids raised by {raise}"),
+                });
+            }
+            seen.extend(list.iter().map(|e| e.id));
         }
-        let most = self.shells.iter().chain(&self.solids).map(|e| e.id.0).max().unwrap_or(0);
-        let mut raise = 10u64;
-        while raise <= most && raise < 1_000_000_000_000_000 {
-            raise *= 10;
-        }
-        self.solids.iter_mut().for_each(|e| e.id.0 = e.id.0.saturating_add(raise));
-        mapping.push(Mapping {
-            of: "solids".into(),
-            asked: "ids that shells have too".into(),
-            used: format!("ids raised by {raise}"),
-        });
+    }
+
+    /// Adds a spring, which is written at `place`.
+    pub fn spring(&mut self, id: ElemId, part: u32, ends: [NodeId; 2], place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.springs.push(MeshElement::new(id, part, Shape::Line2, &ends));
+        self.spring_lines.push((file, start, end));
     }
 
     /// Adds a node set.
@@ -245,9 +258,9 @@ impl Rows {
         self.sets.contains_key(name)
     }
 
-    /// Shells, then solids.
+    /// Shells, then solids, then springs.
     pub fn elements(&self) -> impl Iterator<Item = &MeshElement> {
-        self.shells.iter().chain(&self.solids)
+        self.shells.iter().chain(&self.solids).chain(&self.springs)
     }
 
     /// Nodes of all elements of the parts that `of` accepts, ascending.
@@ -267,14 +280,21 @@ impl Rows {
         self.index.get(&id).map(|&i| self.nodes[i].x)
     }
 
-    /// The mesh, shells before solids, and where everything in it is written.
+    /// How many elements there are of each kind, as [`Rows::finish`] puts them one after the other.
+    pub fn lists(&self) -> Lists {
+        [("shells", self.shells.len()), ("solids", self.solids.len()), ("springs", self.springs.len()), ("beams", 0)]
+    }
+
+    /// The mesh and where everything in it is written.
     pub fn finish(self) -> (Mesh, Places) {
         let mut elements = self.shells;
         elements.extend(self.solids);
+        elements.extend(self.springs);
         let places = Places {
             nodes: self.node_lines,
             shells: self.shell_lines,
             solids: self.solid_lines,
+            springs: self.spring_lines,
             sets: self.sets.iter().map(|(name, (_, place))| (name.clone(), *place)).collect(),
         };
         let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
@@ -296,12 +316,16 @@ fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
     narrow.filter(|_| numbers.whole)
 }
 
+/// Names of the lists of elements in a job's `[mesh]`, with their lengths.
+pub type Lists = [(&'static str, usize); 4];
+
 /// Where the mesh is written.
 #[derive(Debug, Default)]
 pub struct Places {
     nodes: Vec<Line>,
     shells: Vec<Line>,
     solids: Vec<Line>,
+    springs: Vec<Line>,
     sets: BTreeMap<String, Place>,
 }
 
@@ -314,6 +338,7 @@ impl Places {
             "nodes" => &self.nodes,
             "shells" => &self.shells,
             "solids" => &self.solids,
+            "springs" => &self.springs,
             "node_sets" => return self.sets.get(rest).copied(),
             _ => return None,
         };

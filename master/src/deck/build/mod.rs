@@ -14,6 +14,7 @@ mod sections;
 mod segments;
 mod sets;
 mod space;
+mod springs;
 pub mod tree;
 mod units;
 mod walls;
@@ -52,6 +53,9 @@ pub struct Build {
     segment_sets: BTreeMap<i64, Vec<segments::Segment>>,
     parts: BTreeMap<i64, parts::Part>,
     used_materials: Vec<i64>,
+    /// Scales of the forces of springs by part, with where they are written.
+    spring_scales: BTreeMap<i64, (f64, Place)>,
+    spring_laws: BTreeMap<i64, Record>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
@@ -74,11 +78,14 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
         segment_sets: BTreeMap::new(),
         parts: BTreeMap::new(),
         used_materials: Vec::new(),
+        spring_scales: BTreeMap::new(),
+        spring_laws: BTreeMap::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
     };
     b.collect(texts, leave_out);
-    b.rows.number_solids_apart(&mut b.mapping);
+    b.springs();
+    b.rows.number_apart(&mut b.mapping);
     b.control();
     b.curves();
     b.space();
@@ -255,7 +262,7 @@ impl Build {
 
     /// What the table knows and nobody took.
     fn left_over(&mut self) {
-        for name in ["COMMENT", "CONTROL_ENERGY", "SECTION_BEAM", "SECTION_DISCRETE", "CONTROL_CONTACT"] {
+        for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
             self.take(name);
         }
         let left: Vec<Record> = std::mem::take(&mut self.records).into_values().flatten().collect();

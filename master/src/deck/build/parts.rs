@@ -35,7 +35,7 @@ impl Build {
                 Shape::Quad4 => of.quads = true,
                 Shape::Tri3 => of.triangles = true,
                 Shape::Hex8 => of.solids = true,
-                Shape::Line2 | Shape::Beam2 => {} // no keyword makes them yet
+                Shape::Line2 | Shape::Beam2 => {} // their sections ask nothing
             }
         }
         let own_thickness = self.thickness_of_elements();
@@ -47,7 +47,20 @@ impl Build {
                 self.trouble.error(place, format!("there are two *PART with the id {id}"), "give each its own");
                 continue;
             }
-            let mid = record.integer("mid");
+            let heading = record.word("heading").to_string();
+            let name = match heading.is_empty() {
+                true => format!("part-{id}"),
+                false if names.contains(&heading) => format!("{heading} ({id})"),
+                false => heading,
+            };
+            names.push(name.clone());
+            let (mid, secid) = (record.integer("mid"), record.integer("secid"));
+            let section = sections.by_id.get(&secid);
+            if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
+                self.parts.insert(id, Part { rigid: None, place });
+                self.spring_part(&record, section, &name);
+                continue;
+            }
             let material = materials.get(&mid);
             if material.is_none() {
                 let mut known: Vec<i64> = materials.keys().copied().collect();
@@ -55,8 +68,6 @@ impl Build {
                 let known: Vec<String> = known.iter().map(i64::to_string).collect();
                 self.missing(record.place("mid"), "*MAT_...", mid, &known);
             }
-            let secid = record.integer("secid");
-            let section = sections.by_id.get(&secid);
             if section.is_none() {
                 let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
                 known.sort_unstable();
@@ -71,13 +82,6 @@ impl Build {
             if record.integer("eosid") != 0 {
                 self.unsupported_value(&record, "eosid", "equations of state");
             }
-            let heading = record.word("heading").to_string();
-            let name = match heading.is_empty() {
-                true => format!("part-{id}"),
-                false if names.contains(&heading) => format!("{heading} ({id})"),
-                false => heading,
-            };
-            names.push(name.clone());
             let mut table = Table::new(record.head)
                 .with("id", place, id)
                 .with("name", record.place("heading"), name)
@@ -86,7 +90,7 @@ impl Build {
             match section.kind {
                 Kind::Shell => self.shell(&record, section, sections, shapes, own_thickness.get(&id), &mut table),
                 Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
-                Kind::Other => {}
+                Kind::Discrete | Kind::Other => {}
             }
             let part = Part { rigid: material.rigid.clone(), place };
             self.parts.insert(id, part);

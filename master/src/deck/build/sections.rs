@@ -21,6 +21,8 @@ pub enum Kind {
     Shell,
     /// Solids.
     Solid,
+    /// Springs and dampers.
+    Discrete,
     /// What there are no elements for.
     Other,
 }
@@ -84,7 +86,7 @@ impl Build {
             ("SECTION_SHELL", Kind::Shell),
             ("SECTION_SOLID", Kind::Solid),
             ("SECTION_BEAM", Kind::Other),
-            ("SECTION_DISCRETE", Kind::Other),
+            ("SECTION_DISCRETE", Kind::Discrete),
         ];
         for (keyword, kind) in kinds {
             for record in self.take(keyword) {

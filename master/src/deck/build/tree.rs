@@ -77,6 +77,12 @@ impl From<String> for Kind {
     }
 }
 
+impl From<Table> for Kind {
+    fn from(table: Table) -> Self {
+        Kind::Table(table.entries)
+    }
+}
+
 impl<T: Into<Kind>> From<Vec<T>> for Kind {
     fn from(items: Vec<T>) -> Self {
         Kind::Array(items.into_iter().map(|item| Node { kind: item.into(), place: Place::Whole }).collect())

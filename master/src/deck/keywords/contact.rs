@@ -36,13 +36,27 @@ const fn tied(name: &'static str) -> Keyword {
 }
 
 const WALL: &[(&str, Times)] = &[
-    ("wid:i heading:a70", Count(id)),
+    WALL_ID,
     ("nsid:i nsidex:i boxid:i offset:r birth:r death:r=1e20 rwksf:r=1", Once),
     ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r wvel:r", Once),
     ("xhev:r yhev:r zhev:r lenl:r lenm:r", Count(finite)),
     ("mass:r v0:r", Count(moving)),
     ("soft:i ssid:i n1:i n2:i n3:i n4:i", Count(forces)),
 ];
+
+const CYLINDER: &[(&str, Times)] = &[WALL_ID, SHAPE_NODES, SHAPE_PLACE, ("radcyl:r lencyl:r", Once), MOTION, DISPLAY];
+const FLAT: &[(&str, Times)] =
+    &[WALL_ID, SHAPE_NODES, SHAPE_PLACE, ("xhev:r yhev:r zhev:r lenl:r lenm:r", Once), MOTION, DISPLAY];
+const WALL_ID: (&str, Times) = ("wid:i heading:a70", Count(id));
+const SHAPE_NODES: (&str, Times) = ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once);
+const SHAPE_PLACE: (&str, Times) = ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once);
+const MOTION: (&str, Times) = ("lcid:i! opt:i vx:r vy:r vz:r", Count(motion));
+const DISPLAY: (&str, Times) = ("pid:i ro:r e:r pr:r", Count(display));
+
+/// A rigid wall of a shape, which a curve may lead.
+const fn geometric(name: &'static str, cards: &'static [(&'static str, Times)], note: &'static str) -> Keyword {
+    Keyword::new(name, cards, note).options(&["ID", "MOTION", "DISPLAY"]).repeats()
+}
 
 pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE),
@@ -65,22 +79,18 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,
-        "`[[wall]]` through the tail, its normal to the head; fric is the friction. It stops all nodes, not those of nsid alone, \
-         which is told; FINITE and MOVING are not supported yet",
+        "`[[wall]]` through the tail, its normal to the head; fric is the friction. nsid, boxid and offset choose its `nodes`, nsidex \
+         its `except`; FINITE is a rectangle with `edge` and `lengths`, MOVING a `mass` and its `speed`; soft is not used",
     )
     .options(&["ID", "FINITE", "MOVING", "FORCES"])
     .repeats(),
-    not_yet(
+    geometric(
         "RIGIDWALL_GEOMETRIC_CYLINDER",
-        &[
-            ("wid:i heading:a70", Count(id)),
-            ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once),
-            ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once),
-            ("radcyl:r lencyl:r", Once),
-        ],
-        "cylinders",
-    )
-    .options(&["ID"]),
+        CYLINDER,
+        "`[[wall]]` with `axis` from the tail to the head, `radius` and `length`, its ends open; MOTION leads it by a curve of \
+         velocities (opt 0) or displacements (1) along vx, vy, vz",
+    ),
+    geometric("RIGIDWALL_GEOMETRIC_FLAT", FLAT, "the same of a rectangle, as RIGIDWALL_PLANAR_FINITE"),
 ];
 
 fn mpp(record: &Record) -> usize {
@@ -101,4 +111,12 @@ fn moving(record: &Record) -> usize {
 
 fn forces(record: &Record) -> usize {
     usize::from(record.has("FORCES"))
+}
+
+fn motion(record: &Record) -> usize {
+    usize::from(record.has("MOTION"))
+}
+
+fn display(record: &Record) -> usize {
+    usize::from(record.has("DISPLAY"))
 }

@@ -1,7 +1,22 @@
 //! Materials.
 
 use super::{not_yet, title};
-use crate::deck::table::{Keyword, Times::*};
+use crate::deck::table::{
+    Keyword,
+    Times::{self, *},
+};
+
+const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
+
+/// A law of springs or dampers.
+const fn spring(
+    name: &'static str,
+    aliases: &'static [&'static str],
+    cards: &'static [(&'static str, Times)],
+    note: &'static str,
+) -> Keyword {
+    Keyword::new(name, cards, note).aliases(aliases).options(&["TITLE"])
+}
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -61,6 +76,20 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .aliases(&["MAT_020", "MAT_20"])
     .options(&["TITLE"]),
+    spring("MAT_SPRING_ELASTIC", &["MAT_S01", "MAT_S1"], &[SPRING_TITLE, ("mid:i! k:r!", Once)], "`spring.stiffness`"),
+    spring("MAT_DAMPER_VISCOUS", &["MAT_S02", "MAT_S2"], &[SPRING_TITLE, ("mid:i! dc:r!", Once)], "`spring.damping`"),
+    spring(
+        "MAT_SPRING_NONLINEAR_ELASTIC",
+        &["MAT_S04", "MAT_S4"],
+        &[SPRING_TITLE, ("mid:i! lcd:i! lcr:i", Once)],
+        "`spring.force_elongation` by lcd; lcr is not supported",
+    ),
+    spring(
+        "MAT_DAMPER_NONLINEAR_VISCOUS",
+        &["MAT_S05", "MAT_S5"],
+        &[SPRING_TITLE, ("mid:i! lcdr:i!", Once)],
+        "`spring.force_rate` by lcdr",
+    ),
     not_yet(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],

@@ -28,7 +28,12 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
     Keyword::new("ELEMENT_MASS_NODE_SET", &[("eid:i8 nsid:i8! mass:r16!", Rest)], "`[[mass]]` of the set"),
     not_yet("ELEMENT_BEAM", &[("eid:i8! pid:i8! n:i8*3 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Rest)], "beams"),
-    not_yet("ELEMENT_DISCRETE", &[("eid:i8! pid:i8! n1:i8 n2:i8 vid:i8 s:r16 pf:i8 offset:r16", Rest)], "springs and dampers"),
+    Keyword::new(
+        "ELEMENT_DISCRETE",
+        &[("eid:i8! pid:i8! n1:i8! n2:i8 vid:i8 s:r16=1 pf:i8 offset:r16", Rest)],
+        "springs along the line between their nodes; s is the same in all of a part. Those to the ground (n2 0), with vid or offset \
+         are not supported yet",
+    ),
 ];
 
 fn thickness(record: &Record) -> usize {

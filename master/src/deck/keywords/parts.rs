@@ -42,7 +42,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("secid:i! elform:i=1 shrf:r=1 qr:r=2 cst:r scoor:r nsm:r", Once),
             ("field:r*8", Once),
         ],
-        "read, and used by nothing: there are no beams yet",
+        "read, and used by nothing: *ELEMENT_BEAM is not supported yet",
     )
     .options(&["TITLE"])
     .repeats(),
@@ -53,7 +53,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("secid:i! dro:i kd:r v0:r cl:r fd:r", Once),
             ("cdl:r tdl:r", Once),
         ],
-        "read, and used by nothing: there are no springs yet",
+        "makes the parts that name it `[part.spring]`; dro has to be 0, and so have kd, cl, fd, cdl and tdl",
     )
     .options(&["TITLE"])
     .repeats(),
