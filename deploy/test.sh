@@ -15,7 +15,7 @@ source deploy/setup.sh
 python_with_vtk() {
     local python
     for python in "$(command -v python3)" "$PWD/.venv/bin/python"; do
-        if [[ -x $python ]] && "$python" -c 'import pyvista' 2>/dev/null; then
+        if [[ -x $python ]] && "$python" -c 'import dynars, lasso, pyvista' 2>/dev/null; then
             echo "$python"
             return 0
         fi
@@ -24,7 +24,7 @@ python_with_vtk() {
     echo "test: installing pyvista into .venv" >&2
     python3 -m venv .venv >&2 || return 1
     timeout 600 .venv/bin/python -m pip install --quiet -r deploy/requirements.txt >&2 || return 1
-    .venv/bin/python -c 'import pyvista' >&2 || return 1
+    .venv/bin/python -c 'import dynars, lasso, pyvista' >&2 || return 1
     echo "$PWD/.venv/bin/python"
 }
 
@@ -44,3 +44,5 @@ export CRUMPLE_BIN=$target/debug/crumple
 cargo test --workspace --features crumple/mpi --no-fail-fast "$@"
 # Every kernel of the benchmark once, so that it does not rot; times mean nothing here.
 cargo test --quiet --benches -p crumple --features mpi
+# The scenes of the benchmark at a tiny size, for the same reason.
+"$CRUMPLE_BIN" bench --tiny --rounds 1
