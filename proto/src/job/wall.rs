@@ -16,20 +16,20 @@ pub struct Wall {
     /// A point of the wall: of a rectangle a corner, of a cylinder the start of its axis [length].
     pub point: [f64; 3],
     /// Normal of a plane or a rectangle, towards the side where the model is (made a unit vector).
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
     /// Makes the plane a rectangle: direction of its first side from `point`, made square to the normal. The second side has
     /// the direction normal x edge.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<[f64; 3]>,
     /// Lengths of the two sides of a rectangle, 0 for one without end [length].
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lengths: Option<[f64; 2]>,
     /// Direction of the axis of a cylinder, instead of `normal`.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
     /// Radius of a cylinder [length].
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f64>,
     /// Length of a cylinder, 0 for one without end. Its ends are open [length].
     #[serde(default)]
@@ -38,24 +38,24 @@ pub struct Wall {
     #[serde(default)]
     pub friction: f64,
     /// Node set that meets the wall; all nodes without it.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nodes: Option<String>,
     /// Node set that passes through the wall all the same.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub except: Option<String>,
     /// Mass of a plane or rectangle that moves freely along its normal and not otherwise [mass].
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
     /// Velocity at the start along its normal, of a wall with mass [length/time].
     #[serde(default)]
     pub speed: f64,
     /// Prescribed velocity of the wall [length/time].
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
     /// Prescribed displacement of the wall, instead of a velocity; its curve has to start at 0 [length].
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<[f64; 3]>,
     /// Factor on the prescribed velocity or displacement over time; 1 without it.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<String>,
 }
