@@ -40,7 +40,7 @@ pub struct Exchange {
 
 impl Exchange {
     /// That of a step that takes `alone` sweeps on one worker, among workers that know after `quiet` rounds that none has changed
-    /// anything. What [`Sweeps::run`] does, with the least that it may take: one message in a sweep for the forces; one more
+    /// anything. What `Sweeps::run` does, with the least that it may take: one message in a sweep for the forces; one more
     /// for guesses, or for the forces of a phase of pairs in order; and the rounds in which the phases are laid down, at least
     /// as many as it takes to know that they stand. The last sweep of one worker changes nothing; on several there are `quiet`
     /// such, as far as the law lets them.

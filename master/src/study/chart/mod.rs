@@ -1,9 +1,9 @@
 //! Charts of a study, each as SVG and as PNG.
 //!
-//! - [`sheet`]: shapes on a page, and the two kinds of files
-//! - [`axis`]: scales and ticks
-//! - [`frame`]: head, axes, legend: what all charts have
-//! - [`pareto`], [`map`], [`lines`]: the kinds; [`plain`]: curves without a study
+//! - `sheet`: shapes on a page, and the two kinds of files
+//! - `axis`: scales and ticks
+//! - `frame`: head, axes, legend: what all charts have
+//! - `pareto`, `map`, `lines`: the kinds; `plain`: curves without a study
 
 mod axis;
 mod frame;
