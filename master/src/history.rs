@@ -62,10 +62,10 @@ pub struct History {
 /// Fraction of the energy in swings from step to step that a step above the stability limit soon has and keeps up. A stable one
 /// may have it too, for a few cycles where a coarse bar turns at a wall, for longer where next to nothing moves.
 const MUCH_SWING: f64 = 0.1;
+/// Cycles for which a stable motion at its turn may have it.
+const TURNING: u64 = 50;
 /// The most that a stable vibration has of the energy stored at its turn, `2 s^2` with a fraction s of the stable step.
 const MOST_SWING: f64 = 2.0;
-/// How long it does [cycle].
-const TURNING: u64 = 50;
 
 /// Names of derived units for a header.
 pub(crate) struct Labels {

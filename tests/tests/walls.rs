@@ -79,6 +79,25 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     }
 }
 
+/// A rigid plate and another one meet a light wall in the same step, while a third plate presses on the rigid one: the wall takes
+/// the velocity of what it meets, and never more.
+#[test]
+fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
+    let rest = "[[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.0, 0.0, 1.0]\nmass = 1e-6\n\
+                [[rigid]]\nname = \"plate\"\nparts = [1]\n[contact]\n\
+                [[initial_velocity]]\nvelocity = [0.0, 0.0, -10.0]\n\
+                [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -10.5]\n";
+    let (side, cells) = ([20.0, 20.0], [4, 4]);
+    let plates = [([0.0; 3], side, cells), ([40.0, 0.0, 0.0], side, cells), ([0.0, 0.0, 1.001], side, cells)];
+    let (mut fastest, mut pairs) = (0.0f64, false);
+    run_alone(&job(&plates, 0.03, rest), |e| {
+        fastest = fastest.min(e.walls.each()[0].velocity().z);
+        pairs |= fastest == 0.0 && e.contact.as_ref().unwrap().own_table().next().is_some();
+    });
+    assert!(pairs, "contact comes before the wall");
+    assert!((-10.5..-9.0).contains(&fastest), "the plates come with 10 and 10.5: {fastest}");
+}
+
 /// Two strips fall: the one above the rectangle rests on it, the other falls by. A rigid one does the same.
 #[test]
 fn a_rectangle_lets_pass_what_is_beside_it() {

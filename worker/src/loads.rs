@@ -140,8 +140,8 @@ impl Loads {
         }
     }
 
-    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2`
-    /// (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
+    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the damping a,
+    /// `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2` (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
     pub fn damp(&self, nodes: &mut Nodes, mid: f64) {
         if self.damping > 0.0 {
             let b = 0.5 * self.damping * mid;

@@ -71,6 +71,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     }
     let mut on_walls = Work::default();
     if !walls.is_empty() {
+        bodies.push_walls_met(walls);
         let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
         on_walls = walls.keep_out(wire, nodes, &pushed, steps)?;
         timer.lap(Phase::Advance);

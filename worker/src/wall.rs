@@ -184,7 +184,7 @@ impl Walls {
         let wall = &mut self.walls[at];
         if let Drive::Pushed(mass) = wall.drive {
             let normal = wall.surface.direction;
-            wall.next = normal * speed_after(mass, wall.last.dot(&normal), &mut near);
+            wall.next = normal * speed_after(mass, wall.next.dot(&normal), &mut near);
         }
         self.near = near;
         Ok(())
@@ -197,7 +197,7 @@ impl Walls {
             let Some(change) = self.walls[w].change(nodes, i, &v, steps.dt) else { continue };
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
-                let p = nodes.mass[i] * change[c] * (steps.mid / steps.push);
+                let p = nodes.mass[i] * change[c] * steps.given();
                 self.impulse[w][c] += p;
                 work += Work::of(p, nodes.v[i][c], nodes.next_v[i][c]);
             }

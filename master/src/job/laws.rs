@@ -8,7 +8,7 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
-use crumple_worker::contact::initial::initial_penetrations;
+use crumple_worker::contact::initial::{initial_penetrations, thinned_shells};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block, formulation};
 use crumple_worker::materials;
@@ -100,6 +100,18 @@ impl Blocks {
     pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
         self.parts[part][shape as usize].as_deref()
     }
+}
+
+/// A warning if contact meets shells with less than their thickness.
+pub fn thinned(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<Problem> {
+    let (count, least) = thinned_shells(settings, elements, nodes)?;
+    let limit = settings.contact.as_ref()?.thickness_limit;
+    let message = format!(
+        "{count} shells are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for {:.0} % of it",
+        100.0 * least
+    );
+    let help = "mesh no finer than the sheet is thick, or set contact.thickness_limit (0 for no limit)";
+    Some(Problem::warning("contact.thickness_limit", message, help))
 }
 
 /// A warning if nodes start inside the thickness of shells that they can touch.

@@ -136,6 +136,7 @@ fn read_tree(path: PathBuf, job: Source, sets: &[String], mut findings: Findings
                 sources,
             };
             let (elements, nodes) = model.records();
+            model.warnings.extend(laws::thinned(&model.settings, &elements, &nodes));
             model.warnings.extend(laws::penetrations(&model.settings, &elements, &nodes));
             Ok(model)
         }

@@ -229,39 +229,6 @@ pub fn elements(
     start
 }
 
-/// Shells that contact takes for thinner than they are ([`crumple_proto::job::Contact::thickness_limit`]).
-fn thin_for_contact(mesh: &Mesh, settings: &Settings, elements: &ElementStart) -> Option<Problem> {
-    let contact = settings.contact.as_ref().filter(|c| c.thickness_limit > 0.0)?;
-    let places: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let mut thinned = (0, 1.0f64);
-    for (e, &part) in mesh.elements.iter().zip(&elements.part).filter(|(e, _)| e.shape.is_shell()) {
-        let part = &settings.parts[part as usize];
-        if !contact.parts.is_empty() && !contact.parts.contains(&part.id) {
-            continue;
-        }
-        let corners = e.corners();
-        let side = |k: usize| {
-            let [a, b] = [k, (k + 1) % corners.len()].map(|k| places.get(&corners[k]).copied().unwrap_or_default());
-            (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum::<f64>().sqrt()
-        };
-        let shortest = (0..corners.len()).map(side).fold(f64::INFINITY, f64::min);
-        let share = contact.thickness_limit * shortest / part.thickness;
-        if share < 1.0 {
-            thinned = (thinned.0 + 1, thinned.1.min(share));
-        }
-    }
-    (thinned.0 > 0).then(|| {
-        let message = format!(
-            "{} shells are thicker than {} times their shortest side: contact takes them for thinner, the worst for {:.0} % of it",
-            thinned.0,
-            contact.thickness_limit,
-            100.0 * thinned.1
-        );
-        let help = "mesh no finer than the sheet is thick, or set contact.thickness_limit (0 for no limit)";
-        Problem::warning("contact.thickness_limit", message, help)
-    })
-}
-
 /// Warnings of what the numbers of a sound model show.
 pub fn warnings(
     job: &Job,
@@ -289,7 +256,6 @@ pub fn warnings(
             ));
         }
     }
-    warnings.extend(thin_for_contact(mesh, settings, elements));
     if settings.contact.is_some() && mesh.elements.iter().any(|e| e.shape == Shape::Beam2) {
         let message = "beams take no part in contact: other things pass through them";
         warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));

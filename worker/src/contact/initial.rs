@@ -1,4 +1,5 @@
-//! Penetrations of the mesh as it is given, for a warning before the start.
+//! The contact surface of the mesh as it is given, for warnings before the start: what penetrates, and what is met with less than
+//! its thickness.
 
 use crate::blocks::LocalElement;
 use crate::contact::geometry::{V3, nearest};
@@ -28,13 +29,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     if settings.contact.is_none() {
         return Vec::new();
     }
-    let nodes = Nodes::new(nodes, 0, false);
-    let local = |e: &ElementRecord| {
-        let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
-        LocalElement { record: *e, nodes: numbers, shared: false }
-    };
-    let elements: Vec<LocalElement> = elements.iter().map(local).collect();
-    let mut surface = Surface::of(&elements, &nodes, &ContactParts::of(settings));
+    let (nodes, mut surface) = whole_surface(settings, elements, nodes);
     surface.collect_slaves(&nodes);
     let largest = surface.largest_scale();
     let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();
@@ -68,4 +63,28 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));
     found.dedup_by_key(|p| p.node);
     found
+}
+
+/// How many shells are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
+/// fraction of it that is left; `None` if all are met as they are.
+pub fn thinned_shells(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<(usize, f64)> {
+    settings.contact.as_ref()?;
+    let (_, surface) = whole_surface(settings, elements, nodes);
+    let shells = surface.segments.iter().filter(|s| !s.is_solid());
+    let shares = shells.map(|s| 2.0 * s.half / settings.parts[s.part as usize].thickness).filter(|&share| share < 1.0);
+    shares.fold(None, |sum, share| {
+        Some(sum.map_or((1, share), |(count, least): (usize, f64)| (count + 1, least.min(share))))
+    })
+}
+
+/// The surface of a whole mesh, with its nodes.
+fn whole_surface(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> (Nodes, Surface) {
+    let nodes = Nodes::new(nodes, 0, false);
+    let local = |e: &ElementRecord| {
+        let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
+        LocalElement { record: *e, nodes: numbers, shared: false }
+    };
+    let elements: Vec<LocalElement> = elements.iter().map(local).collect();
+    let surface = Surface::of(&elements, &nodes, &ContactParts::of(settings));
+    (nodes, surface)
 }

@@ -217,7 +217,7 @@ impl Bodies {
             body.begin(time, steps.dt);
         }
         self.push_all(steps.mid);
-        let b = steps.mid / steps.push - 1.0;
+        let b = steps.given() - 1.0;
         for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
             *damped = [body.damp(b), (V3::zeros(), V3::zeros())];
         }
@@ -317,6 +317,17 @@ impl Bodies {
         Ok(changed)
     }
 
+    /// Lets walls with a mass feel what bodies have given them while contact iterated; nodes meet them after that.
+    pub fn push_walls_met(&self, walls: &mut Walls) {
+        if self.coupled {
+            self.push_walls(walls);
+        }
+    }
+
+    fn push_walls(&self, walls: &mut Walls) {
+        self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
+    }
+
     /// Where bodies go in the step, once all that acts is known: velocities of members and their copies. Returns the work on bodies
     /// that sums over nodes do not see, on the first worker only.
     pub fn finish(&mut self, nodes: &mut Nodes, walls: &mut Walls, time: f64, steps: Steps) -> BodyWork {
@@ -325,8 +336,8 @@ impl Bodies {
         }
         if !self.coupled {
             self.keep_out(walls, steps.dt);
+            self.push_walls(walls);
         }
-        self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
         self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
         // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
         let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
@@ -346,7 +357,7 @@ impl Bodies {
     fn book(&self, walls: &mut Walls, steps: Steps) -> BodyWork {
         let mut work = BodyWork::default();
         // What a wall gives, and what damping takes of it.
-        let given = steps.mid / steps.push;
+        let given = steps.given();
         for p in &self.pushes {
             let body = &self.bodies[p.body];
             let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));

@@ -29,6 +29,13 @@ pub struct Steps {
     pub whole: f64,
 }
 
+impl Steps {
+    /// What a force gives over the change of momentum that it makes beside damping, `mid / push`.
+    pub fn given(&self) -> f64 {
+        self.mid / self.push
+    }
+}
+
 /// What laws know of the parts that touch.
 #[derive(Clone, Debug, Default)]
 pub struct Elasticity {
