@@ -1,4 +1,4 @@
-//! A free square that spins about no axis of its own for 60 turns, flat and while it vibrates out of its plane: nothing acts
+//! A free square that spins about no axis of its own for 60 turns, at rest in itself and while its corners vibrate: nothing acts
 //! on it, so energy and angular momentum stay what they are. Stress that follows the element a part of a step late makes
 //! such a body gain energy, as an e-fold in a turn or by `omega^2 dt`. Units mm, ms, kg.
 
@@ -9,8 +9,8 @@ use crumple_worker::energy::momentum;
 const SIDE: f64 = 10.0;
 const SPIN: [f64; 3] = [1.0, 0.6, 0.3];
 
-/// The square with corners that start with the velocity of the spin and `warp` [mm/ms] up and down in turn.
-fn job(element: &str, warp: f64) -> String {
+/// The square with corners that start with the velocity of the spin and `swing` [mm/ms] to and fro in turn.
+fn job(element: &str, swing: [f64; 3]) -> String {
     let corners = [[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]];
     let mut text = format!(
         "title = \"spin\"\nunits = \"mm, ms, kg\"\nend_time = 60.0\n\
@@ -25,8 +25,8 @@ fn job(element: &str, warp: f64) -> String {
     (1..=4).for_each(|i| text += &format!("corner{i} = [{i}]\n"));
     for (i, [x, y]) in corners.into_iter().enumerate() {
         let (rx, ry) = (x - 0.5 * SIDE, y - 0.5 * SIDE);
-        let up = if i % 2 == 0 { warp } else { -warp };
-        let v = [-SPIN[2] * ry, SPIN[2] * rx, SPIN[0] * ry - SPIN[1] * rx + up];
+        let [sx, sy, sz] = swing.map(|s| if i % 2 == 0 { s } else { -s });
+        let v = [sx - SPIN[2] * ry, sy + SPIN[2] * rx, sz + SPIN[0] * ry - SPIN[1] * rx];
         text += &format!(
             "[[initial_velocity]]\nnodes = \"corner{}\"\nvelocity = {v:?}\nspin = {SPIN:?}\ncentre = [{x:?}, {y:?}, 0.0]\n",
             i + 1
@@ -36,8 +36,8 @@ fn job(element: &str, warp: f64) -> String {
 }
 
 /// Largest change of energy, as a fraction of that at the start, and of angular momentum likewise.
-fn drift(element: &str, warp: f64) -> [f64; 2] {
-    let model = read_text("spin.toml".into(), job(element, warp), &[]).unwrap_or_else(|report| panic!("{report}"));
+fn drift(element: &str, swing: [f64; 3]) -> [f64; 2] {
+    let model = read_text("spin.toml".into(), job(element, swing), &[]).unwrap_or_else(|report| panic!("{report}"));
     let size = |l: [f64; 3]| l.iter().map(|c| c * c).sum::<f64>().sqrt();
     let (mut start, mut worst) = (None, [0.0f64; 2]);
     run_alone(&model, |e| {
@@ -54,18 +54,23 @@ fn drift(element: &str, warp: f64) -> [f64; 2] {
 #[test]
 fn a_flat_square_spins_for_ever() {
     for element in ["belytschko_tsay", "stabilised_quad"] {
-        let [energy, angular] = drift(element, 0.0);
+        let [energy, angular] = drift(element, [0.0; 3]);
         eprintln!("{element}: energy {energy:.1e}, angular momentum {angular:.1e}");
         assert!(energy < 2.5e-6, "{element}: {energy}");
         assert!(angular < 1e-9, "{element}: {angular}");
     }
 }
 
-/// Vibrating with an eighth of its energy, Belytschko-Tsay keeps it to 0.2 % (0.1 % measured).
+/// Vibrating with an eighth of its energy and more, off its plane, in it, or both: 4e-5 and 2e-4 measured. Hourglass rates that
+/// follow the turn of a step only in part make that 1e-3 and, over longer times, more than all.
 #[test]
 fn a_vibrating_square_spins_for_ever() {
-    let [energy, angular] = drift("belytschko_tsay", 3.0);
-    eprintln!("energy {energy:.1e}, angular momentum {angular:.1e}");
-    assert!(energy < 2e-3, "{energy}");
-    assert!(angular < 1e-9, "{angular}");
+    for (element, bound) in [("belytschko_tsay", 1e-4), ("stabilised_quad", 4e-4)] {
+        for swing in [[0.0, 0.0, 3.0], [2.0, 0.0, 0.0], [1.0, 2.0, 3.0]] {
+            let [energy, angular] = drift(element, swing);
+            eprintln!("{element} {swing:?}: energy {energy:.1e}, angular momentum {angular:.1e}");
+            assert!(energy < bound, "{element} {swing:?}: {energy}");
+            assert!(angular < 1e-9, "{element} {swing:?}: {angular}");
+        }
+    }
 }

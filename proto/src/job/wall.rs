@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 /// A rigid wall that nodes do not pass: a plane, a rectangle of one, or the mantle of a cylinder. It stands still, goes where a
 /// curve leads it, or has a mass and gives way along its normal.
 ///
-/// A rectangle or a cylinder stops what comes from outside, and lets be what is behind it.
+/// A rectangle or a cylinder stops what comes from outside, and lets be what is behind it. Degrees of freedom
+/// that are fixed or prescribed feel no wall: nothing pushes them, and a wall with a mass is not stopped by them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {

@@ -37,7 +37,7 @@ const OPPOSED: f64 = -0.3;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
-const RELAX: f64 = 4e-4;
+const RELAX: f64 = 1e-4;
 
 /// Distance beyond which a slave and a segment that it does not remember are no pair in a step in which they move by `step`
 /// against each other [length]: no gap of a shell closes from farther away. Behind a solid's face there is no such limit.

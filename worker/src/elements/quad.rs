@@ -226,17 +226,12 @@ impl<R: Real> Motion<R> {
     pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
         let Self { u, t, k, .. } = self;
         let [k_xz, k_yz, k_zz] = self.k_z;
-        let z = g.gamma(k_zz.neg_mul_add(g.hz, u[2][2]), k[2]);
-        // What has turned is the shape before the step. That of now would tilt a vibration off the plane by the turn of a step,
-        // and the tilt feeds it from the rotation: by omega^2 dt an e-fold, with omega the rate of rotation.
-        let before = g.hz - z;
-        [
-            g.gamma(t[2][0], self.tx),
-            g.gamma(t[2][1], self.ty),
-            z,
-            g.gamma(k_xz.neg_mul_add(before, u[2][0]), k[0]),
-            g.gamma(k_yz.neg_mul_add(before, u[2][1]), k[1]),
-        ]
+        // I - K turns back: this is what the shape gained, as it lay before the step.
+        let back: [R; 3] = std::array::from_fn(|i| g.gamma([k_xz, k_yz, k_zz][i].neg_mul_add(g.hz, u[2][i]), k[i]));
+        // As it lies now. The turn of a step tilts a vibration, and the tilt feeds it from the rotation: by omega^2 dt an e-fold,
+        // with omega the rate of rotation.
+        let now = |i: usize, k_z: R| k[i][0].mul_add(back[0], k[i][1].mul_add(back[1], k_z.mul_add(back[2], back[i])));
+        [g.gamma(t[2][0], self.tx), g.gamma(t[2][1], self.ty), now(2, k_zz), now(0, k_xz), now(1, k_yz)]
     }
 
     /// How far nodes turn about n beyond the element: modes 13, 24, h and sum.
