@@ -138,7 +138,8 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-const DASHPOTS: &str = "the springs of the penalty law have dashpots beside them, which take what bodies lose that meet again and again";
+const DASHPOTS: &str =
+    "the springs of the penalty law have dashpots beside them, which take what bodies lose that meet again and again";
 
 /// Ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction, for 1e5 steps.
 fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
