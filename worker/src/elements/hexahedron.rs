@@ -141,15 +141,8 @@ impl Hexahedron {
         let eps = [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
         let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
 
-        // 2. Stress.
-        let before = rotated(&turn, state);
-        state[..STRESS].copy_from_slice(&before);
-        let left = R::update_solid(&*self.law, SolidPoint { state, strain: &eps }, dt);
-        let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
-        let stress = rotated(&turn, state);
-        state[..STRESS].copy_from_slice(&stress);
-
-        // 3. Shape at the end of the step, and what it bears.
+        // 2. Shape at the end of the step, and its stable step; before stress, so that the rotation's root and quotient are
+        // there when they are wanted.
         let gradient = Gradient::new(x);
         let inverse64 = one / gradient.volume64;
         let volume = gradient.volume();
@@ -161,6 +154,14 @@ impl Hexahedron {
         let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
         let length = self.length(&gram);
         let step = length * slowness;
+
+        // 3. Stress.
+        let before = rotated(&turn, state);
+        state[..STRESS].copy_from_slice(&before);
+        let left = R::update_solid(&*self.law, SolidPoint { state, strain: &eps }, dt);
+        let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
+        let stress = rotated(&turn, state);
+        state[..STRESS].copy_from_slice(&stress);
 
         // 4. Bulk viscosity, in compression only.
         let rate = Real::max(R::splat(-per_time) * (eps[0] + eps[1] + eps[2]), R::zero());
@@ -200,14 +201,13 @@ impl Hexahedron {
         let scale = R::splat(1.0 / 64.0);
         let [xx, yy, zz, xy, yz, zx] = [xx - q, yy - q, zz - q, xy, yz, zx].map(|s| scale * s);
         let rows = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-        let inverse = scale * inverse64;
         let tensor: [[R; 3]; 3] = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let mut sum = resistance[0][i] * x[3][j];
                 for a in 1..HOURGLASS_MODES {
                     sum = resistance[a][i].mul_add(x[3 + a][j], sum);
                 }
-                sum.neg_mul_add(inverse, rows[i][j])
+                sum.neg_mul_add(inverse64, rows[i][j])
             })
         });
         for (force, b) in force.iter_mut().zip(&gradient.b) {

@@ -35,12 +35,12 @@ impl<R: Real> Gradient<R> {
         let [y4, y5, y6] = [x4, x5, x6].map(|v| v.map(|c| third * c));
         let centre = cross(x2, x3);
         let b = [
-            sum(centre, cross(y6, x5)),
-            sum(cross(x3, x1), cross(y4, x6)),
-            sum(cross(x1, x2), cross(y5, x4)),
-            sum(cross(y6, x2), cross(x3, y5)),
-            sum(cross(y4, x3), cross(x1, y6)),
-            sum(cross(x2, y4), cross(y5, x1)),
+            cross_and(y6, x5, centre),
+            cross_and(y4, x6, cross(x3, x1)),
+            cross_and(y5, x4, cross(x1, x2)),
+            cross_and(y6, x2, cross(x3, y5)),
+            cross_and(y4, x3, cross(x1, y6)),
+            cross_and(x2, y4, cross(y5, x1)),
         ];
         // The volume is of third degree in the modes, and the quadratic term of each derivative is in it once:
         // X1 . b1 has [X1 X2 X3] and [X1 X6 X5]/3; the other two are in X4 . b4.
@@ -86,9 +86,11 @@ impl<R: Real> Gradient<R> {
     }
 }
 
+/// `a x b + c`.
 #[inline(always)]
-fn sum<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    std::array::from_fn(|i| a[i] + b[i])
+fn cross_and<R: Real>(a: [R; 3], b: [R; 3], c: [R; 3]) -> [R; 3] {
+    let at = |i: usize, j: usize, k: usize| a[j].mul_add(b[k], a[k].neg_mul_add(b[j], c[i]));
+    [at(0, 1, 2), at(1, 2, 0), at(2, 0, 1)]
 }
 
 /// Modes of corner values, from differences along edges, which are small.
