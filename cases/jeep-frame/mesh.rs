@@ -34,7 +34,7 @@ use crumple_proto::problem::Problem;
 pub const GENERATOR: Generator = Generator { name: "jeep_frame", options: OPTIONS, build };
 
 const OPTIONS: &[OptionRow] = &[
-    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 6"),
+    ("refine", 1.0, "each side of each shell is cut into so many, 1 to 27"),
     ("length", 4000.0, "overall length [mm]"),
     ("rail_depth", 120.0, "height of the rail section, mid-surface [mm]"),
     ("rail_width", 70.0, "width of the rail section, mid-surface [mm]"),
@@ -162,7 +162,7 @@ struct Plan {
 impl Plan {
     fn new(options: &Options) -> Result<Self, Vec<Problem>> {
         let mut wrong = Vec::new();
-        let refine = options.count("refine", 1..=6, &mut wrong);
+        let refine = options.count("refine", 1..=27, &mut wrong);
         let length = options.real("length", 2000.0..=8000.0, &mut wrong);
         let depth = options.real("rail_depth", 60.0..=250.0, &mut wrong);
         let width = options.real("rail_width", 40.0..=160.0, &mut wrong);

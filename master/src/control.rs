@@ -7,7 +7,7 @@ use crate::history::{Extras, History};
 use crate::job::Model;
 use crate::progress::{Progress, State};
 use crate::stop::StopFlag;
-use crate::summary::{self, Status, Summary};
+use crate::summary::{self, Outline, Status, Summary};
 use crate::trace::Trace;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
@@ -50,7 +50,10 @@ pub enum RunError {
 /// A run as the master sees it.
 pub struct Control<'a> {
     began: Instant,
-    model: &'a Model,
+    /// Without its mesh once the work is dealt out.
+    model: &'a mut Model,
+    /// What of the mesh the summary tells.
+    outline: Outline,
     wire: &'a mut dyn Transport,
     workers: usize,
     tree: CutTree,
@@ -81,12 +84,12 @@ pub struct Results<'a> {
     pub trace: Option<&'a Path>,
 }
 
-/// Runs a job with the workers at the other ends of `wire`.
+/// Runs a job with the workers at the other ends of `wire`; the model loses its mesh once that is dealt out.
 ///
 /// # Errors
 /// A worker is gone, or results cannot be written.
 pub fn run(
-    model: &Model,
+    model: &mut Model,
     wire: &mut dyn Transport,
     results: Results<'_>,
     quiet: bool,
@@ -104,7 +107,7 @@ pub fn run(
 
 impl<'a> Control<'a> {
     fn new(
-        model: &'a Model,
+        model: &'a mut Model,
         wire: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
         quiet: bool,
@@ -147,6 +150,7 @@ impl<'a> Control<'a> {
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
+            outline: Outline::of(&model.mesh),
             model,
             wire,
             workers,
@@ -224,6 +228,7 @@ impl<'a> Control<'a> {
             let start = ToWorker::Start { settings, tree, elements, nodes, trace };
             post(self.wire, worker + 1, Tag::Order, &start)?;
         }
+        self.model.forget_mesh();
         Ok(())
     }
 
@@ -384,11 +389,7 @@ impl<'a> Control<'a> {
             None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => (Status::Completed, "max_cycles".into()),
             None => (Status::Completed, "end_time".into()),
         };
-        let mut elements = BTreeMap::new();
-        for e in &self.model.mesh.elements {
-            *elements.entry(format!("{:?}", e.shape).to_lowercase()).or_insert(0) += 1;
-        }
-        let count = self.model.mesh.elements.len();
+        let count: usize = self.outline.elements.values().sum();
         let mean = |f: fn(&Closing) -> u64| closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64;
         let cycles = end.cycles.max(1) as f64;
         let (first, last) = (self.history.first.unwrap_or_default().sum, self.history.last.unwrap_or_default());
@@ -400,8 +401,7 @@ impl<'a> Control<'a> {
             reason,
             end_time: end.time,
             cycles: end.cycles,
-            nodes: self.model.mesh.nodes.len(),
-            elements,
+            nodes: self.outline.nodes,
             workers: self.workers,
             transport: self.wire.name().into(),
             wall_s,
@@ -442,8 +442,9 @@ impl<'a> Control<'a> {
                 capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
             unsupported: self.model.unsupported.clone(),
-            parts: summary::parts(&self.model.job, &self.model.mesh, &self.model.settings.parts, &closings),
+            parts: summary::parts(&self.model.job, &self.outline, &self.model.settings.parts, &closings),
             walls: self.model.job.wall.clone(),
+            elements: self.outline.elements,
             state_digest: summary::state_digest(&mut self.states),
         };
         let path = self.out.join("summary.json");

@@ -118,9 +118,13 @@ pub(crate) fn deal(model: &Model, centres: &[[f64; 3]], tree: &CutTree, workers:
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
     for (e, &c) in elements.iter().zip(centres) {
-        let share = &mut shares[tree.worker_of(c)];
-        share.elements.push((*e, Vec::new()));
-        share.nodes.extend(e.nodes.iter().filter_map(|n| record.get(n).copied()));
+        shares[tree.worker_of(c)].elements.push((*e, Vec::new()));
+    }
+    for share in &mut shares {
+        let mut ids: Vec<NodeId> = share.elements.iter().flat_map(|(e, _)| e.nodes).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        share.nodes = ids.iter().filter_map(|id| record.get(id).map(|&&n| n)).collect();
     }
     shares
 }

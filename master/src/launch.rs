@@ -32,7 +32,7 @@ fn run_threads(args: &RunArgs) -> u8 {
         let workers = m.workers(args.job.workers, cores)?;
         Ok((m, workers))
     });
-    let (model, workers) = match read {
+    let (mut model, workers) = match read {
         Ok(both) => both,
         Err(report) => return bad_input(&report),
     };
@@ -51,7 +51,7 @@ fn run_threads(args: &RunArgs) -> u8 {
             std::thread::Builder::new().name(name).spawn(body)
         })
         .collect();
-    let code = as_master(args, &model, &mut master);
+    let code = as_master(args, &mut model, &mut master);
     drop(master);
     for worker in workers.into_iter().flatten() {
         // A panic has been printed by the worker and is reported as a lost worker.
@@ -95,8 +95,8 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
         Ok(m)
     });
     match read {
-        Ok(model) => {
-            let code = as_master(args, &model, &mut wire);
+        Ok(mut model) => {
+            let code = as_master(args, &mut model, &mut wire);
             if code == WORKER_LOST { wire.abort(i32::from(code)) } else { code }
         }
         Err(report) => {
@@ -114,7 +114,7 @@ fn bad_input(report: &Report) -> u8 {
     Report::EXIT_CODE
 }
 
-fn as_master(args: &RunArgs, model: &Model, wire: &mut dyn Transport) -> u8 {
+fn as_master(args: &RunArgs, model: &mut Model, wire: &mut dyn Transport) -> u8 {
     let out = args.out_dir();
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
         eprint!("{}", model.show(warning));

@@ -150,8 +150,7 @@ pub struct PartSummary {
 }
 
 /// What became of the parts, over all workers; `parts` are those of the settings, in whose order workers report.
-pub fn parts(job: &Job, mesh: &Mesh, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary> {
-    let pieces = pieces(mesh);
+pub fn parts(job: &Job, outline: &Outline, parts: &[Part], closings: &[Closing]) -> Vec<PartSummary> {
     let of = |(number, part): (usize, &Part)| {
         let mut all = PartRecord::default();
         closings.iter().filter_map(|c| c.parts.get(number)).for_each(|p| all.add(p));
@@ -167,13 +166,34 @@ pub fn parts(job: &Job, mesh: &Mesh, parts: &[Part], closings: &[Closing]) -> Ve
             von_mises_end: all.von_mises,
             strain_jump: all.strain_jump,
             stress_jump: all.stress_jump,
-            pieces: pieces.get(&part.id).cloned().unwrap_or_default(),
+            pieces: outline.pieces.get(&part.id).cloned().unwrap_or_default(),
             rigid: job.rigid.iter().any(|r| r.parts.contains(&part.id)),
             contact_near: job.contact.as_ref().map(|_| all.near),
             contact_pairs: job.contact.as_ref().map(|_| all.touched),
         }
     };
     parts.iter().enumerate().map(of).collect()
+}
+
+/// What the summary tells of a mesh.
+pub struct Outline {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of elements by shape.
+    pub elements: BTreeMap<String, usize>,
+    /// See [`pieces()`].
+    pub pieces: BTreeMap<u32, Vec<Piece>>,
+}
+
+impl Outline {
+    /// Of this mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let mut elements = BTreeMap::new();
+        for e in &mesh.elements {
+            *elements.entry(format!("{:?}", e.shape).to_lowercase()).or_insert(0) += 1;
+        }
+        Self { nodes: mesh.nodes.len(), elements, pieces: pieces(mesh) }
+    }
 }
 
 /// The whole file.

@@ -203,20 +203,32 @@ impl Blocks {
     /// Lays down in which order each held node gathers corners, and when; received corners take the slots after the own ones.
     /// With `wait` all nodes gather at the end, since something is added to the corners until then.
     pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner], wait: bool) {
-        let mut corners: Vec<(u32, ElemId, u32)> = Vec::new();
-        for (e, slot) in self.elements.iter().zip(self.first_slots()) {
-            let used = e.record.shape.corners();
-            corners.extend((0..used).map(|c| (e.nodes[c], e.record.id, (slot + c) as u32)));
+        let (own, count) = (self.own_slots(), self.elements.len());
+        // Own elements, then received corners, by element id: nodes take them in this order.
+        let mut order: Vec<(ElemId, u32)> = self.elements.iter().zip(0..).map(|(e, i)| (e.record.id, i)).collect();
+        order.extend(foreign.iter().zip(count as u32..).map(|(f, i)| (f.elem, i)));
+        order.sort_unstable();
+        let corners = |i: usize| match self.elements.get(i) {
+            Some(e) => &e.nodes[..e.record.shape.corners()],
+            None => std::slice::from_ref(&foreign[i - count].node),
+        };
+        let mut start = vec![0; held + 1];
+        for i in 0..order.len() {
+            corners(i).iter().for_each(|&n| start[n as usize + 1] += 1);
         }
-        let own = self.own_slots();
-        corners.extend(foreign.iter().enumerate().map(|(i, f)| (f.node, f.elem, (own + i) as u32)));
-        corners.sort_unstable();
-        self.gather = corners.iter().map(|c| c.2).collect();
-        self.gather_start = vec![0; held + 1];
-        corners.iter().for_each(|c| self.gather_start[c.0 as usize + 1] += 1);
         for i in 0..held {
-            self.gather_start[i + 1] += self.gather_start[i];
+            start[i + 1] += start[i];
         }
+        let (slots, mut next) = (self.first_slots(), start.clone());
+        self.gather = vec![0; start[held] as usize];
+        for i in order.into_iter().map(|(_, i)| i as usize) {
+            let first = slots.get(i).copied().unwrap_or_else(|| own + i - count);
+            for (&n, slot) in corners(i).iter().zip(first as u32..) {
+                self.gather[next[n as usize] as usize] = slot;
+                next[n as usize] += 1;
+            }
+        }
+        self.gather_start = start;
         self.force.resize(own + foreign.len(), [0.0; 4]);
         if !self.moment.is_empty() {
             self.moment.resize(own + foreign.len(), [0.0; 4]);

@@ -92,6 +92,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     records.dedup_by_key(|r| r.id);
     let mut nodes = Nodes::new(&records, me as u32, settings.rotations);
     let bounds = Aabb::around(records.iter().map(|r| r.x));
+    drop(records); // columns have all of it
     let all_bounds = share_boxes(wire, &bounds)?;
     let shared = find_shared(wire, &nodes, &all_bounds)?;
     for (worker, list) in shared.iter().enumerate() {

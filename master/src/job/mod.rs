@@ -405,6 +405,13 @@ impl Model {
         )
     }
 
+    /// Frees what only dealing out the work needs: the mesh, and what its nodes and elements start with.
+    pub fn forget_mesh(&mut self) {
+        self.mesh = Mesh::default();
+        self.nodes = NodeStart::default();
+        self.elements = ElementStart::default();
+    }
+
     /// First time step: safety times the smallest stable step, `dt_max` at most [time], and the index of the element that sets it.
     pub fn first_dt(&self) -> (f64, usize) {
         let (at, dt) = state::smallest(&self.elements.stable_dt).expect("a sound model has elements");

@@ -4,8 +4,8 @@
 //! the patch test and the volume of the strain is that of the element. Stress is held in global axes. A step, with u
 //! the displacement increment and x the coordinates in its middle (Hughes & Winget 1980):
 //! ```text
-//! K = du/dx,   eps = sym K,   w = axis of skew K,   r = (w/2)/(1 + sqrt(1 + w.w/4))
-//! R = ((1 - r.r) 1 + 2 r r' + 2 [r]) / (1 + r.r)        half the rotation, as Cayley's transform gives it
+//! K = du/dx,   eps = sym K,   w = half the axis of skew K,   s = sqrt(1 + w.w)
+//! R = 1/s + [w]/s + w w'/(s (1 + s))                    half the rotation that Cayley's transform gives
 //! sig <- R law(R sig R', eps) R'
 //! ```
 //! For a rigid rotation by any angle below 180 degrees K is skew without remainder and R R is that rotation: it leaves
@@ -134,43 +134,51 @@ impl Hexahedron {
         let [one, half] = [1.0, 0.5].map(R::splat);
 
         // 1. Kinematics in the middle of the step.
-        let u = v.map(|mode| mode.map(|c| R::splat(dt) * c));
-        let mid: Modes<R> = std::array::from_fn(|k| std::array::from_fn(|i| half.neg_mul_add(u[k][i], x[k][i])));
+        let back = R::splat(0.5 * dt);
+        let mid: Modes<R> = std::array::from_fn(|k| std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[k][i])));
         let mid_gradient = Gradient::new(&mid);
-        let k = mid_gradient.of(&u);
+        let k = mid_gradient.of(v, dt);
         let eps = [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
         let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
 
-        // 2. Stress.
+        // 2. Shape at the end of the step, and its stable step; before stress, so that the rotation's root and quotient are
+        // there when they are wanted.
+        let gradient = Gradient::new(x);
+        let inverse64 = one / gradient.volume64;
+        let volume = gradient.volume();
+        *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
+        let density = R::splat(64.0 * self.elastic.density) * *first_volume * inverse64;
+        let gram = gradient.gram(inverse64);
+        // L = c_d step, and 1/c_d.
+        let modulus = R::splat(self.modulus());
+        let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
+        let length = self.length(&gram);
+        let step = length * slowness;
+
+        // 3. Stress.
         let before = rotated(&turn, state);
         state[..STRESS].copy_from_slice(&before);
-        R::update_solid(&*self.law, SolidPoint { state, strain: &eps }, dt);
+        let left = R::update_solid(&*self.law, SolidPoint { state, strain: &eps }, dt);
         let after: [R; STRESS] = std::array::from_fn(|c| state[c]);
         let stress = rotated(&turn, state);
         state[..STRESS].copy_from_slice(&stress);
 
-        // 3. Shape at the end of the step, and what it bears.
-        let gradient = Gradient::new(x);
-        let volume = gradient.volume();
-        *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
-        let density = R::splat(self.elastic.density) * *first_volume / volume;
-        let gram = gradient.gram();
-        let step = undamped_step(&self.elastic, &gram, density);
-
         // 4. Bulk viscosity, in compression only.
         let rate = Real::max(R::splat(-per_time) * (eps[0] + eps[1] + eps[2]), R::zero());
-        let c_d = (R::splat(self.modulus()) / density).sqrt();
-        let length = c_d * step;
         let [b1, b2] = self.bulk_viscosity.map(R::splat);
-        let quadratic = b2 * length * rate;
-        let q = density * length * rate * b1.mul_add(c_d, quadratic);
-        let fraction = (quadratic + quadratic).mul_add(one / c_d, b1);
+        let rate = length * rate;
+        let quadratic = b2 * rate;
+        let q = rate * density.mul_add(quadratic, b1 * modulus * slowness);
+        let fraction = (quadratic + quadratic).mul_add(slowness, b1);
         let stable_dt = step * (fraction.mul_add(fraction, one).sqrt() - fraction);
 
         // 5. Hourglass.
         let of_mode = |a: usize| {
-            let (u, x) = (&u[3 + a], mid[3 + a]);
-            std::array::from_fn(|i| u[i] - dot(k[i], x))
+            let (v, x) = (&v[3 + a], mid[3 + a]);
+            std::array::from_fn(|i| {
+                let field = k[i][1].neg_mul_add(x[1], k[i][2].neg_mul_add(x[2], R::splat(dt) * v[i]));
+                k[i][0].neg_mul_add(x[0], field)
+            })
         };
         let step = Step {
             mid: &mid,
@@ -181,7 +189,7 @@ impl Hexahedron {
             half_turn: &turn,
             gram_trace: gram[0] + gram[1] + gram[2],
             density,
-            left: if self.plastic_strain.is_some() { left(&self.elastic, &before, &after, &eps) } else { one },
+            left,
             per_time,
         };
         let (resistance, resisted) = self.hourglass.update(&self.elastic, &step, hourglass);
@@ -189,16 +197,17 @@ impl Hexahedron {
         // 6. Forces of the modes: all that multiplies B is one tensor.
         let mut force = [[R::zero(); 3]; 7];
         let [xx, yy, zz, xy, yz, zx] = stress;
-        let rows = [[xx - q, xy, zx], [xy, yy - q, yz], [zx, yz, zz - q]];
-        let inverse = one / volume;
+        // The gradient has 64 times the derivatives of the volume.
         let scale = R::splat(1.0 / 64.0);
+        let [xx, yy, zz, xy, yz, zx] = [xx - q, yy - q, zz - q, xy, yz, zx].map(|s| scale * s);
+        let rows = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
         let tensor: [[R; 3]; 3] = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let mut sum = resistance[0][i] * x[3][j];
                 for a in 1..HOURGLASS_MODES {
                     sum = resistance[a][i].mul_add(x[3 + a][j], sum);
                 }
-                scale * sum.neg_mul_add(inverse, rows[i][j])
+                sum.neg_mul_add(inverse64, rows[i][j])
             })
         });
         for (force, b) in force.iter_mut().zip(&gradient.b) {
@@ -221,10 +230,10 @@ impl Hexahedron {
             total += size;
         }
         for mode in &force {
-            total += mode[0].abs() + mode[1].abs() + mode[2].abs();
+            total += mode[0] + mode[1] + mode[2];
         }
         let whole = R::both(gradient.volume64.gt(R::zero()), gradient.centre.gt(R::zero()));
-        let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.le(R::splat(f64::MAX)));
+        let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(f64::MAX)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
         let mut response = Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
@@ -240,26 +249,39 @@ impl Hexahedron {
     fn modulus(&self) -> f64 {
         self.elastic.lame() + 2.0 * self.elastic.shear_modulus()
     }
+
+    /// Stable step without viscosity times c_d, from `sum B_I B_I'` [length].
+    #[inline(always)]
+    fn length<R: Real>(&self, gram: &[R; 6]) -> R {
+        let [a, b, c, d, e, f] = *gram;
+        let trace = a + b + c;
+        let third = R::splat(1.0 / 3.0) * trace;
+        let [a, b, c] = [a - third, b - third, c - third];
+        let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
+        let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
+        let elastic = &self.elastic;
+        let stiffness = R::splat(elastic.lame().max(0.0)) * trace + R::splat(2.0 * elastic.shear_modulus()) * largest;
+        // 2 c_d/omega with omega^2 = 8 stiffness/density.
+        (R::splat(0.5 * self.modulus()) / stiffness).sqrt()
+    }
 }
 
-/// Rotation of half the step from twice the axis of skew K.
+/// Rotation of half the step from twice the axis of skew K, with one division.
 #[inline(always)]
 fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
-    let [one, two, quarter] = [1.0, 2.0, 0.25].map(R::splat);
-    // w/2 = twice/4, and tan of a quarter of the angle along it.
+    let [one, quarter] = [1.0, 0.25].map(R::splat);
     let w = twice.map(|c| quarter * c);
-    let tangent = one / (one + (one + dot(w, w)).sqrt());
-    let r = w.map(|c| c * tangent);
-    let square = dot(r, r);
-    let inverse = one / (one + square);
-    let diagonal = (one - square) * inverse;
-    let twice = two * inverse;
-    let spin = r.map(|c| twice * c);
-    let dyad = |i: usize, j: usize| spin[i] * r[j];
+    let s = (one + dot(w, w)).sqrt();
+    let along = one / s.mul_add(s, s);
+    let cos = along.mul_add(s, along);
+    let spin = w.map(|c| cos * c);
+    let r = w.map(|c| along * c);
+    let dyad = |i: usize, j: usize| r[i] * w[j];
+    let (xy, yz, zx) = (dyad(0, 1), dyad(1, 2), dyad(2, 0));
     [
-        [diagonal + dyad(0, 0), dyad(0, 1) - spin[2], dyad(0, 2) + spin[1]],
-        [dyad(1, 0) + spin[2], diagonal + dyad(1, 1), dyad(1, 2) - spin[0]],
-        [dyad(2, 0) - spin[1], dyad(2, 1) + spin[0], diagonal + dyad(2, 2)],
+        [r[0].mul_add(w[0], cos), xy - spin[2], zx + spin[1]],
+        [xy + spin[2], r[1].mul_add(w[1], cos), yz - spin[0]],
+        [zx - spin[1], yz + spin[0], r[2].mul_add(w[2], cos)],
     ]
 }
 
@@ -269,37 +291,9 @@ fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
     let [xx, yy, zz, xy, yz, zx]: [R; STRESS] = std::array::from_fn(|c| state[c]);
     let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let half: [[R; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
-    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| dot(half[i], turn[j]))
-}
-
-/// Stable step without viscosity, from `sum B_I B_I'`.
-#[inline(always)]
-fn undamped_step<R: Real>(elastic: &Elastic, gram: &[R; 6], density: R) -> R {
-    let [a, b, c, d, e, f] = *gram;
-    let trace = a + b + c;
-    let third = R::splat(1.0 / 3.0) * trace;
-    let [a, b, c] = [a - third, b - third, c - third];
-    let square = dot([a, b, c], [a, b, c]) + R::splat(2.0) * dot([d, e, f], [d, e, f]);
-    let largest = third + (R::splat(2.0 / 3.0) * square).sqrt();
-    let stiffness = R::splat(elastic.lame().max(0.0)) * trace + R::splat(2.0 * elastic.shear_modulus()) * largest;
-    // 2/omega with omega^2 = 8 stiffness/density.
-    (R::splat(0.5) * density / stiffness).sqrt()
-}
-
-/// What plastic flow left of the deviator of the elastic trial, by its norm.
-#[inline(always)]
-fn left<R: Real>(elastic: &Elastic, before: &[R; STRESS], after: &[R; STRESS], eps: &[R; STRESS]) -> R {
-    let third = R::splat(1.0 / 3.0);
-    let square = |t: [R; STRESS]| {
-        let mean = third * (t[0] + t[1] + t[2]);
-        let (direct, sheared) = ([t[0] - mean, t[1] - mean, t[2] - mean], [t[3], t[4], t[5]]);
-        R::splat(2.0).mul_add(dot(sheared, sheared), dot(direct, direct))
-    };
-    // Shear strains are twice the components.
-    let g = R::splat(elastic.shear_modulus());
-    let trial = square(std::array::from_fn(|c| (if c < 3 { g + g } else { g }).mul_add(eps[c], before[c])));
-    let after = square(*after);
-    R::select(trial.gt(after), (after / trial).sqrt(), R::splat(1.0))
+    // Written out: a loop over pairs of indices is a call, and all that is in registers goes to memory.
+    let at = |i: usize, j: usize| dot(half[i], turn[j]);
+    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
 }
 
 /// The eight slots of a solid.
@@ -326,9 +320,7 @@ impl Element for Hexahedron {
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
         let dt = pass.dt;
         pass.solids(self.columns(), |group, nodes, history, force| {
-            // One length for both columns: one check for each node.
-            let n = nodes.x.len();
-            let (x, v) = (gather(group, &nodes.x[..n]), gather(group, &nodes.v[..n]));
+            let [x, v] = gather(group, [nodes.x, nodes.v]);
             let response = self.respond(&x, &v, history, dt);
             scatter(&response.force, force);
             response.totals
@@ -342,7 +334,8 @@ impl Element for Hexahedron {
             return f64::NAN;
         }
         let [b1, _] = self.bulk_viscosity;
-        undamped_step(&self.elastic, &gradient.gram(), self.elastic.density) * ((1.0 + b1 * b1).sqrt() - b1)
+        let speed = self.elastic.dilatational_wave_speed();
+        self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
     fn failed(&self, history: &[Lane], lane: usize) -> bool {

@@ -62,12 +62,12 @@ fn gradient_is_the_derivative_of_the_volume() {
             };
             let mut unit = [[0.0; 3]; 8];
             unit[c][i] = 1.0;
-            let exact = gradient.of(&modes_of_corners(&unit))[i][i] * gradient.volume();
+            let exact = gradient.of(&modes_of_corners(&unit), 1.0)[i][i] * gradient.volume();
             assert_close((volume(h) - volume(-h)) / (2.0 * h), exact, 1e-10, "round-off over 1e-5");
         }
     }
     // And it is exact for linear fields.
-    let k = gradient.of(&modes_of_corners(&x.map(|p| [2.0 * p[0] + p[2], p[1], 3.0 * p[0]])));
+    let k = gradient.of(&modes_of_corners(&x.map(|p| [2.0 * p[0] + p[2], p[1], 3.0 * p[0]])), 1.0);
     let wanted = [[2.0, 0.0, 1.0], [0.0, 1.0, 0.0], [3.0, 0.0, 0.0]];
     k.iter().flatten().zip(wanted.iter().flatten()).for_each(|(k, w)| assert_close(*k, *w, 1e-14, "round-off"));
 }

@@ -44,7 +44,7 @@ pub fn law(elastic: Elastic) -> Box<dyn PlaneStress> {
 
 impl LinearElastic {
     #[inline(always)]
-    fn solid_stress<R: Real>(&self, point: SolidPoint<'_, R>) {
+    fn solid_stress<R: Real>(&self, point: SolidPoint<'_, R>) -> R {
         let (lame, g) = (R::splat(self.elastic.lame()), R::splat(self.elastic.shear_modulus()));
         let eps = point.strain;
         let pressure = lame * (eps[0] + eps[1] + eps[2]);
@@ -52,6 +52,7 @@ impl LinearElastic {
             point.state[c] += (g + g).mul_add(eps[c], pressure);
             point.state[3 + c] = g.mul_add(eps[3 + c], point.state[3 + c]);
         }
+        R::splat(1.0)
     }
 
     fn stress<R: Real>(&self, points: Points<'_, R>) {
@@ -91,10 +92,10 @@ impl Solid for LinearElastic {
     fn elastic(&self) -> Elastic {
         self.elastic
     }
-    fn update(&self, point: SolidPoint<'_, Lane>, _dt: f64) {
-        self.solid_stress(point);
+    fn update(&self, point: SolidPoint<'_, Lane>, _dt: f64) -> Lane {
+        self.solid_stress(point)
     }
-    fn update_one(&self, point: SolidPoint<'_, f64>, _dt: f64) {
-        self.solid_stress(point);
+    fn update_one(&self, point: SolidPoint<'_, f64>, _dt: f64) -> f64 {
+        self.solid_stress(point)
     }
 }

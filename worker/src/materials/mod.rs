@@ -110,11 +110,12 @@ pub trait Solid: Send + Sync {
     /// Elastic constants and density.
     fn elastic(&self) -> Elastic;
 
-    /// Stress and history over a step `dt` [time] of a group.
-    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64);
+    /// Stress and history over a step `dt` [time] of a group. Returns what plastic flow left of the deviator of the elastic
+    /// trial, by its norm: one where nothing flowed.
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane;
 
     /// The same for one element, by the same code.
-    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64);
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64;
 }
 
 /// A scalar that laws have an entry for, so that element kernels can be generic over it.
@@ -122,7 +123,7 @@ pub trait PointReal: Real {
     /// Calls the entry for this scalar.
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64);
     /// Calls the entry of a solid's law for this scalar.
-    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64);
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self;
 }
 
 impl PointReal for Lane {
@@ -131,8 +132,8 @@ impl PointReal for Lane {
         law.update(points, dt);
     }
     #[inline(always)]
-    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) {
-        law.update(point, dt);
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update(point, dt)
     }
 }
 
@@ -142,8 +143,8 @@ impl PointReal for f64 {
         law.update_one(points, dt);
     }
     #[inline(always)]
-    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) {
-        law.update_one(point, dt);
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update_one(point, dt)
     }
 }
 

@@ -115,59 +115,74 @@ impl Hourglass {
     }
 }
 
-/// Directions of the first three modes, and one over their lengths.
+/// One over squares and products of the lengths of the first three modes.
+struct Lengths<R> {
+    /// `1/(l_i l_i)`.
+    square: [R; 3],
+    /// `1/(l_b l_c)` of the two others.
+    others: [R; 3],
+}
+
+/// With one division, which costs as much as a dozen products.
 #[inline(always)]
-fn edges<R: Real>(x: &Modes<R>) -> ([[R; 3]; 3], [R; 3]) {
-    let inverse: [R; 3] = std::array::from_fn(|i| R::splat(1.0) / dot(x[i], x[i]).sqrt());
-    (std::array::from_fn(|i| x[i].map(|c| c * inverse[i])), inverse)
+fn lengths<R: Real>(x: &Modes<R>) -> Lengths<R> {
+    let [a, b, c] = std::array::from_fn(|i| dot(x[i], x[i]));
+    let ab = a * b;
+    let all = R::splat(1.0) / (ab * c);
+    let one = all * c;
+    let square = [one * b, one * a, all * ab];
+    let [a, b, c] = square;
+    Lengths { square, others: [(b * c).sqrt(), (c * a).sqrt(), (a * b).sqrt()] }
 }
 
 #[inline(always)]
 fn assumed_strain<R: Real>(elastic: &Elastic, step: &Step<'_, R>, history: &mut [R]) -> ([[R; 3]; HOURGLASS_MODES], R) {
     let [plane, _, g] = elastic.plane_stress().map(R::splat);
     let [nu, e] = [elastic.poisson, elastic.youngs_modulus].map(R::splat);
-    let (n, inv) = edges(step.mid);
-    let along: [[R; 3]; HOURGLASS_MODES] = std::array::from_fn(|a| std::array::from_fn(|i| dot(step.q[a], n[i])));
-    let (axes, inv_end) = edges(step.end);
+    let third = R::splat(1.0 / 3.0);
+    let per = lengths(step.mid);
+    let along: [[R; 3]; HOURGLASS_MODES] =
+        std::array::from_fn(|a| std::array::from_fn(|i| dot(step.q[a], step.mid[i])));
+    let end = lengths(step.end);
+    let weight = third * step.end_gradient.volume();
+    let (end_square, end_others) = (end.square.map(|s| weight * s), end.others.map(|s| weight * s));
 
-    let mut forces = [[R::zero(); 3]; HOURGLASS_MODES];
-    let mut on_axes = [[R::zero(); 3]; HOURGLASS_MODES];
-    let mut linear = R::zero();
-    for a in 0..3 {
-        let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-        let e_bb = along[c][b] * inv[b];
-        let e_cc = along[b][c] * inv[c];
-        let g_bc = along[c][c].mul_add(inv[b], along[b][b] * inv[c]);
-        let old = [history[3 * a], history[3 * a + 1], history[3 * a + 2]];
-        let trial = [
-            plane.mul_add(nu.mul_add(e_cc, e_bb), old[0]),
-            plane.mul_add(nu.mul_add(e_bb, e_cc), old[1]),
-            g.mul_add(g_bc, old[2]),
+    // Stress and energy of the modes b and c, which are linear along a.
+    let linear = |a: usize, b: usize, c: usize, history: &mut [R]| {
+        let e_bb = along[c][b] * per.square[b];
+        let e_cc = along[b][c] * per.square[c];
+        let g_bc = (along[c][c] + along[b][b]) * per.others[a];
+        let kept = &mut history[3 * a..3 * a + 3];
+        let old = [kept[0], kept[1], kept[2]];
+        let new = [
+            step.left * plane.mul_add(nu.mul_add(e_cc, e_bb), old[0]),
+            step.left * plane.mul_add(nu.mul_add(e_bb, e_cc), old[1]),
+            step.left * g.mul_add(g_bc, old[2]),
         ];
-        let new = trial.map(|s| step.left * s);
-        linear += dot(std::array::from_fn(|i| old[i] + new[i]), [e_bb, e_cc, g_bc]);
-        history[3 * a..3 * a + 3].copy_from_slice(&new);
-        on_axes[c][b] += new[0] * inv_end[b];
-        on_axes[b][c] += new[1] * inv_end[c];
-        on_axes[c][c] += new[2] * inv_end[b];
-        on_axes[b][b] += new[2] * inv_end[c];
-    }
-    let mut quadratic = R::zero();
-    for i in 0..3 {
-        let strain = along[3][i] * inv[i];
+        kept.copy_from_slice(&new);
+        let energy = dot([old[0] + new[0], old[1] + new[1], old[2] + new[2]], [e_bb, e_cc, g_bc]);
+        (new[0] * end_square[b], new[1] * end_square[c], new[2] * end_others[a], energy)
+    };
+    let (s21, s12, t0, energy0) = linear(0, 1, 2, history);
+    let (s02, s20, t1, energy1) = linear(1, 2, 0, history);
+    let (s10, s01, t2, energy2) = linear(2, 0, 1, history);
+    let bilinear = |i: usize, history: &mut [R]| {
+        let strain = along[3][i] * per.square[i];
         let old = history[9 + i];
         let new = step.left * e.mul_add(strain, old);
-        quadratic = (old + new).mul_add(strain, quadratic);
         history[9 + i] = new;
-        on_axes[3][i] = new * inv_end[i];
-    }
-    let volume = step.end_gradient.volume();
-    let weights = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 9.0].map(|w| R::splat(w) * volume);
-    for a in 0..HOURGLASS_MODES {
-        let on = on_axes[a].map(|s| s * weights[a]);
-        forces[a] = std::array::from_fn(|i| on[0].mul_add(axes[0][i], on[1].mul_add(axes[1][i], on[2] * axes[2][i])));
-    }
-    let density = R::splat(1.0 / 3.0) * linear + R::splat(1.0 / 9.0) * quadratic;
+        (third * new * end_square[i], (old + new) * strain)
+    };
+    let (q0, more0) = bilinear(0, history);
+    let (q1, more1) = bilinear(1, history);
+    let (q2, more2) = bilinear(2, history);
+
+    let [x0, x1, x2, ..] = *step.end;
+    // Of components along the first three modes.
+    let force = |on: [R; 3]| std::array::from_fn(|i| on[0].mul_add(x0[i], on[1].mul_add(x1[i], on[2] * x2[i])));
+    let forces =
+        [force([t1 + t2, s01, s02]), force([s10, t0 + t2, s12]), force([s20, s21, t0 + t1]), force([q0, q1, q2])];
+    let density = third * third.mul_add(more0 + more1 + more2, energy0 + energy1 + energy2);
     (forces, R::splat(0.5) * density * step.mid_gradient.volume())
 }
 

@@ -35,12 +35,12 @@ impl<R: Real> Gradient<R> {
         let [y4, y5, y6] = [x4, x5, x6].map(|v| v.map(|c| third * c));
         let centre = cross(x2, x3);
         let b = [
-            sum(centre, cross(y6, x5)),
-            sum(cross(x3, x1), cross(y4, x6)),
-            sum(cross(x1, x2), cross(y5, x4)),
-            sum(cross(y6, x2), cross(x3, y5)),
-            sum(cross(y4, x3), cross(x1, y6)),
-            sum(cross(x2, y4), cross(y5, x1)),
+            cross_and(y6, x5, centre),
+            cross_and(y4, x6, cross(x3, x1)),
+            cross_and(y5, x4, cross(x1, x2)),
+            cross_and(y6, x2, cross(x3, y5)),
+            cross_and(y4, x3, cross(x1, y6)),
+            cross_and(x2, y4, cross(y5, x1)),
         ];
         // The volume is of third degree in the modes, and the quadratic term of each derivative is in it once:
         // X1 . b1 has [X1 X2 X3] and [X1 X6 X5]/3; the other two are in X4 . b4.
@@ -54,10 +54,10 @@ impl<R: Real> Gradient<R> {
         R::splat(1.0 / 64.0) * self.volume64
     }
 
-    /// Mean gradient of the field that has the modes `u`: component i by coordinate j.
+    /// Mean gradient of `scale` times the field that has the modes `u`: component i by coordinate j.
     #[inline(always)]
-    pub fn of(&self, u: &Modes<R>) -> [[R; 3]; 3] {
-        let inverse = R::splat(1.0) / self.volume64;
+    pub fn of(&self, u: &Modes<R>, scale: f64) -> [[R; 3]; 3] {
+        let inverse = R::splat(scale) / self.volume64;
         let b = &self.b;
         std::array::from_fn(|i| {
             std::array::from_fn(|j| {
@@ -70,25 +70,27 @@ impl<R: Real> Gradient<R> {
         })
     }
 
-    /// Sum over corners of `B_I B_I'`: xx, yy, zz, xy, yz, zx [1/length^2].
+    /// Sum over corners of `B_I B_I'`: xx, yy, zz, xy, yz, zx [1/length^2]. `inverse` is one over `volume64`.
     #[inline(always)]
-    pub fn gram(&self) -> [R; 6] {
+    pub fn gram(&self, inverse: R) -> [R; 6] {
         // Eight corners, each with all the modes.
-        let inverse = R::splat(1.0) / self.volume64;
         let scale = R::splat(8.0) * inverse * inverse;
-        [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+        let at = |i: usize, j: usize| {
             let mut sum = self.b[0][i] * self.b[0][j];
             for k in 1..6 {
                 sum = self.b[k][i].mul_add(self.b[k][j], sum);
             }
             sum * scale
-        })
+        };
+        [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
     }
 }
 
+/// `a x b + c`.
 #[inline(always)]
-fn sum<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    std::array::from_fn(|i| a[i] + b[i])
+fn cross_and<R: Real>(a: [R; 3], b: [R; 3], c: [R; 3]) -> [R; 3] {
+    let at = |i: usize, j: usize, k: usize| a[j].mul_add(b[k], a[k].neg_mul_add(b[j], c[i]));
+    [at(0, 1, 2), at(1, 2, 0), at(2, 0, 1)]
 }
 
 /// Modes of corner values, from differences along edges, which are small.
@@ -140,30 +142,43 @@ where
     [x0, x1, x2, x3, x4, x5, x6, x7]
 }
 
-/// Modes of a nodal column at the corners of a group.
+/// Modes of two nodal columns at the corners of a group.
 #[inline(always)]
-pub fn gather(group: &[[u32; LANES]; 8], column: &[[f64; 4]]) -> Modes<Lane> {
-    let mut rows = [[Lane::splat(0.0); LANES]; 7];
-    for lane in 0..LANES {
-        let modes = modes_of(std::array::from_fn(|c| Lane::new(column[group[c][lane] as usize])));
-        for (row, mode) in rows.iter_mut().zip(modes) {
-            row[lane] = mode;
-        }
-    }
-    rows.map(|rows| {
-        let [x, y, z, _] = Lane::transpose(rows);
-        [x, y, z]
-    })
+pub fn gather(group: &[[u32; LANES]; 8], [one, other]: [&[[f64; 4]]; 2]) -> [Modes<Lane>; 2] {
+    // One length for both columns: one check for each node.
+    let n = one.len();
+    let columns = [&one[..n], &other[..n]];
+    let at = |c: usize| {
+        let [a, b, c, d] = group[c].map(|i| (columns[0][i as usize], columns[1][i as usize]));
+        [transposed([a.0, b.0, c.0, d.0]), transposed([a.1, b.1, c.1, d.1])]
+    };
+    // Written out, so that corners stay in registers.
+    let c = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
+    let of = |k: usize| {
+        let along = |i: usize| {
+            modes_of([c[0][k][i], c[1][k][i], c[2][k][i], c[3][k][i], c[4][k][i], c[5][k][i], c[6][k][i], c[7][k][i]])
+        };
+        let [x, y, z] = [along(0), along(1), along(2)];
+        std::array::from_fn(|m| [x[m], y[m], z[m]])
+    };
+    [of(0), of(1)]
+}
+
+/// The three components of the rows of a group.
+#[inline(always)]
+fn transposed(rows: [[f64; 4]; LANES]) -> [Lane; 3] {
+    let [x, y, z, _] = Lane::transpose(rows.map(Lane::new));
+    [x, y, z]
 }
 
 /// Forces of modes to rows of corner forces.
 #[inline(always)]
 pub fn scatter(modes: &Modes<Lane>, force: &mut [[f64; 4]; 8 * LANES]) {
-    let rows = modes.map(|v| Lane::transpose([v[0], v[1], v[2], Lane::splat(0.0)]));
-    for lane in 0..LANES {
-        let corners = corners_of(std::array::from_fn(|k| rows[k][lane]));
-        for (slot, corner) in force[8 * lane..8 * lane + 8].iter_mut().zip(corners) {
-            *slot = corner.to_array();
+    let [x, y, z]: [[Lane; 8]; 3] = std::array::from_fn(|i| corners_of(std::array::from_fn(|k| modes[k][i])));
+    for c in 0..8 {
+        let rows = Lane::transpose([x[c], y[c], z[c], Lane::splat(0.0)]);
+        for (lane, row) in rows.into_iter().enumerate() {
+            force[8 * lane + c] = row.to_array();
         }
     }
 }

@@ -19,12 +19,12 @@ const NEWTON_STEPS: usize = 60;
 
 impl Plasticity {
     #[inline(always)]
-    fn solid_stress<R: Real, const COLUMNS: usize>(&self, point: SolidPoint<'_, R>, dt: f64) {
+    fn solid_stress<R: Real, const COLUMNS: usize>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
         let third = R::splat(1.0 / 3.0);
         let g = R::splat(self.elastic.shear_modulus());
         let bulk = R::splat(self.elastic.bulk_modulus());
         let one = R::splat(1.0);
-        let Some(state) = point.state.first_chunk_mut::<COLUMNS>() else { return };
+        let Some(state) = point.state.first_chunk_mut::<COLUMNS>() else { return one };
         let eps = point.strain;
 
         // 1. Elastic trial, as mean and deviator.
@@ -75,6 +75,7 @@ impl Plasticity {
         if COLUMNS > STRAIN + 1 {
             Self::let_go(state, STRAIN);
         }
+        factor
     }
 
     /// Plastic strain increment that brings a trial beyond yield back.
@@ -110,7 +111,7 @@ impl Plasticity {
     }
 
     #[inline(always)]
-    fn point<R: Real>(&self, point: SolidPoint<'_, R>, dt: f64) {
+    fn point<R: Real>(&self, point: SolidPoint<'_, R>, dt: f64) -> R {
         match self.names().len() {
             1 => self.solid_stress::<R, 7>(point, dt),
             _ => self.solid_stress::<R, 10>(point, dt),
@@ -136,11 +137,11 @@ impl Solid for Plasticity {
     fn elastic(&self) -> Elastic {
         self.elastic
     }
-    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) {
-        self.point(point, dt);
+    fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
+        self.point(point, dt)
     }
-    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) {
-        self.point(point, dt);
+    fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
+        self.point(point, dt)
     }
 }
 

@@ -1,0 +1,95 @@
+//! The kernels that are timed by `kernels.rs` and counted by `instructions.rs`.
+
+use crumple::embedded::run_alone;
+use crumple::job::read_text;
+use crumple_proto::boxes::Aabb;
+use crumple_proto::transport::{Tag, Transport, threads};
+use crumple_worker::contact::search::SEARCHES;
+use crumple_worker::engine::Engine;
+use crumple_worker::halo::Halo;
+use crumple_worker::nodes::xyz;
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+/// A piece of work that can be done again and again.
+pub type Work = Box<dyn FnMut()>;
+
+/// A kernel of the step.
+pub struct Kernel {
+    /// One word.
+    pub name: &'static str,
+    /// What it works on, and how many of these.
+    pub of: (&'static str, usize),
+    /// Makes it ready.
+    pub ready: fn() -> Work,
+}
+
+/// Every kernel.
+pub const KERNELS: &[Kernel] = &[
+    Kernel { name: "belytschko_tsay", of: ("shells", 7220), ready: || elements("tube-crush", &[]) },
+    Kernel { name: "stabilised_quad", of: ("shells", 7220), ready: || elements("tube-crush", STABILISED) },
+    Kernel { name: "hexahedron", of: ("solids", 16_384), ready: || elements("bench/hex-bar", &[]) },
+    Kernel { name: "search_cells", of: ("points", 7296), ready: || search(0) },
+    Kernel { name: "search_boxes", of: ("points", 7296), ready: || search(1) },
+    Kernel { name: "contact_pass", of: ("nodes without a pair", 7296), ready: contact },
+    Kernel { name: "message", of: ("words", MESSAGE), ready: message },
+];
+
+const STABILISED: &[&str] = &["part.tube.element=stabilised_quad"];
+/// Words of a message: the corner forces of some 80 shared nodes.
+pub const MESSAGE: usize = 1000;
+/// Cycles before the first: elements are strained and turn then.
+const CYCLES: u64 = 20;
+
+/// An engine some cycles into a job that is in the program.
+fn engine(job: &str, sets: &[&str]) -> Engine {
+    let text = crumple_cases::job(job).expect("the program has this job");
+    let sets: Vec<String> = sets.iter().map(|&s| s.to_string()).collect();
+    let model = read_text(job.into(), text.into(), &sets).unwrap_or_else(|report| panic!("{report}"));
+    let enough =
+        |e: &mut Engine| if e.clock.cycle < CYCLES { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+    run_alone(&model, enough).expect("one worker").engine
+}
+
+fn elements(job: &str, sets: &[&str]) -> Work {
+    let mut e = engine(job, sets);
+    Box::new(move || {
+        black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, false));
+    })
+}
+
+fn search(method: usize) -> Work {
+    let e = engine("tube-crush", &[]);
+    let surface = &e.contact.as_ref().expect("it has contact").surface;
+    let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&e.nodes.x, 3.0)).collect();
+    let points: Vec<[f64; 3]> = surface.slaves.iter().map(|&i| xyz(&e.nodes.x[i as usize])).collect();
+    Box::new(move || {
+        black_box((SEARCHES[method].find)(&boxes, &points));
+    })
+}
+
+fn contact() -> Work {
+    let mut e = engine("tube-crush", &[]);
+    let steps = e.clock.steps(e.loads.damping);
+    let mut ends = threads::connect(2);
+    Box::new(move || {
+        let contact = e.contact.as_mut().expect("it has contact");
+        contact.refresh_candidates(&e.nodes, &e.bodies, steps.dt);
+        contact.find_pairs(&e.nodes, steps);
+        contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
+        contact.enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps).expect("nobody is lost");
+    })
+}
+
+/// To another worker in the same thread, so that nobody waits.
+fn message() -> Work {
+    let mut ends = threads::connect(3);
+    let (mut there, mut here) = (ends.remove(2), ends.remove(1));
+    let message = vec![1u64; MESSAGE];
+    let mut words = Vec::new();
+    Box::new(move || {
+        here.send(2, Tag::Corners, &message).expect("nobody is lost");
+        there.recv(1, Tag::Corners, &mut words).expect("nobody is lost");
+        black_box(&words);
+    })
+}
