@@ -90,13 +90,16 @@ impl Build {
             match section.kind {
                 Kind::Shell => self.shell(&record, section, sections, shapes, own_thickness.get(&id), &mut table),
                 Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
-                Kind::Discrete | Kind::Other => {}
+                Kind::Beam => self.beam_part(&record, section, material, &mut table),
+                Kind::Discrete => {}
+            }
+            if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
+                let message =
+                    format!("part {id}: limits of welds hold for beams alone, which is not supported otherwise");
+                self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
             }
             let part = Part { rigid: material.rigid.clone(), place };
             self.parts.insert(id, part);
-            if section.kind == Kind::Other {
-                continue;
-            }
             if !taken.contains(&mid) {
                 taken.push(mid);
             }
