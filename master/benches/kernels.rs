@@ -11,6 +11,7 @@ use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::engine::Engine;
 use crumple_worker::halo::Halo;
 use crumple_worker::nodes::xyz;
+use crumple_worker::ties::Joined;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -48,10 +49,10 @@ fn contact(c: &mut Criterion) {
     let steps = e.clock.steps(e.loads.damping);
     let contact = e.contact.as_mut().expect("it has contact");
     let mut ends = threads::connect(2);
-    contact.refresh_candidates(&e.nodes, &e.bodies, steps.dt);
+    contact.refresh_candidates(&e.nodes, Joined { bodies: &e.bodies, ties: &e.ties }, steps.dt);
     c.bench_function("contact pass, 7296 nodes, no pair", |b| {
         b.iter(|| {
-            contact.refresh_candidates(&e.nodes, &e.bodies, steps.dt);
+            contact.refresh_candidates(&e.nodes, Joined { bodies: &e.bodies, ties: &e.ties }, steps.dt);
             contact.find_pairs(&e.nodes, steps);
             contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
             contact.enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps).expect("nobody is lost");
