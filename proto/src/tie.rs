@@ -12,4 +12,6 @@ pub struct Tie {
     pub carriers: Vec<(NodeId, f64)>,
     /// Whether rotations are tied too.
     pub rotations: bool,
+    /// Whether it keeps its place against its carriers' mean one, as an arm that turns with them; without, that is its place.
+    pub offset: bool,
 }

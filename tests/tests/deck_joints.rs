@@ -1,4 +1,4 @@
-//! What joins parts in keyword decks, beams and welds: each deck here adds lines to two plates above each other.
+//! What joins parts in keyword decks, beams, ties and welds: each deck here adds lines to two plates above each other.
 
 use crumple::job::{Model, read};
 use crumple_proto::job::BeamSection;
@@ -78,4 +78,64 @@ fn spot_welds_of_beams_break() {
     let number = |key: &str| steel.parameters[key].as_float().unwrap();
     let numbers = ["yield_stress", "hardening_modulus", "failure_strain"].map(number);
     assert_eq!(numbers, [0.4, 2.0, 0.5]);
+}
+
+fn set(model: &Model, name: &str) -> Vec<u64> {
+    model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}")).iter().map(|n| n.0).collect()
+}
+
+#[test]
+fn contacts_tie() {
+    let sets = "*SET_NODE_LIST\n5\n12,15\n*SET_SEGMENT\n6\n1,2,5,4\n*SET_PART_LIST\n7\n1\n";
+    let model = with(&format!(
+        "{sets}*CONTACT_TIED_NODES_TO_SURFACE_ID\n1,seam\n5,6,4,0\n\n0,0,-2.5,0.0\n*SET_NODE_LIST\n9\n11\n\
+         *CONTACT_TIED_SHELL_EDGE_TO_SURFACE_BEAM_OFFSET\n9,7,4,2\n\n0,0,4.0,2.0\n"
+    ));
+    let [seam, edge] = [0, 1].map(|i| model.job.tie[i].clone());
+    assert_eq!((seam.name.as_str(), seam.nodes.as_str(), seam.tolerance), ("seam", "set-5", 2.5));
+    assert_eq!(set(&model, seam.faces.as_deref().unwrap()), [1, 2, 4, 5]);
+    assert!(!seam.rotations && !seam.offset && seam.parts.is_empty());
+    assert_eq!((edge.name.as_str(), edge.parts.as_slice(), edge.tolerance), ("tie-2", [1].as_slice(), 0.6 * 6.0));
+    assert!(edge.rotations && edge.offset);
+    let at = |id: u64| model.mesh.nodes.iter().find(|n| n.id.0 == id).unwrap().x[2];
+    assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "moved without an offset");
+    let text = crumple::check::describe(&model);
+    for said in [
+        "tie 1: tied nodes to surface -> displacements tied, nodes moved onto the surface",
+        "tie 2: tied shell edge to surface, beam offset -> displacements, at the end of arms, and rotations tied",
+    ] {
+        assert!(text.contains(said), "not said: {said}\n{text}");
+    }
+}
+
+/// A beam between two plates, tied to the middle of a shell of each by `*CONTACT_SPOTWELD`.
+#[test]
+fn spot_weld_contacts_tie_beams() {
+    let model = with(
+        "*NODE\n21,5,5,0\n22,5,5,2\n*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n\
+        2,7.85e-6,207.0,0.3,0.4,2.0\n0.0,3.0,4.0,4.0\n*ELEMENT_BEAM\n21,3,21,22\n*SET_PART_LIST\n8\n1,2\n\
+        *CONTACT_SPOTWELD\n3,8,3,2\n\n\n",
+    );
+    let ties = &model.settings.ties;
+    let carriers = |i: usize| ties[i].carriers.iter().map(|c| (c.0.0, c.1)).collect::<Vec<_>>();
+    assert_eq!(carriers(0), [(1, 0.25), (2, 0.25), (4, 0.25), (5, 0.25)]);
+    assert_eq!(carriers(1), [(11, 0.25), (12, 0.25), (14, 0.25), (15, 0.25)]);
+    assert!(ties.iter().all(|t| t.rotations && !t.offset));
+}
+
+#[test]
+fn welds_are_bodies_or_beams_that_break() {
+    let model = with(
+        "*CONSTRAINED_SPOTWELD\n1,11\n3,13,3.0,2.0,1.0,4.0\n*NODE\n31,0,0,4\n*CONSTRAINED_SPOTWELD_ID\n7\n11,12\n\
+        *CONSTRAINED_GENERALIZED_WELD_SPOT\n5\n\n*SET_NODE_LIST\n5\n6,16\n",
+    );
+    let bodies: Vec<Vec<u64>> = model.settings.rigid.iter().map(|b| b.nodes.iter().map(|n| n.0).collect()).collect();
+    assert_eq!(bodies, [vec![1, 11, 12], vec![6, 16]], "welds with a node in common are one");
+    let part = &model.job.part[2];
+    let beam = part.beam.clone().unwrap();
+    let weld = beam.weld.unwrap();
+    assert_eq!((part.id, part.material.as_str(), beam.section), (3, "mat-1", BeamSection::Tube));
+    assert_eq!((beam.radius, weld.normal, weld.shear, weld.exponents), (1.0, 3.0, 2.0, [1.0, 4.0]));
+    let beams: Vec<_> = model.mesh.elements.iter().filter(|e| e.part == 3).collect();
+    assert_eq!(beams.iter().map(|e| e.corners().iter().map(|n| n.0).collect()).collect::<Vec<Vec<u64>>>(), [[3, 13]]);
 }

@@ -57,7 +57,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
-        ties.follow(wire, nodes)?; // without contact: it looks at where they go
+        ties.follow(wire, nodes, steps.dt)?; // without contact: it looks at where they go
         if !halo.links.is_empty() {
             let drift = motion.update(&nodes.x[..nodes.held]);
             timer.lap(Phase::Search);
@@ -84,7 +84,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         ties.give_contact(wire, nodes, contact, steps)?;
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
-    ties.follow(wire, nodes)?;
+    ties.follow(wire, nodes, steps.dt)?;
     if nodes.me == 0 {
         on_walls += walls.work_on_masses(); // all workers know it
     }

@@ -132,16 +132,24 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     tell_lost(job, entry, &found, id, findings);
     let turning: HashSet<NodeId> =
         mesh.elements.iter().filter(|e| e.shape.turns()).flat_map(|e| e.corners()).copied().collect();
+    // A rigid body takes its members where they are.
+    let rigid = |f: usize| job.rigid.iter().any(|r| r.parts.contains(&mesh.elements[surface[f].0].part));
     let stand = |(p, foot): (usize, Option<Foot>)| {
         let foot = foot?;
         let carriers = shared(&corners[foot.face], &foot.shape);
         let turns = carriers.iter().all(|c| turning.contains(&c.0));
+        let stays = rigid(foot.face) || spec.offset && turns;
         Some(Stand {
-            tie: Tie { node: id(p), carriers, rotations: spec.rotations && turns },
+            tie: Tie {
+                node: id(p),
+                carriers,
+                rotations: spec.rotations && turns,
+                offset: spec.offset && turns && !rigid(foot.face),
+            },
             entry,
             node: nodes[p],
-            point: foot.point,
-            moved: foot.distance / diagonal(&places[foot.face]),
+            point: if stays { points[p] } else { foot.point },
+            moved: if stays { 0.0 } else { foot.distance / diagonal(&places[foot.face]) },
         })
     };
     found.into_iter().enumerate().filter_map(stand).collect()
@@ -221,8 +229,20 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
 fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
         stands.iter().map(|s| (s.tie.node, s.tie.carriers.clone())).collect();
+    let kinds: HashMap<NodeId, (bool, bool)> =
+        stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
     let mut ties = Vec::with_capacity(stands.len());
     for Stand { mut tie, entry, .. } in stands {
+        let on = tie.carriers.iter().find_map(|c| Some((c.0, *kinds.get(&c.0)?)));
+        if let Some((carrier, (rotations, offset))) = on
+            && (tie.offset || offset || tie.rotations && !rotations)
+        {
+            let message =
+                format!("{}: node {} stands on node {carrier}, which is tied itself", name(job, entry), tie.node);
+            let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            continue;
+        }
         let mut rounds = 0;
         while tie.carriers.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
             rounds += 1;

@@ -30,4 +30,8 @@ pub struct Tie {
     /// Tie rotations too, to faces whose nodes turn.
     #[serde(default)]
     pub rotations: bool,
+    /// Leave nodes where they are, at the end of arms that turn with the face, if its nodes turn; the faces of solids have them moved
+    /// all the same. What acts on a node acts on the face with its moment.
+    #[serde(default)]
+    pub offset: bool,
 }

@@ -5,6 +5,11 @@
 //! `f_s v_s = sum N_k f_s v_k` energy too. The stable step does not shrink: of the elements at s the largest eigenvalue with the masses
 //! of its carriers is no larger than with its own, since `m_s |sum N_k v_k|^2 <= sum N_k m_s |v_k|^2` (Jensen).
 //!
+//! A node with an offset stands at the end of an arm d from its carriers' mean place, which turns with their mean rotation:
+//! `v_s = sum N_k (v_k + w_k x d)`, and `d x f_s` is a moment on them, `N_k` on each, so that angular momentum is kept too. Their
+//! inertias grow by [`ARM_INERTIA`] times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step
+//! of the elements at s is then at least `1/sqrt(1 + a)` of their own.
+//!
 //! Contact sees a tied node with the mass that it had, which is less than what carries it: too little is given back in one step
 //! rather than too much. Its forces go to the carriers after the sweeps.
 //!
@@ -23,9 +28,12 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
+use nalgebra::Rotation3;
 
 /// Stands for a node that is not local.
 const NONE: u32 = u32::MAX;
+/// `1 + 1/a` for a step shorter by the usual factor of safety, `(1 + a) 0.9^2 = 1`.
+const ARM_INERTIA: f64 = 0.81 / 0.19 + 1.0;
 
 /// A tied node or a carrier as all workers learn of it at the start.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -34,6 +42,7 @@ struct WireNode {
     number: u64,
     mass: f64,
     inertia: f64,
+    x: [f64; 3],
     v: [f64; 3],
     w: [f64; 3],
 }
@@ -52,8 +61,9 @@ struct Link {
 #[derive(Debug, Default)]
 pub struct Ties {
     jobs: Vec<Tie>,
-    /// Whether any ties rotations.
+    /// Whether any ties rotations or has an arm, and whether any has an arm.
     turn: bool,
+    arms: bool,
     /// Masses and inertias that tied nodes had.
     own: Vec<[f64; 2]>,
     /// All carriers, ascending.
@@ -72,8 +82,9 @@ pub struct Ties {
     partners: Vec<u32>,
     /// Force and moment on each tied node, as far as they are known here.
     acting: Vec<[V3; 2]>,
-    /// Velocities of carriers that others own.
+    /// Velocities of carriers that others own, and their places.
     motion: Vec<[[f64; 3]; 2]>,
+    places: Vec<[f64; 3]>,
     /// Contact forces that carriers were given in this step.
     passed: Vec<V3>,
     words: Vec<u64>,
@@ -110,10 +121,12 @@ impl Ties {
         carriers.dedup();
         let number = |id: NodeId| carriers.partition_point(|&c| c < id) as u32;
         let mut all = Self {
-            turn: nodes.rotations && jobs.iter().any(|t| t.rotations),
+            turn: nodes.rotations && jobs.iter().any(|t| t.rotations || t.offset),
+            arms: nodes.rotations && jobs.iter().any(|t| t.offset),
             shares: jobs.iter().map(|t| t.carriers.iter().map(|&(id, share)| (number(id), share)).collect()).collect(),
             acting: vec![[V3::zeros(); 2]; jobs.len()],
             motion: vec![[[0.0; 3]; 2]; carriers.len()],
+            places: vec![[0.0; 3]; carriers.len()],
             passed: vec![V3::zeros(); carriers.len()],
             jobs,
             carriers,
@@ -122,13 +135,20 @@ impl Ties {
         let tied: Vec<NodeId> = all.jobs.iter().map(|t| t.node).collect();
         let states = of_owners(wire, nodes, &tied)?;
         all.own = states.iter().map(|s| [s.mass, s.inertia]).collect();
-        for ((job, shares), own) in all.jobs.iter().zip(&all.shares).zip(&all.own) {
+        let carrying = of_owners(wire, nodes, &all.carriers)?;
+        let places: Vec<V3> = carrying.iter().map(|c| V3::from(c.x)).collect();
+        for (((job, shares), own), tied) in all.jobs.iter().zip(&all.shares).zip(&all.own).zip(&states) {
             let turns = all.turn && job.rotations;
+            let mut heavier = if turns { own[1] } else { 0.0 };
+            if all.arms && job.offset {
+                let foot = shares.iter().fold(V3::zeros(), |sum, &(c, share)| sum + places[c as usize] * share);
+                heavier += ARM_INERTIA * own[0] * (V3::from(tied.x) - foot).norm_squared();
+            }
             for &(c, share) in shares {
                 let Some(n) = nodes.number(all.carriers[c as usize]).map(|n| n as usize) else { continue };
                 nodes.mass[n] += share * own[0];
-                if turns {
-                    nodes.inertia[n] += share * own[1];
+                if heavier > 0.0 {
+                    nodes.inertia[n] += share * heavier;
                 }
                 nodes.invert_mass(n);
             }
@@ -140,13 +160,18 @@ impl Ties {
                 nodes.invert_mass(n);
             }
         }
-        let states = of_owners(wire, nodes, &all.carriers)?;
-        for (job, shares) in all.jobs.iter().zip(&all.shares) {
+        for ((job, shares), tied) in all.jobs.iter().zip(&all.shares).zip(&states) {
             let Some(n) = nodes.number(job.node).map(|n| n as usize) else { continue };
-            nodes.v[n] = blend(shares, |c| states[c].v);
+            nodes.v[n] = blend(shares, |c| carrying[c].v);
+            let spin = blend(shares, |c| carrying[c].w);
+            if all.arms && job.offset {
+                let arm = V3::from(tied.x) - V3::from(xyz(&blend(shares, |c| carrying[c].x)));
+                let turned = V3::from(xyz(&spin)).cross(&arm);
+                (0..3).for_each(|k| nodes.v[n][k] += turned[k]);
+            }
             nodes.next_v[n] = nodes.v[n];
             if all.turn && job.rotations {
-                nodes.w[n] = blend(shares, |c| states[c].w);
+                nodes.w[n] = spin;
             }
         }
         Ok(all)
@@ -252,17 +277,25 @@ impl Ties {
         if self.is_empty() {
             return Ok(());
         }
-        for &t in &self.following {
-            let n = self.tied_here[t as usize] as usize;
+        if self.arms {
+            self.swap_places(wire, nodes)?;
+        }
+        for t in 0..self.following.len() {
+            let t = self.following[t] as usize;
+            let n = self.tied_here[t] as usize;
             if n < nodes.held {
-                let moment = nodes.moment.get(n).map_or([0.0; 3], xyz);
-                self.acting[t as usize] = [xyz(&nodes.force[n]).into(), moment.into()];
+                let force = V3::from(xyz(&nodes.force[n]));
+                let mut moment = self.arm(t, nodes).cross(&force);
+                if self.turn && self.jobs[t].rotations {
+                    moment += V3::from(xyz(&nodes.moment[n]));
+                }
+                self.acting[t] = [force, moment];
             }
         }
         self.swap_acting(wire)?;
         for &t in &self.loading {
             let [force, moment] = self.acting[t as usize];
-            let turns = self.turn && self.jobs[t as usize].rotations;
+            let turns = self.turns(t as usize);
             for &(c, share) in &self.shares[t as usize] {
                 let n = self.carrier_here[c as usize] as usize;
                 if n >= nodes.held {
@@ -294,15 +327,20 @@ impl Ties {
         for &t in &self.following {
             let n = self.tied_here[t as usize];
             if (n as usize) < nodes.held {
-                self.acting[t as usize] = [contact.force_on(n), V3::zeros()];
+                let force = contact.force_on(n);
+                self.acting[t as usize] = [force, self.arm(t as usize, nodes).cross(&force)];
             }
         }
         self.swap_acting(wire)?;
         self.passed.fill(V3::zeros());
         for &t in &self.loading {
-            let force = self.acting[t as usize][0];
+            let [force, moment] = self.acting[t as usize];
             for &(c, share) in self.shares[t as usize].iter().filter(|_| force != V3::zeros()) {
                 let n = self.carrier_here[c as usize];
+                if self.turns(t as usize) && (n as usize) < nodes.held {
+                    let (next, inverse) = (&mut nodes.next_w[n as usize], &nodes.inv_inertia[n as usize]);
+                    (0..3).for_each(|k| next[k] += steps.push * share * moment[k] * inverse[k]);
+                }
                 if n != NONE {
                     let (next, inverse) = (&mut nodes.next_v[n as usize], &nodes.inv_mass[n as usize]);
                     (0..3).for_each(|k| next[k] += steps.push * share * force[k] * inverse[k]);
@@ -318,11 +356,26 @@ impl Ties {
         self.carriers.binary_search(&nodes.id[n as usize]).map_or(V3::zeros(), |c| self.passed[c])
     }
 
+    /// Whether a tie gives moments to its carriers.
+    fn turns(&self, t: usize) -> bool {
+        self.turn && (self.jobs[t].rotations || self.jobs[t].offset)
+    }
+
+    /// From the place of its carriers to a local tied node; nought if it has no offset [length].
+    fn arm(&self, t: usize, nodes: &Nodes) -> V3 {
+        if !(self.arms && self.jobs[t].offset) {
+            return V3::zeros();
+        }
+        let held = |c: usize| Some(self.carrier_here[c] as usize).filter(|&k| k < nodes.held);
+        let foot = blend(&self.shares[t], |c| held(c).map_or(self.places[c], |k| xyz(&nodes.x[k])));
+        V3::from(xyz(&nodes.x[self.tied_here[t] as usize])) - V3::from(xyz(&foot))
+    }
+
     /// Brings the velocities of local tied nodes to those of their carriers.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn follow(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes) -> Result<(), Lost> {
+    pub fn follow(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, dt: f64) -> Result<(), Lost> {
         if self.is_empty() {
             return Ok(());
         }
@@ -348,8 +401,35 @@ impl Ties {
             let (n, shares) = (self.tied_here[t as usize] as usize, &self.shares[t as usize]);
             let held = |c: usize| Some(self.carrier_here[c] as usize).filter(|&k| k < nodes.held);
             nodes.next_v[n] = blend(shares, |c| held(c).map_or(self.motion[c][0], |k| xyz(&nodes.next_v[k])));
-            if self.turn && self.jobs[t as usize].rotations && n < nodes.held {
-                nodes.next_w[n] = blend(shares, |c| held(c).map_or(self.motion[c][1], |k| xyz(&nodes.next_w[k])));
+            let (rotations, arm) = (self.jobs[t as usize].rotations, self.arm(t as usize, nodes));
+            if !(self.turn && (rotations || arm != V3::zeros())) {
+                continue;
+            }
+            let spin = blend(shares, |c| held(c).map_or(self.motion[c][1], |k| xyz(&nodes.next_w[k])));
+            if rotations && n < nodes.held {
+                nodes.next_w[n] = spin;
+            }
+            if arm != V3::zeros() {
+                // As far as the end of the arm goes when it keeps its length.
+                let moved = (Rotation3::new(V3::from(xyz(&spin)) * dt) * arm - arm) / dt;
+                (0..3).for_each(|k| nodes.next_v[n][k] += moved[k]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Learns where carriers are that others own.
+    fn swap_places(&mut self, wire: &mut dyn Transport, nodes: &Nodes) -> Result<(), Lost> {
+        for link in self.links.iter().filter(|l| !l.carriers_out.is_empty()) {
+            self.words.clear();
+            let places = link.carriers_out.iter().map(|&c| &nodes.x[self.carrier_here[c as usize] as usize]);
+            self.words.extend(places.flat_map(|x| xyz(x)).map(f64::to_bits));
+            wire.send(link.worker + 1, Tag::Ties, &self.words)?;
+        }
+        for link in self.links.iter().filter(|l| !l.carriers_in.is_empty()) {
+            wire.recv(link.worker + 1, Tag::Ties, &mut self.words)?;
+            for (&c, words) in link.carriers_in.iter().zip(self.words.chunks_exact(3)) {
+                self.places[c as usize] = pair(words)[0];
             }
         }
         Ok(())
@@ -407,6 +487,7 @@ fn of_owners(wire: &mut dyn Transport, nodes: &Nodes, ids: &[NodeId]) -> Result<
                 number: number as u64,
                 mass: record.mass,
                 inertia: record.inertia,
+                x: record.x,
                 v: record.v,
                 w: record.w,
             });

@@ -16,9 +16,11 @@ mod segments;
 mod sets;
 mod space;
 mod springs;
+mod ties;
 pub mod tree;
 mod units;
 mod walls;
+mod welds;
 
 use super::keywords::{self, Row};
 use super::parameters::Parameters;
@@ -97,8 +99,9 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     let mut materials = b.materials();
     let sections = b.sections();
     b.parts(&materials, &sections);
-    b.orient_beams();
     b.sets();
+    b.welds();
+    b.orient_beams();
     b.segment_sets();
     b.units(&mut materials);
     b.rigid();
@@ -111,6 +114,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     b.pressures();
     b.walls();
     b.contacts();
+    b.ties();
     b.left_over();
     let sets = std::mem::take(&mut b.node_sets);
     for (id, (nodes, place)) in sets {
