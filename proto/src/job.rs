@@ -5,6 +5,7 @@ mod loads;
 mod output;
 mod rigid;
 mod spring;
+mod tie;
 mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
@@ -12,6 +13,7 @@ pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory};
 pub use rigid::Rigid;
 pub use spring::Spring;
+pub use tie::Tie;
 pub use wall::Wall;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -81,6 +83,9 @@ pub struct Job {
     /// Rigid bodies.
     #[serde(default)]
     pub rigid: Vec<Rigid>,
+    /// Nodes tied to surfaces.
+    #[serde(default)]
+    pub tie: Vec<Tie>,
     /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
     pub motion: Vec<Motion>,

@@ -7,12 +7,13 @@ use crate::job::{Contact, Part};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use crate::rigid::RigidBody;
+use crate::tie::Tie;
 use crate::wall::Wall;
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies and
+/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies, ties and
 /// what histories ask for grows with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
@@ -44,6 +45,8 @@ pub struct Settings {
     pub loads: Loads,
     /// Rigid bodies; no two have a node in common.
     pub rigid: Vec<RigidBody>,
+    /// Tied nodes, ascending.
+    pub ties: Vec<Tie>,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.

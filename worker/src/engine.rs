@@ -16,6 +16,7 @@ use crate::motion::Motion;
 use crate::nodes::Nodes;
 use crate::prescribed::Prescribed;
 use crate::rigid::Bodies;
+use crate::ties::Ties;
 use crate::time::Clock;
 use crate::trace::Recorder;
 use crate::wall::Walls;
@@ -121,6 +122,8 @@ pub struct Engine {
     pub prescribed: Prescribed,
     /// Rigid bodies, all of the scene.
     pub bodies: Bodies,
+    /// Tied nodes.
+    pub ties: Ties,
     /// Energies.
     pub ledger: Ledger,
     /// Where what is recorded is.
@@ -141,7 +144,9 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn new(wire: &mut dyn Transport, settings: Settings, tree: CutTree, share: Share) -> Result<Self, Lost> {
-        let local = settle(wire, &settings, share, true)?;
+        let mut local = settle(wire, &settings, share, true)?;
+        let mut ties = Ties::start(wire, &settings, &mut local.nodes)?;
+        ties.settle(wire, &mut local.nodes)?;
         let mut agreement = Agreement::new();
         let own = local.blocks.smallest_step(&local.nodes).map_or(f64::INFINITY, |s| s.0);
         let surface = local.surface.as_ref();
@@ -154,6 +159,7 @@ impl Engine {
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
             bodies: Bodies::start(wire, &settings, &local.nodes)?,
+            ties,
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
@@ -193,6 +199,7 @@ impl Engine {
         let local = settle(wire, &self.settings, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         self.blocks.by_part = by_part;
+        self.ties.settle(wire, &mut self.nodes)?;
         self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
         Ok(())

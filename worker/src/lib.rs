@@ -5,7 +5,7 @@
 //! - [`elements`], [`materials`]: formulations and laws, one file each; [`lanes`]: numbers they are written in
 //! - [`contact`]: search, then enforce; [`wall`]: rigid walls
 //! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their factors over time;
-//!   [`rigid`]: bodies that do not deform
+//!   [`rigid`]: bodies that do not deform; [`ties`]: nodes carried by others
 //! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who would have what;
 //!   [`halo`]: what goes over the wires in a step; [`agreement`]: what all must know alike; [`motion`]: how far things have moved
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records, files; [`trace`]: what happens when
@@ -35,6 +35,7 @@ pub mod serve;
 pub mod step;
 #[cfg(test)]
 mod testing;
+pub mod ties;
 pub mod time;
 pub mod trace;
 pub mod vtu;

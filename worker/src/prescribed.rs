@@ -9,6 +9,7 @@ use crate::contact::enforce::Steps;
 use crate::curve::Curve;
 use crate::energy::Work;
 use crate::nodes::{Nodes, xyz};
+use crate::ties::Ties;
 use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
 use nalgebra::{Rotation3, Vector3};
 
@@ -97,12 +98,12 @@ impl Prescribed {
 
     /// Work of the constraint on owned nodes in the step: what the prescribed velocities take beyond all other forces,
     /// those of contact included [energy].
-    pub fn work(&self, nodes: &Nodes, contact: Option<&Contact>, steps: Steps) -> Work {
+    pub fn work(&self, nodes: &Nodes, (contact, ties): (Option<&Contact>, &Ties), steps: Steps) -> Work {
         let mut work = Work::default();
         for m in &self.motions {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_own(n as usize)) {
                 let i = n as usize;
-                let pushed = contact.map_or(Vector3::zeros(), |k| k.force_on(n));
+                let pushed = contact.map_or(Vector3::zeros(), |k| k.force_on(n) + ties.passed_on(n, nodes));
                 for c in 0..3 {
                     if m.job.dofs >> c & 1 == 1 {
                         let (a, b) = (nodes.v[i][c], nodes.next_v[i][c]);
@@ -146,7 +147,7 @@ mod tests {
         for i in 0..steps {
             nodes.accelerate(dt);
             p.prescribe(&mut nodes, i as f64 * dt, dt);
-            work += p.work(&nodes, None, Steps { dt, mid: dt, push: dt, whole: dt }).total();
+            work += p.work(&nodes, (None, &Ties::default()), Steps { dt, mid: dt, push: dt, whole: dt }).total();
             nodes.advance(dt);
         }
         (nodes, work)

@@ -4,6 +4,7 @@ use crate::agreement::Known;
 use crate::energy::Work;
 use crate::engine::{Agreed, Engine, Phase};
 use crate::erosion;
+use crate::ties::Joined;
 use crumple_proto::transport::{Lost, Transport};
 
 /// One central-difference step from t to t + dt; the same dt on every worker.
@@ -28,6 +29,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         loads,
         prescribed,
         bodies,
+        ties,
         ..
     } = engine;
 
@@ -46,6 +48,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Halo);
     blocks.assemble(nodes); // in ascending global element id: same bits for any worker count
     loads.add_forces(nodes, clock.time);
+    ties.give_forces(wire, nodes)?;
     nodes.accelerate(steps.mid); // contact and walls not yet felt
     loads.damp(nodes, steps.mid);
     prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
@@ -54,13 +57,14 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
+        ties.follow(wire, nodes, steps.dt)?; // without contact: it looks at where they go
         if !halo.links.is_empty() {
             let drift = motion.update(&nodes.x[..nodes.held]);
             timer.lap(Phase::Search);
             engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
             timer.lap(Phase::Halo);
         }
-        contact.refresh_candidates(nodes, bodies, steps.dt);
+        contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);
         timer.lap(Phase::Local);
@@ -76,7 +80,11 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         on_walls = walls.keep_out(wire, nodes, &pushed, steps)?;
         timer.lap(Phase::Advance);
     }
+    if let Some(contact) = contact {
+        ties.give_contact(wire, nodes, contact, steps)?;
+    }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
+    ties.follow(wire, nodes, steps.dt)?;
     if nodes.me == 0 {
         on_walls += walls.work_on_masses(); // all workers know it
     }
@@ -86,7 +94,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         timer.lap(Phase::Contact);
     }
 
-    let led = prescribed.work(nodes, contact.as_ref(), steps);
+    let led = prescribed.work(nodes, (contact.as_ref(), ties), steps);
     ledger.book_external(loads.work(nodes, steps) + led + on_bodies.external);
 
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);

@@ -19,6 +19,7 @@ pub fn settings() -> Settings {
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
         rigid: Vec::new(),
+        ties: Vec::new(),
         dt_max: 0.0,
         contact: None,
         rotations: true,

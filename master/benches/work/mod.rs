@@ -8,6 +8,7 @@ use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::engine::Engine;
 use crumple_worker::halo::Halo;
 use crumple_worker::nodes::xyz;
+use crumple_worker::ties::Joined;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -74,7 +75,7 @@ fn contact() -> Work {
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
-        contact.refresh_candidates(&e.nodes, &e.bodies, steps.dt);
+        contact.refresh_candidates(&e.nodes, Joined { bodies: &e.bodies, ties: &e.ties }, steps.dt);
         contact.find_pairs(&e.nodes, steps);
         contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
         contact.enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps).expect("nobody is lost");

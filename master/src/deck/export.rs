@@ -431,6 +431,7 @@ fn left_over(deck: &mut Deck, job: &Job) {
     list(deck, "load", &job.load);
     list(deck, "pressure", &job.pressure);
     list(deck, "rigid", &job.rigid);
+    list(deck, "tie", &job.tie);
     list(deck, "motion", &job.motion);
 }
 

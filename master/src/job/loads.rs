@@ -167,17 +167,8 @@ fn loaded_faces(
         return None;
     }
     let of_part = |part: u32| p.parts.is_empty() || p.parts.contains(&part);
-    let inside = |id: NodeId| within.as_ref().is_none_or(|set| set.binary_search(&id).is_ok());
-    let mut faces = Vec::new();
-    let free = free_faces(&mesh.elements);
-    for (e, free) in mesh.elements.iter().zip(free).filter(|(e, _)| of_part(e.part)) {
-        for (f, corners) in e.shape.faces().iter().enumerate() {
-            let outer = e.shape.is_shell() || free >> f & 1 == 1;
-            if outer && corners.iter().all(|&c| inside(e.nodes[c])) {
-                faces.push((e.id, f as u8));
-            }
-        }
-    }
+    let faces: Vec<(ElemId, u8)> =
+        faces(mesh, of_part, within.as_deref()).into_iter().map(|(e, f)| (mesh.elements[e].id, f as u8)).collect();
     if faces.is_empty() {
         let message = "a pressure acts on no face: no element has all nodes of a face there";
         let help = "name a part that has elements, or a set that holds all nodes of each face";
@@ -185,6 +176,23 @@ fn loaded_faces(
         return None;
     }
     Some(faces)
+}
+
+/// Faces of shells and outer faces of solids of some parts, all of whose nodes are in a set if one is given: elements by their place
+/// in the mesh, with the number of the face.
+pub fn faces(mesh: &Mesh, of_part: impl Fn(u32) -> bool, within: Option<&[NodeId]>) -> Vec<(usize, usize)> {
+    let inside = |id: NodeId| within.is_none_or(|set| set.binary_search(&id).is_ok());
+    let mut faces = Vec::new();
+    let free = free_faces(&mesh.elements);
+    for (at, (e, free)) in mesh.elements.iter().zip(free).enumerate().filter(|(_, (e, _))| of_part(e.part)) {
+        for (f, corners) in e.shape.faces().iter().enumerate() {
+            let outer = e.shape.is_shell() || free >> f & 1 == 1;
+            if outer && corners.iter().all(|&c| inside(e.nodes[c])) {
+                faces.push((at, f));
+            }
+        }
+    }
+    faces
 }
 
 /// A motion in numbers, without nodes and degrees of freedom, and the latter as far as they are given.

@@ -21,6 +21,7 @@ mod rigid;
 mod sets;
 mod springs;
 pub mod state;
+mod ties;
 pub mod tree;
 mod units;
 mod validate;
@@ -217,10 +218,16 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
-    let (mesh, axes) = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings)).unzip();
+    let (mut mesh, axes) = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings)).unzip();
+    let ties = mesh
+        .as_mut()
+        .filter(|_| !findings.any_error())
+        .map(|mesh| ties::resolve(&job, mesh, findings))
+        .unwrap_or_default();
     let figures = mesh.as_ref().and_then(quality);
     let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
     settings.axes = axes.unwrap_or_default();
+    settings.ties = ties;
     let used = match &mesh {
         Some(mesh) => state::shapes_in_use(mesh, &settings),
         None => vec![laws::Used::default(); order.len()],
@@ -233,6 +240,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
     settings.walls = walls::resolve(&job, &sets, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
+    ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
     settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
     settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
     if findings.any_error() {

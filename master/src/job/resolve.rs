@@ -216,6 +216,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         walls: Vec::new(),
         loads: Loads::default(),
         rigid: Vec::new(),
+        ties: Vec::new(),
         dt_max: job.time.dt_max,
         contact,
         rotations: true,

@@ -112,9 +112,11 @@ fn members(rigid: &Rigid, path: &str, mesh: &Mesh, sets: &NodeSets<'_>, findings
     }
     let at = |id: &NodeId| sets.place(*id).map(|n| mesh.nodes[n].x);
     let points: Vec<[f64; 3]> = nodes.iter().filter_map(at).collect();
-    if !points.is_empty() && on_a_line(&points) {
+    // Nodes that turn have an inertia of their own.
+    let turns = || mesh.elements.iter().any(|e| e.shape.turns() && e.corners().iter().any(|n| nodes.contains(n)));
+    if !points.is_empty() && on_a_line(&points) && !turns() {
         let message = format!("the nodes of rigid body `{}` stand on one line", rigid.name);
-        findings.add(Problem::error(path, message, "give it at least three that do not"));
+        findings.add(Problem::error(path, message, "give it at least three that do not, or a node of a shell or beam"));
     }
     nodes.into_iter().collect()
 }

@@ -28,20 +28,39 @@ pub struct Beam {
     /// Wall of a tube, 0 for a solid round bar [length].
     #[serde(default)]
     pub wall: f64,
+    /// Area of a general section [length^2].
+    #[serde(default)]
+    pub area: f64,
+    /// Second moments of area of a general section, for bending about the second and the third axis; 0 and 0 for a truss, which
+    /// bears no moments [length^4].
+    #[serde(default)]
+    pub second_moments: [f64; 2],
+    /// Torsion constant of a general section [length^4].
+    #[serde(default)]
+    pub torsion: f64,
     /// Makes beams welds that break.
     #[serde(default)]
     pub weld: Option<Weld>,
 }
 
-/// When a beam breaks as a spot weld does: once `(N/normal)^n + (V/shear)^m >= 1`, with the tension N along it and the shear force
-/// V across it. From then on it bears nothing.
+/// When a beam breaks as a spot weld does: once `(N/normal)^n + (V/shear)^m + (M/bending)^2 + (T/torsion)^2 >= 1`, with the tension
+/// N along it, the shear force V across it, the larger bending moment M of its ends and the torque T. From then on it bears
+/// nothing. A limit of 0 is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Weld {
     /// Tension that breaks it alone [force].
+    #[serde(default)]
     pub normal: f64,
     /// Shear force that breaks it alone [force].
+    #[serde(default)]
     pub shear: f64,
+    /// Bending moment that breaks it alone [force length].
+    #[serde(default)]
+    pub bending: f64,
+    /// Torque that breaks it alone [force length].
+    #[serde(default)]
+    pub torsion: f64,
     /// Exponents n and m; 2 and 2 without them.
     #[serde(default = "squares")]
     pub exponents: [f64; 2],
@@ -61,4 +80,7 @@ pub enum BeamSection {
     Tube,
     /// Two flanges of `width` by `flange`, and a `web`; `height` over all.
     I,
+    /// `area`, `second_moments` and `torsion` alone: four fibres at the radii of gyration. Elastic beams need no more; a truss
+    /// yields as one fibre does, a beam that bends as four flanges.
+    General,
 }

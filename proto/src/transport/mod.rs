@@ -37,6 +37,8 @@ pub enum Tag {
     Sweep,
     /// What acts on rigid bodies.
     Bodies,
+    /// What acts on tied nodes, and how those move that carry them.
+    Ties,
     /// What acts on walls that have a mass.
     Walls,
     /// Global maximum.

@@ -23,7 +23,7 @@ use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::nodes::{Nodes, Row, xyz};
-use crate::rigid::Bodies;
+use crate::ties::Joined;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
@@ -183,7 +183,7 @@ impl Edges {
 
     /// Global search: which own edges could meet which others before nodes have moved by more than `skin` against each
     /// other [length].
-    pub fn search(&mut self, surface: &Surface, nodes: &Nodes, bodies: &Bodies, find: Search, skin: f64) {
+    pub fn search(&mut self, surface: &Surface, nodes: &Nodes, joined: Joined<'_>, find: Search, skin: f64) {
         self.candidates.clear();
         if self.own.is_empty() {
             return;
@@ -205,7 +205,8 @@ impl Edges {
                 && met.bounds(&nodes.x).grown(reach(met)).touches(&slave.bounds(&nodes.x))
                 && !slave.has_beside(surface, &met.nodes)
                 && !met.has_beside(surface, &slave.nodes)
-                && !bodies.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k]);
+                && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
+                && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k]);
             if may_meet {
                 self.candidates.push([self.own[i as usize], other]);
             }

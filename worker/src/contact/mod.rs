@@ -26,6 +26,7 @@ use crate::halo::Halo;
 use crate::motion::Motion;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
+use crate::ties::Joined;
 use crate::wall::Walls;
 use close::Close;
 use crossing::Crossing;
@@ -205,7 +206,7 @@ impl Contact {
     }
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's.
-    pub fn refresh_candidates(&mut self, nodes: &Nodes, bodies: &Bodies, dt: f64) {
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, dt: f64) {
         let fresh = !self.candidate_start.is_empty();
         let moved = if fresh { 2.0 * self.since_close.update(&nodes.x).residual } else { 0.0 };
         let step = dt * spread(&nodes.next_v);
@@ -215,7 +216,7 @@ impl Contact {
         self.since_close.restart(&nodes.x, Vec::new());
         self.moved += moved;
         if !fresh || self.moved + self.close.skin > self.skin {
-            self.search(nodes, bodies);
+            self.search(nodes, joined);
             self.moved = 0.0;
         }
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
@@ -224,7 +225,7 @@ impl Contact {
     }
 
     /// Which segments each slave could meet before it moves by more than the skin.
-    fn search(&mut self, nodes: &Nodes, bodies: &Bodies) {
+    fn search(&mut self, nodes: &Nodes, joined: Joined<'_>) {
         self.searches += 1;
         let s = &self.surface;
         let largest = s.largest_scale();
@@ -238,10 +239,10 @@ impl Contact {
             let at = V3::from(xyz(&nodes.x[slave as usize]));
             !corners.contains(&slave)
                 && !is_farther(&at, &s.segments[g as usize].corners(&nodes.x), reach)
-                && !bodies.are_one(slave, corners)
+                && !joined.are_one(slave, corners)
         });
         found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
-        self.edges.search(s, nodes, bodies, self.find, self.skin);
+        self.edges.search(s, nodes, joined, self.find, self.skin);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();

@@ -11,7 +11,7 @@
 //! integrated by Lobatto's rule at both ends and the middle: bending is exact for forces on the nodes, and a plastic hinge
 //! comes at the very end. Fibres have a law in plane stress without stress across. Those of tubes bear the torque as
 //! shear, with the law; in other sections it stays elastic. There is no transverse shear. A weld breaks when the forces at its
-//! end reach `(N/S_n)^n + (V/S_s)^m = 1`, tension only.
+//! end reach `(N/S_n)^n + (V/S_s)^m + (M/S_b)^2 + (T/S_t)^2 = 1`, tension only.
 //!
 //! Forces are those of virtual work, and shear forces from the moments, so that they keep momentum and angular momentum:
 //! `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
@@ -95,6 +95,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     if part.element.is_some() {
         say("element", "beams have one formulation".into(), "take `element` out");
     }
+    let [about_y, about_z] = beam.second_moments;
     let all = [
         ("height", beam.height),
         ("width", beam.width),
@@ -102,17 +103,24 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
         ("web", beam.web),
         ("radius", beam.radius),
         ("wall", beam.wall),
+        ("area", beam.area),
+        ("second_moments", if about_y.min(about_z) < 0.0 { about_y.min(about_z) } else { about_y.max(about_z) }),
+        ("torsion", beam.torsion),
     ];
     let needed: &[&str] = match beam.section {
         BeamSection::Rectangle => &["height", "width"],
         BeamSection::Tube => &["radius"],
         BeamSection::I => &["height", "width", "flange", "web"],
+        BeamSection::General => &["area"],
     };
     for (key, value) in all {
-        let may = beam.section == BeamSection::Tube && key == "wall";
+        let of_general = beam.section == BeamSection::General && matches!(key, "second_moments" | "torsion");
+        let may = of_general || beam.section == BeamSection::Tube && key == "wall";
         if needed.contains(&key) && value <= 0.0 {
             say(&format!("beam.{key}"), format!("{key} is {value}"), "it has to be above 0");
-        } else if may && !(0.0..=beam.radius).contains(&value) {
+        } else if of_general && value < 0.0 {
+            say(&format!("beam.{key}"), format!("{key} is {value}"), "it has to be 0 or above");
+        } else if key == "wall" && may && !(0.0..=beam.radius).contains(&value) {
             say("beam.wall", format!("wall is {value}"), "it has to be from 0 (a solid bar) to the radius");
         } else if !needed.contains(&key) && !may && value != 0.0 {
             say(&format!("beam.{key}"), format!("its section has no {key}"), "take it out");
@@ -121,11 +129,16 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     if beam.section == BeamSection::I && !(2.0 * beam.flange < beam.height && beam.web <= beam.width) {
         say("beam", "flanges or web are thicker than the section".into(), "correct height, width, flange and web");
     }
-    if let Some(Weld { normal, shear, exponents: [n, m] }) = beam.weld {
-        for (key, value) in [("normal", normal), ("shear", shear), ("exponents", n), ("exponents", m)] {
-            if value <= 0.0 {
-                say(&format!("beam.weld.{key}"), format!("{key} of its welds is {value}"), "it has to be above 0");
-            }
+    if let Some(Weld { normal, shear, bending, torsion, exponents: [n, m] }) = beam.weld {
+        let limits = [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
+        for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {
+            say(&format!("beam.weld.{key}"), format!("{key} of its welds is {value}"), "give 0 (no limit) or above");
+        }
+        if limits.iter().all(|limit| limit.1 == 0.0) {
+            say("beam.weld", "its welds have no limit".into(), "give normal, shear, bending or torsion");
+        }
+        if n <= 0.0 || m <= 0.0 {
+            say("beam.weld.exponents", format!("exponents of its welds are {n}, {m}"), "they have to be above 0");
         }
     }
     let history = law.history();
@@ -224,10 +237,11 @@ impl Beam {
             [V3::new(-torque, bending[0], bending[2]), V3::new(torque, bending[1], bending[3])].map(|m| axes * m);
         let across = along.cross(&(moments[0] + moments[1])) / length;
         let force = along * axial + across;
-        if let Some(Weld { normal, shear, exponents: [n, m] }) = self.weld
-            && (axial.max(0.0) / normal).powf(n) + (across.norm() / shear).powf(m) >= 1.0
-        {
-            state[BROKEN] = 1.0;
+        if let Some(weld) = &self.weld {
+            let bent = moments.map(|m| (m - along * along.dot(&m)).norm());
+            if weld_is_broken(weld, axial, across.norm(), bent[0].max(bent[1]), torque) {
+                state[BROKEN] = 1.0;
+            }
         }
         let sum = force.abs().sum() + moments[0].abs().sum() + moments[1].abs().sum();
         Response { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
@@ -266,6 +280,14 @@ impl Beam {
         }
         states.copy_from_slice(trial);
     }
+}
+
+/// Whether the forces and moments at a weld's end break it.
+fn weld_is_broken(weld: &Weld, axial: f64, across: f64, bent: f64, torque: f64) -> bool {
+    let part = |load: f64, limit: f64, exponent: f64| if limit > 0.0 { (load / limit).powf(exponent) } else { 0.0 };
+    let [n, m] = weld.exponents;
+    let forces = part(axial.max(0.0), weld.normal, n) + part(across, weld.shear, m);
+    forces + part(bent, weld.bending, 2.0) + part(torque.abs(), weld.torsion, 2.0) >= 1.0
 }
 
 /// The rotation that takes the axes of space to a first and a second axis, and the third one.

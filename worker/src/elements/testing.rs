@@ -66,6 +66,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
         rigid: Vec::new(),
+        ties: Vec::new(),
         dt_max: 0.0,
         contact: None,
         rotations: true,

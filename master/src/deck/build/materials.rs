@@ -15,6 +15,10 @@ pub struct Material {
     pub table: Option<Table>,
     /// What a rigid part of it holds; `None` if it is not rigid.
     pub rigid: Option<Vec<&'static str>>,
+    /// Whether it stays elastic.
+    pub elastic: bool,
+    /// Limits of beams that are welds: normal, shear, bending, torsion [force], [force length]; with their place.
+    pub weld: Option<([f64; 4], Place)>,
     /// Density [mass/length^3].
     pub density: f64,
     /// Young's modulus [force/length^2].
@@ -23,8 +27,14 @@ pub struct Material {
     pub place: Place,
 }
 
-const KEYWORDS: [&str; 5] =
-    ["MAT_ELASTIC", "MAT_PLASTIC_KINEMATIC", "MAT_PIECEWISE_LINEAR_PLASTICITY", "MAT_JOHNSON_COOK", "MAT_RIGID"];
+const KEYWORDS: [&str; 6] = [
+    "MAT_ELASTIC",
+    "MAT_PLASTIC_KINEMATIC",
+    "MAT_PIECEWISE_LINEAR_PLASTICITY",
+    "MAT_JOHNSON_COOK",
+    "MAT_RIGID",
+    "MAT_SPOTWELD",
+];
 
 impl Build {
     pub(super) fn materials(&mut self) -> HashMap<i64, Material> {
@@ -37,19 +47,25 @@ impl Build {
                 let name = if taken { format!("mat-{id}") } else { title };
                 let place = record.place("mid");
                 let (mut table, mut e) = elastic(&record, &name);
-                let mut rigid = None;
+                let (mut rigid, mut weld) = (None, None);
+                let elastic = match keyword {
+                    "MAT_SPOTWELD" => record.real("sigy") == 0.0,
+                    _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID"),
+                };
                 match keyword {
                     "MAT_PLASTIC_KINEMATIC" => self.plastic_kinematic(&record, &mut table),
                     "MAT_PIECEWISE_LINEAR_PLASTICITY" => self.piecewise(&record, &mut table),
                     "MAT_JOHNSON_COOK" => e = self.johnson_cook(&record, &mut table),
                     "MAT_RIGID" => rigid = Some(self.rigid_material(&record)),
-                    _ => table.put("law", record.head, "elastic"),
+                    "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    _ => {}
                 }
-                if rigid.is_some() {
+                if elastic {
                     table.put("law", record.head, "elastic");
                 }
                 let density = record.real("ro");
-                let material = Material { name, table: Some(table), rigid, density, youngs_modulus: e, place };
+                let table = Some(table);
+                let material = Material { name, table, rigid, elastic, weld, density, youngs_modulus: e, place };
                 if materials.insert(id, material).is_some() {
                     self.trouble.error(place, format!("there are two materials with the id {id}"), "give each its own");
                 }
@@ -168,6 +184,38 @@ impl Build {
             }
         }
         e
+    }
+
+    /// `*MAT_SPOTWELD`; gives the limits of beams of it, noughts for none.
+    fn spot_weld(&mut self, record: &Record, table: &mut Table) -> Option<([f64; 4], Place)> {
+        if record.real("sigy") > 0.0 {
+            table.put("law", record.head, "j2");
+            table.put("yield_stress", record.place("sigy"), record.real("sigy"));
+            if record.real("eh") != 0.0 {
+                table.put("hardening_modulus", record.place("eh"), record.real("eh"));
+            }
+            if record.real("efail") > 0.0 {
+                table.put("failure_strain", record.place("efail"), record.real("efail"));
+            }
+        }
+        let tfail = record.real("tfail");
+        if tfail > 0.0 && tfail < self.end_time {
+            self.unsupported_value(record, "tfail", "welds that fail at a given time");
+        }
+        let unused: Vec<&str> = ["dt", "nf"].into_iter().filter(|f| record.real(f) != 0.0).collect();
+        if !unused.is_empty() {
+            self.map(format!("material {}", record.integer("mid")), unused.join(", "), "not used");
+        }
+        for (one, other) in [("nrs", "nrt"), ("mss", "mtt")] {
+            if record.real(one) != record.real(other) {
+                self.unsupported_value(record, other, "limits of both directions across a weld have to be the same");
+            }
+        }
+        for field in ["nrr", "nrs", "mss", "mrr"].iter().filter(|f| record.real(f) < 0.0) {
+            self.unsupported_value(record, field, "limits by curves of the rate");
+        }
+        let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
+        limits.iter().any(|&limit| limit > 0.0).then_some((limits, record.place("nrr")))
     }
 
     /// What a rigid material holds.

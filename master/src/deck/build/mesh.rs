@@ -23,10 +23,12 @@ pub struct Rows {
     pub shells: Vec<MeshElement>,
     pub solids: Vec<MeshElement>,
     pub springs: Vec<MeshElement>,
+    pub beams: Vec<MeshElement>,
     node_lines: Vec<Line>,
     shell_lines: Vec<Line>,
     solid_lines: Vec<Line>,
     spring_lines: Vec<Line>,
+    beam_lines: Vec<Line>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
     /// Codes of what is held, `tc` and `rc`, with a line that says so.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
@@ -215,14 +217,15 @@ impl Rows {
         }
     }
 
-    /// Ids of solids, shells and springs may be the same in a deck, not here: those of the later kinds are raised then.
+    /// Ids of solids, shells, springs and beams may be the same in a deck, not here: those of the later kinds are raised then.
     pub fn number_apart(&mut self, mapping: &mut Vec<Mapping>) {
-        if self.solids.is_empty() && self.springs.is_empty() {
+        if self.solids.is_empty() && self.springs.is_empty() && self.beams.is_empty() {
             return;
         }
         let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
         let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
-        for (kind, list) in [("solids", &mut self.solids), ("springs", &mut self.springs)] {
+        let lists = [("solids", &mut self.solids), ("springs", &mut self.springs), ("beams", &mut self.beams)];
+        for (kind, list) in lists {
             most = list.iter().map(|e| e.id.0).fold(most, u64::max);
             if list.iter().any(|e| seen.contains(&e.id)) {
                 let mut raise = 10u64;
@@ -248,6 +251,31 @@ impl Rows {
         self.spring_lines.push((file, start, end));
     }
 
+    /// Adds a beam, which is written at `place`; its third corner shows where its second axis points.
+    pub fn beam(&mut self, id: ElemId, part: u32, corners: [NodeId; 3], place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.beams.push(MeshElement::new(id, part, Shape::Beam2, &corners));
+        self.beam_lines.push((file, start, end));
+    }
+
+    /// Where the `index`-th beam is written.
+    pub fn beam_place(&self, index: usize) -> Place {
+        self.beam_lines.get(index).map_or(Place::Whole, |&(file, start, end)| Place::Deck { file, start, end })
+    }
+
+    /// Adds nodes that the deck does not have, at the places of the beams that they show the way; gives their ids.
+    pub fn add_nodes(&mut self, at: &[([f64; 3], Place)]) -> Vec<NodeId> {
+        let first = self.nodes.iter().map(|n| n.id.0).max().unwrap_or(0).saturating_add(1);
+        let mut ids = Vec::with_capacity(at.len());
+        for (id, (x, place)) in (first..).zip(at) {
+            let Place::Deck { file, start, end } = *place else { continue };
+            self.nodes.push(MeshNode { id: NodeId(id), x: *x });
+            self.node_lines.push((file, start, end));
+            ids.push(NodeId(id));
+        }
+        ids
+    }
+
     /// Adds a node set.
     pub fn add_set(&mut self, name: String, nodes: Vec<NodeId>, place: Place) {
         self.sets.insert(name, (nodes, place));
@@ -258,9 +286,9 @@ impl Rows {
         self.sets.contains_key(name)
     }
 
-    /// Shells, then solids, then springs.
+    /// Shells, then solids, then springs, then beams.
     pub fn elements(&self) -> impl Iterator<Item = &MeshElement> {
-        self.shells.iter().chain(&self.solids).chain(&self.springs)
+        self.shells.iter().chain(&self.solids).chain(&self.springs).chain(&self.beams)
     }
 
     /// Nodes of all elements of the parts that `of` accepts, ascending.
@@ -282,7 +310,9 @@ impl Rows {
 
     /// How many elements there are of each kind, as [`Rows::finish`] puts them one after the other.
     pub fn lists(&self) -> Lists {
-        [("shells", self.shells.len()), ("solids", self.solids.len()), ("springs", self.springs.len()), ("beams", 0)]
+        let [shells, solids, springs, beams] =
+            [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
+        [("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
     }
 
     /// The mesh and where everything in it is written.
@@ -290,11 +320,13 @@ impl Rows {
         let mut elements = self.shells;
         elements.extend(self.solids);
         elements.extend(self.springs);
+        elements.extend(self.beams);
         let places = Places {
             nodes: self.node_lines,
             shells: self.shell_lines,
             solids: self.solid_lines,
             springs: self.spring_lines,
+            beams: self.beam_lines,
             sets: self.sets.iter().map(|(name, (_, place))| (name.clone(), *place)).collect(),
         };
         let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
@@ -326,6 +358,7 @@ pub struct Places {
     shells: Vec<Line>,
     solids: Vec<Line>,
     springs: Vec<Line>,
+    beams: Vec<Line>,
     sets: BTreeMap<String, Place>,
 }
 
@@ -339,6 +372,7 @@ impl Places {
             "shells" => &self.shells,
             "solids" => &self.solids,
             "springs" => &self.springs,
+            "beams" => &self.beams,
             "node_sets" => return self.sets.get(rest).copied(),
             _ => return None,
         };

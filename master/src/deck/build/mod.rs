@@ -1,5 +1,6 @@
 //! From the cards of a deck to a job: the same tree of values that a job file gives, and a mesh.
 
+mod beams;
 mod contact;
 mod control;
 mod curves;
@@ -15,9 +16,11 @@ mod segments;
 mod sets;
 mod space;
 mod springs;
+mod ties;
 pub mod tree;
 mod units;
 mod walls;
+mod welds;
 
 use super::keywords::{self, Row};
 use super::parameters::Parameters;
@@ -29,7 +32,7 @@ use super::{Mapping, Unsupported};
 use crate::job::tree::{Node, Place};
 use crumple_proto::ids::NodeId;
 use mesh::Rows;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use tree::{Table, Tree};
 
 /// What is built so far, and what the rest needs of it.
@@ -56,6 +59,8 @@ pub struct Build {
     /// Scales of the forces of springs by part, with where they are written.
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, Record>,
+    /// Parts of beams that need no orientation.
+    round_parts: BTreeSet<u32>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
@@ -80,11 +85,13 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
         used_materials: Vec::new(),
         spring_scales: BTreeMap::new(),
         spring_laws: BTreeMap::new(),
+        round_parts: BTreeSet::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
     };
     b.collect(texts, leave_out);
     b.springs();
+    b.beams();
     b.rows.number_apart(&mut b.mapping);
     b.control();
     b.curves();
@@ -93,6 +100,8 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     let sections = b.sections();
     b.parts(&materials, &sections);
     b.sets();
+    b.welds();
+    b.orient_beams();
     b.segment_sets();
     b.units(&mut materials);
     b.rigid();
@@ -105,6 +114,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     b.pressures();
     b.walls();
     b.contacts();
+    b.ties();
     b.left_over();
     let sets = std::mem::take(&mut b.node_sets);
     for (id, (nodes, place)) in sets {

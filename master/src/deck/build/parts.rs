@@ -14,6 +14,8 @@ use std::collections::{BTreeMap, HashMap};
 pub struct Part {
     /// What a rigid one holds; `None` if it deforms.
     pub rigid: Option<Vec<&'static str>>,
+    /// Name of its material.
+    pub material: Option<String>,
     /// Where it is written.
     pub place: Place,
 }
@@ -57,7 +59,7 @@ impl Build {
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
-                self.parts.insert(id, Part { rigid: None, place });
+                self.parts.insert(id, Part { rigid: None, material: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
             }
@@ -75,7 +77,7 @@ impl Build {
                 self.missing(record.place("secid"), "*SECTION_...", secid, &known);
             }
             let (Some(material), Some(section)) = (material, section) else {
-                let part = Part { rigid: None, place };
+                let part = Part { rigid: None, material: None, place };
                 self.parts.insert(id, part);
                 continue;
             };
@@ -90,13 +92,16 @@ impl Build {
             match section.kind {
                 Kind::Shell => self.shell(&record, section, sections, shapes, own_thickness.get(&id), &mut table),
                 Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
-                Kind::Discrete | Kind::Other => {}
+                Kind::Beam => self.beam_part(&record, section, material, &mut table),
+                Kind::Discrete => {}
             }
-            let part = Part { rigid: material.rigid.clone(), place };
+            if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
+                let message =
+                    format!("part {id}: limits of welds hold for beams alone, which is not supported otherwise");
+                self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+            }
+            let part = Part { rigid: material.rigid.clone(), material: Some(material.name.clone()), place };
             self.parts.insert(id, part);
-            if section.kind == Kind::Other {
-                continue;
-            }
             if !taken.contains(&mid) {
                 taken.push(mid);
             }

@@ -23,8 +23,8 @@ pub enum Kind {
     Solid,
     /// Springs and dampers.
     Discrete,
-    /// What there are no elements for.
-    Other,
+    /// Beams.
+    Beam,
 }
 
 /// What `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and `*CONTROL_BULK_VISCOSITY` say for all parts.
@@ -85,7 +85,7 @@ impl Build {
         let kinds = [
             ("SECTION_SHELL", Kind::Shell),
             ("SECTION_SOLID", Kind::Solid),
-            ("SECTION_BEAM", Kind::Other),
+            ("SECTION_BEAM", Kind::Beam),
             ("SECTION_DISCRETE", Kind::Discrete),
         ];
         for (keyword, kind) in kinds {

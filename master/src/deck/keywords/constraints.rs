@@ -1,7 +1,12 @@
 //! Rigid bodies and what ties nodes together.
 
-use super::not_yet;
-use crate::deck::table::{Keyword, Times::*};
+use super::id;
+use crate::deck::table::{
+    Keyword,
+    Times::{self, *},
+};
+
+const WELD_ID: (&str, Times) = ("wid:i", Count(id));
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
@@ -19,12 +24,22 @@ pub const KEYWORDS: &[Keyword] = &[
         &[("pid:i! lrb:i ptype:a", Rest)],
         "the part, or with PSET each part of the set, is rigid from the start on and stays so; with lrb it joins that part's body",
     ),
-    not_yet("CONSTRAINED_SPOTWELD", &[("n1:i! n2:i! sn:r ss:r n:r m:r tf:r ep:r", Rest)], "spot welds")
-        .options(&["ID"]),
-    not_yet(
+    Keyword::new(
+        "CONSTRAINED_SPOTWELD",
+        &[WELD_ID, ("n1:i! n2:i! sn:r ss:r n:r m:r tf:r=1e20 ep:r=1e20", Once)],
+        "`[[rigid]]` body of the two nodes, joined with others that it has nodes in common with; with sn or ss a beam that breaks, round \
+         and as thick as long, of the material of the first node's part: sn is its `normal`, ss its `shear`, n and m are their exponents (2 if blank)",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
         "CONSTRAINED_GENERALIZED_WELD_SPOT",
-        &[("nsid:i! cid:i filter:i window:r npr:i nprt:i", Once), ("tfail:r epsf:r sn:r ss:r n:r m:r", Maybe)],
-        "spot welds of a node set",
+        &[
+            WELD_ID,
+            ("nsid:i! cid:i filter:i window:r npr:i nprt:i", Once),
+            ("tfail:r=1e20 epsf:r=1e20 sn:r ss:r n:r m:r", Once),
+        ],
+        "the same of a node set, which has two nodes if it breaks",
     )
     .options(&["ID"])
     .repeats(),

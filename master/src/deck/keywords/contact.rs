@@ -1,6 +1,6 @@
 //! Contact and rigid walls.
 
-use super::{id, not_yet};
+use super::id;
 use crate::deck::record::Record;
 use crate::deck::table::{
     Effect::Output,
@@ -31,8 +31,12 @@ const fn contact(name: &'static str, note: &'static str) -> Keyword {
     Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
 }
 
-const fn tied(name: &'static str) -> Keyword {
-    not_yet(name, CARDS, "ties").options(&["ID", "TITLE", "MPP", "OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"])
+const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb, which are moved onto them; with one of the OFFSET options they stay where \
+    they are, at the end of arms, by a constraint in all three. A negative sast or sbst is the tolerance";
+const TURNED: &str = "the same with `rotations`";
+
+const fn tied(name: &'static str, note: &'static str) -> Keyword {
+    Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP", "OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"])
 }
 
 const WALL: &[(&str, Times)] = &[
@@ -72,10 +76,10 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_FORCE_TRANSDUCER_PENALTY", "it measures, and changes nothing: not written yet").effect(Output),
     contact("CONTACT_FORCE_TRANSDUCER", "the same").effect(Output),
-    tied("CONTACT_TIED_NODES_TO_SURFACE"),
-    tied("CONTACT_TIED_SURFACE_TO_SURFACE"),
-    tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE"),
-    tied("CONTACT_SPOTWELD"),
+    tied("CONTACT_TIED_NODES_TO_SURFACE", TIED),
+    tied("CONTACT_TIED_SURFACE_TO_SURFACE", TIED),
+    tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),
+    tied("CONTACT_SPOTWELD", TURNED),
     Keyword::new(
         "RIGIDWALL_PLANAR",
         WALL,

@@ -90,6 +90,18 @@ pub const KEYWORDS: &[Keyword] = &[
         &[SPRING_TITLE, ("mid:i! lcdr:i!", Once)],
         "`spring.force_rate` by lcdr",
     ),
+    Keyword::new(
+        "MAT_SPOTWELD",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r eh:r dt:r tfail:r", Once),
+            ("efail:r nrr:r nrs:r nrt:r mrr:r mss:r mtt:r nf:r", Maybe),
+        ],
+        "law `j2` with the plastic modulus eh, `elastic` without sigy; efail is `failure_strain`. nrr, nrs = nrt, mss = mtt and mrr make \
+         beams of it `[part.beam.weld]`: normal, shear, bending, torsion. dt (mass scaling) and nf (filter) are not used",
+    )
+    .aliases(&["MAT_100"])
+    .options(&["TITLE"]),
     not_yet(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],

@@ -1,6 +1,5 @@
 //! Nodes and elements.
 
-use super::not_yet;
 use crate::deck::record::Record;
 use crate::deck::table::{Keyword, Times::*};
 
@@ -27,7 +26,14 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[mass]]`, nodes of equal mass in one",
     ),
     Keyword::new("ELEMENT_MASS_NODE_SET", &[("eid:i8 nsid:i8! mass:r16!", Rest)], "`[[mass]]` of the set"),
-    not_yet("ELEMENT_BEAM", &[("eid:i8! pid:i8! n:i8*3 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Rest)], "beams"),
+    Keyword::new(
+        "ELEMENT_BEAM",
+        &[("eid:i8! pid:i8! n1:i8! n2:i8! n3:i8 rt1:i8 rr1:i8 rt2:i8 rr2:i8 local:i8", Once), ("vx:r vy:r vz:r", Count(orientation))],
+        "beams; n3, or with ORIENTATION a vector, shows where the second axis (s) points, and may be left out where the section is round \
+         or the beam a truss. Releases (rt, rr) are not supported",
+    )
+    .options(&["ORIENTATION"])
+    .repeats(),
     Keyword::new(
         "ELEMENT_DISCRETE",
         &[("eid:i8! pid:i8! n1:i8! n2:i8 vid:i8 s:r16=1 pf:i8 offset:r16", Rest)],
@@ -35,6 +41,10 @@ pub const KEYWORDS: &[Keyword] = &[
          are not supported yet",
     ),
 ];
+
+fn orientation(record: &Record) -> usize {
+    usize::from(record.has("ORIENTATION"))
+}
 
 fn thickness(record: &Record) -> usize {
     usize::from(!record.options.is_empty())

@@ -40,9 +40,12 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("heading:l", Count(title)),
             ("secid:i! elform:i=1 shrf:r=1 qr:r=2 cst:r scoor:r nsm:r", Once),
-            ("field:r*8", Once),
+            ("ts1:r ts2:r tt1:r tt2:r nsloc:r ntloc:r", Count(integrated)),
+            ("a:r! iss:r itt:r j:r sa:r ist:r", Count(resultant)),
+            ("field:r*8", Count(of_another_kind)),
         ],
-        "read, and used by nothing: *ELEMENT_BEAM is not supported yet",
+        "`[part.beam]`: elform 1, 4, 5 and 9 with cst 0 `rectangle` (ts1 by tt1) or 1 `tube` (diameters ts1 and tt1); elform 2 `general` \
+         with a, iss, itt and j, elastic; elform 3 the same without moments. There is no transverse shear: shrf and sa are not used",
     )
     .options(&["TITLE"])
     .repeats(),
@@ -69,6 +72,18 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["TITLE"])
     .repeats(),
 ];
+
+fn integrated(record: &Record) -> usize {
+    usize::from(matches!(record.integer("elform"), 0 | 1 | 4 | 5 | 9 | 11))
+}
+
+fn resultant(record: &Record) -> usize {
+    usize::from(matches!(record.integer("elform"), 2 | 3 | 12 | 13))
+}
+
+fn of_another_kind(record: &Record) -> usize {
+    usize::from(integrated(record) + resultant(record) == 0)
+}
 
 fn contact(record: &Record) -> usize {
     usize::from(record.has("CONTACT"))

@@ -15,6 +15,7 @@ use crate::energy::ContactWork;
 use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
 use crate::rigid::Bodies;
+use crate::ties::{Joined, Ties};
 use crate::wall::Walls;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
@@ -107,7 +108,8 @@ impl Scene {
             nodes.force[j][2] -= tension;
         }
         nodes.accelerate(steps.mid);
-        contact.refresh_candidates(nodes, &Bodies::default(), steps.dt);
+        let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
+        contact.refresh_candidates(nodes, joined, steps.dt);
         contact.find_pairs(nodes, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
         contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();

@@ -2,7 +2,8 @@
 //!
 //! Strips have two Gauss points in each half, so that area, second moments and the plastic moment of a rectangle are exact.
 //! Rings have 16 points, at the middles of equal angles: area and second moments are exact, the plastic moment is
-//! `(pi/16)/sin(pi/16)`, 0.6 %, too large.
+//! `(pi/16)/sin(pi/16)`, 0.6 %, too large. General sections have four points at the radii of gyration: area and second moments
+//! are exact, and nothing is known of how they yield.
 
 use crumple_proto::job::{Beam, BeamSection};
 use std::f64::consts::{PI, TAU};
@@ -63,6 +64,7 @@ impl Section {
                 let torsion = (2.0 * job.width * job.flange.powi(3) + 2.0 * inner * job.web.powi(3)) / 3.0;
                 Self { fibres, torsion }
             }
+            BeamSection::General => Self { fibres: gyration(job.area, job.second_moments), torsion: job.torsion },
             BeamSection::Tube => {
                 let inside = if job.wall > 0.0 { job.radius - job.wall } else { 0.0 };
                 Self { fibres: tube(inside, job.radius), torsion: 0.0 }
@@ -81,6 +83,12 @@ fn rectangle(y: [f64; 2], z: [f64; 2]) -> Vec<Fibre> {
     let (rows, columns) = (strip(y[0], y[1]), strip(z[0], z[1]));
     let cell = |&(y, dy): &(f64, f64), &(z, dz): &(f64, f64)| Fibre { y, z, area: dy * dz, arm: 0.0 };
     rows.iter().flat_map(|row| columns.iter().map(|column| cell(row, column))).collect()
+}
+
+/// Four fibres with these moments, for bending about the second and the third axis.
+fn gyration(area: f64, [about_y, about_z]: [f64; 2]) -> Vec<Fibre> {
+    let (y, z) = ((about_z / area).sqrt(), (about_y / area).sqrt());
+    [[y, z], [-y, z], [-y, -z], [y, -z]].map(|[y, z]| Fibre { y, z, area: 0.25 * area, arm: 0.0 }).to_vec()
 }
 
 /// Two rings at the Gauss points of the area's r dr, each with the area of the points' weights.
@@ -105,7 +113,19 @@ mod tests {
     }
 
     fn beam(section: BeamSection) -> Beam {
-        Beam { section, height: 6.0, width: 4.0, flange: 0.5, web: 0.3, radius: 5.0, wall: 1.0, weld: None }
+        Beam {
+            section,
+            height: 6.0,
+            width: 4.0,
+            flange: 0.5,
+            web: 0.3,
+            radius: 5.0,
+            wall: 1.0,
+            area: 7.0,
+            second_moments: [11.0, 13.0],
+            torsion: 17.0,
+            weld: None,
+        }
     }
 
     /// Plastic moment over the yield stress for bending about the third axis.
@@ -128,6 +148,14 @@ mod tests {
         close(iz, (4.0 * 216.0 - 3.7 * 125.0) / 12.0, 1e-14);
         close(iy, (2.0 * 0.5 * 64.0 + 5.0 * 0.027) / 12.0, 1e-14);
         close(plastic(&s), 2.0 * 2.0 * 2.75 + 0.3 * 6.25, 1e-14);
+
+        for (ours, exact) in
+            Section::new(&beam(BeamSection::General)).moments().into_iter().zip([7.0, 11.0, 13.0, 17.0])
+        {
+            close(ours, exact, 1e-14);
+        }
+        let truss = Beam { second_moments: [0.0; 2], torsion: 0.0, ..beam(BeamSection::General) };
+        assert_eq!(Section::new(&truss).moments(), [7.0, 0.0, 0.0, 0.0]);
 
         for wall in [1.0, 0.0] {
             let s = Section::new(&Beam { wall, ..beam(BeamSection::Tube) });

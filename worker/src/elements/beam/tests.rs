@@ -5,8 +5,8 @@ use crate::elements::build_block;
 use crate::elements::testing::{elastic, part, settings};
 use crumple_proto::job::{Beam as BeamJob, Part as PartJob};
 
-fn beam() -> Box<dyn Element> {
-    let section = BeamJob {
+fn rectangle() -> BeamJob {
+    BeamJob {
         section: BeamSection::Rectangle,
         height: 0.4,
         width: 0.2,
@@ -14,15 +14,21 @@ fn beam() -> Box<dyn Element> {
         web: 0.0,
         radius: 0.0,
         wall: 0.0,
+        area: 0.0,
+        second_moments: [0.0; 2],
+        torsion: 0.0,
         weld: None,
-    };
+    }
+}
+
+fn beam(section: BeamJob) -> Box<dyn Element> {
     let part = PartJob { beam: Some(section), ..part(0.0) };
     build_block(&settings(part, elastic(2.0, 0.3, 1.0)), 0, Shape::Beam2).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
 /// Forces and moments of a beam whose ends go through `places` with rotational velocities `w` in steps of 1.
-fn led(places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
-    let beam = beam();
+fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
+    let beam = beam(section);
     let mut history = vec![Lane::splat(0.0); beam.columns()];
     beam.start(&mut history);
     beam.orient(&mut history, 0, [0.3, 1.0, 0.2]);
@@ -50,7 +56,7 @@ fn no_rotation_strains_it() {
     let turned = |k: usize, p: V3| Turn::from_scaled_axis(axis * k as f64) * p + V3::new(0.1, 0.2, -0.3) * k as f64;
     let ends = [V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)];
     let places: Vec<[V3; 2]> = (0..=100).map(|k| ends.map(|p| turned(k, p))).collect();
-    let [force, first, last] = led(&places, &[[axis; 2]; 100]);
+    let [force, first, last] = led(rectangle(), &places, &[[axis; 2]; 100]);
     let largest = force.norm() + first.norm() + last.norm();
     assert!(largest < 1e-12, "E A is 0.16: {largest}");
 }
@@ -71,7 +77,7 @@ fn it_has_the_stiffness_of_a_beam() {
         let own = [V3::new(1e-3, 2e-3, 0.0), V3::new(-1e-3, 0.0, 2e-3)];
         let rates = [[turn.scaled_axis(); 2], own.map(|w| turn * (axes * w))];
         let [force, first, last] =
-            led(&[start, whole, stretched], &rates).map(|f| axes.inverse() * (turn.inverse() * f));
+            led(rectangle(), &[start, whole, stretched], &rates).map(|f| axes.inverse() * (turn.inverse() * f));
         let torsion = 0.229 * 0.4 * 0.008;
         let about = |i: f64, near: f64, far: f64| e * i / length * (4.0 * near + 2.0 * far);
         let expected = [
@@ -86,4 +92,37 @@ fn it_has_the_stiffness_of_a_beam() {
         let shear = (first + last) / (length + 1e-3);
         assert!((force.z - shear.y).abs() < 1e-6 * shear.norm() && (force.y + shear.z).abs() < 1e-6 * shear.norm());
     }
+}
+
+/// A general section with the area and moments of a rectangle gives its forces, to round-off of sums over fibres; without moments
+/// it bears along its line alone.
+#[test]
+fn a_general_section_is_its_moments() {
+    let [area, about_y, about_z, torsion] = Section::new(&rectangle()).moments();
+    let none = BeamJob { section: BeamSection::General, height: 0.0, width: 0.0, area, ..rectangle() };
+    let general = BeamJob { second_moments: [about_y, about_z], torsion, ..none.clone() };
+    let ends = [V3::new(1.0, 0.2, 0.0), V3::new(3.0, 0.5, 0.4)];
+    let moved = [ends[0], ends[1] + V3::new(1e-3, 2e-3, -1e-3)];
+    let turns = [[V3::zeros(); 2], [V3::new(1e-3, 2e-3, 0.0), V3::new(-1e-3, 0.0, 2e-3)]];
+    let of = |section| led(section, &[ends, moved, moved], &turns);
+    let (wanted, ours, truss) = (of(rectangle()), of(general), of(none));
+    for (ours, wanted) in ours.iter().zip(&wanted) {
+        assert!((ours - wanted).norm() < 1e-12 * wanted.norm(), "{ours} {wanted}");
+    }
+    let line = (moved[1] - moved[0]).normalize();
+    assert_eq!(truss[1..], [V3::zeros(); 2]);
+    assert!((truss[0] - line * wanted[0].dot(&line)).norm() < 1e-12 * wanted[0].norm(), "{}", truss[0]);
+}
+
+/// Each limit alone, at a half and at the whole of it; tension only; together their shares add up.
+#[test]
+fn welds_break_at_their_limits() {
+    let weld = Weld { normal: 2.0, shear: 3.0, bending: 5.0, torsion: 7.0, exponents: [1.0, 4.0] };
+    let broken = |along, across, bent, torque| weld_is_broken(&weld, along, across, bent, torque);
+    assert!(broken(2.0, 0.0, 0.0, 0.0) && !broken(1.99, 0.0, 0.0, 0.0) && !broken(-9.0, 0.0, 0.0, 0.0));
+    assert!(broken(0.0, 3.0, 0.0, 0.0) && broken(0.0, 0.0, 5.0, 0.0) && broken(0.0, 0.0, 0.0, -7.0));
+    assert!(!broken(0.5, 1.5, 2.5, 3.5), "1/4 + 1/16 + 1/4 + 1/4");
+    assert!(broken(0.88, 1.5, 2.5, 3.5), "0.44 + 1/16 + 1/4 + 1/4");
+    let unlimited = Weld { normal: 0.0, shear: 0.0, bending: 0.0, ..weld };
+    assert!(!weld_is_broken(&unlimited, 1e9, 1e9, 1e9, 0.0) && weld_is_broken(&unlimited, 0.0, 0.0, 0.0, 7.0));
 }

@@ -1,0 +1,322 @@
+//! Ties of a job: which nodes stand on which faces, what is wrong with that, and what it is in numbers and ids.
+
+use super::loads::faces;
+use super::state::{NodeSets, NodeStart};
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Job, Tie as TieSpec};
+use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::problem::Problem;
+use crumple_proto::rigid::RigidBody;
+use crumple_proto::tie::Tie;
+use crumple_worker::ties::project::{Face, Foot, diagonal, feet};
+use std::collections::{HashMap, HashSet};
+
+/// Default tolerance: this fraction of the sum of thicknesses, or of the shorter diagonal of the face.
+const OF_THICKNESSES: f64 = 0.6;
+const OF_DIAGONAL: f64 = 0.05;
+/// Shares below this are round-off of the projection.
+const NO_SHARE: f64 = 1e-12;
+/// Nodes that are moved by more than this fraction of the face's diagonal are told.
+const TOLD_MOVE: f64 = 1e-3;
+/// Numbers of nodes in a message.
+const NAMED: usize = 5;
+/// Ties one on another before they go in a circle.
+const LONGEST_CHAIN: usize = 100;
+
+/// A tied node, the entry of the job that it is from, and what its place is to the mesh.
+struct Stand {
+    tie: Tie,
+    entry: usize,
+    node: usize,
+    point: [f64; 3],
+    moved: f64,
+}
+
+/// Finds the faces that nodes are tied to and moves the nodes onto them; tied nodes ascending.
+pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> {
+    if job.tie.is_empty() {
+        return Vec::new();
+    }
+    let mut stands: Vec<Stand> = Vec::new();
+    for (entry, spec) in job.tie.iter().enumerate() {
+        stands.extend(of_entry(spec, entry, job, mesh, findings));
+    }
+    stands.sort_by_key(|s| (s.tie.node, s.entry));
+    for pair in stands.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
+        let message = format!(
+            "node {} is tied twice: by {} and {}",
+            pair[0].tie.node,
+            name(job, pair[0].entry),
+            name(job, pair[1].entry)
+        );
+        let help = "take it out of one of the sets";
+        findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
+    }
+    for s in &stands {
+        mesh.nodes[s.node].x = s.point;
+    }
+    for entry in 0..job.tie.len() {
+        tell_moved(job, entry, &stands, findings);
+    }
+    chained(job, stands, findings)
+}
+
+/// Name of an entry in messages.
+fn name(job: &Job, entry: usize) -> String {
+    match job.tie[entry].name.as_str() {
+        "" => format!("tie {}", entry + 1),
+        name => format!("tie `{name}`"),
+    }
+}
+
+/// The nodes of one entry.
+fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut Findings) -> Vec<Stand> {
+    let path = |key: &str| format!("tie.{entry}.{key}");
+    let sets = NodeSets::of(mesh);
+    let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
+    for (k, id) in spec.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)) {
+        let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        let help = nearest(&id.to_string(), &ids);
+        findings.add(Problem::error(path(&format!("parts.{k}")), format!("tie: there is no part {id}"), help));
+    }
+    if spec.tolerance < 0.0 {
+        let message = format!("tolerance is {}", spec.tolerance);
+        findings.add(Problem::error(path("tolerance"), message, "give a length, or 0 for the default"));
+    }
+    if spec.parts.is_empty() && spec.faces.is_none() {
+        let help = "name `parts`, a node set as `faces`, or both";
+        findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
+        return Vec::new();
+    }
+    let within = match &spec.faces {
+        None => None,
+        Some(set) => match sets.ids(set, path("faces"), findings) {
+            Some(ids) => Some(ids),
+            None => return Vec::new(),
+        },
+    };
+    let Some(nodes) = nodes else { return Vec::new() };
+    let of_part = |part: u32| spec.parts.is_empty() || spec.parts.contains(&part);
+    let surface = faces(mesh, of_part, within.as_deref());
+    if surface.is_empty() {
+        let message = format!("{}: its surface has no face", name(job, entry));
+        let help = "name a part that has shells or solids, or a set that holds all nodes of each face";
+        findings.add(Problem::error(format!("tie.{entry}"), message, help));
+        return Vec::new();
+    }
+    let corners = |&(e, f): &(usize, usize)| {
+        let element = &mesh.elements[e];
+        element.shape.faces()[f].map(|c| element.nodes[c])
+    };
+    let corners: Vec<[NodeId; 4]> = surface.iter().map(corners).collect();
+    let at = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| mesh.nodes[n].x);
+    let places: Vec<Face> = corners.iter().map(|c| c.map(at)).collect();
+    let points: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n].x).collect();
+    let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
+    let shells = of_nodes(mesh, &thick);
+    let of_face = |f: usize| {
+        let element = &mesh.elements[surface[f].0];
+        if element.shape.is_shell() { thick.get(&element.part).copied().unwrap_or(0.0) } else { 0.0 }
+    };
+    let id = |p: usize| mesh.nodes[nodes[p]].id;
+    let of_node = |p: usize| shells.get(&id(p)).copied().unwrap_or(0.0);
+    let reach = |f: usize, thickness: f64| match spec.tolerance {
+        given if given > 0.0 => given,
+        _ => (OF_THICKNESSES * (of_face(f) + thickness)).max(OF_DIAGONAL * diagonal(&places[f])),
+    };
+    let thickest = (0..points.len()).map(of_node).fold(0.0, f64::max);
+    let tolerance = |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
+    let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
+    tell_lost(job, entry, &found, id, findings);
+    let turning: HashSet<NodeId> =
+        mesh.elements.iter().filter(|e| e.shape.turns()).flat_map(|e| e.corners()).copied().collect();
+    // A rigid body takes its members where they are.
+    let rigid = |f: usize| job.rigid.iter().any(|r| r.parts.contains(&mesh.elements[surface[f].0].part));
+    let stand = |(p, foot): (usize, Option<Foot>)| {
+        let foot = foot?;
+        let carriers = shared(&corners[foot.face], &foot.shape);
+        let turns = carriers.iter().all(|c| turning.contains(&c.0));
+        let stays = rigid(foot.face) || spec.offset && turns;
+        Some(Stand {
+            tie: Tie {
+                node: id(p),
+                carriers,
+                rotations: spec.rotations && turns,
+                offset: spec.offset && turns && !rigid(foot.face),
+            },
+            entry,
+            node: nodes[p],
+            point: if stays { points[p] } else { foot.point },
+            moved: if stays { 0.0 } else { foot.distance / diagonal(&places[foot.face]) },
+        })
+    };
+    found.into_iter().enumerate().filter_map(stand).collect()
+}
+
+/// Thickness of the thickest shell at each node.
+fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
+    let mut all: HashMap<NodeId, f64> = HashMap::new();
+    for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
+        let own = thick.get(&e.part).copied().unwrap_or(0.0);
+        for &n in e.corners() {
+            let most = all.entry(n).or_insert(own);
+            *most = most.max(own);
+        }
+    }
+    all
+}
+
+/// Shares of a face's nodes, ascending; those of next to nothing are left out.
+fn shared(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
+    let mut shares: Vec<(NodeId, f64)> =
+        corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
+    whole(&mut shares);
+    shares
+}
+
+/// Puts shares in order, one for each node, so that they are 1 together.
+fn whole(shares: &mut Vec<(NodeId, f64)>) {
+    shares.sort_by_key(|s| s.0);
+    shares.dedup_by(|later, first| {
+        let same = later.0 == first.0;
+        first.1 += if same { later.1 } else { 0.0 };
+        same
+    });
+    let sum: f64 = shares.iter().map(|s| s.1).sum();
+    shares.iter_mut().for_each(|s| s.1 /= sum);
+}
+
+fn named(nodes: &[NodeId]) -> String {
+    let list: Vec<String> = nodes.iter().take(NAMED).map(|n| n.to_string()).collect();
+    format!("{}{}", list.join(", "), if nodes.len() > NAMED { ", ..." } else { "" })
+}
+
+fn tell_lost(job: &Job, entry: usize, found: &[Option<Foot>], id: impl Fn(usize) -> NodeId, findings: &mut Findings) {
+    let lost: Vec<NodeId> = (0..found.len()).filter(|&p| found[p].is_none()).map(id).collect();
+    let path = format!("tie.{entry}.nodes");
+    let help = "give a larger `tolerance`, or take them out of the set";
+    if lost.len() == found.len() {
+        let message = format!("{}: none of its {} nodes is near enough to its surface", name(job, entry), lost.len());
+        findings.add(Problem::error(path, message, help));
+    } else if !lost.is_empty() {
+        let message = format!(
+            "{}: {} of {} nodes are not near enough to its surface and are not tied: {}",
+            name(job, entry),
+            lost.len(),
+            found.len(),
+            named(&lost)
+        );
+        findings.add(Problem::warning(path, message, help));
+    }
+}
+
+fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings) {
+    let moved: Vec<&Stand> = stands.iter().filter(|s| s.entry == entry && s.moved > TOLD_MOVE).collect();
+    let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
+    let message = format!(
+        "{}: {} nodes are moved onto its surface; node {} by most, {:.1} % of its face's diagonal",
+        name(job, entry),
+        moved.len(),
+        most.tie.node,
+        100.0 * most.moved
+    );
+    findings.add(Problem::warning(format!("tie.{entry}.nodes"), message, "mesh them there to be rid of this"));
+}
+
+/// Ties on nodes that are tied themselves go on to what carries these.
+fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
+    let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
+        stands.iter().map(|s| (s.tie.node, s.tie.carriers.clone())).collect();
+    let kinds: HashMap<NodeId, (bool, bool)> =
+        stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
+    let mut ties = Vec::with_capacity(stands.len());
+    for Stand { mut tie, entry, .. } in stands {
+        let on = tie.carriers.iter().find_map(|c| Some((c.0, *kinds.get(&c.0)?)));
+        if let Some((carrier, (rotations, offset))) = on
+            && (tie.offset || offset || tie.rotations && !rotations)
+        {
+            let message =
+                format!("{}: node {} stands on node {carrier}, which is tied itself", name(job, entry), tie.node);
+            let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            continue;
+        }
+        let mut rounds = 0;
+        while tie.carriers.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
+            rounds += 1;
+            let on = |&(node, share): &(NodeId, f64)| match own.get(&node) {
+                Some(next) => next.iter().map(|&(n, s)| (n, s * share)).collect(),
+                None => vec![(node, share)],
+            };
+            tie.carriers = tie.carriers.iter().flat_map(on).collect();
+            whole(&mut tie.carriers);
+            if tie.carriers.iter().any(|c| c.0 == tie.node) {
+                rounds = LONGEST_CHAIN;
+            }
+        }
+        if rounds == LONGEST_CHAIN {
+            let message = format!("{}: node {} is tied in a circle, to what is tied to it", name(job, entry), tie.node);
+            let help = "tie one side to the other only";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            break;
+        }
+        ties.push(tie);
+    }
+    ties
+}
+
+/// Makes nodes that rigid bodies carry members of these; tells of nodes that are held, moved or rigid already, and so cannot be tied.
+pub fn join(
+    ties: &mut Vec<Tie>,
+    bodies: &mut [RigidBody],
+    sets: &NodeSets<'_>,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) {
+    let mut body_of: HashMap<NodeId, usize> = HashMap::new();
+    for (b, body) in bodies.iter().enumerate() {
+        body_of.extend(body.nodes.iter().map(|&n| (n, b)));
+    }
+    let fixed = |id: NodeId| sets.place(id).map_or(0, |n| start.fixed[n]);
+    let mut list = |nodes: Vec<NodeId>, what: &str, help: &str| {
+        if !nodes.is_empty() {
+            let message = format!("{} tied nodes {what}: {}", nodes.len(), named(&nodes));
+            findings.add(Problem::error("tie", message, help));
+        }
+    };
+    let nodes = |of: &dyn Fn(&Tie) -> bool| ties.iter().filter(|t| of(t)).map(|t| t.node).collect::<Vec<_>>();
+    let rigid = nodes(&|t| body_of.contains_key(&t.node));
+    list(rigid, "belong to rigid bodies", "tie the other side's nodes to the body instead");
+    // What holds all carriers holds what they carry.
+    let held = nodes(&|t| {
+        let all = t.carriers.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
+        let tied = if t.rotations { 0b11_1111 } else { 0b111 };
+        !body_of.contains_key(&t.node) && fixed(t.node) & tied & !all != 0
+    });
+    let help = "take them out of the tie's nodes, or out of [[fix]], [[symmetry]] and [[motion]]";
+    list(held, "are held or moved by something else", help);
+    let body = |t: &Tie| {
+        let mut all = t.carriers.iter().map(|c| body_of.get(&c.0).copied());
+        let first = all.next().flatten();
+        (first, all.all(|b| b == first))
+    };
+    let split = nodes(&|t| {
+        let any = t.carriers.iter().any(|c| body_of.contains_key(&c.0));
+        any && !matches!(body(t), (Some(_), true))
+    });
+    list(split, "stand on faces that are rigid in part", "leave a row of elements between, or make the face rigid");
+    ties.retain(|tie| match body(tie) {
+        (Some(b), true) => {
+            bodies[b].nodes.push(tie.node);
+            sets.place(tie.node).into_iter().for_each(|n| start.fixed[n] |= 0b11_1111);
+            false
+        }
+        _ => true,
+    });
+    for body in bodies {
+        body.nodes.sort_unstable();
+        body.nodes.dedup();
+    }
+}

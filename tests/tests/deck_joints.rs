@@ -1,0 +1,141 @@
+//! What joins parts in keyword decks, beams, ties and welds: each deck here adds lines to two plates above each other.
+
+use crumple::job::{Model, read};
+use crumple_proto::job::BeamSection;
+use std::fs;
+
+/// Units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z = 2, nodes 11 to 16.
+const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nlow\n1,1,1\nhigh\n2,1,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
+    *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*INITIAL_VELOCITY\n0\n1.0\n*NODE\n1,0,0,0\n2,10,0,0\n3,20,0,0\n4,0,10,0\n5,10,10,0\n\
+    6,20,10,0\n11,0,0,2\n12,10,0,2\n13,20,0,2\n14,0,10,2\n15,10,10,2\n16,20,10,2\n*ELEMENT_SHELL\n1,1,1,2,5,4\n\
+    2,1,2,3,6,5\n3,2,11,12,15,14\n4,2,12,13,16,15\n";
+
+fn with(lines: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{lines}*END\n")).unwrap();
+    read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// Vectors towards the second axes of beams, made square to their lines and of length 1.
+fn second_axes(model: &Model) -> Vec<[f64; 3]> {
+    let at = |id| model.mesh.nodes.iter().find(|n| n.id == id).map(|n| n.x).unwrap();
+    let beam = |id| model.mesh.elements.iter().find(|e| e.id == id).unwrap();
+    let axis = |&(id, towards): &(crumple_proto::ids::ElemId, [f64; 3])| {
+        let [a, b] = [0, 1].map(|c| at(beam(id).nodes[c]));
+        let line = [0, 1, 2].map(|c| b[c] - a[c]);
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+        let across = [0, 1, 2].map(|c| towards[c] - line[c] * dot(line, towards) / dot(line, line));
+        across.map(|c| (c / dot(across, across).sqrt() * 1e12).round() / 1e12)
+    };
+    model.settings.axes.iter().map(axis).collect()
+}
+
+#[test]
+fn beams_have_their_sections_and_axes() {
+    let model = with(
+        "*PART\nrib\n3,3,1\ntube\n4,4,1\n*SECTION_BEAM\n3,1\n3.0,3.0,2.0,2.0\n*SECTION_BEAM\n4,1,1.0,2,1.0\n\
+        4.0,4.0,3.0,3.0\n*NODE\n99,0,50,0\n*ELEMENT_BEAM\n21,3,1,2,99\n22,4,2,3\n*ELEMENT_BEAM_ORIENTATION\n23,3,1,4\n\
+        3.0,4.0,4.0\n",
+    );
+    let [rib, tube] = [2, 3].map(|i| model.job.part[i].beam.clone().unwrap());
+    assert_eq!((rib.section, rib.height, rib.width), (BeamSection::Rectangle, 3.0, 2.0), "s is the second axis");
+    assert_eq!((tube.section, tube.radius, tube.wall), (BeamSection::Tube, 2.0, 0.5), "diameters 4 and 3");
+    let slanted = 1.0 / 25.0f64.sqrt();
+    let rounded = |x: f64| (x * 1e12).round() / 1e12;
+    assert_eq!(second_axes(&model)[0], [0.0, 1.0, 0.0], "towards node 99");
+    assert_eq!(second_axes(&model)[2], [rounded(3.0 * slanted), 0.0, rounded(4.0 * slanted)], "a vector");
+    assert_eq!(second_axes(&model)[1].map(f64::abs).iter().sum::<f64>(), 1.0, "along an axis of space, square to it");
+    assert_eq!(model.mesh.nodes.len(), 12, "what shows the way is no node of the model");
+    let text = crumple::check::describe(&model);
+    assert!(
+        text.contains("beams, elform 1 (Hughes-Liu) -> corotating beam, section tube; no transverse shear"),
+        "{text}"
+    );
+}
+
+#[test]
+fn resultants_and_trusses_are_general_sections() {
+    let model = with(
+        "*PART\nbeam\n3,3,1\ntruss\n4,4,2\n*MAT_003\n2,7.85e-6,207.0,0.3,0.2\n*SECTION_BEAM\n3,2\n\
+        5.0,7.0,9.0\n*SECTION_BEAM\n4,3\n6.0\n*ELEMENT_BEAM\n1,3,1,2,4\n22,4,2,3\n",
+    );
+    let [beam, truss] = [2, 3].map(|i| model.job.part[i].beam.clone().unwrap());
+    assert_eq!((beam.area, beam.second_moments, beam.torsion), (5.0, [7.0, 9.0], 16.0), "j is iss + itt if blank");
+    assert_eq!((truss.area, truss.second_moments, truss.torsion), (6.0, [0.0, 0.0], 0.0));
+    assert!(crumple::check::describe(&model).contains("beams: ids that other elements have too -> ids raised by 100"));
+}
+
+#[test]
+fn spot_welds_of_beams_break() {
+    let model = with(
+        "*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n2,7.85e-6,207.0,0.3,0.4,2.0\n\
+        0.5,3.0,4.0,4.0,0.0,6.0,6.0\n*ELEMENT_BEAM\n21,3,2,12\n",
+    );
+    let weld = model.job.part[2].beam.clone().unwrap().weld.unwrap();
+    assert_eq!([weld.normal, weld.shear, weld.bending, weld.torsion], [3.0, 4.0, 6.0, 0.0]);
+    let steel = model.job.material.iter().find(|m| m.law == "j2").unwrap();
+    let number = |key: &str| steel.parameters[key].as_float().unwrap();
+    let numbers = ["yield_stress", "hardening_modulus", "failure_strain"].map(number);
+    assert_eq!(numbers, [0.4, 2.0, 0.5]);
+}
+
+fn set(model: &Model, name: &str) -> Vec<u64> {
+    model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}")).iter().map(|n| n.0).collect()
+}
+
+#[test]
+fn contacts_tie() {
+    let sets = "*SET_NODE_LIST\n5\n12,15\n*SET_SEGMENT\n6\n1,2,5,4\n*SET_PART_LIST\n7\n1\n";
+    let model = with(&format!(
+        "{sets}*CONTACT_TIED_NODES_TO_SURFACE_ID\n1,seam\n5,6,4,0\n\n0,0,-2.5,0.0\n*SET_NODE_LIST\n9\n11\n\
+         *CONTACT_TIED_SHELL_EDGE_TO_SURFACE_BEAM_OFFSET\n9,7,4,2\n\n0,0,4.0,2.0\n"
+    ));
+    let [seam, edge] = [0, 1].map(|i| model.job.tie[i].clone());
+    assert_eq!((seam.name.as_str(), seam.nodes.as_str(), seam.tolerance), ("seam", "set-5", 2.5));
+    assert_eq!(set(&model, seam.faces.as_deref().unwrap()), [1, 2, 4, 5]);
+    assert!(!seam.rotations && !seam.offset && seam.parts.is_empty());
+    assert_eq!((edge.name.as_str(), edge.parts.as_slice(), edge.tolerance), ("tie-2", [1].as_slice(), 0.6 * 6.0));
+    assert!(edge.rotations && edge.offset);
+    let at = |id: u64| model.mesh.nodes.iter().find(|n| n.id.0 == id).unwrap().x[2];
+    assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "moved without an offset");
+    let text = crumple::check::describe(&model);
+    for said in [
+        "tie 1: tied nodes to surface -> displacements tied, nodes moved onto the surface",
+        "tie 2: tied shell edge to surface, beam offset -> displacements, at the end of arms, and rotations tied",
+    ] {
+        assert!(text.contains(said), "not said: {said}\n{text}");
+    }
+}
+
+/// A beam between two plates, tied to the middle of a shell of each by `*CONTACT_SPOTWELD`.
+#[test]
+fn spot_weld_contacts_tie_beams() {
+    let model = with(
+        "*NODE\n21,5,5,0\n22,5,5,2\n*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n\
+        2,7.85e-6,207.0,0.3,0.4,2.0\n0.0,3.0,4.0,4.0\n*ELEMENT_BEAM\n21,3,21,22\n*SET_PART_LIST\n8\n1,2\n\
+        *CONTACT_SPOTWELD\n3,8,3,2\n\n\n",
+    );
+    let ties = &model.settings.ties;
+    let carriers = |i: usize| ties[i].carriers.iter().map(|c| (c.0.0, c.1)).collect::<Vec<_>>();
+    assert_eq!(carriers(0), [(1, 0.25), (2, 0.25), (4, 0.25), (5, 0.25)]);
+    assert_eq!(carriers(1), [(11, 0.25), (12, 0.25), (14, 0.25), (15, 0.25)]);
+    assert!(ties.iter().all(|t| t.rotations && !t.offset));
+}
+
+#[test]
+fn welds_are_bodies_or_beams_that_break() {
+    let model = with(
+        "*CONSTRAINED_SPOTWELD\n1,11\n3,13,3.0,2.0,1.0,4.0\n*NODE\n31,0,0,4\n*CONSTRAINED_SPOTWELD_ID\n7\n11,12\n\
+        *CONSTRAINED_GENERALIZED_WELD_SPOT\n5\n\n*SET_NODE_LIST\n5\n6,16\n",
+    );
+    let bodies: Vec<Vec<u64>> = model.settings.rigid.iter().map(|b| b.nodes.iter().map(|n| n.0).collect()).collect();
+    assert_eq!(bodies, [vec![1, 11, 12], vec![6, 16]], "welds with a node in common are one");
+    let part = &model.job.part[2];
+    let beam = part.beam.clone().unwrap();
+    let weld = beam.weld.unwrap();
+    assert_eq!((part.id, part.material.as_str(), beam.section), (3, "mat-1", BeamSection::Tube));
+    assert_eq!((beam.radius, weld.normal, weld.shear, weld.exponents), (1.0, 3.0, 2.0, [1.0, 4.0]));
+    let beams: Vec<_> = model.mesh.elements.iter().filter(|e| e.part == 3).collect();
+    assert_eq!(beams.iter().map(|e| e.corners().iter().map(|n| n.0).collect()).collect::<Vec<Vec<u64>>>(), [[3, 13]]);
+}
