@@ -1,5 +1,5 @@
 //! Histories by kind beside `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and `contact_pairs.csv`, `nodes.csv`,
-//! `sections.csv`. Each row is of one thing at one time, so that files of many parts stay readable and a program can pick.
+//! `sections.csv`, `transducers.csv`. Each row is of one thing at one time, so that files of many parts stay readable and a program can pick.
 //! Rows come at the times of `history.csv`, and tell of the same moment.
 
 use crate::history::{self, Labels, Unwritten};
@@ -21,18 +21,21 @@ pub struct Histories {
     walls: Vec<String>,
     groups: Vec<(String, Vec<NodeId>)>,
     sections: Vec<String>,
+    transducers: Vec<String>,
     of_parts: Option<Table>,
     of_walls: Option<Table>,
     of_contacts: Option<(Table, Table)>,
     of_nodes: Option<Table>,
     of_sections: Option<Table>,
+    of_transducers: Option<Table>,
     /// Indices of the parts that take part in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
 }
 
 /// Names of all files.
-const NAMES: [&str; 6] = ["parts.csv", "walls.csv", "contacts.csv", "contact_pairs.csv", "nodes.csv", "sections.csv"];
+const NAMES: [&str; 7] =
+    ["parts.csv", "walls.csv", "contacts.csv", "contact_pairs.csv", "nodes.csv", "sections.csv", "transducers.csv"];
 
 impl Histories {
     /// Begins the files in `dir`; those of an older run that this one does not write are taken away.
@@ -95,6 +98,8 @@ impl Histories {
             let middle = [("middle x", l), ("middle y", l), ("middle z", l)];
             begin(NAMES[5], &[&[("section", "")][..], &force, &moment, &middle].concat())
         });
+        let of_transducers =
+            (!asked.transducers.is_empty()).then(|| begin(NAMES[6], &[&[("transducer", "")][..], &force].concat()));
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
         let touching = (0..settings.parts.len() as u32).filter(|&i| touches(settings.parts[i as usize].id)).collect();
         Ok(Self {
@@ -102,11 +107,13 @@ impl Histories {
             walls: history::wall_names(&settings.walls),
             groups: asked.nodes.iter().map(|g| (g.name.clone(), g.nodes.clone())).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
+            transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             of_parts: of_parts.transpose()?,
             of_walls: of_walls.transpose()?,
             of_contacts: of_contacts.transpose()?,
             of_nodes: of_nodes.transpose()?,
             of_sections: of_sections.transpose()?,
+            of_transducers: of_transducers.transpose()?,
             touching,
             last_walls: (0.0, vec![[0.0; 3]; settings.walls.len()]),
         })
@@ -169,6 +176,13 @@ impl Histories {
             for (name, share) in self.sections.iter().zip(&shares.sections) {
                 let (middle, moment) = share.about_middle();
                 put(table, [time.clone(), name.clone()], share.force.into_iter().chain(moment).chain(middle))?;
+            }
+            table.flush()?;
+        }
+        if let Some(table) = &mut self.of_transducers {
+            let forces = shares.on_transducers(self.transducers.len());
+            for (name, force) in self.transducers.iter().zip(forces) {
+                put(table, [time.clone(), name.clone()], force)?;
             }
             table.flush()?;
         }

@@ -33,6 +33,8 @@ pub struct Rows {
     /// Thicknesses of single shells at their corners, by their place in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
     index: HashMap<NodeId, usize>,
+    /// By how much ids of solids and of springs were raised.
+    pub raised: [u64; 2],
 }
 
 /// One line of a bulk keyword being read.
@@ -222,7 +224,8 @@ impl Rows {
         }
         let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
         let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
-        for (kind, list) in [("solids", &mut self.solids), ("springs", &mut self.springs)] {
+        let lists = [("solids", &mut self.solids), ("springs", &mut self.springs)];
+        for ((kind, list), raised) in lists.into_iter().zip(&mut self.raised) {
             most = list.iter().map(|e| e.id.0).fold(most, u64::max);
             if list.iter().any(|e| seen.contains(&e.id)) {
                 let mut raise = 10u64;
@@ -231,6 +234,7 @@ impl Rows {
                 }
                 list.iter_mut().for_each(|e| e.id.0 = e.id.0.saturating_add(raise));
                 most = most.saturating_add(raise);
+                *raised = raise;
                 mapping.push(Mapping {
                     of: kind.into(),
                     asked: "ids that other elements have too".into(),

@@ -3,6 +3,7 @@
 mod contact;
 mod control;
 mod curves;
+mod histories;
 mod initial;
 mod loads;
 mod materials;
@@ -105,6 +106,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     b.pressures();
     b.walls();
     b.contacts();
+    b.histories();
     b.left_over();
     let sets = std::mem::take(&mut b.node_sets);
     for (id, (nodes, place)) in sets {
@@ -148,7 +150,7 @@ impl Build {
     ) {
         let name = row.keyword.name;
         match row.keyword.effect {
-            Effect::Output | Effect::Harmless => {
+            Effect::Harmless => {
                 let message = format!("*{} is not read", block.name);
                 self.trouble.warn_once(name, block.place(), message, row.keyword.note);
                 return;
