@@ -76,7 +76,9 @@ impl Histories {
             let p = u.momentum.as_str();
             let impulse = [("impulse x", p), ("impulse y", p), ("impulse z", p)];
             let mean = [("mean force x", f), ("mean force y", f), ("mean force z", f)];
-            begin(NAMES[1], &[&[("wall", "")][..], &impulse, &mean].concat())
+            let l = u.length.as_str();
+            let gone = [("displacement x", l), ("displacement y", l), ("displacement z", l)];
+            begin(NAMES[1], &[&[("wall", "")][..], &impulse, &mean, &gone].concat())
         });
         let of_contacts = asked.contacts.then(|| {
             let parts = begin(NAMES[2], &[&[("part", ""), ("name", "")][..], &force].concat())?;
@@ -138,7 +140,8 @@ impl Histories {
             for (w, (name, impulse)) in self.walls.iter().zip(&row.wall_impulse).enumerate() {
                 // The wall's force on the model, mean since the last row.
                 let mean = [0, 1, 2].map(|c| if dt > 0.0 { (impulse[c] - last[w][c]) / dt } else { 0.0 });
-                put(table, [time.clone(), name.clone()], impulse.iter().copied().chain(mean))?;
+                let gone = row.wall_displacement.get(w).copied().unwrap_or_default();
+                put(table, [time.clone(), name.clone()], impulse.iter().copied().chain(mean).chain(gone))?;
             }
             self.last_walls = (row.time, row.wall_impulse.clone());
             table.flush()?;

@@ -7,8 +7,8 @@ use std::path::Path;
 
 type Result<T> = std::result::Result<T, Hdf5Error>;
 
-/// Rows of a chunk: some hundred kilobytes for vectors.
-const CHUNK: usize = 16_384;
+/// Rows of a chunk: some ten kilobytes.
+const CHUNK: usize = 4096;
 
 /// A data set that grows along its first axis.
 struct Growing {
