@@ -266,7 +266,8 @@ fn an_exported_job_gives_the_same_digest() {
 #[test]
 fn exported_cards_say_what_other_programs_have_to_know() {
     let folder = tempfile::tempdir().unwrap();
-    let digest = |job: &str| program::run(crumple_with(&["run", job, "--workers", "1", "--no-report"])).with_code(0).digest();
+    let digest =
+        |job: &str| program::run(crumple_with(&["run", job, "--workers", "1", "--no-report"])).with_code(0).digest();
     let first = folder.path().join("first.k");
     let again = folder.path().join("again.k");
     let [first, again] = [&first, &again].map(|path| path.to_str().unwrap());
@@ -300,6 +301,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
             &["[[motion]]", "[[gravity]]", "[[load]]", "[[curve]]"],
         ),
     ] {
+        let digest = |job| run(job, &[]);
         let one = digest(job);
         program::run(crumple_with(&["export-deck", job, "--out", first])).with_code(0);
         let text = fs::read_to_string(first).unwrap();
@@ -307,13 +309,21 @@ fn exported_cards_say_what_other_programs_have_to_know() {
             assert!(text.lines().any(|line| line == *card), "{job}: no {card} in\n{text}");
         }
         for list in beside {
-            assert!(!text.lines().any(|line| line.strip_prefix("$crumple: ") == Some(list)), "{job}: {list} in\n{text}");
+            assert!(
+                !text.lines().any(|line| line.strip_prefix("$crumple: ") == Some(list)),
+                "{job}: {list} in\n{text}"
+            );
         }
         assert_eq!(one, digest(first), "{job}");
         // And once more: names that a deck has given are not mistaken for others.
         program::run(crumple_with(&["export-deck", first, "--out", again])).with_code(0);
         assert_eq!(one, digest(again), "{job}, exported twice");
     }
+    let sled = "tests/decks/scenes/sled.k";
+    let wanted = run(sled, odd.as_flattened());
+    assert_ne!(wanted, run(sled, &[]), "they are felt");
+    program::run(crumple_with(&[&["export-deck", sled, "--out", first], odd.as_flattened()].concat())).with_code(0);
+    assert_eq!(wanted, run(first, &[]));
 }
 
 #[test]

@@ -152,6 +152,10 @@ fn control(deck: &mut Deck, job: &Job) {
     deck.card(&[Number(job.end_time), Id(job.time.max_cycles), Number(job.time.dt_min_ratio)]);
     deck.keyword("CONTROL_TIMESTEP");
     deck.card(&[Blank, Number(job.time.safety), Blank, Blank, Number(-job.time.mass_scaling_dt)]);
+    if job.time.damping > 0.0 {
+        deck.keyword("DAMPING_GLOBAL");
+        deck.card(&[Blank, Number(job.time.damping)]);
+    }
     let output = &job.output;
     if output.history_interval > 0.0 {
         deck.keyword("DATABASE_GLSTAT");
@@ -430,9 +434,12 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     if !job.units.is_empty() {
         deck.rest.insert("units".into(), job.units.clone().into());
     }
-    let carried = [("time", "safety"), ("time", "max_cycles"), ("time", "dt_min_ratio"), ("time", "mass_scaling_dt")];
-    differing(deck, "time", &job.time, &Time::default(), &carried.map(|c| c.1));
-    differing(deck, "output", &job.output, &Output::default(), &[]);
+    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping"];
+    differing(deck, "time", &job.time, &Time::default(), &carried);
+    // Cards have intervals above nought only.
+    let intervals = [("history_interval", job.output.history_interval), ("field_interval", job.output.field_interval)];
+    let carried: Vec<&str> = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
+    differing(deck, "output", &job.output, &Output::default(), &carried);
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
     if let Some(contact) = &job.contact {
         differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
