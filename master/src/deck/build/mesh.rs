@@ -33,9 +33,14 @@ pub struct Rows {
     /// Thicknesses of single shells at their corners, by their place in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
     index: HashMap<NodeId, usize>,
+    /// Largest id of a node, once somebody has asked.
+    top: u64,
     /// By how much ids of solids and of springs were raised.
     pub raised: [u64; 2],
 }
+
+/// Codes `tc` and `rc` of a node that does not move.
+const HELD_IN_PLACE: (i64, i64) = (7, 0);
 
 /// One line of a bulk keyword being read.
 struct Numbers<'a, 'c> {
@@ -250,6 +255,21 @@ impl Rows {
         let Place::Deck { file, start, end } = place else { return };
         self.springs.push(MeshElement::new(id, part, Shape::Line2, &ends));
         self.spring_lines.push((file, start, end));
+    }
+
+    /// Adds a node that is held in the place of another one, for what is written at `place`; `None` if there is no such node.
+    pub fn ground(&mut self, at: NodeId, place: Place) -> Option<NodeId> {
+        let (x, Place::Deck { file, start, end }) = (self.at(at)?, place) else { return None };
+        if self.top == 0 {
+            self.top = self.nodes.iter().map(|n| n.id.0).max().unwrap_or(0);
+        }
+        self.top = self.top.saturating_add(1);
+        let id = NodeId(self.top);
+        self.index.insert(id, self.nodes.len());
+        self.nodes.push(MeshNode { id, x });
+        self.node_lines.push((file, start, end));
+        self.held.entry(HELD_IN_PLACE).or_insert_with(|| (Vec::new(), place)).0.push(id);
+        Some(id)
     }
 
     /// Adds a node set.

@@ -57,6 +57,10 @@ pub struct Build {
     /// Scales of the forces of springs by part, with where they are written.
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, Record>,
+    /// Directions of springs by part, with where they are written; `None` along the line between their nodes.
+    spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
+    /// Friction of parts that have one of their own.
+    part_friction: BTreeMap<i64, f64>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
@@ -81,6 +85,8 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
         used_materials: Vec::new(),
         spring_scales: BTreeMap::new(),
         spring_laws: BTreeMap::new(),
+        spring_directions: BTreeMap::new(),
+        part_friction: BTreeMap::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
     };

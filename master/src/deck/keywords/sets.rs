@@ -64,6 +64,11 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .options(&["TITLE"]),
     Keyword::new(
+        "DEFINE_SD_ORIENTATION",
+        &[("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
+        "`spring.direction`; iop has to be 0",
+    ),
+    Keyword::new(
         "DEFINE_COORDINATE_SYSTEM",
         &[("heading:l", Count(title)), ("cid:i! xo:r yo:r zo:r xl:r yl:r zl:r cidl:i", Once), ("xp:r yp:r zp:r", Once)],
         "axes for initial velocities and constraints",
