@@ -64,6 +64,11 @@ pub enum Command {
         #[arg(long, value_name = "MB", default_value_t = crate::d3plot::FILE_SIZE)]
         file_size: u64,
     },
+    /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features vtkhdf`.
+    ExportVtkhdf {
+        /// Folder of results of a run with fields.
+        dir: PathBuf,
+    },
     /// Print the JSON Schema of job files, for editors.
     Schema(SchemaArgs),
     /// Tell what a run did not need, part by part, and the settings that leave it out.

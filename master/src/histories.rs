@@ -1,5 +1,5 @@
 //! Histories by kind beside `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and `contact_pairs.csv`, `nodes.csv`,
-//! `sections.csv`. Each row is of one thing at one time, so that files of many parts stay readable and a program can pick.
+//! `sections.csv`, `transducers.csv`. Each row is of one thing at one time, so that files of many parts stay readable and a program can pick.
 //! Rows come at the times of `history.csv`, and tell of the same moment.
 
 use crate::history::{self, Labels, Unwritten};
@@ -21,18 +21,21 @@ pub struct Histories {
     walls: Vec<String>,
     groups: Vec<(String, Vec<NodeId>)>,
     sections: Vec<String>,
+    transducers: Vec<String>,
     of_parts: Option<Table>,
     of_walls: Option<Table>,
     of_contacts: Option<(Table, Table)>,
     of_nodes: Option<Table>,
     of_sections: Option<Table>,
+    of_transducers: Option<Table>,
     /// Indices of the parts that take part in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
 }
 
 /// Names of all files.
-const NAMES: [&str; 6] = ["parts.csv", "walls.csv", "contacts.csv", "contact_pairs.csv", "nodes.csv", "sections.csv"];
+const NAMES: [&str; 7] =
+    ["parts.csv", "walls.csv", "contacts.csv", "contact_pairs.csv", "nodes.csv", "sections.csv", "transducers.csv"];
 
 impl Histories {
     /// Begins the files in `dir`; those of an older run that this one does not write are taken away.
@@ -73,7 +76,9 @@ impl Histories {
             let p = u.momentum.as_str();
             let impulse = [("impulse x", p), ("impulse y", p), ("impulse z", p)];
             let mean = [("mean force x", f), ("mean force y", f), ("mean force z", f)];
-            begin(NAMES[1], &[&[("wall", "")][..], &impulse, &mean].concat())
+            let l = u.length.as_str();
+            let gone = [("displacement x", l), ("displacement y", l), ("displacement z", l)];
+            begin(NAMES[1], &[&[("wall", "")][..], &impulse, &mean, &gone].concat())
         });
         let of_contacts = asked.contacts.then(|| {
             let parts = begin(NAMES[2], &[&[("part", ""), ("name", "")][..], &force].concat())?;
@@ -95,6 +100,8 @@ impl Histories {
             let middle = [("middle x", l), ("middle y", l), ("middle z", l)];
             begin(NAMES[5], &[&[("section", "")][..], &force, &moment, &middle].concat())
         });
+        let of_transducers =
+            (!asked.transducers.is_empty()).then(|| begin(NAMES[6], &[&[("transducer", "")][..], &force].concat()));
         let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
         let touching = (0..settings.parts.len() as u32).filter(|&i| touches(settings.parts[i as usize].id)).collect();
         Ok(Self {
@@ -102,11 +109,13 @@ impl Histories {
             walls: history::wall_names(&settings.walls),
             groups: asked.nodes.iter().map(|g| (g.name.clone(), g.nodes.clone())).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
+            transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             of_parts: of_parts.transpose()?,
             of_walls: of_walls.transpose()?,
             of_contacts: of_contacts.transpose()?,
             of_nodes: of_nodes.transpose()?,
             of_sections: of_sections.transpose()?,
+            of_transducers: of_transducers.transpose()?,
             touching,
             last_walls: (0.0, vec![[0.0; 3]; settings.walls.len()]),
         })
@@ -131,7 +140,8 @@ impl Histories {
             for (w, (name, impulse)) in self.walls.iter().zip(&row.wall_impulse).enumerate() {
                 // The wall's force on the model, mean since the last row.
                 let mean = [0, 1, 2].map(|c| if dt > 0.0 { (impulse[c] - last[w][c]) / dt } else { 0.0 });
-                put(table, [time.clone(), name.clone()], impulse.iter().copied().chain(mean))?;
+                let gone = row.wall_displacement.get(w).copied().unwrap_or_default();
+                put(table, [time.clone(), name.clone()], impulse.iter().copied().chain(mean).chain(gone))?;
             }
             self.last_walls = (row.time, row.wall_impulse.clone());
             table.flush()?;
@@ -169,6 +179,13 @@ impl Histories {
             for (name, share) in self.sections.iter().zip(&shares.sections) {
                 let (middle, moment) = share.about_middle();
                 put(table, [time.clone(), name.clone()], share.force.into_iter().chain(moment).chain(middle))?;
+            }
+            table.flush()?;
+        }
+        if let Some(table) = &mut self.of_transducers {
+            let forces = shares.on_transducers(self.transducers.len());
+            for (name, force) in self.transducers.iter().zip(forces) {
+                put(table, [time.clone(), name.clone()], force)?;
             }
             table.flush()?;
         }

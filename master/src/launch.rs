@@ -141,6 +141,12 @@ fn as_master(args: &RunArgs, model: &mut Model, wire: &mut dyn Transport) -> u8 
                 eprintln!("error: {why}");
                 return Report::EXIT_CODE;
             }
+            if model.job.output.vtkhdf
+                && let Err(why) = crate::vtkhdf::export(&out)
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
             match summary.status {
                 Status::Completed => COMPLETED,
                 Status::Stopped => STOPPED,

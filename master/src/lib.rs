@@ -14,6 +14,7 @@
 //! - [`study`]: `crumple study`, many runs of one job, and charts of them
 //! - [`trace`]: `crumple run --trace`, a time line of all workers
 //! - [`report`]: `crumple report`, a page that shows a run; [`field_file`]: field files read back
+//! - [`vtkhdf`]: `crumple export-vtkhdf`, fields as one file for ParaView
 //! - [`d3plot`]: `crumple export-d3plot`, fields for post-processors of LS-DYNA
 //! - [`history`], [`histories`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
 
@@ -45,3 +46,4 @@ pub mod study;
 pub mod summary;
 pub mod trace;
 pub mod verify;
+pub mod vtkhdf;

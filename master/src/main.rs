@@ -15,6 +15,7 @@ fn main() -> ExitCode {
         Command::ExportDeck(args) => crumple::deck::export::run(&args),
         Command::Scale(args) => crumple::scale::run(&args),
         Command::ExportD3plot { dir, file_size } => crumple::d3plot::run(&dir, file_size),
+        Command::ExportVtkhdf { dir } => crumple::vtkhdf::run(&dir),
         Command::Schema(args) => crumple::reference::run(&args),
         Command::Study(args) => crumple::study::run(&args),
     })

@@ -14,6 +14,8 @@ pub struct Asked {
     pub nodes: Vec<NodeGroup>,
     /// Sections.
     pub sections: Vec<Section>,
+    /// Force transducers.
+    pub transducers: Vec<Transducer>,
 }
 
 /// Nodes whose motion is recorded.
@@ -36,6 +38,34 @@ pub struct Section {
     pub elements: Vec<ElemId>,
 }
 
+/// A force transducer: the contact force on a surface, from another one or from all.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Transducer {
+    /// Name for people.
+    pub name: String,
+    /// The surface whose force is recorded.
+    pub on: Surface,
+    /// Those that exert it.
+    pub from: Surface,
+}
+
+/// A part of what can touch: by parts, by nodes, or by both. Without either it is all.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Surface {
+    /// Indices of the parts, ascending; any part if empty.
+    pub parts: Vec<u32>,
+    /// The nodes, ascending; any node without them.
+    pub nodes: Option<Vec<NodeId>>,
+}
+
+impl Surface {
+    /// Whether something of this part with these nodes belongs to it.
+    pub fn has(&self, part: u32, nodes: &[NodeId]) -> bool {
+        let own = |set: &Vec<NodeId>| nodes.iter().all(|n| set.binary_search(n).is_ok());
+        (self.parts.is_empty() || self.parts.binary_search(&part).is_ok()) && self.nodes.as_ref().is_none_or(own)
+    }
+}
+
 /// One worker's shares of what is recorded at one time; empty where nothing is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shares {
@@ -47,6 +77,8 @@ pub struct Shares {
     pub nodes: Vec<NodeState>,
     /// Per section.
     pub sections: Vec<SectionShare>,
+    /// Contact pairs that transducers feel, ascending by transducer and pair.
+    pub transducers: Vec<PairForce>,
 }
 
 /// What the elements of a part have.
@@ -70,6 +102,17 @@ pub struct ContactShare {
     /// Indices into the parts of the settings.
     pub parts: [u32; 2],
     /// Force on the first [force].
+    pub force: [f64; 3],
+}
+
+/// What a transducer feels of one contact pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairForce {
+    /// Index of the transducer.
+    pub transducer: u32,
+    /// The pair's name, by which pairs are in ascending order on any number of workers.
+    pub pair: [u64; 4],
+    /// Force on the transducer's surface [force].
     pub force: [f64; 3],
 }
 
@@ -129,6 +172,18 @@ impl Shares {
             add(&mut a.places, &b.places);
             a.nodes += b.nodes;
         }
+        self.transducers.extend(&o.transducers);
+        self.transducers.sort_by_key(|p| (p.transducer, p.pair));
+    }
+
+    /// Force on each of so many transducers, of the sum over workers: pairs in ascending order, so that the bits do not depend
+    /// on who had which [force].
+    pub fn on_transducers(&self, count: usize) -> Vec<[f64; 3]> {
+        let mut forces = vec![[0.0; 3]; count];
+        for pair in &self.transducers {
+            add(&mut forces[pair.transducer as usize], &pair.force);
+        }
+        forces
     }
 }
 
@@ -155,6 +210,30 @@ mod tests {
         one.add(&other);
         assert_eq!(one.contacts, [pair(0, 1, 4.0), pair(0, 3, 3.0)]);
         assert_eq!(one.nodes, [node(2), node(5), node(9)]);
+    }
+
+    /// 1 + 1e-16 - 1 is 0 in this order, and another number in others: the order is that of the pairs, not of the workers.
+    #[test]
+    fn a_transducer_sums_in_the_order_of_pairs() {
+        let felt = |pair, f| PairForce { transducer: 1, pair: [pair, 0, 9, 0], force: [f, 0.0, 0.0] };
+        let of = |pairs: &[PairForce]| Shares { transducers: pairs.to_vec(), ..Shares::default() };
+        for (one, two) in [
+            (of(&[felt(1, 1.0), felt(3, -1.0)]), of(&[felt(2, 1e-16)])),
+            (of(&[felt(2, 1e-16), felt(3, -1.0)]), of(&[felt(1, 1.0)])),
+        ] {
+            let mut sum = one;
+            sum.add(&two);
+            assert_eq!(sum.on_transducers(2), [[0.0; 3], [0.0; 3]]);
+        }
+    }
+
+    #[test]
+    fn a_surface_is_what_parts_and_nodes_have_in_common() {
+        let ids = |ids: &[u64]| ids.iter().map(|&n| NodeId(n)).collect::<Vec<_>>();
+        let surface = Surface { parts: vec![2, 5], nodes: Some(ids(&[1, 3, 4])) };
+        assert!(surface.has(5, &ids(&[4, 1])));
+        assert!(!surface.has(3, &ids(&[1])) && !surface.has(2, &ids(&[1, 2])));
+        assert!(Surface::default().has(9, &ids(&[7])));
     }
 
     /// Two forces of 5 along z at y = 1 and y = 3 are 10 in the middle, and no moment about it; the same with the nodes

@@ -10,7 +10,7 @@ mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
-pub use output::{NodeHistory, Output, SectionHistory};
+pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use rigid::Rigid;
 pub use spring::Spring;
 pub use tie::Tie;

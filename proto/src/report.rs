@@ -104,6 +104,8 @@ pub struct HistoryPart {
     pub angular_momentum: [f64; 3],
     /// Impulse that each wall has given to this worker's nodes so far [force time].
     pub wall_impulse: Vec<[f64; 3]>,
+    /// How far each wall has gone since the start, which all workers know alike [length].
+    pub wall_displacement: Vec<[f64; 3]>,
     /// Active contact pairs.
     pub pairs: u64,
     /// Largest penetration since the last row as a fraction of the pair's contact thickness.

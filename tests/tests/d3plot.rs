@@ -98,6 +98,16 @@ fn what_has_failed_is_marked() {
     }
 }
 
+/// Springs are in the fields, and not in the database; the shells beside them are.
+#[test]
+fn springs_are_left_out() {
+    let args = ["run", "tests/decks/scenes/sled.k", "--quiet", "--workers", "2", "--no-report"];
+    let ended = run(crumple_with(&args)).with_code(0);
+    if let Some(said) = export_and_read(&ended, "100", 2) {
+        assert!(said.contains("47 nodes, 32 shells, 0 solids, 0 gone: all agrees"), "{said}");
+    }
+}
+
 #[test]
 fn a_folder_without_fields_is_refused() {
     let there = tempfile::tempdir().unwrap();

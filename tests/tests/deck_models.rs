@@ -148,6 +148,20 @@ fn contacts_are_one_with_the_largest_friction() {
 }
 
 #[test]
+fn friction_of_parts_is_what_a_contact_asks_for() {
+    let deck = BASE.replace(
+        "*PART\nplate\n1,1,1\ncube\n2,2,1\n",
+        "*PART_CONTACT\nplate\n1,1,1\n0.3,0.1,0,0,1.5\ncube\n2,2,1\n0.2,0.2\n",
+    );
+    let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n-1.0\n\n";
+    let model = model_of(&format!("{deck}{STEEL}{MOVES}{contact}"));
+    assert_eq!(model.job.contact.as_ref().unwrap().friction, 0.3, "the largest");
+    assert!(model.warnings.iter().any(|w| w.message.contains("parts have different friction")));
+    let said = crumple::check::describe(&model);
+    assert!(said.contains("part 1: optt 1.5 for contact -> it is as thick as its shells"), "{said}");
+}
+
+#[test]
 fn control_cards_set_the_run() {
     let model = with(
         "*CONTROL_TIMESTEP\n0,0.67,0,0,-1.0e-3\n*CONTROL_SHELL\n20,0,0,1,2,1\n*CONTROL_HOURGLASS\n1,0.07\n\
@@ -214,6 +228,19 @@ fn shaped_walls_are_led_by_curves() {
     let plate = walls.iter().find(|w| w.lengths.is_some()).unwrap();
     assert_eq!((plate.velocity, plate.nodes.as_deref()), (Some([0.0, 0.0, 1.0]), None));
     assert!(crumple::check::describe(&model).contains("punch: a cylinder of length 100 -> its ends are open"));
+}
+
+#[test]
+fn springs_go_along_their_vectors_and_to_the_ground() {
+    let parts =
+        "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n*DEFINE_SD_ORIENTATION\n7,0,0,0,2\n";
+    let model = with(&format!("{parts}*ELEMENT_DISCRETE\n101,3,5,0,7\n102,3,6,0,7\n"));
+    let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
+    let ends: Vec<[u64; 2]> = springs.iter().map(|e| [e.nodes[0].0, e.nodes[1].0]).collect();
+    assert_eq!(ends, [[5, 17], [6, 18]], "nodes of their own");
+    assert_eq!(model.job.part[2].spring.as_ref().unwrap().direction, Some([0.0, 0.0, 2.0]));
+    let node = |id: u64| model.mesh.nodes.iter().position(|n| n.id.0 == id).unwrap();
+    assert_eq!((model.mesh.nodes[node(17)].x, model.nodes.fixed[node(17)]), ([0.0, 0.0, 10.0], 0b111));
 }
 
 #[test]

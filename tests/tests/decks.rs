@@ -262,6 +262,64 @@ fn an_exported_job_gives_the_same_digest() {
     }
 }
 
+/// What has a card of the format is written as one, so that other programs see it; and it gives the same bits.
+#[test]
+fn exported_cards_say_what_other_programs_have_to_know() {
+    let folder = tempfile::tempdir().unwrap();
+    let digest =
+        |job: &str| program::run(crumple_with(&["run", job, "--workers", "1", "--no-report"])).with_code(0).digest();
+    let first = folder.path().join("first.k");
+    let again = folder.path().join("again.k");
+    let [first, again] = [&first, &again].map(|path| path.to_str().unwrap());
+    for (job, cards, beside) in [
+        (
+            "tests/decks/scenes/sled.k",
+            &[
+                "*MAT_SPRING_NONLINEAR_ELASTIC_TITLE",
+                "*MAT_DAMPER_VISCOUS_TITLE",
+                "*SECTION_DISCRETE",
+                "*ELEMENT_DISCRETE",
+                "*RIGIDWALL_PLANAR_FINITE_MOVING_ID",
+                "*RIGIDWALL_GEOMETRIC_CYLINDER_MOTION_ID",
+                "*INITIAL_VELOCITY",
+                "*DEFINE_CURVE",
+            ][..],
+            &["[[wall]]", "[[motion]]", "[[curve]]"][..],
+        ),
+        (
+            "tests/decks/scenes/bodies.toml",
+            &[
+                "*MAT_RIGID_TITLE",
+                "*CONSTRAINED_RIGID_BODIES",
+                "*CONSTRAINED_NODAL_RIGID_BODY_TITLE",
+                "*BOUNDARY_PRESCRIBED_MOTION_RIGID",
+                "*LOAD_BODY_Y",
+                "*LOAD_BODY_Z",
+                "*LOAD_NODE_SET",
+                "*CONTACT_AUTOMATIC_SINGLE_SURFACE",
+            ],
+            &["[[motion]]", "[[gravity]]", "[[load]]", "[[curve]]"],
+        ),
+    ] {
+        let one = digest(job);
+        program::run(crumple_with(&["export-deck", job, "--out", first])).with_code(0);
+        let text = fs::read_to_string(first).unwrap();
+        for card in cards {
+            assert!(text.lines().any(|line| line == *card), "{job}: no {card} in\n{text}");
+        }
+        for list in beside {
+            assert!(
+                !text.lines().any(|line| line.strip_prefix("$crumple: ") == Some(list)),
+                "{job}: {list} in\n{text}"
+            );
+        }
+        assert_eq!(one, digest(first), "{job}");
+        // And once more: names that a deck has given are not mistaken for others.
+        program::run(crumple_with(&["export-deck", first, "--out", again])).with_code(0);
+        assert_eq!(one, digest(again), "{job}, exported twice");
+    }
+}
+
 #[test]
 fn the_page_of_keywords_is_current() {
     let path = program::root().join("cases/DECKS.md");

@@ -227,11 +227,11 @@ fn a_worker_that_panics_is_a_lost_worker() {
             });
         }
         std::thread::spawn(move || {
-            let model = read(&case("tumble"), &["output.field_interval=-1"]);
+            let mut model = read(&case("tumble"), &["output.field_interval=-1"]);
             let out = tempfile::tempdir().unwrap();
             let trace = out.path().join("trace.json");
             let results = crumple::control::Results { out: out.path(), trace: Some(&trace) };
-            let ended = crumple::control::run(&model, &mut master, results, true, &StopFlag::default());
+            let ended = crumple::control::run(&mut model, &mut master, results, true, &StopFlag::default());
             let text = fs::read_to_string(&trace).unwrap();
             serde_json::from_str::<serde_json::Value>(&text).expect("what came of the trace is JSON");
             say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();

@@ -135,6 +135,32 @@ fn workers_make_no_difference() {
     }
 }
 
+/// Transducers on each part, and from one on another, have the same digits on any number of workers, add up to what parts feel,
+/// and change nothing of the state.
+#[test]
+fn transducers_have_the_same_digits_on_any_workers() {
+    let asked = "output.transducer=[{ name = \"on 2\", parts = [2] }, { name = \"2 from 1\", parts = [2], from_parts = [1] }, \
+                 { name = \"1 from 2\", parts = [1], from_parts = [2] }]";
+    let scene = |workers: &str, more: &[&str]| {
+        let args = ["run", "cases/tumble", "--quiet", "--end-time", "1.5", "--workers", workers];
+        let sets = ["--set", "output.history_interval=0.05", "--set", "output.field_interval=-1"];
+        let forced = ["--set", "parallel.force_every=40"];
+        run(crumple_with(&[&args[..], &sets, &forced, more].concat())).with_code(0)
+    };
+    let [one, two, four] = ["1", "2", "4"].map(|workers| scene(workers, &["--set", asked]));
+    assert_eq!(scene("1", &[]).digest(), one.digest(), "they are not felt");
+    let table = Table::of(&one, "transducers.csv");
+    for several in [two, four] {
+        assert_eq!(Table::of(&several, "transducers.csv").rows, table.rows);
+    }
+    let of = |name: &str| table.vector("force", "transducer", name);
+    let part = Table::of(&one, "contacts.csv").vector("force", "part", "2");
+    let scale = largest(part.as_flattened());
+    assert!(scale > 0.0 && part.iter().filter(|f| **f != [0.0; 3]).count() > 5, "part 2 is hit");
+    assert!(part.iter().zip(of("on 2")).all(|(a, b)| apart(*a, b) < DIGITS * scale));
+    assert!(of("2 from 1").iter().zip(of("1 from 2")).all(|(a, b)| apart(*a, b.map(|c| -c)) == 0.0));
+}
+
 /// A strip of ten quads of side 5 along x, 4 thick, parts 1 (the first half) and 2.
 fn strip(more: &str) -> String {
     let (mut nodes, mut shells) = (String::new(), String::new());

@@ -56,6 +56,24 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     assert!(page(&ended).contains("Not read: "), "problems are on the page");
 }
 
+/// Walls that move have a path over the times of the history, those that stand none; and the page with them has no fault.
+#[test]
+fn walls_that_move_have_their_paths() {
+    let ended = run(crumple_with(&["run", "tests/decks/scenes/sled.k", "--workers", "1"])).with_code(0);
+    let walls = facts(&page(&ended))["walls"].clone();
+    let path = |w: usize| walls[w]["path"].clone();
+    let last = |w: usize, c: usize| path(w)["moved"].as_array().unwrap().last().unwrap()[c].as_f64().unwrap();
+    assert!((last(1, 2) - 4.0).abs() < 1e-8, "the roller ends where its curve takes it: {}", path(1));
+    // The sled is thrown back, along its normal only.
+    assert!(last(0, 0).abs() > 0.1 && last(0, 1) == 0.0, "{}", path(0));
+    assert!(!page(&ended).contains("drawn where they are at first"));
+    fs::remove_file(ended.out().join("walls.csv")).unwrap();
+    run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
+    assert!(page(&ended).contains("drawn where they are at first"), "nothing says where they go");
+    let still = bars(&[]).with_code(0);
+    assert!(facts(&page(&still))["walls"].as_array().unwrap().iter().all(|w| w["path"].is_null()));
+}
+
 #[test]
 fn a_run_can_do_without_and_so_can_its_fields() {
     let ended = bars(&["--no-report"]).with_code(0);

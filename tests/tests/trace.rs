@@ -12,7 +12,7 @@ const WORKERS: usize = 2;
 
 /// A run on two workers, and the events of its trace.
 fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
-    let model = read(&case("bars"), sets);
+    let mut model = read(&case("bars"), sets);
     let out = tempfile::tempdir().unwrap();
     let path = out.path().join("trace.json");
     let mut ends = connect(WORKERS + 1);
@@ -22,7 +22,7 @@ fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
             scope.spawn(move || crumple_worker::serve::serve(&mut end).unwrap());
         }
         let results = Results { out: out.path(), trace: Some(&path) };
-        control::run(&model, &mut master, results, true, &StopFlag::default()).unwrap()
+        control::run(&mut model, &mut master, results, true, &StopFlag::default()).unwrap()
     });
     let trace: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     assert!(trace["otherData"]["clocks"].as_str().unwrap().contains("one clock"));

@@ -315,6 +315,7 @@ impl Engine {
             momentum,
             angular_momentum,
             wall_impulse: self.walls.impulse.clone(),
+            wall_displacement: self.walls.each().iter().map(|w| w.displacement().into()).collect(),
             pairs: self.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
             penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),

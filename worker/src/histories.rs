@@ -68,6 +68,12 @@ impl Histories {
             },
             nodes: self.nodes.iter().map(|&n| node(engine, n as usize, ended)).collect(),
             sections: self.sections(engine),
+            transducers: match &engine.contact {
+                Some(contact) if !asked.transducers.is_empty() => {
+                    contact.forces_on_transducers(&asked.transducers, &engine.nodes)
+                }
+                _ => Vec::new(),
+            },
         }
     }
 

@@ -262,6 +262,11 @@ impl Wall {
         Self { job: job.clone(), surface, friction, drive, last: velocity, next: velocity, meets: Vec::new() }
     }
 
+    /// How far it has gone since the start [length].
+    pub fn displacement(&self) -> V3 {
+        self.surface.place() - V3::from(self.job.point)
+    }
+
     /// Velocity at the next mid-step as far as it is known [length/time].
     pub fn velocity(&self) -> V3 {
         self.next

@@ -26,7 +26,9 @@ class View {
     this.boxes = model.frames.map((frame) => boxOf(model, frame));
     this.middles = this.boxes.map(({ low, high }) => low.map((a, c) => 0.5 * (a + high[c])));
     this.whole = whole(this.boxes);
-    this.walls = walls.map((wall) => wallObjects(wall, this.whole)).filter((objects) => objects);
+    const drawn = walls.map((wall) => [wallObjects(wall, this.whole), wall.path]).filter(([objects]) => objects);
+    this.walls = drawn.map(([objects]) => objects);
+    this.paths = drawn.map(([, path]) => path);
     this.walls.forEach((objects) => this.scene.add(...objects));
     // The model is in front of its walls: a view from behind one of them would look through it.
     this.mirrored = walls.some(({ normal }) => normal?.[0] > 0.5) && !walls.some(({ normal }) => normal?.[0] < -0.5);
@@ -83,6 +85,11 @@ class View {
     const next = Math.min(first + 1, last);
     if (changed) this.surface.show(frames[first], frames[next], way, shown);
     this.surface.between(fraction);
+    const time = frames[first].time + fraction * (frames[next].time - frames[first].time);
+    this.walls.forEach((objects, number) => {
+      const path = this.paths[number];
+      if (path) objects.forEach((object) => object.position.set(...gone(path, time)));
+    });
     if (this.following) {
       const middle = this.middles[first].map((a, c) => a + fraction * (this.middles[next][c] - a) - this.middles[0][c]);
       const step = new THREE.Vector3(...middle.map((a, c) => a - this.moved[c]));

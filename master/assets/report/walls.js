@@ -1,5 +1,6 @@
 "use strict";
-// Rigid walls: planes, rectangles and cylinders, with lines on them. What has no end is drawn as far as the model sweeps.
+// Rigid walls: planes, rectangles and cylinders, with lines on them. What has no end is drawn as far as the model sweeps. Walls
+// that move have a path.
 
 /** So much beyond the model, as a fraction of its size. */
 const WALL_MARGIN = 0.12;
@@ -81,4 +82,14 @@ function cylinder({ point, axis, radius, length }, box) {
       .addScaledVector(second, radius * Math.sin(turn))
       .toArray();
   return { at, s, t: [0, 2 * Math.PI], steps: [GRID_LINES, SIDES_OF_CYLINDER] };
+}
+
+/** How far a wall has gone along its path at a time. */
+function gone({ times, moved }, time) {
+  const later = times.findIndex((t) => t >= time);
+  const next = later < 0 ? times.length - 1 : later;
+  const first = Math.max(next - 1, 0);
+  const span = times[next] - times[first];
+  const share = span > 0 ? Math.min((time - times[first]) / span, 1) : 1;
+  return moved[first].map((a, c) => a + share * (moved[next][c] - a));
 }

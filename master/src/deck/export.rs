@@ -3,11 +3,18 @@
 //! Numbers whose digits do not fit into a field are parameters. Keys of the job that have no card stand behind
 //! `$crumple:`, where other programs do not see them.
 
+mod bodies;
+mod curves;
+mod loads;
+mod springs;
+mod walls;
+
 use super::number::shortest;
 use crate::job::{Model, Report};
-use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time, Wall};
+use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
+use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use toml::{Table, Value};
@@ -24,7 +31,7 @@ struct Deck {
     /// Keys without a card.
     rest: Table,
     /// Number of curves so far.
-    curves: usize,
+    curves: u64,
 }
 
 impl Deck {
@@ -69,6 +76,11 @@ impl Deck {
         }
     }
 
+    /// A card of an id and a name.
+    fn named_card(&mut self, id: u64, name: &str) {
+        self.body += &format!("{id:>WIDTH$}{name}\n");
+    }
+
     fn finish(self, job: &str) -> String {
         let mut head =
             format!("*KEYWORD LONG=Y\n$ {} as a deck, by crumple {}\n", line(job), env!("CARGO_PKG_VERSION"));
@@ -101,23 +113,38 @@ fn line(text: &str) -> String {
 
 /// A model as a deck.
 pub fn export(model: &Model) -> Result<String, String> {
-    let lines = model.mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Line2 | Shape::Beam2)).count();
-    if lines > 0 {
-        return Err(format!("{lines} beams and springs cannot be written as a deck yet: take them out of the mesh"));
+    let beams = model.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).count();
+    if beams > 0 {
+        return Err(format!("{beams} beams cannot be written as a deck yet: take them out of the mesh"));
     }
-    let mut deck = Deck::default();
     let job = &model.job;
+    let mut deck = Deck { curves: most("curve-", job.curve.iter().map(|c| c.name.as_str())), ..Deck::default() };
     deck.keyword("TITLE");
     deck.text(&line(&job.title));
     control(&mut deck, job);
-    materials(&mut deck, model);
-    parts(&mut deck, model)?;
+    let mut next = 1 + model.settings.materials.len() as u64;
+    let bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
+    next += bodies.materials.len() as u64;
+    materials(&mut deck, model, &bodies.materials);
+    parts(&mut deck, model, &bodies.materials, next)?;
     let sets = node_sets(&mut deck, model);
-    loads(&mut deck, job, &sets);
+    let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
+    let mut curves = TimeCurves::of(job);
+    initial(&mut deck, job, set);
+    loads::gravity(&mut deck, model, &mut curves);
+    loads::on_nodes(&mut deck, model, set, &mut curves);
+    bodies::write(&mut deck, job, &bodies, set, &mut curves);
+    walls::write(&mut deck, job, set, &mut curves);
     contact(&mut deck, job);
     mesh(&mut deck, model);
-    left_over(&mut deck, job);
+    left_over(&mut deck, job, &mut curves);
     Ok(deck.finish(&model.path.display().to_string()))
+}
+
+/// Largest number behind `start` among names: a reader calls curves and sets by their ids, and what a job calls so is not to be
+/// mistaken for them.
+fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
+    names.filter_map(|name| name.strip_prefix(start)?.parse().ok()).max().unwrap_or(0)
 }
 
 fn control(deck: &mut Deck, job: &Job) {
@@ -125,6 +152,10 @@ fn control(deck: &mut Deck, job: &Job) {
     deck.card(&[Number(job.end_time), Id(job.time.max_cycles), Number(job.time.dt_min_ratio)]);
     deck.keyword("CONTROL_TIMESTEP");
     deck.card(&[Blank, Number(job.time.safety), Blank, Blank, Number(-job.time.mass_scaling_dt)]);
+    if job.time.damping > 0.0 {
+        deck.keyword("DAMPING_GLOBAL");
+        deck.card(&[Blank, Number(job.time.damping)]);
+    }
     let output = &job.output;
     if output.history_interval > 0.0 {
         deck.keyword("DATABASE_GLSTAT");
@@ -136,8 +167,9 @@ fn control(deck: &mut Deck, job: &Job) {
     }
 }
 
-fn materials(deck: &mut Deck, model: &Model) {
-    for (material, mid) in model.settings.materials.iter().zip(1..) {
+fn materials(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
+    let deforms = |m: &Material| model.job.part.iter().any(|p| p.material == m.name && !rigid.contains_key(&p.id));
+    for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
         let number = |key: &str| match material.parameters.get(key) {
             Some(Param::Number(x)) => *x,
             _ => 0.0,
@@ -215,35 +247,46 @@ fn johnson_cook(deck: &mut Deck, material: &Material, mid: u64, title: &str, num
 /// The hardening table of a material as a curve; its id.
 fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
     let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
-    deck.curves += 1;
-    let id = deck.curves as u64;
-    deck.keyword("DEFINE_CURVE");
-    deck.card(&[Id(id)]);
-    for row in rows.iter().filter(|row| row.len() == 2) {
-        deck.card(&[Number(row[0]), Number(row[1])]);
-    }
-    Some(id)
+    let pairs: Vec<[f64; 2]> = rows.iter().filter(|row| row.len() == 2).map(|row| [row[0], row[1]]).collect();
+    Some(points(deck, &pairs))
 }
 
-fn parts(deck: &mut Deck, model: &Model) -> Result<(), String> {
+/// A curve through these points; its id.
+fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
+    deck.curves += 1;
+    let id = deck.curves;
+    deck.keyword("DEFINE_CURVE");
+    deck.card(&[Id(id)]);
+    pairs.iter().for_each(|p| deck.card(&p.map(Number)));
+    id
+}
+
+/// Parts; those of springs get materials of their own, with ids from `next` on.
+fn parts(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>, mut next: u64) -> Result<(), String> {
     let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
     for element in &model.mesh.elements {
         shapes.entry(element.part).or_default().insert(element.shape.is_shell());
     }
     let materials = &model.settings.materials;
     for part in &model.settings.parts {
+        if let Some(spring) = &part.spring {
+            springs::part(deck, part, spring, next);
+            next += 1;
+            continue;
+        }
         let of = shapes.get(&part.id).cloned().unwrap_or_default();
         if of.len() > 1 {
             return Err(format!("part {} has shells and solids: a deck needs a part for each", part.id));
         }
         let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
-        let mid = materials.iter().position(|m| m.name == part.material).map_or(0, |i| i + 1);
+        let plain = materials.iter().position(|m| m.name == part.material).map_or(0, |i| i as u64 + 1);
+        let mid = rigid.get(&part.id).copied().unwrap_or(plain);
         let id = u64::from(part.id);
         section(deck, part, shells);
         let hourglass = hourglass(deck, part, shells);
         deck.keyword("PART");
         deck.text(&line(&part.name));
-        deck.card(&[Id(id), Id(id), Id(mid as u64), Blank, if hourglass { Id(id) } else { Blank }]);
+        deck.card(&[Id(id), Id(id), Id(mid), Blank, if hourglass { Id(id) } else { Blank }]);
     }
     Ok(())
 }
@@ -310,7 +353,8 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
 /// Writes all sets; gives their ids by name.
 fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
     let mut ids = BTreeMap::new();
-    for ((name, nodes), id) in model.mesh.node_sets.iter().zip(1..) {
+    let first = 1 + most("set-", model.mesh.node_sets.keys().map(String::as_str));
+    for ((name, nodes), id) in model.mesh.node_sets.iter().zip(first..) {
         deck.keyword("SET_NODE_LIST_TITLE");
         deck.text(&line(name));
         deck.card(&[Id(id)]);
@@ -322,8 +366,8 @@ fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
     ids
 }
 
-fn loads(deck: &mut Deck, job: &Job, sets: &BTreeMap<&str, u64>) {
-    let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
+/// What the model starts with: masses, what is held, velocities.
+fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
     for (mass, id) in job.mass.iter().zip(1..) {
         deck.keyword("ELEMENT_MASS_NODE_SET");
         deck.card(&[Id(id), set(&mass.nodes), Number(mass.mass)]);
@@ -337,33 +381,12 @@ fn loads(deck: &mut Deck, job: &Job, sets: &BTreeMap<&str, u64>) {
     let plain = job.initial_velocity.iter().all(|v| v.spin == [0.0; 3]);
     for initial in job.initial_velocity.iter().filter(|_| plain) {
         deck.keyword("INITIAL_VELOCITY");
-        deck.card(&[initial.nodes.as_deref().map_or(Blank, set)]);
+        deck.card(&[initial.nodes.as_deref().map_or(Blank, &set)]);
         deck.card(&initial.velocity.map(Number));
     }
     if !plain {
         list(deck, "initial_velocity", &job.initial_velocity);
     }
-    let fixed_planes: Option<Vec<[f64; 3]>> = job.wall.iter().map(|w| w.normal.filter(|_| is_fixed_plane(w))).collect();
-    let Some(normals) = fixed_planes else { return list(deck, "wall", &job.wall) };
-    for ((wall, normal), number) in job.wall.iter().zip(normals).zip(1..) {
-        let name = if wall.name.is_empty() { format!("wall-{number}") } else { line(&wall.name) };
-        deck.keyword("RIGIDWALL_PLANAR_ID");
-        deck.card(&[Id(number), Blank]);
-        deck.body.truncate(deck.body.len() - 1);
-        deck.text(&name);
-        deck.card(&[Blank]);
-        let head = [0, 1, 2].map(|c| wall.point[c] + normal[c]);
-        deck.card(&[wall.point.map(Number).as_slice(), &head.map(Number), &[Number(wall.friction)]].concat());
-        if [0, 1, 2].map(|c| head[c] - wall.point[c]) != normal {
-            deck.entry("wall", Table::from_iter([named(&name), ("normal".into(), Value::from(normal.to_vec()))]));
-        }
-    }
-}
-
-/// Whether a wall is what a deck's plane is: without end, for all nodes, and at rest.
-fn is_fixed_plane(wall: &Wall) -> bool {
-    let plane = Wall { name: String::new(), point: [0.0; 3], normal: None, friction: 0.0, ..wall.clone() };
-    plane == Wall::default()
 }
 
 fn contact(deck: &mut Deck, job: &Job) {
@@ -388,8 +411,9 @@ fn mesh(deck: &mut Deck, model: &Model) {
     for node in &model.mesh.nodes {
         deck.card(&[Id(node.id.0), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
     }
+    springs::elements(deck, model.mesh.elements.iter());
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| shape.is_shell() == shells;
+        let of = |shape: Shape| if shells { shape.is_shell() } else { shape == Shape::Hex8 };
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
@@ -406,13 +430,16 @@ fn mesh(deck: &mut Deck, model: &Model) {
 }
 
 /// What no card has said: settings beside their defaults, and lists of which nothing is written as cards.
-fn left_over(deck: &mut Deck, job: &Job) {
+fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     if !job.units.is_empty() {
         deck.rest.insert("units".into(), job.units.clone().into());
     }
-    let carried = [("time", "safety"), ("time", "max_cycles"), ("time", "dt_min_ratio"), ("time", "mass_scaling_dt")];
-    differing(deck, "time", &job.time, &Time::default(), &carried.map(|c| c.1));
-    differing(deck, "output", &job.output, &Output::default(), &[]);
+    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping"];
+    differing(deck, "time", &job.time, &Time::default(), &carried);
+    // Cards have intervals above nought only.
+    let intervals = [("history_interval", job.output.history_interval), ("field_interval", job.output.field_interval)];
+    let carried: Vec<&str> = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
+    differing(deck, "output", &job.output, &Output::default(), &carried);
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
     if let Some(contact) = &job.contact {
         differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
@@ -426,13 +453,15 @@ fn left_over(deck: &mut Deck, job: &Job) {
         }
     }
     list(deck, "symmetry", &job.symmetry);
-    list(deck, "curve", &job.curve);
-    list(deck, "gravity", &job.gravity);
-    list(deck, "load", &job.load);
     list(deck, "pressure", &job.pressure);
-    list(deck, "rigid", &job.rigid);
     list(deck, "tie", &job.tie);
-    list(deck, "motion", &job.motion);
+    // What stands there refers to curves by their names.
+    let referring = ["pressure", "load", "motion", "wall"];
+    if referring.iter().any(|key| deck.rest.contains_key(*key)) {
+        for curve in &job.curve {
+            curves.beside(deck, Some(&curve.name));
+        }
+    }
 }
 
 fn list(deck: &mut Deck, name: &str, entries: &[impl serde::Serialize]) {

@@ -28,7 +28,7 @@ fn write(page: &mut String) -> std::fmt::Result {
             }
             let note = match keyword.effect {
                 Effect::Model => keyword.note.to_string(),
-                Effect::Output | Effect::Harmless => format!("warning: {}", keyword.note),
+                Effect::Harmless => format!("warning: {}", keyword.note),
                 Effect::NotYet => format!("**not supported yet**: {}", keyword.note),
             };
             let cards: Vec<String> = keyword.cards.iter().map(|(card, times)| fields(card, *times)).collect();
@@ -36,7 +36,7 @@ fn write(page: &mut String) -> std::fmt::Result {
         }
     }
     let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
-    writeln!(page, "\nKeywords that begin with {} ask for output and give a warning each.", output.join(", "))?;
+    writeln!(page, "\nOther keywords that begin with {} ask for output and give a warning each.", output.join(", "))?;
     writeln!(page, "Every other keyword is an error that names its line, or is left out with `--allow-unsupported`.")
 }
 

@@ -98,8 +98,6 @@ pub enum Times {
 pub enum Effect {
     /// It is part of the model.
     Model,
-    /// It asks for output: a warning tells what becomes of it.
-    Output,
     /// It changes nothing that matters here: a warning says that it is not read.
     Harmless,
     /// Its cards are read, but the engine cannot do it yet: an error unless it is allowed.

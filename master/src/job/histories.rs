@@ -2,9 +2,9 @@
 
 use super::state::NodeSets;
 use super::validate::{Findings, nearest};
-use crumple_proto::histories::{Asked, NodeGroup, Section};
+use crumple_proto::histories::{Asked, NodeGroup, Section, Surface, Transducer};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, NodeHistory, SectionHistory};
+use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -20,11 +20,14 @@ pub fn resolve(job: &Job, mesh: &Mesh, settings: &Settings, sets: &NodeSets<'_>,
     };
     let all = job.output.section.iter().enumerate();
     let sections: Vec<_> = all.map(|(i, s)| section(s, i, job, mesh, sets, &rigid, findings)).collect();
+    let all = job.output.transducer.iter().enumerate();
+    let transducers: Vec<_> = all.map(|(i, t)| transducer(t, i, job, settings, sets, findings)).collect();
     Asked {
         parts: job.output.parts,
         contacts: job.output.contacts && several,
         nodes: nodes.into_iter().flatten().collect(),
         sections: sections.into_iter().flatten().collect(),
+        transducers: transducers.into_iter().flatten().collect(),
     }
 }
 
@@ -62,6 +65,57 @@ fn group(asked: &NodeHistory, i: usize, sets: &NodeSets<'_>, findings: &mut Find
     whole.then_some(NodeGroup { name, nodes })
 }
 
+/// Whether all these parts are there.
+fn are_parts(parts: &[u32], path: &str, what: &str, job: &Job, findings: &mut Findings) -> bool {
+    let missing: Vec<_> = parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)).collect();
+    for (k, id) in &missing {
+        let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        let message = format!("{what}: there is no part {id}");
+        findings.add(Problem::error(format!("{path}.{k}"), message, nearest(&id.to_string(), &ids)));
+    }
+    missing.is_empty()
+}
+
+fn transducer(
+    asked: &TransducerHistory,
+    i: usize,
+    job: &Job,
+    settings: &Settings,
+    sets: &NodeSets<'_>,
+    findings: &mut Findings,
+) -> Option<Transducer> {
+    let path = format!("output.transducer.{i}");
+    if asked.parts.is_empty() && asked.nodes.is_none() {
+        let help = "name its `parts`, its `nodes`, or both: what all exerts on all is nothing";
+        findings.add(Problem::error(path, "a force transducer has no surface", help));
+        return None;
+    }
+    let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+    if settings.contact.is_none() {
+        let help = "give the job a [contact] table, or take the transducer out";
+        findings.add(Problem::warning(path.clone(), "a force transducer, but nothing is in contact", help));
+    } else if !asked.parts.is_empty() && !asked.parts.iter().any(|&p| touches(p)) {
+        let help = "name parts of `contact.parts`, or take the transducer out";
+        findings.add(Problem::warning(path.clone(), "a force transducer on parts that are in no contact", help));
+    }
+    let mut surface = |parts: &[u32], nodes: &Option<String>, keys: [&str; 2]| -> Option<Surface> {
+        let known = are_parts(parts, &format!("{path}.{}", keys[0]), "a force transducer", job, findings);
+        let mut places: Vec<u32> =
+            (0..).zip(&settings.parts).filter(|(_, p)| parts.contains(&p.id)).map(|p| p.0).collect();
+        places.sort_unstable();
+        let nodes = match nodes {
+            None => None,
+            Some(name) => Some(sets.ids(name, format!("{path}.{}", keys[1]), findings)?),
+        };
+        known.then_some(Surface { parts: places, nodes })
+    };
+    let on = surface(&asked.parts, &asked.nodes, ["parts", "nodes"]);
+    let from = surface(&asked.from_parts, &asked.from_nodes, ["from_parts", "from_nodes"]);
+    let name = if asked.name.is_empty() { format!("transducer {}", i + 1) } else { asked.name.clone() };
+    Some(Transducer { name, on: on?, from: from? })
+}
+
 fn section(
     asked: &SectionHistory,
     i: usize,
@@ -73,14 +127,7 @@ fn section(
 ) -> Option<Section> {
     let path = format!("output.section.{i}");
     let nodes = sets.ids(&asked.nodes, format!("{path}.nodes"), findings);
-    let mut known = true;
-    for (k, id) in asked.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)) {
-        let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
-        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
-        let message = format!("a section: there is no part {id}");
-        findings.add(Problem::error(format!("{path}.parts.{k}"), message, nearest(&id.to_string(), &ids)));
-        known = false;
-    }
+    let mut known = are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);
     for (k, id) in asked.elements.iter().enumerate() {
         if mesh.elements.binary_search_by_key(&ElemId(*id), |e| e.id).is_err() {
             let message = format!("a section: there is no element {id}");

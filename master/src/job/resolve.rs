@@ -2,6 +2,7 @@
 
 use super::validate::{Findings, nearest};
 use super::{laws, walls};
+use crate::vtkhdf;
 use crumple_proto::histories::Asked;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
@@ -38,6 +39,13 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
             let message = format!("no field file can be written at {t}: the run goes from 0 to {}", job.end_time);
             numbers.findings.add(Problem::warning(path, message, "take it out, or change end_time"));
         }
+    }
+    if output.vtkhdf && !vtkhdf::BUILT {
+        numbers.findings.add(Problem::error(
+            "output.vtkhdf",
+            vtkhdf::MISSING,
+            format!("{}, or take the key out", vtkhdf::HELP),
+        ));
     }
     let files = job.end_time / output.field_interval;
     if output.field_interval > 0.0 && files > MOST_FIELDS {

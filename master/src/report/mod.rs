@@ -7,6 +7,7 @@
 
 mod encode;
 mod page;
+mod paths;
 mod plots;
 mod scene;
 mod series;
@@ -195,8 +196,11 @@ fn left_out_of(series: &Series, scene: &Scene, description: &Description, source
     if series.unknown_shapes > 0 {
         out.push("Elements of a shape that this program does not draw were left out.".into());
     }
-    if sources.walls_move() {
-        out.push("Rigid walls that move are drawn where they are at first.".into());
+    if sources.walls_move_unseen() {
+        out.push(
+            "Rigid walls that move are drawn where they are at first: there is no `walls.csv` that says where they go."
+                .into(),
+        );
     }
     let unit = description.frames.iter().map(|f| f.unit).fold(0.0, f64::max);
     let [length, _] = sources.length_and_stress();

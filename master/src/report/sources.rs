@@ -1,5 +1,6 @@
 //! What stands in the folder of a run beside its fields: how it ended, what it said, what its job is called.
 
+use super::paths::{self, WallPath};
 use super::plots::{History, Plots};
 use super::things;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,8 @@ pub struct Sources {
     pub summary: Option<Map<String, Value>>,
     /// `history.csv`.
     pub history: Option<History>,
+    /// Paths of the walls, in their order, out of `walls.csv`.
+    pub paths: Vec<WallPath>,
     /// Plots of it, and of the files with forces beside it.
     pub plots: Plots,
     /// Warnings of the run, the gravest first.
@@ -44,6 +47,9 @@ pub struct Wall {
     /// Its length, 0 for one without end [length].
     #[serde(default)]
     pub length: f64,
+    /// Where it goes, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<WallPath>,
 }
 
 impl Sources {
@@ -65,6 +71,7 @@ impl Sources {
             }
             Err(why) => sources.problems.push(why),
         }
+        sources.paths = paths::read(&dir.join("walls.csv"));
         sources.warnings = sources.of_summary();
         sources.warnings.extend(log(&dir.join("log.jsonl")));
         sources
@@ -127,18 +134,24 @@ impl Sources {
         parts.into_iter().flatten().filter_map(named).collect()
     }
 
-    /// Rigid walls, as they are at first.
+    /// Rigid walls, with their paths where these are known.
     pub fn walls(&self) -> Vec<Wall> {
-        let walls = self.summary.as_ref().and_then(|s| s.get("walls")?.as_array());
-        walls.into_iter().flatten().filter_map(|w| Wall::deserialize(w).ok()).collect()
+        let with_path = |(w, value): (usize, &Value)| {
+            let path = self.paths.get(w).filter(|path| path.moves()).cloned();
+            Some(Wall { path, ..Wall::deserialize(value).ok()? })
+        };
+        self.all_walls().iter().enumerate().filter_map(with_path).collect()
     }
 
-    /// Whether a wall moves, freely or as prescribed.
-    pub fn walls_move(&self) -> bool {
-        let walls = self.summary.as_ref().and_then(|s| s.get("walls")?.as_array());
+    /// Whether a wall moves, freely or as prescribed, of which it is not known where it goes.
+    pub fn walls_move_unseen(&self) -> bool {
         let moves =
             |w: &Value| ["mass", "velocity", "displacement"].iter().any(|key| w.get(key).is_some_and(|v| !v.is_null()));
-        walls.into_iter().flatten().any(moves)
+        self.all_walls().iter().skip(self.paths.len()).any(moves)
+    }
+
+    fn all_walls(&self) -> &[Value] {
+        self.summary.as_ref().and_then(|s| s.get("walls")?.as_array()).map_or(&[], Vec::as_slice)
     }
 
     /// Labels of length and stress in the job's units, by their first three words: length, time, mass.
@@ -224,7 +237,7 @@ mod tests {
         assert_eq!((s.length_and_stress(), s.workers()), (["mm".into(), "GPa".into()], Some(2)));
         assert_eq!(s.part_names()["4"], "a<b");
         let walls = s.walls();
-        assert!(!s.walls_move());
+        assert!(!s.walls_move_unseen());
         assert_eq!((walls.len(), walls[0].point, walls[0].normal), (1, [0.0, 0.0, 1.5], Some([0.0, 0.0, 1.0])));
         assert_eq!(s.ending(), "failed at time 0.5 after 3 cycles");
     }

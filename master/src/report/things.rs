@@ -1,13 +1,15 @@
-//! Plots of forces on single things: parts in contact (`contacts.csv`) and sections (`sections.csv`), which have a row for
-//! each thing and time: the time, what names the thing, `force x`, `force y`, `force z`, and what else there is.
+//! Plots of forces on single things: parts in contact (`contacts.csv`), force transducers (`transducers.csv`) and sections
+//! (`sections.csv`), which have a row for each thing and time: the time, what names the thing, `force x`, `force y`, `force z`,
+//! and what else there is.
 
 use super::plots::{Line, Plot, named};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 /// Files, titles and notes of the plots.
-const KINDS: [[&str; 3]; 2] = [
+const KINDS: [[&str; 3]; 3] = [
     ["contacts.csv", "Contact forces on parts", "The length of the force on each part, in that cycle."],
+    ["transducers.csv", "Force transducers", "The length of the contact force on each surface, in that cycle."],
     ["sections.csv", "Forces of sections", "The length of the force on one side of each section."],
 ];
 /// Lines of a plot; of more things those with the largest forces.

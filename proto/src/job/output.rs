@@ -22,10 +22,14 @@ pub struct Output {
     pub contacts: bool,
     /// Write the fields as a d3plot database too, when the run is over.
     pub d3plot: bool,
+    /// Write the fields as one temporal VTKHDF file too, when the run is over; needs a build with the feature `vtkhdf`.
+    pub vtkhdf: bool,
     /// Nodes whose motion is written to `nodes.csv`.
     pub node: Vec<NodeHistory>,
     /// Sections whose force and moment are written to `sections.csv`.
     pub section: Vec<SectionHistory>,
+    /// Force transducers, whose contact forces are written to `transducers.csv`.
+    pub transducer: Vec<TransducerHistory>,
 }
 
 impl Default for Output {
@@ -38,8 +42,10 @@ impl Default for Output {
             walls: true,
             contacts: true,
             d3plot: false,
+            vtkhdf: false,
             node: Vec::new(),
             section: Vec::new(),
+            transducer: Vec::new(),
         }
     }
 }
@@ -78,4 +84,27 @@ pub struct SectionHistory {
     /// Direction from the middle of the nodes: only elements whose centre lies to this side of it at the start count.
     #[serde(default)]
     pub side: Option<[f64; 3]>,
+}
+
+/// A force transducer: the contact force on a surface A, from a surface B or from all that touches it, is written to
+/// `transducers.csv`. A surface is the faces and nodes of some parts, or of a node set (its nodes, and the faces all of whose
+/// nodes are in it), or what both have in common. What a surface exerts on itself cancels. Rigid walls are in `walls.csv`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TransducerHistory {
+    /// Name for people.
+    #[serde(default)]
+    pub name: String,
+    /// Parts of surface A.
+    #[serde(default)]
+    pub parts: Vec<u32>,
+    /// Node set of surface A.
+    #[serde(default)]
+    pub nodes: Option<String>,
+    /// Parts of surface B; without these and `from_nodes` all that touches A counts.
+    #[serde(default)]
+    pub from_parts: Vec<u32>,
+    /// Node set of surface B.
+    #[serde(default)]
+    pub from_nodes: Option<String>,
 }

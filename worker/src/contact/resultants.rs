@@ -1,8 +1,10 @@
-//! Forces that parts exert on each other by contact, for histories.
+//! Forces that parts and surfaces exert on each other by contact, for histories.
 
 use super::Contact;
 use super::pairs::Pair;
-use crumple_proto::histories::ContactShare;
+use crate::nodes::Nodes;
+use crumple_proto::histories::{ContactShare, PairForce, Transducer};
+use crumple_proto::ids::NodeId;
 use std::collections::BTreeMap;
 
 impl Contact {
@@ -17,6 +19,31 @@ impl Contact {
             (0..3).for_each(|c| sum[c] += sign * pair.force[c]);
         }
         sums.into_iter().map(|(parts, force)| ContactShare { parts, force }).collect()
+    }
+
+    /// What the own pairs of the last step do to transducers, ascending by transducer and pair. A node that several parts share counts for the lowest
+    /// of them that is in contact, as above.
+    pub fn forces_on_transducers(&self, transducers: &[Transducer], nodes: &Nodes) -> Vec<PairForce> {
+        let mut felt = Vec::new();
+        for pair in self.own_table() {
+            let Some([slave, met]) = self.parts_of(pair) else { continue };
+            let ids = pair.nodes.map(|n| nodes.id.get(n as usize).copied().unwrap_or(NodeId(0)));
+            let (first, rest) = if pair.name.is_edge() { ids[..4].split_at(2) } else { ids.split_at(1) };
+            for (transducer, number) in transducers.iter().zip(0..) {
+                let (on, from) = (&transducer.on, &transducer.from);
+                let pushed = on.has(slave, first) && from.has(met, rest);
+                let pushing = on.has(met, rest) && from.has(slave, first);
+                let sign = f64::from(i8::from(pushed) - i8::from(pushing));
+                if sign != 0.0 {
+                    let name = &pair.name;
+                    let words = [name.slave.0, name.far.0, name.met[0], name.met[1]];
+                    let force = (pair.force * sign).into();
+                    felt.push(PairForce { transducer: number, pair: words, force });
+                }
+            }
+        }
+        felt.sort_unstable_by_key(|p| (p.transducer, p.pair));
+        felt
     }
 
     /// Parts of an own pair's slave and of what it meets.

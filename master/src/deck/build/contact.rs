@@ -137,11 +137,33 @@ impl Build {
     }
 
     fn friction(&mut self, record: &Record, name: &str) -> f64 {
-        let (fs, fd, dc) = (record.real("fs"), record.real("fd"), record.real("dc"));
+        let fs = record.real("fs");
+        if fs == -1.0 {
+            return self.friction_of_parts(record, name);
+        }
         if fs < 0.0 {
-            self.map(name, format!("fs {fs}: friction of the parts"), "friction 0");
+            self.unsupported_value(record, "fs", "-1 is the friction of the parts, other codes name tables");
             return 0.0;
         }
+        self.friction_at_speed(record, name)
+    }
+
+    /// The largest friction of `*PART_CONTACT`, which holds for all as that of several contacts does.
+    fn friction_of_parts(&mut self, record: &Record, name: &str) -> f64 {
+        let own: BTreeSet<u64> = self.part_friction.values().map(|f| f.to_bits()).collect();
+        let most = own.iter().map(|&f| f64::from_bits(f)).fold(0.0, f64::max);
+        if own.len() > 1 {
+            let message = "parts have different friction; there is one for all here".to_string();
+            let help = format!("{most} holds, the largest; give contact.friction in a job to change it");
+            self.trouble.warning(record.place("fs"), message, help);
+        }
+        self.map(name, "fs -1: friction of the parts", format!("friction {most}"));
+        most
+    }
+
+    /// Friction of a card with fs, fd and dc.
+    pub(super) fn friction_at_speed(&mut self, record: &Record, name: &str) -> f64 {
+        let (fs, fd, dc) = (record.real("fs"), record.real("fd"), record.real("dc"));
         if dc > 0.0 && fs != fd {
             self.map(name, format!("friction from {fs} down to {fd} with the speed"), format!("friction {fd}"));
             return fd;

@@ -35,7 +35,14 @@ pub struct Rows {
     /// Thicknesses of single shells at their corners, by their place in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
     index: HashMap<NodeId, usize>,
+    /// Largest id of a node, once somebody has asked.
+    top: u64,
+    /// By how much ids of solids, springs and beams were raised.
+    pub raised: [u64; 3],
 }
+
+/// Codes `tc` and `rc` of a node that does not move.
+const HELD_IN_PLACE: (i64, i64) = (7, 0);
 
 /// One line of a bulk keyword being read.
 struct Numbers<'a, 'c> {
@@ -225,7 +232,7 @@ impl Rows {
         let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
         let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
         let lists = [("solids", &mut self.solids), ("springs", &mut self.springs), ("beams", &mut self.beams)];
-        for (kind, list) in lists {
+        for ((kind, list), raised) in lists.into_iter().zip(&mut self.raised) {
             most = list.iter().map(|e| e.id.0).fold(most, u64::max);
             if list.iter().any(|e| seen.contains(&e.id)) {
                 let mut raise = 10u64;
@@ -234,6 +241,7 @@ impl Rows {
                 }
                 list.iter_mut().for_each(|e| e.id.0 = e.id.0.saturating_add(raise));
                 most = most.saturating_add(raise);
+                *raised = raise;
                 mapping.push(Mapping {
                     of: kind.into(),
                     asked: "ids that other elements have too".into(),
@@ -265,15 +273,28 @@ impl Rows {
 
     /// Adds nodes that the deck does not have, at the places of the beams that they show the way; gives their ids.
     pub fn add_nodes(&mut self, at: &[([f64; 3], Place)]) -> Vec<NodeId> {
-        let first = self.nodes.iter().map(|n| n.id.0).max().unwrap_or(0).saturating_add(1);
-        let mut ids = Vec::with_capacity(at.len());
-        for (id, (x, place)) in (first..).zip(at) {
-            let Place::Deck { file, start, end } = *place else { continue };
-            self.nodes.push(MeshNode { id: NodeId(id), x: *x });
-            self.node_lines.push((file, start, end));
-            ids.push(NodeId(id));
+        at.iter().filter_map(|&(x, place)| self.add_node(x, place)).collect()
+    }
+
+    fn add_node(&mut self, x: [f64; 3], place: Place) -> Option<NodeId> {
+        let Place::Deck { file, start, end } = place else { return None };
+        if self.top == 0 {
+            self.top = self.nodes.iter().map(|n| n.id.0).max().unwrap_or(0);
         }
-        ids
+        self.top = self.top.saturating_add(1);
+        let id = NodeId(self.top);
+        self.index.insert(id, self.nodes.len());
+        self.nodes.push(MeshNode { id, x });
+        self.node_lines.push((file, start, end));
+        Some(id)
+    }
+
+    /// Adds a node that is held in the place of another one, for what is written at `place`; `None` if there is no such node.
+    pub fn ground(&mut self, at: NodeId, place: Place) -> Option<NodeId> {
+        let x = self.at(at)?;
+        let id = self.add_node(x, place)?;
+        self.held.entry(HELD_IN_PLACE).or_insert_with(|| (Vec::new(), place)).0.push(id);
+        Some(id)
     }
 
     /// Adds a node set.

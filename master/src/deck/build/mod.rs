@@ -4,6 +4,7 @@ mod beams;
 mod contact;
 mod control;
 mod curves;
+mod histories;
 mod initial;
 mod loads;
 mod materials;
@@ -61,6 +62,10 @@ pub struct Build {
     spring_laws: BTreeMap<i64, Record>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
+    /// Directions of springs by part, with where they are written; `None` along the line between their nodes.
+    spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
+    /// Friction of parts that have one of their own.
+    part_friction: BTreeMap<i64, f64>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
@@ -86,6 +91,8 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
         spring_scales: BTreeMap::new(),
         spring_laws: BTreeMap::new(),
         round_parts: BTreeSet::new(),
+        spring_directions: BTreeMap::new(),
+        part_friction: BTreeMap::new(),
         bodies: BTreeMap::new(),
         end_time: 0.0,
     };
@@ -115,6 +122,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     b.walls();
     b.contacts();
     b.ties();
+    b.histories();
     b.left_over();
     let sets = std::mem::take(&mut b.node_sets);
     for (id, (nodes, place)) in sets {
@@ -158,7 +166,7 @@ impl Build {
     ) {
         let name = row.keyword.name;
         match row.keyword.effect {
-            Effect::Output | Effect::Harmless => {
+            Effect::Harmless => {
                 let message = format!("*{} is not read", block.name);
                 self.trouble.warn_once(name, block.place(), message, row.keyword.note);
                 return;

@@ -56,6 +56,7 @@ impl Build {
                 false => heading,
             };
             names.push(name.clone());
+            self.contact_card(&record, id);
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
@@ -108,6 +109,21 @@ impl Build {
             self.add("part", table);
         }
         self.used_materials = taken;
+    }
+
+    /// The card of `*PART_CONTACT`: a friction of its own.
+    fn contact_card(&mut self, record: &Record, id: i64) {
+        if !record.has("CONTACT") {
+            return;
+        }
+        let friction = self.friction_at_speed(record, &format!("part {id}"));
+        self.part_friction.insert(id, friction);
+        let odd = |field: &&&str| !matches!(record.real(field), 0.0 | 1.0);
+        let given: Vec<String> =
+            ["optt", "sft"].iter().filter(odd).map(|f| format!("{f} {}", record.real(f))).collect();
+        if !given.is_empty() {
+            self.map(format!("part {id}"), format!("{} for contact", given.join(", ")), "it is as thick as its shells");
+        }
     }
 
     /// What a part of shells has.

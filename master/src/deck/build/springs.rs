@@ -6,6 +6,7 @@ use super::sets::id;
 use super::tree::Table;
 use crate::deck::record::Record;
 use crumple_proto::ids::ElemId;
+use std::collections::BTreeMap;
 
 const LAWS: [&str; 4] =
     ["MAT_SPRING_ELASTIC", "MAT_DAMPER_VISCOUS", "MAT_SPRING_NONLINEAR_ELASTIC", "MAT_DAMPER_NONLINEAR_VISCOUS"];
@@ -29,6 +30,7 @@ impl Build {
                 self.trouble.error(place, format!("there are two materials with the id {mid}"), "give each its own");
             }
         }
+        let orientations = self.orientations();
         for record in self.take("ELEMENT_DISCRETE") {
             for line in record.lines("eid") {
                 let number = line.integer("eid");
@@ -36,17 +38,25 @@ impl Build {
                     let message = format!("{}: spring {number} has {why}, which is not supported yet", record.name());
                     self.unsupported(line.place(field), message, format!("{} {field}", record.name()));
                 };
-                if line.integer("n2") == 0 {
-                    missing("n2", "the ground for its second node");
+                let (vid, grounded) = (line.integer("vid"), line.integer("n2") == 0);
+                if grounded && vid == 0 {
+                    missing("n2", "the ground for its second node and no direction (vid)");
                     continue;
-                }
-                if line.integer("vid") != 0 {
-                    missing("vid", "a direction of its own");
                 }
                 if line.real("offset") != 0.0 {
                     missing("offset", "an elongation at the start");
                 }
-                let ids = [number, line.integer("n1"), line.integer("n2")].map(id);
+                if vid != 0 && !orientations.contains_key(&vid) {
+                    let known: Vec<String> = orientations.keys().map(i64::to_string).collect();
+                    self.missing(line.place("vid"), "*DEFINE_SD_ORIENTATION", vid, &known);
+                    continue;
+                }
+                let first = id(line.integer("n1"));
+                let second = match first.filter(|_| grounded) {
+                    Some(node) => self.rows.ground(node, line.place),
+                    None => id(line.integer("n2")),
+                };
+                let ids = [id(number), first, second];
                 let part = u32::try_from(line.integer("pid")).ok();
                 let ([Some(own), Some(n1), Some(n2)], Some(part)) = (ids, part) else {
                     let message = format!("{}: spring {number} has an id that is none", record.name());
@@ -59,9 +69,34 @@ impl Build {
                     let message = format!("{}: part {part} has springs with s {first} and {}", record.name(), scale.0);
                     self.unsupported(scale.1, message, format!("{} s", record.name()));
                 }
+                let along = (orientations.get(&vid).copied(), line.place("vid"));
+                if self.spring_directions.entry(i64::from(part)).or_insert(along).0 != along.0 {
+                    let message = format!("{}: part {part} has springs with different directions", record.name());
+                    self.unsupported(along.1, message, format!("{} vid", record.name()));
+                }
                 self.rows.spring(ElemId(own.0), part, [n1, n2], line.place);
             }
         }
+    }
+
+    /// Directions that stay.
+    fn orientations(&mut self) -> BTreeMap<i64, [f64; 3]> {
+        let mut found = BTreeMap::new();
+        for record in self.take("DEFINE_SD_ORIENTATION") {
+            for line in record.lines("vid") {
+                let (vid, along) = (line.integer("vid"), ["xt", "yt", "zt"].map(|c| line.real(c)));
+                if line.integer("iop") != 0 {
+                    let message = format!("{}: vid {vid} turns with the model or leaves a plane free", record.name());
+                    self.unsupported(line.place("iop"), message, format!("{} iop", record.name()));
+                }
+                if along == [0.0; 3] && line.integer("iop") == 0 {
+                    let message = format!("{}: vid {vid} has no direction", record.name());
+                    self.trouble.error(line.place("xt"), message, "give xt, yt, zt: a vector along it");
+                }
+                found.insert(vid, along);
+            }
+        }
+        found
     }
 
     /// A part of springs.
@@ -99,6 +134,9 @@ impl Build {
                 let points: Vec<Vec<f64>> = curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();
                 spring.put(key, curve.place, points);
             }
+        }
+        if let Some(&(Some(direction), at)) = self.spring_directions.get(&pid) {
+            spring.put("direction", at, direction);
         }
         let asked = match scale == 1.0 {
             true => law.name(),

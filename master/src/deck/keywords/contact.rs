@@ -3,7 +3,6 @@
 use super::id;
 use crate::deck::record::Record;
 use crate::deck::table::{
-    Effect::Output,
     Keyword,
     Times::{self, *},
 };
@@ -26,6 +25,9 @@ const CARDS: &[(&str, Times)] = &[
 const SINGLE: &str =
     "`[contact]`: its parts take part, fs (fd with decay) is the friction; all contacts of a deck are one";
 const PAIR: &str = "the same: both sides take part, in contact with each other and with themselves";
+
+const TRANSDUCER: &str = "`[[output.transducer]]`: the contact force on surfa, from surfb or, if that is blank, from all. Segments count by \
+                          their nodes";
 
 const fn contact(name: &'static str, note: &'static str) -> Keyword {
     Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
@@ -74,8 +76,7 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_ERODING_SINGLE_SURFACE", SINGLE),
     contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
-    contact("CONTACT_FORCE_TRANSDUCER_PENALTY", "it measures, and changes nothing: not written yet").effect(Output),
-    contact("CONTACT_FORCE_TRANSDUCER", "the same").effect(Output),
+    contact("CONTACT_FORCE_TRANSDUCER_PENALTY", TRANSDUCER).aliases(&["CONTACT_FORCE_TRANSDUCER"]),
     tied("CONTACT_TIED_NODES_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SURFACE_TO_SURFACE", TIED),
     tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),

@@ -4,6 +4,7 @@
 mod constraints;
 mod contact;
 mod control;
+mod histories;
 mod loads;
 mod materials;
 mod mesh;
@@ -25,6 +26,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Rigid bodies and constraints", constraints::KEYWORDS),
     ("Contact and rigid walls", contact::KEYWORDS),
     ("Control", control::KEYWORDS),
+    ("Histories", histories::KEYWORDS),
 ];
 
 /// Keywords that ask for output, by the start of their names: what there is to tell of them is told once for each.

@@ -12,7 +12,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("pid:i! secid:i! mid:i! eosid:i hgid:i grav:i adpopt:i tmid:i", Once),
             ("fs:r fd:r dc:r vc:r optt:r sft:r ssf:r cparm8:r", Count(contact)),
         ],
-        "`[[part]]`; the heading is its name, `part-PID` without one. The contact card of _CONTACT is not used",
+        "`[[part]]`; the heading is its name, `part-PID` without one. Of the contact card of _CONTACT fs (fd with decay) is the friction where a contact has fs -1",
     )
     .options(&["CONTACT"])
     .repeats(),

@@ -1,7 +1,7 @@
 //! Sets, curves, boxes, coordinate systems, and what holds no model by itself.
 
 use super::title;
-use crate::deck::table::{Effect::*, Keyword, Times::*};
+use crate::deck::table::{Keyword, Times::*};
 
 const LIST: &[(&str, crate::deck::table::Times)] =
     &[("heading:l", Count(title)), ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once), ("id:i*8", Rest)];
@@ -47,10 +47,6 @@ pub const KEYWORDS: &[Keyword] = &[
         "faces for LOAD_SEGMENT_SET, and parts for contact",
     )
     .options(&["TITLE"]),
-    Keyword::new("SET_SHELL_LIST", LIST, "read; nothing refers to it")
-        .aliases(&["SET_SHELL", "SET_SOLID", "SET_BEAM", "SET_DISCRETE"])
-        .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
-        .effect(Harmless),
     Keyword::new(
         "DEFINE_CURVE",
         &[
@@ -67,6 +63,11 @@ pub const KEYWORDS: &[Keyword] = &[
         "for sets and initial velocities",
     )
     .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_SD_ORIENTATION",
+        &[("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
+        "`spring.direction`; iop has to be 0",
+    ),
     Keyword::new(
         "DEFINE_COORDINATE_SYSTEM",
         &[("heading:l", Count(title)), ("cid:i! xo:r yo:r zo:r xl:r yl:r zl:r cidl:i", Once), ("xp:r yp:r zp:r", Once)],

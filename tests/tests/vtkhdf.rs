@@ -1,0 +1,60 @@
+//! The VTKHDF file of a run, read back by VTK and compared with the field files, bit for bit: deploy/read_vtkhdf.py. A binary built
+//! without it refuses, and says what to do.
+
+use crumple_tests::program::{Ended, crumple_with, root, run};
+use std::env;
+use std::process::Command;
+
+/// A run with the file asked for by its job; `None` where the binary is built without it, once that has been refused as it should.
+fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
+    let asked = ["run", job, "--quiet", "--set", "output.vtkhdf=true"];
+    let ended = run(crumple_with(&[&asked[..], more].concat()));
+    if ended.code == Some(0) {
+        return Some(ended);
+    }
+    let said = ended.said();
+    assert!(said.contains("this crumple was built without VTKHDF") && said.contains("--features vtkhdf"), "{said}");
+    assert_eq!(ended.code, Some(2), "bad input");
+    let export = run(crumple_with(&["export-vtkhdf", "."])).with_code(2).said();
+    assert!(export.contains("this crumple was built without VTKHDF"), "{export}");
+    eprintln!("skipped: the binary is built without the feature vtkhdf");
+    None
+}
+
+fn read_back(ended: &Ended) -> Option<String> {
+    let Some(python) = env::var_os("CRUMPLE_PYTHON").filter(|p| !p.is_empty()) else {
+        eprintln!("skipped: CRUMPLE_PYTHON does not name a Python with pyvista");
+        return None;
+    };
+    let mut reader = Command::new(python);
+    reader.arg(root().join("deploy/read_vtkhdf.py")).arg(ended.out());
+    Some(run(reader).with_code(0).said())
+}
+
+/// Pieces of several workers that change from step to step.
+#[test]
+fn shells_of_several_workers_read_back() {
+    let sets = ["--set", "output.field_interval=0.25", "--set", "parallel.force_every=50"];
+    let args = ["--workers", "3", "--end-time", "1.0"];
+    let Some(ended) = with_file("cases/tumble", &[&args[..], &sets].concat()) else { return };
+    let Some(said) = read_back(&ended) else { return };
+    assert!(said.contains("5 steps, 1200 cells at first, 1200 at last: all agrees"), "{said}");
+}
+
+/// Solids, shells and springs, and cells that become fewer (32 of 36 were seen to be left).
+#[test]
+fn other_shapes_and_failing_elements_read_back() {
+    for (job, more, wanted) in [
+        ("tests/decks/scenes/transducers.k", &["--workers", "2"][..], "91 cells at first, 91 at last"),
+        (
+            "tests/decks/scenes/sled.k",
+            &["--workers", "2", "--set", "material.mat-1.failure_strain=0.001"],
+            "36 cells at first, ",
+        ),
+    ] {
+        let Some(ended) = with_file(job, more) else { return };
+        let Some(said) = read_back(&ended) else { return };
+        assert!(said.contains(wanted), "{job}: {said}");
+        assert!(job.ends_with("transducers.k") || !said.contains("36 at last"), "{job}: some fail: {said}");
+    }
+}
