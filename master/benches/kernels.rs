@@ -1,13 +1,13 @@
 //! Single kernels: the elements of a part, a global search, a contact pass, a message between workers.
 //!
-//! `cargo bench -p crumple`; `cargo test --benches -p crumple` runs each once. Instructions are counted by
-//! `deploy/instructions.sh`.
+//! `cargo bench -p crumple` times all by criterion; `cargo test --benches -p crumple` runs each once. With `-- assembly` it
+//! tells what the order of nodal sums costs; `count NAME TIMES` is for `deploy/instructions.sh`.
 
 mod work;
 
 use criterion::Criterion;
 use crumple_proto::transport::{Tag, Transport, threads};
-use work::{KERNELS, MESSAGE};
+use work::{KERNELS, MESSAGE, assembly, instructions};
 
 /// What two threads take to answer each other.
 fn round_trip(c: &mut Criterion) {
@@ -36,6 +36,14 @@ fn round_trip(c: &mut Criterion) {
 }
 
 fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let once = words.iter().any(|word| word == "--test");
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["count"] => std::process::exit(instructions::run(None, 0)),
+        ["count", name, times] => std::process::exit(instructions::run(Some(name), times.parse().unwrap_or(1))),
+        ["assembly", ..] => return assembly::run(false),
+        _ => {}
+    }
     let mut c = Criterion::default().configure_from_args();
     for kernel in KERNELS {
         let mut work = (kernel.ready)();
@@ -43,4 +51,7 @@ fn main() {
     }
     round_trip(&mut c);
     c.final_summary();
+    if once {
+        assembly::run(true);
+    }
 }

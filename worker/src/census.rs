@@ -122,10 +122,10 @@ impl Census {
             let owner = self.owner(slave);
             self.counts[owner].near += near as u64;
         }
-        let worker_of: HashMap<ElemId, u32> = self.workers_of_elements(engine);
+        let workers = self.workers_of_elements(engine);
         let mut partners: Vec<(u32, u32)> = Vec::new();
         for pair in contact.own_table() {
-            let owner = self.owner_of_pair(&contact.surface, pair, &worker_of);
+            let owner = self.owner_of_pair(&contact.surface, pair, &workers);
             let mut others: Vec<u32> = pair.touching().flat_map(|n| self.local(n)).copied().collect();
             others.sort_unstable();
             others.dedup();
@@ -235,10 +235,15 @@ impl Census {
     fn copy_exterior(&mut self, engine: &Engine, surface: &Surface, held: &[(u32, u32)]) -> Vec<(u32, u32)> {
         let nodes = &engine.nodes;
         let of_element = self.workers_of_elements(engine);
-        let of_segment: Vec<u32> = surface.segments.iter().map(|s| of_element[&s.id.elem()]).collect();
+        let worker = |s: &Segment| worker_of(&of_element, s.id.elem()).expect("segments are of own elements");
+        let of_segment: Vec<u32> = surface.segments.iter().map(worker).collect();
         let mut parts: Vec<Surface> = self.counts.iter().map(|_| Surface::default()).collect();
+        let with_edges = engine.settings.contact.as_ref().is_some_and(|c| c.edges);
         for (s, &w) in surface.segments.iter().zip(&of_segment) {
-            parts[w as usize].segments.push(*s);
+            self.counts[w as usize].segments += 1;
+            if with_edges {
+                parts[w as usize].segments.push(*s);
+            }
         }
         surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
         let grow = covered(&engine.settings, surface.largest_scale());
@@ -250,7 +255,7 @@ impl Census {
         let mut copies: Vec<(u32, u32)> = Vec::new();
         for (w, own) in (0u32..).zip(&parts) {
             let count = &mut self.counts[w as usize];
-            (count.slaves, count.segments) = (own.slaves.len() as u64, own.segments.len() as u64);
+            count.slaves = own.slaves.len() as u64;
             let seeking = seeking(&engine.settings, own, nodes);
             if seeking.is_empty() {
                 continue;
@@ -306,17 +311,20 @@ impl Census {
         }
     }
 
-    fn workers_of_elements(&self, engine: &Engine) -> HashMap<ElemId, u32> {
-        engine.blocks.elements.iter().zip(&self.worker).map(|(e, &w)| (e.record.id, w)).collect()
+    /// Worker of each element, by ascending id.
+    fn workers_of_elements(&self, engine: &Engine) -> Vec<(ElemId, u32)> {
+        let mut all: Vec<_> = engine.blocks.elements.iter().zip(&self.worker).map(|(e, &w)| (e.record.id, w)).collect();
+        all.sort_unstable();
+        all
     }
 
     /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that has the edge.
-    fn owner_of_pair(&self, surface: &Surface, pair: &Pair, worker_of: &HashMap<ElemId, u32>) -> u32 {
+    fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
         let [slave, far] = [pair.nodes[0], pair.nodes[1]];
         let of_edge = || {
             let place = surface.slaves.binary_search(&slave).ok()?;
             let segment = surface.around(place).find(|s| s.nodes.contains(&far))?;
-            worker_of.get(&segment.id.elem()).copied()
+            worker_of(workers, segment.id.elem())
         };
         let of_node = self.owner(slave) as u32;
         if pair.name.is_edge() { of_edge().unwrap_or(of_node) } else { of_node }
@@ -349,6 +357,11 @@ impl Count {
         }
         [messages, 8.0 * words]
     }
+}
+
+/// Worker of an element in a list by ascending id.
+fn worker_of(workers: &[(ElemId, u32)], elem: ElemId) -> Option<u32> {
+    workers.binary_search_by_key(&elem, |w| w.0).ok().map(|at| workers[at].1)
 }
 
 /// Messages of a step that every worker sends to all others: what acts on rigid bodies, what contact touches of them, and

@@ -1,4 +1,10 @@
-//! The kernels that are timed by `kernels.rs` and counted by `instructions.rs`.
+//! The kernels that are timed by `kernels.rs`, and beside it:
+//!
+//! - `instructions.rs`: one of them under an instruction counter
+//! - `assembly.rs`: what the order of nodal sums costs
+
+pub mod assembly;
+pub mod instructions;
 
 use crumple::embedded::run_alone;
 use crumple::job::read_text;

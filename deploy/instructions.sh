@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Counts the instructions of single kernels with valgrind: figures that do not depend on how busy the machine is.
+#
+#   deploy/instructions.sh                   all kernels, and how they stand to cases/bench/instructions.txt
+#   deploy/instructions.sh hexahedron ...    some of them
+#   deploy/instructions.sh --write           writes that file anew
+#
+# The program is built for x86-64-v2: valgrind knows neither AVX-512 nor every instruction that compilers make of AVX2. Counts
+# are thus of two numbers side by side where the release binary has four, and good for before and after. A count that is more
+# than a tenth above the file's is told, and the exit code is 1.
+set -euo pipefail
+
+if [[ ${1:-} == -h || ${1:-} == --help ]]; then
+    sed -n '2,10s/^# \{0,1\}//p' "$0"
+    exit 0
+fi
+command -v valgrind >/dev/null || { echo "error: there is no valgrind; install it (package valgrind)" >&2; exit 2; }
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+file=cases/bench/instructions.txt
+target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')/counted
+export RUSTFLAGS="-C target-cpu=x86-64-v2" CARGO_TARGET_DIR=$target
+cargo build --release -p crumple --bench kernels
+kernels=$(ls -t "$target"/release/deps/kernels-* | grep -v '\.d$' | head -n 1)
+
+write=false
+if [[ ${1:-} == --write ]]; then
+    write=true
+    shift
+fi
+wanted=" $* "
+lines=""
+worse=0
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+while read -r name count what; do
+    [[ $# -eq 0 || $wanted == *" $name "* ]] || continue
+    valgrind --tool=callgrind --callgrind-out-file="$scratch/out" --toggle-collect='*instructions::counted*' \
+        "$kernels" count "$name" 1 >/dev/null 2>"$scratch/err" || { cat "$scratch/err" >&2; exit 2; }
+    each=$(awk -v n="$count" '/^(summary|totals):/ { sum = $2 } END { printf "%.1f", sum / n }' "$scratch/out")
+    before=$(awk -v name="$name" '$1 == name { print $2 }' "$file" 2>/dev/null || true)
+    note=""
+    if [[ -n $before ]]; then
+        note=$(awk -v a="$each" -v b="$before" 'BEGIN { printf "%.3f of %s", a / b, b }')
+        if awk -v a="$each" -v b="$before" 'BEGIN { exit !(a > 1.1 * b) }'; then
+            note+="  MORE"
+            worse=1
+        fi
+    fi
+    echo "$name: $each instructions for each of $count $what  $note"
+    lines+="$name $each"$'\n'
+done < <("$kernels" count)
+if $write; then
+    printf '%s' "$lines" >"$file"
+    echo "written: $file"
+    exit 0
+fi
+exit "$worse"
