@@ -58,6 +58,8 @@ pub struct Build {
     used_materials: Vec<i64>,
     /// Scales of the forces of springs by part, with where they are written.
     spring_scales: BTreeMap<i64, (f64, Place)>,
+    /// Directions of springs by part.
+    spring_directions: BTreeMap<i64, Option<[f64; 3]>>,
     spring_laws: BTreeMap<i64, Record>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
@@ -84,6 +86,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
         parts: BTreeMap::new(),
         used_materials: Vec::new(),
         spring_scales: BTreeMap::new(),
+        spring_directions: BTreeMap::new(),
         spring_laws: BTreeMap::new(),
         round_parts: BTreeSet::new(),
         bodies: BTreeMap::new(),

@@ -37,8 +37,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "ELEMENT_DISCRETE",
         &[("eid:i8! pid:i8! n1:i8! n2:i8 vid:i8 s:r16=1 pf:i8 offset:r16", Rest)],
-        "springs along the line between their nodes; s is the same in all of a part. Those to the ground (n2 0), with vid or offset \
-         are not supported yet",
+        "springs along the line between their nodes, or by vid along a direction that stays; s and vid are the same in all of a part. To \
+         the ground (n2 0) takes a vid: a node is added there and held. offset is not supported",
     ),
 ];
 

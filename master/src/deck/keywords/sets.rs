@@ -79,4 +79,11 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same by three nodes, as they are at the start",
     )
     .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_SD_ORIENTATION",
+        &[("heading:l", Count(title)), ("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Once)],
+        "`spring.direction` of springs that name it; iop has to be 0, a vector that stays",
+    )
+    .options(&["TITLE"])
+    .repeats(),
 ];
