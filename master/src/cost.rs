@@ -66,11 +66,11 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
         let s = try_out(&quiet(model, false), &picked, &record)?;
         parted.extend(picked);
         let each = |b: usize| b as f64 / s.elements as f64;
-        let rigid = is_rigid(model, number);
+        let rigid = is_idle(model, number);
         let ns = if rigid { 0.0 } else { 1e9 * s.elements_s / s.elements as f64 };
         let of = [s.blocks.history, s.blocks.force, s.blocks.moment, s.blocks.connectivity].map(each);
         let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
-        let rigid = if rigid { "  rigid: no forces" } else { "" };
+        let rigid = if rigid { "  rigid or a skin: no forces" } else { "" };
         let [history, force, moment, connectivity] = of;
         writeln!(
             rows,
@@ -143,7 +143,7 @@ pub fn element_seconds(model: &Model) -> Result<Vec<f64>, Lost> {
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let of_part = |number: u32| {
         let picked = pick(&elements, number);
-        if picked.is_empty() || is_rigid(model, number) {
+        if picked.is_empty() || is_idle(model, number) {
             return Ok(0.0);
         }
         let lanes = picked.len().div_ceil(LANES) * LANES;
@@ -157,8 +157,8 @@ fn pick(elements: &[ElementRecord], part: u32) -> Vec<ElementRecord> {
     elements.iter().filter(|e| e.part == part).take(SAMPLE).copied().collect()
 }
 
-fn is_rigid(model: &Model, part: u32) -> bool {
-    model.settings.rigid.iter().any(|r| r.parts.contains(&part))
+fn is_idle(model: &Model, part: u32) -> bool {
+    model.settings.parts[part as usize].skin || model.settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
 
 /// The job without what acts on the model and without output.

@@ -272,6 +272,9 @@ pub struct Part {
     /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`.
     #[serde(default)]
     pub warping: bool,
+    /// Makes it a skin: it has mass and touches, but its elements bear nothing and do not limit the time step.
+    #[serde(default)]
+    pub skin: bool,
     /// Update the thickness from the strain through it.
     #[serde(default)]
     pub thinning: bool,

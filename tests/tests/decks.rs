@@ -123,7 +123,8 @@ fn what_is_left_out_is_told() {
         allowed.unsupported[0].starts_with("*AIRBAG_SIMPLE_PRESSURE_VOLUME (")
             && allowed.unsupported[0].contains("unsupported.k:")
     );
-    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"ELEMENT_SEATBELT\"]";
+    let named =
+        "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_NODE_SET\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
     let run = program::run(crumple_with(&["run", bad.to_str().unwrap(), "--allow-unsupported", "--workers", "1"]))

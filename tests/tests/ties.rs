@@ -386,3 +386,43 @@ fn nodes_are_moved_onto_the_surface() {
     assert!(far.contains("none of its 16 nodes"), "{far}");
     model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}tolerance = 0.25\n{moving}")))).unwrap();
 }
+
+/// A block falls on one large skin between the corners of a frame, and not through it; without the skin it would. The skin has mass, sets
+/// no step and bears nothing: a corner that moves feels no other one.
+#[test]
+fn a_skin_touches_and_bears_nothing() {
+    let run = |skin: bool| {
+        let mut rows = Rows::default();
+        let corners = [[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]].map(|[x, y]| rows.node([x, y, 0.0]));
+        let block = rows.block(1, [[15.0, 15.0, 1.0], [25.0, 25.0, 11.0]], [2, 2, 2]);
+        let mut sets = vec![("block", block.iter().map(|n| n.1).collect())];
+        let [a, b, c, d] = corners;
+        if skin {
+            rows.elements += 1;
+            rows.shells += &format!("[{}, 2, {a}, {b}, {c}, {d}],\n", rows.elements);
+            sets.push(("corner", vec![a]));
+        }
+        let part = |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
+        let led = "[[initial_velocity]]\nnodes = \"corner\"\nvelocity = [1.0, 0.0, 0.0]\n";
+        let rest = format!(
+            "{}{}[contact]\n[[initial_velocity]]\nnodes = \"block\"\nvelocity = [0.0, 0.0, -5.0]\n{}",
+            part(1, ""),
+            if skin { part(2, "thickness = 1.0\nskin = true") } else { String::new() },
+            if skin { led } else { "" },
+        );
+        let model = model(&format!("end_time = 3.0\n{}", rows.job(&sets, &rest))).unwrap();
+        let end = run_alone(&model, |_| {});
+        (model.first_dt().0, end, block[0].1, corners)
+    };
+    let (with, without) = (run(true), run(false));
+    assert_eq!(with.0, without.0, "the step");
+    let id = |n: usize| crumple_proto::ids::NodeId(n as u64);
+    let low = |run: &(f64, Engine, usize, [usize; 4])| xyz_of(&run.1, id(run.2))[2];
+    assert!((low(&without) - (1.0 - 15.0)).abs() < 1e-9, "it falls freely: {}", low(&without));
+    let [a, b, ..] = with.3.map(|n| xyz_of(&with.1, id(n)));
+    let skin = b[2];
+    assert!(skin < -0.5, "the block takes the skin along: {skin}");
+    assert!(low(&with) > skin - 0.1, "and does not go through: {} {skin}", low(&with));
+    // Elastic, it would pull both to the same velocity. The block pushes along a normal that tilts with the corners, by 1e-6.
+    assert!((a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4, "a corner feels no other: {a:?} {b:?}");
+}

@@ -32,8 +32,8 @@ pub struct Block {
     pub count: usize,
     /// Groups that hold all the shared elements; these are computed first.
     pub front: usize,
-    /// Whether the part is rigid: its elements compute no forces and set no step.
-    pub rigid: bool,
+    /// Whether the part is rigid or a skin: its elements compute no forces and set no step.
+    pub idle: bool,
     /// First of its corner slots.
     base: usize,
     /// Slots per element.
@@ -146,7 +146,7 @@ impl Blocks {
         let mut all = Self {
             mass_scaled: elements
                 .iter()
-                .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_rigid(settings, e.record.part)),
+                .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_idle(settings, e.record.part)),
             massless_dt: elements.iter().map(|e| e.record.stable_dt).fold(f64::INFINITY, f64::min),
             elements,
             blocks,
@@ -241,7 +241,7 @@ impl Blocks {
     fn lay_batches(&mut self, held: usize, received: usize) {
         self.batches = [true, false].map(|front| {
             let cut = |(block, b): (usize, &Block)| {
-                let all = if b.rigid {
+                let all = if b.idle {
                     0..0
                 } else if front {
                     0..b.front
@@ -255,7 +255,7 @@ impl Blocks {
             };
             self.blocks.iter().enumerate().flat_map(cut).collect()
         });
-        // When each slot is complete; those of rigid elements always are.
+        // When each slot is complete; those of idle elements always are.
         let mut when = vec![0u32; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
             let b = &self.blocks[batch.block];
@@ -382,11 +382,7 @@ impl Blocks {
             let own = self.elements[b.first..b.first + b.count].iter();
             own.filter(|e| !e.record.failed).map(|e| step(b, e)).collect::<Vec<_>>()
         };
-        self.blocks
-            .iter()
-            .filter(|b| !b.rigid)
-            .flat_map(of_block)
-            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        self.blocks.iter().filter(|b| !b.idle).flat_map(of_block).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
 
     /// What is wrong with an own element, and what to try; `None` for another worker's.
@@ -412,9 +408,9 @@ impl Blocks {
     }
 }
 
-/// Whether a part belongs to a rigid body.
-fn is_rigid(settings: &Settings, part: u32) -> bool {
-    settings.rigid.iter().any(|r| r.parts.contains(&part))
+/// Whether the elements of a part bear nothing: it belongs to a rigid body, or is a skin.
+fn is_idle(settings: &Settings, part: u32) -> bool {
+    settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
 
 impl Block {
@@ -431,7 +427,7 @@ impl Block {
             history: vec![Lane::from([0.0; LANES]); groups * columns],
             front: run.iter().filter(|e| e.shared).count().div_ceil(LANES),
             count: run.len(),
-            rigid: is_rigid(settings, run[0].record.part),
+            idle: is_idle(settings, run[0].record.part),
             first,
             element,
         };

@@ -88,7 +88,7 @@ impl Loads {
                             slots: corners.map(|c| slot + c),
                             nodes: corners.map(|c| e.nodes[c]),
                             front: i < b.front * LANES,
-                            rigid: b.rigid,
+                            rigid: b.idle,
                             force: [[0.0; 4]; 4],
                         }
                     }));

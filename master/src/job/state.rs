@@ -49,7 +49,7 @@ pub struct ElementStart {
     pub mass: Vec<f64>,
     /// Factor on its density by mass scaling, or by the mass that is given to a rigid body.
     pub mass_factor: Vec<f64>,
-    /// Stable step with mass scaling, before the safety factor; infinite where rigid [time].
+    /// Stable step with mass scaling, before the safety factor; infinite where rigid or a skin [time].
     pub stable_dt: Vec<f64>,
 }
 
@@ -189,8 +189,9 @@ pub fn elements(
         let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
         start.part.push(part as u32);
         start.mass.push(mass);
-        start.mass_factor.push(if rigid.is_some() { 1.0 } else { factor });
-        start.stable_dt.push(if rigid.is_some() { f64::INFINITY } else { dt * factor.sqrt() });
+        let idle = rigid.is_some() || settings.parts[part].skin;
+        start.mass_factor.push(if idle { 1.0 } else { factor });
+        start.stable_dt.push(if idle { f64::INFINITY } else { dt * factor.sqrt() });
         bodies.push(rigid);
     }
     for (b, given) in job.rigid.iter().enumerate().filter_map(|(b, r)| Some((b, r.mass?))) {
@@ -212,8 +213,8 @@ pub fn elements(
         findings.add(Problem::error("time.mass_scaling_dt", message, help));
     }
     if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
-        let help = "add dt_max to [time]: rigid bodies set no time step";
-        findings.add(Problem::error("time", "all elements are rigid", help));
+        let help = "add dt_max to [time]: rigid bodies and skins set no time step";
+        findings.add(Problem::error("time", "all elements are rigid or skins", help));
     }
     if let (count, Some(first)) = unsound {
         let message = match count {

@@ -22,7 +22,12 @@ pub fn check(job: &Job) -> Vec<Problem> {
         return Vec::new();
     };
     let mut problems = Vec::new();
-    for (index, material) in job.material.iter().enumerate() {
+    // What bears nothing may have any numbers.
+    let bears = |name: &str| {
+        let mut own = job.part.iter().filter(|p| p.material == name).peekable();
+        own.peek().is_none() || own.any(|p| !p.skin)
+    };
+    for (index, material) in job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)) {
         let density = material.density * units.mass / units.length.powi(3);
         if density.is_finite() && density > 0.0 && !DENSITIES.contains(&density) {
             let message = format!("material `{}`: in {} its density is {density:.3e} kg/m3", material.name, job.units);

@@ -21,6 +21,7 @@ pub fn part(thickness: f64) -> Part {
         hourglass_coefficient: None,
         bulk_viscosity: None,
         warping: false,
+        skin: false,
         thinning: false,
         drilling: 0.01,
     }

@@ -15,6 +15,8 @@ pub struct Material {
     pub table: Option<Table>,
     /// What a rigid part of it holds; `None` if it is not rigid.
     pub rigid: Option<Vec<&'static str>>,
+    /// Whether it bears nothing.
+    pub skin: bool,
     /// Whether it stays elastic.
     pub elastic: bool,
     /// Limits of beams that are welds: normal, shear, bending, torsion [force], [force length]; with their place.
@@ -27,13 +29,17 @@ pub struct Material {
     pub place: Place,
 }
 
-const KEYWORDS: [&str; 6] = [
+/// Young's modulus of what bears nothing and gives none: a law needs one.
+const NO_MODULUS: f64 = 1.0;
+
+const KEYWORDS: [&str; 7] = [
     "MAT_ELASTIC",
     "MAT_PLASTIC_KINEMATIC",
     "MAT_PIECEWISE_LINEAR_PLASTICITY",
     "MAT_JOHNSON_COOK",
     "MAT_RIGID",
     "MAT_SPOTWELD",
+    "MAT_NULL",
 ];
 
 impl Build {
@@ -50,13 +56,18 @@ impl Build {
                 let (mut rigid, mut weld) = (None, None);
                 let elastic = match keyword {
                     "MAT_SPOTWELD" => record.real("sigy") == 0.0,
-                    _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID"),
+                    _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID" | "MAT_NULL"),
                 };
                 match keyword {
                     "MAT_PLASTIC_KINEMATIC" => self.plastic_kinematic(&record, &mut table),
                     "MAT_PIECEWISE_LINEAR_PLASTICITY" => self.piecewise(&record, &mut table),
                     "MAT_JOHNSON_COOK" => e = self.johnson_cook(&record, &mut table),
                     "MAT_RIGID" => rigid = Some(self.rigid_material(&record)),
+                    "MAT_NULL" => {
+                        let given = record.real("ym");
+                        e = if given > 0.0 { given } else { NO_MODULUS };
+                        table.put("youngs_modulus", record.place("ym"), e);
+                    }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
                     _ => {}
                 }
@@ -64,8 +75,8 @@ impl Build {
                     table.put("law", record.head, "elastic");
                 }
                 let density = record.real("ro");
-                let table = Some(table);
-                let material = Material { name, table, rigid, elastic, weld, density, youngs_modulus: e, place };
+                let (table, skin) = (Some(table), keyword == "MAT_NULL");
+                let material = Material { name, skin, table, rigid, elastic, weld, density, youngs_modulus: e, place };
                 if materials.insert(id, material).is_some() {
                     self.trouble.error(place, format!("there are two materials with the id {id}"), "give each its own");
                 }

@@ -96,6 +96,18 @@ impl Build {
                 Kind::Beam => self.beam_part(&record, section, material, &mut table),
                 Kind::Discrete => {}
             }
+            match (material.skin, section.kind) {
+                (false, _) => {}
+                (true, Kind::Shell) => {
+                    table.put("skin", record.place("mid"), true);
+                    self.map(format!("part {id}"), "*MAT_NULL", "a skin: it touches and has mass, and bears nothing");
+                }
+                (true, _) => {
+                    let message =
+                        format!("part {id}: *MAT_NULL is for shells alone here, which is not supported otherwise");
+                    self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
+                }
+            }
             if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
                 let message =
                     format!("part {id}: limits of welds hold for beams alone, which is not supported otherwise");

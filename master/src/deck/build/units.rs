@@ -18,12 +18,14 @@ impl Build {
         for id in std::mem::take(&mut self.used_materials) {
             let Some(material) = materials.get_mut(&id) else { continue };
             first = first.or(Some(material.place));
-            used.push((material.density, material.youngs_modulus));
+            if !material.skin {
+                used.push((material.density, material.youngs_modulus));
+            }
             if let Some(table) = material.table.take() {
                 self.add("material", table);
             }
         }
-        let Some(first) = first else { return };
+        let Some(first) = first.filter(|_| !used.is_empty()) else { return };
         let fits = |units: &&&str| used.iter().all(|&(density, e)| units_fit(units, density, e));
         match SETS.iter().find(fits) {
             Some(units) => {

@@ -1,6 +1,6 @@
 //! Rigid bodies and what ties nodes together.
 
-use super::id;
+use super::{id, not_yet};
 use crate::deck::table::{
     Keyword,
     Times::{self, *},
@@ -43,4 +43,10 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .options(&["ID"])
     .repeats(),
+    not_yet("CONSTRAINED_NODE_SET", &[("nsid:i! dof:i! tf:r", Rest)], "nodes that share displacements"),
+    not_yet(
+        "CONSTRAINED_INTERPOLATION",
+        &[("icid:i! dnid:i! ddof:i cidd:i ityp:i", Once), ("inid:i! idof:i twghtx:r twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest)],
+        "a node that is the mean of others",
+    ),
 ];

@@ -1,6 +1,6 @@
 //! Materials.
 
-use super::{not_yet, title};
+use super::title;
 use crate::deck::table::{
     Keyword,
     Times::{self, *},
@@ -102,10 +102,10 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .aliases(&["MAT_100"])
     .options(&["TITLE"]),
-    not_yet(
+    Keyword::new(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],
-        "shells that bear nothing, or fluids",
+        "parts of shells are `skin`; solids (fluids) are not supported. ym and pr are for contact that asks for a stiffness",
     )
     .aliases(&["MAT_009", "MAT_9"])
     .options(&["TITLE"]),
