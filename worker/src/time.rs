@@ -14,6 +14,8 @@ pub struct Clock {
     pub dt: f64,
     /// The same, not cut short by the end of the run [time].
     pub whole_dt: f64,
+    /// Least step that would have been taken since it could become longer last [time].
+    least_dt: f64,
     /// Step of the cycle before, 0 in the first [time].
     pub last_dt: f64,
     /// By how much velocities were changed last: from the mid-step before the last one to that [time].
@@ -32,6 +34,9 @@ pub struct Clock {
 const SLACK: f64 = 1e-9;
 /// Steps before the end that are of equal length: while the stable step stays as it is none is shorter by more than a thousandth.
 const LAST_STEPS: f64 = 1000.0;
+/// Cycles after which the step may become longer, to the least of what would have been stable in them: far more than a period of
+/// what the step resolves coarsely.
+const HELD: u64 = 256;
 
 impl Clock {
     /// At time 0 with the first stable step, safety factor not yet applied.
@@ -41,6 +46,7 @@ impl Clock {
             cycle: 0,
             dt: 0.0,
             whole_dt: 0.0,
+            least_dt: f64::INFINITY,
             last_dt: 0.0,
             last_mid: 0.0,
             first_dt: 0.0,
@@ -53,12 +59,19 @@ impl Clock {
         c
     }
 
-    /// Takes the global smallest stable step of the elements. The run ends on time: the last steps are equal parts of what is
-    /// left, since a last step of next to nothing would make enormous velocities of whatever gap is to be closed, and a jump
-    /// of the step costs the balance of energy as much of what swings.
+    /// Takes the global smallest stable step of the elements. It becomes shorter at once and longer now and then: a step that goes
+    /// with the lengths of vibrating elements gives them energy or takes it (Skeel & Gear 1992). The run ends on
+    /// time: the last steps are equal parts of what is left, since a last step of next to nothing would make enormous velocities
+    /// of whatever gap is to be closed, and a jump of the step costs the balance of energy as much of what swings.
     pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
-        let dt = (settings.safety * stable_dt).min(largest);
+        let limit = (settings.safety * stable_dt).min(largest);
+        self.least_dt = self.least_dt.min(limit);
+        let dt = if self.cycle.is_multiple_of(HELD) {
+            std::mem::replace(&mut self.least_dt, f64::INFINITY)
+        } else {
+            self.whole_dt.min(limit)
+        };
         self.min_dt = self.min_dt.min(dt);
         self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);
@@ -129,5 +142,25 @@ mod tests {
         assert!(steps[..1001].iter().all(|d| *d <= 0.31 && *d > 0.999 * 0.31), "{steps:?}");
         assert!(steps[2..1001].windows(2).all(|d| (d[0] - d[1]).abs() < 1e-12), "{steps:?}");
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
+    }
+
+    #[test]
+    fn the_step_falls_at_once_and_rises_now_and_then_to_what_has_been_stable_meanwhile() {
+        let settings = Settings { end_time: 1e9, ..crate::testing::settings() };
+        let mut c = Clock::start(&settings, 1.0);
+        let mut go = |stable: f64| {
+            c.tick();
+            c.choose(&settings, stable);
+            c.dt / settings.safety
+        };
+        // Elements swing by a thousandth in seven cycles.
+        let swing: Vec<f64> = (1..3 * HELD).map(|i| go(1.0 + 1e-3 * (i as f64 * 0.9).sin())).collect();
+        let least = swing.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(least < 0.99901 && swing[HELD as usize..].windows(2).filter(|d| d[0] != d[1]).count() < 6, "{swing:?}");
+        assert!(swing[HELD as usize..].iter().all(|d| d / least < 1.0001), "{swing:?}");
+        assert_eq!(go(0.5), 0.5, "at once, and here every {HELD} cycles");
+        let after: Vec<f64> = (0..2 * HELD).map(|_| go(2.0)).collect();
+        assert!(after[..HELD as usize - 1].iter().all(|&d| d == 0.5), "{after:?}");
+        assert_eq!(after[2 * HELD as usize - 1], 2.0);
     }
 }
