@@ -37,12 +37,12 @@ if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
     fi
 fi
 
-cargo build --workspace --features crumple/mpi
+cargo build --workspace --features crumple/mpi,crumple/vtkhdf
 target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 export CRUMPLE_BIN=$target/debug/crumple
 
-cargo test --workspace --features crumple/mpi --no-fail-fast "$@"
+cargo test --workspace --features crumple/mpi,crumple/vtkhdf --no-fail-fast "$@"
 # Every kernel of the benchmark once, so that it does not rot; times mean nothing here.
-cargo test --quiet --benches -p crumple --features mpi
+cargo test --quiet --benches -p crumple --features mpi,vtkhdf
 # The scenes of the benchmark at a tiny size, for the same reason.
 "$CRUMPLE_BIN" bench --tiny --rounds 1

@@ -47,7 +47,7 @@ pub fn read(file: &Path) -> Vec<WallPath> {
     let every = paths.first().map_or(0, |p| p.times.len()).div_ceil(MOST_TIMES).max(1);
     for path in &mut paths {
         let last = path.times.len().saturating_sub(1);
-        let kept = |row: &usize| row % every == 0 || *row == last;
+        let kept = |row: &usize| row.is_multiple_of(every) || *row == last;
         path.times = (0..path.times.len()).filter(kept).map(|row| path.times[row]).collect();
         path.moved = (0..path.moved.len()).filter(kept).map(|row| path.moved[row]).collect();
     }

@@ -291,16 +291,16 @@ impl Plane {
     }
 
     fn height(&self, x: &[f64; 3]) -> f64 {
-        dot(&self.from_tail(x), &self.normal)
+        dot(&self.offset(x), &self.normal)
     }
 
-    fn from_tail(&self, x: &[f64; 3]) -> [f64; 3] {
+    fn offset(&self, x: &[f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|c| x[c] - self.tail[c])
     }
 
     /// Whether what is here lies within the edge of the plane, seen along its normal.
     fn reaches(&self, x: &[f64; 3]) -> bool {
-        let (d, lift) = (self.from_tail(x), self.height(x));
+        let (d, lift) = (self.offset(x), self.height(x));
         let aside = (dot(&d, &d) - lift * lift).max(0.0).sqrt();
         let within = |(side, length): &([f64; 3], f64)| *length <= 0.0 || (0.0..=*length).contains(&dot(&d, side));
         if self.radius > 0.0 { aside <= self.radius } else { self.sides.iter().all(within) }
