@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# The benchmarks: `crumple bench` with its table and JSON, then single kernels by criterion. Run it on an idle machine.
+# The benchmarks: `crumple bench` with its table and JSON, then single kernels by criterion, and what the order of nodal sums
+# costs. Run it on an idle machine.
 #
 #   deploy/bench.sh             into out/bench/RESULTS.md and out/bench/bench.json
 #   deploy/bench.sh --only tube goes to `crumple bench`; kernels are left out then
 set -euo pipefail
 
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,5s/^# \{0,1\}//p' "$0"
+    sed -n '2,6s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -17,4 +18,5 @@ mkdir -p out/bench
 "$target/release/crumple" bench --json out/bench/bench.json "$@" | tee out/bench/RESULTS.md
 if [[ $# -eq 0 ]]; then
     cargo bench -p crumple --bench kernels
+    cargo bench -p crumple --bench kernels -- assembly | tee out/bench/assembly.md
 fi

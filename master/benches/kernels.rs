@@ -37,7 +37,9 @@ fn round_trip(c: &mut Criterion) {
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let once = words.iter().any(|word| word == "--test");
+    // As criterion has it: `cargo bench` says so, `cargo test --benches` says nothing.
+    let has = |flag: &str| words.iter().any(|word| word == flag);
+    let once = has("--test") || !has("--bench");
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["count"] => std::process::exit(instructions::run(None, 0)),
         ["count", name, times] => std::process::exit(instructions::run(Some(name), times.parse().unwrap_or(1))),

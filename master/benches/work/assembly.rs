@@ -6,6 +6,7 @@
 use super::engine;
 use crumple_proto::transport::thread_cpu;
 use crumple_worker::engine::Engine;
+use crumple_worker::lanes::Lane;
 use std::hint::black_box;
 
 /// Shells over a side of the tube: in the first case all is in the cache at once, as a batch of elements is in larger ones.
@@ -64,10 +65,8 @@ fn add(e: &mut Engine, elements: &Scatter) {
         let slots = blocks.force[*slot..*slot + 4].iter().zip(&blocks.moment[*slot..*slot + 4]);
         for (&n, (force, moment)) in corners.iter().zip(slots) {
             let (f, m) = (&mut nodes.force[n as usize], &mut nodes.moment[n as usize]);
-            for c in 0..4 {
-                f[c] -= force[c];
-                m[c] -= moment[c];
-            }
+            *f = (Lane::new(*f) - Lane::new(*force)).to_array();
+            *m = (Lane::new(*m) - Lane::new(*moment)).to_array();
         }
     }
     black_box(&nodes.force);
