@@ -174,6 +174,12 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
         let (gravity, forces, motions) = (l.gravity.len(), l.forces.len(), l.motions.len());
         writeln!(out, "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, {motions} motions")?;
     }
+    let ties = &model.settings.ties;
+    if !ties.is_empty() {
+        let turning = ties.iter().filter(|t| t.rotations).count();
+        let away = ties.iter().filter(|t| t.offset).count();
+        writeln!(out, "tied         {} nodes, {turning} with rotations, {away} at the end of arms", ties.len())?;
+    }
     let bodies = &model.settings.rigid;
     if !bodies.is_empty() {
         let members: usize = bodies.iter().map(|b| b.nodes.len()).sum();

@@ -101,6 +101,7 @@ fn contacts_tie() {
     assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "moved without an offset");
     let text = crumple::check::describe(&model);
     for said in [
+        "tied         3 nodes, 1 with rotations, 1 at the end of arms",
         "tie 1: tied nodes to surface -> displacements tied, nodes moved onto the surface",
         "tie 2: tied shell edge to surface, beam offset -> displacements, at the end of arms, and rotations tied",
     ] {
@@ -161,4 +162,12 @@ fn null_shells_are_skins() {
     assert!(model.elements.stable_dt[4].is_infinite() && model.elements.mass[4] > 0.0);
     assert_eq!(model.job.units, "mm, ms, kg (guessed)", "by what bears");
     assert!(!model.warnings.iter().any(|w| w.message.contains("no solid")), "{:?}", model.warnings);
+}
+
+#[test]
+fn node_sets_share_displacements() {
+    let model = with("*CONSTRAINED_NODE_SET\n5,7\n*SET_NODE_LIST\n5\n13,3,2\n");
+    let ties: Vec<_> = model.settings.ties.iter().map(|t| (t.node.0, t.carriers[0].0.0, t.carriers[0].1)).collect();
+    assert_eq!(ties, [(3, 2, 1.0), (13, 2, 1.0)]);
+    assert_eq!(model.mesh.nodes.iter().find(|n| n.id.0 == 13).unwrap().x, [20.0, 0.0, 2.0], "where it is");
 }

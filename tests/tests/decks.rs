@@ -124,7 +124,7 @@ fn what_is_left_out_is_told() {
             && allowed.unsupported[0].contains("unsupported.k:")
     );
     let named =
-        "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_NODE_SET\"]";
+        "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_INTERPOLATION\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
     let run = program::run(crumple_with(&["run", bad.to_str().unwrap(), "--allow-unsupported", "--workers", "1"]))

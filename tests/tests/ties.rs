@@ -112,6 +112,27 @@ fn bars(gap: f64, rest: &str) -> String {
     rows.job(&[("end", end), ("second", own)], &format!("{parts}{rest}"))
 }
 
+/// The end of the second bar shares the displacements of one node: struck there, all of it goes on together, and momentum keeps.
+#[test]
+fn nodes_share_displacements() {
+    let rest =
+        "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [1.0, 0.0, 0.0]\n";
+    let text = format!("end_time = 0.02\n{}", bars(0.0, rest));
+    let listed = text.split("end = [").nth(1).unwrap().split(']').next().unwrap().replacen("550, ", "", 1);
+    let text = text.replacen("node_sets = {", &format!("node_sets = {{ rest = [{listed}],"), 1);
+    let (mut first, mut worst) = (None, 0.0f64);
+    let end = run_alone(&model(&text).unwrap(), |e: &Engine| {
+        let p = momentum(&e.nodes).0;
+        let start = *first.get_or_insert(p);
+        worst = (0..3).map(|k| (p[k] - start[k]).abs()).fold(worst, f64::max);
+    });
+    let carrier = end.nodes.held_number(crumple_proto::ids::NodeId(550)).unwrap() as usize;
+    for id in listed.split(", ").map(|id| crumple_proto::ids::NodeId(id.parse().unwrap())) {
+        assert_eq!(end.nodes.v[end.nodes.held_number(id).unwrap() as usize], end.nodes.v[carrier], "{id}");
+    }
+    assert!(worst < 1e-12 * RHO * SIDE * SIDE * LENGTH, "round-off: {worst}");
+}
+
 const TIE: &str = "[[tie]]\nname = \"joint\"\nnodes = \"end\"\nparts = [1]\n";
 
 /// The first bar runs into the second one at rest: a wave with half its velocity goes through both, the momentum of the second one
@@ -360,6 +381,11 @@ fn jobs_that_are_wrong_are_told() {
     };
     said("[[tie]]\nnodes = \"end\"\n", &["a tie has no surface"]);
     said("[[tie]]\nnodes = \"ends\"\nparts = [3]\n", &["there is no node set `ends`", "tie: there is no part 3"]);
+    said(
+        "[[tie]]\nnodes = \"end\"\nnode = 550\nparts = [1]\n",
+        &["has no surface and no offset", "node 550 is tied to itself"],
+    );
+    said("[[tie]]\nnodes = \"end\"\nnode = 9999\n", &["no element has node 9999"]);
     said("[[tie]]\nnodes = \"end\"\nparts = [1]\ntolerance = -1.0\n", &["tolerance is -1"]);
     said(&format!("{TIE}{TIE}"), &["is tied twice: by tie `joint` and tie `joint`"]);
     said("[[tie]]\nnodes = \"second\"\nparts = [1]\n", &["tie 1: 960 of 976 nodes are not near enough to its surface"]);
@@ -425,4 +451,58 @@ fn a_skin_touches_and_bears_nothing() {
     assert!(low(&with) > skin - 0.1, "and does not go through: {} {skin}", low(&with));
     // Elastic, it would pull both to the same velocity. The block pushes along a normal that tilts with the corners, by 1e-6.
     assert!((a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4, "a corner feels no other: {a:?} {b:?}");
+}
+
+/// A coarse patch in the plane of a fine plate that carries it: contact sees neither inside the other, from either side, and leaves them
+/// in peace.
+#[test]
+fn contact_lets_what_is_tied_be() {
+    let mut rows = Rows::default();
+    rows.plate(1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [16, 16]);
+    let patch = rows.plate(2, [[9.0, 8.0], [33.0, 31.0]], 0.0, [2, 2]);
+    let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+    let rest = format!(
+        "{}{}[[tie]]\nnodes = \"patch\"\nparts = [1]\n[contact]\n[[initial_velocity]]\nvelocity = [1.0, 0.0, 5.0]\n",
+        part(1),
+        part(2)
+    );
+    let model = model(&format!("end_time = 0.2\n{}", rows.job(&[("patch", patch)], &rest))).unwrap();
+    assert!(!model.warnings.iter().any(|w| w.message.contains("start inside")), "{:?}", model.warnings);
+    let end = run_alone(&model, |_| {});
+    let off = end.nodes.v.iter().flat_map(|v| [v[0] - 1.0, v[1], v[2] - 5.0]).fold(0.0, |m: f64, d| m.max(d.abs()));
+    assert!(off < 1e-11, "round-off: {off}");
+}
+
+/// A cantilever of two strips of shells, the second one's edge tied across the first one's last row of cells: with rotations its tip
+/// goes down by P L^3 / 3 E I as one strip does, without it hangs on a hinge. 2 %: the tie bends the row's cells bilinearly.
+#[test]
+fn a_tied_edge_bends_as_one_strip() {
+    let (length, width) = (100.0f64, 10.0);
+    let bending = E * width / 12.0;
+    let force = 3.0 * bending / length.powi(3);
+    let w = 1.875_104_07f64.powi(2) * (bending / (RHO * width * length.powi(4))).sqrt();
+    let down = |rotations: bool| {
+        let mut rows = Rows::default();
+        let first = rows.plate(1, [[0.0, 0.0], [50.0, width]], 0.0, [10, 2]);
+        let second = rows.plate(2, [[47.0, 0.0], [length, width]], 0.0, [10, 3]);
+        let every = |ids: &[usize], from: usize| ids.iter().copied().skip(from).step_by(11).collect::<Vec<_>>();
+        let sets = [("root", every(&first, 0)), ("edge", every(&second, 0)), ("tip", every(&second, 10))];
+        let tip = sets[2].1[0];
+        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        let rest = format!(
+            "{}{}[[tie]]\nnodes = \"edge\"\nparts = [1]\nrotations = {rotations}\n[time]\ndamping = {:?}\n\
+             [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
+             [[load]]\nnodes = \"tip\"\nforce = [0.0, 0.0, {:?}]\n",
+            part(1),
+            part(2),
+            2.0 * w,
+            -force
+        );
+        let text = format!("end_time = {:?}\n{}", 16.0 / w, rows.job(&sets, &rest));
+        let end = run_alone(&model(&text).unwrap(), |_| {});
+        -xyz_of(&end, crumple_proto::ids::NodeId(tip as u64))[2]
+    };
+    let (bent, hung) = (down(true), down(false));
+    assert!((bent - 1.0).abs() < 0.02, "{bent}");
+    assert!(hung > 3.0, "{hung}");
 }

@@ -85,8 +85,11 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
         let message = format!("tolerance is {}", spec.tolerance);
         findings.add(Problem::error(path("tolerance"), message, "give a length, or 0 for the default"));
     }
+    if let Some(node) = spec.node {
+        return to_node(spec, NodeId(node), entry, nodes.unwrap_or_default(), mesh, findings);
+    }
     if spec.parts.is_empty() && spec.faces.is_none() {
-        let help = "name `parts`, a node set as `faces`, or both";
+        let help = "name `parts`, a node set as `faces`, or both; or a `node`";
         findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
         return Vec::new();
     }
@@ -143,6 +146,7 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
             tie: Tie {
                 node: id(p),
                 carriers,
+                near: Vec::new(),
                 rotations: spec.rotations && turns,
                 offset: spec.offset && turns && !rigid(foot.face),
             },
@@ -152,7 +156,79 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
             moved: if stays { 0.0 } else { foot.distance / diagonal(&places[foot.face]) },
         })
     };
-    found.into_iter().enumerate().filter_map(stand).collect()
+    let mut stands: Vec<Stand> = found.into_iter().enumerate().filter_map(stand).collect();
+    if job.contact.is_some() {
+        let reaches = corners.iter().enumerate().flat_map(|(f, c)| c.map(|id| (id, reach(f, thickest))));
+        face_back(mesh, &mut stands, &surface, reaches.collect());
+    }
+    stands
+}
+
+/// Nodes that have the displacements of another one.
+fn to_node(
+    spec: &TieSpec,
+    carrier: NodeId,
+    entry: usize,
+    nodes: Vec<usize>,
+    mesh: &Mesh,
+    findings: &mut Findings,
+) -> Vec<Stand> {
+    let mut wrong = |key: &str, message: String, help: &str| {
+        findings.add(Problem::error(format!("tie.{entry}.{key}"), message, help));
+    };
+    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
+        wrong("node", "a tie to a node has no surface and no offset".into(), "take `parts`, `faces` and `offset` out");
+    }
+    if !mesh.nodes.iter().any(|n| n.id == carrier) {
+        wrong("node", format!("no element has node {carrier}"), "name a node of the mesh");
+    }
+    if nodes.iter().any(|&n| mesh.nodes[n].id == carrier) {
+        wrong("nodes", format!("node {carrier} is tied to itself"), "take it out of the set");
+    }
+    let stand = |node: usize| Stand {
+        tie: Tie {
+            node: mesh.nodes[node].id,
+            carriers: vec![(carrier, 1.0)],
+            near: Vec::new(),
+            rotations: spec.rotations,
+            offset: false,
+        },
+        entry,
+        node,
+        point: mesh.nodes[node].x,
+        moved: 0.0,
+    };
+    nodes.into_iter().map(stand).collect()
+}
+
+/// Notes which nodes of a surface stand on faces between tied nodes. `reaches` are the surface's nodes, each with its faces' tolerances.
+fn face_back(mesh: &Mesh, stands: &mut [Stand], surface: &[(usize, usize)], reaches: Vec<(NodeId, f64)>) {
+    let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
+    tied.sort_unstable();
+    let mut reach: HashMap<NodeId, f64> = HashMap::new();
+    for (id, own) in reaches {
+        let most = reach.entry(id).or_insert(own);
+        *most = most.max(own);
+    }
+    let sets = NodeSets::of(mesh);
+    let at = |id: &NodeId| sets.place(*id).map_or([0.0; 3], |n| mesh.nodes[n].x);
+    let own: HashSet<(usize, usize)> = surface.iter().copied().collect();
+    let between = faces(mesh, |_| true, Some(&tied)).into_iter().filter(|face| !own.contains(face));
+    let between: Vec<[NodeId; 4]> =
+        between.map(|(e, f)| mesh.elements[e].shape.faces()[f].map(|c| mesh.elements[e].nodes[c])).collect();
+    let mut points: Vec<NodeId> = reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
+    points.sort_unstable();
+    let places: Vec<Face> = between.iter().map(|c| c.each_ref().map(at)).collect();
+    let widest = reach.values().copied().fold(0.0, f64::max);
+    let found = feet(&places, &points.iter().map(at).collect::<Vec<_>>(), |_| widest, |_, p| reach[&points[p]]);
+    let mut near: HashMap<NodeId, Vec<NodeId>> = HashMap::new();
+    for (point, foot) in points.iter().zip(found).filter_map(|(p, foot)| Some((p, foot?))) {
+        between[foot.face].iter().for_each(|tied| near.entry(*tied).or_default().push(*point));
+    }
+    for s in stands {
+        s.tie.near = near.remove(&s.tie.node).unwrap_or_default();
+        s.tie.near.dedup();
+    }
 }
 
 /// Thickness of the thickest shell at each node.

@@ -2,7 +2,8 @@
 //!
 //! A step takes as long as its slowest worker: own work, a latency for each of its messages (the rounds of the agreement among
 //! all are such), and its bytes over the bandwidth, one after the other and nothing hidden behind work, as in
-//! `deploy/efficiency.py`. Renewals of boxes and membership, field files and what caches do are left out.
+//! `deploy/efficiency.py`. Renewals of boxes and membership, ties, field files and what caches do are
+//! left out.
 
 use super::kernels::Kernels;
 use crumple_worker::census::Count;

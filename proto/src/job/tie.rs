@@ -23,6 +23,10 @@ pub struct Tie {
     /// Node set: the faces all of whose nodes are in it carry, of `parts` only if these are given too.
     #[serde(default)]
     pub faces: Option<String>,
+    /// Id of a node that carries instead of a surface: the others have its displacements, wherever they stand, so that angular momentum
+    /// is not kept.
+    #[serde(default)]
+    pub node: Option<u64>,
     /// How far a node may be from a face [length]; without it 0.6 of the thicknesses of both, or a twentieth of the face's shorter diagonal,
     /// whichever is more, as LS-DYNA does. What is farther off is not tied, which is told.
     #[serde(default)]

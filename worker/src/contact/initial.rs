@@ -8,6 +8,7 @@ use crate::contact::surface::{ContactParts, Surface};
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use std::collections::HashSet;
 
 /// A node that starts inside a shell's thickness or a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,10 +35,16 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     let largest = surface.largest_scale();
     let boxes: Vec<_> = surface.segments.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();
     let points: Vec<[f64; 3]> = surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
+    let tied: HashSet<(NodeId, NodeId)> =
+        settings.ties.iter().flat_map(|t| t.partners().flat_map(|p| [(t.node, p), (p, t.node)])).collect();
     let mut found: Vec<Penetration> = Vec::new();
     for (g, p) in linked_cells(&boxes, &points) {
         let (s, slave) = (&surface.segments[g as usize], surface.slaves[p as usize]);
         if s.nodes.contains(&slave) || s.behind.contains(&slave) {
+            continue;
+        }
+        let are_tied = |corner: &u32| tied.contains(&(nodes.id[slave as usize], nodes.id[*corner as usize]));
+        if !tied.is_empty() && s.nodes.iter().any(are_tied) {
             continue;
         }
         let thickness = s.half + surface.node_half[slave as usize];

@@ -77,7 +77,7 @@ pub struct Ties {
     following: Vec<u32>,
     loading: Vec<u32>,
     links: Vec<Link>,
-    /// For each local node, the start of its run in `partners`: carriers of a tied node, what is tied to a carrier.
+    /// For each local node, the start of its run in `partners`: those of a tied node, and the tied nodes of which it is one.
     partner_start: Vec<u32>,
     partners: Vec<u32>,
     /// Force and moment on each tied node, as far as they are known here.
@@ -197,21 +197,20 @@ impl Ties {
             let free = |c: usize| if nodes.fixed[n] >> c & 1 == 1 { 0.0 } else { 1.0 / mass };
             nodes.inv_mass[n] = if mass > 0.0 { [free(0), free(1), free(2), 0.0] } else { [0.0; 4] };
         }
-        self.pair_up(nodes.len());
+        self.pair_up(nodes);
         self.link(wire, nodes)
     }
 
     /// Lists who is tied to whom, by local numbers.
-    fn pair_up(&mut self, count: usize) {
+    fn pair_up(&mut self, nodes: &Nodes) {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for &t in &self.following {
             let tied = self.tied_here[t as usize];
-            let carriers =
-                self.shares[t as usize].iter().map(|s| self.carrier_here[s.0 as usize]).filter(|&n| n != NONE);
-            carriers.for_each(|n| pairs.extend([(tied, n), (n, tied)]));
+            let partners = self.jobs[t as usize].partners().filter_map(|id| nodes.number(id));
+            partners.for_each(|n| pairs.extend([(tied, n), (n, tied)]));
         }
         pairs.sort_unstable();
-        self.partner_start = (0..=count as u32).map(|n| pairs.partition_point(|p| p.0 < n) as u32).collect();
+        self.partner_start = (0..=nodes.len() as u32).map(|n| pairs.partition_point(|p| p.0 < n) as u32).collect();
         self.partners = pairs.into_iter().map(|p| p.1).collect();
     }
 
@@ -260,7 +259,7 @@ impl Ties {
         self.jobs.is_empty()
     }
 
-    /// Whether a node is tied to a face that has a corner of the segment, or carries one of these.
+    /// Whether a node is tied and the segment has one of its partners, or the other way round.
     pub fn are_tied(&self, node: u32, segment: &[u32; 4]) -> bool {
         let run = match self.partner_start.get(node as usize..node as usize + 2) {
             Some(&[from, to]) => &self.partners[from as usize..to as usize],
@@ -423,7 +422,7 @@ impl Ties {
         for link in self.links.iter().filter(|l| !l.carriers_out.is_empty()) {
             self.words.clear();
             let places = link.carriers_out.iter().map(|&c| &nodes.x[self.carrier_here[c as usize] as usize]);
-            self.words.extend(places.flat_map(|x| xyz(x)).map(f64::to_bits));
+            self.words.extend(places.flat_map(xyz).map(f64::to_bits));
             wire.send(link.worker + 1, Tag::Ties, &self.words)?;
         }
         for link in self.links.iter().filter(|l| !l.carriers_in.is_empty()) {

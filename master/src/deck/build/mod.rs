@@ -122,6 +122,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     b.walls();
     b.contacts();
     b.ties();
+    b.node_sets_as_one();
     b.histories();
     b.left_over();
     let sets = std::mem::take(&mut b.node_sets);

@@ -1,4 +1,5 @@
-//! `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`: nodes that move as one, or a beam that breaks.
+//! `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`: nodes that move as one, or a beam that breaks;
+//! `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
 
 use super::Build;
 use super::parts::Part;
@@ -47,6 +48,37 @@ impl Build {
         }
         self.rigid_welds(bodies);
         self.breaking_welds(breaking);
+    }
+
+    /// Nodes that have the displacements of the first one of their set.
+    pub(super) fn node_sets_as_one(&mut self) {
+        for record in self.take("CONSTRAINED_NODE_SET") {
+            let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
+            if record.integer("dof") != 7 {
+                self.unsupported_value(&record, "dof", "only all displacements (7) are shared");
+            }
+            if record.real("tf") > 0.0 && record.real("tf") < self.end_time {
+                self.unsupported_value(&record, "tf", "constraints that fail at a given time");
+            }
+            if self.node_set(nsid, place).is_none() {
+                continue;
+            }
+            let mut nodes = self.node_sets[&nsid].0.clone();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let Some((first, others)) = nodes.split_first() else { continue };
+            let set = format!("set-{nsid}-but-one");
+            let count = others.len();
+            self.rows.add_set(set.clone(), others.to_vec(), place);
+            let carrier = i64::try_from(first.0).unwrap_or(i64::MAX);
+            let table = Table::new(place).with("nodes", place, set).with("node", place, carrier);
+            self.add("tie", table);
+            self.map(
+                format!("set {nsid}"),
+                "nodes that share displacements",
+                format!("{count} tied to node {carrier}"),
+            );
+        }
     }
 
     /// Failure at a time or by a strain is not there.

@@ -43,7 +43,13 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .options(&["ID"])
     .repeats(),
-    not_yet("CONSTRAINED_NODE_SET", &[("nsid:i! dof:i! tf:r", Rest)], "nodes that share displacements"),
+    Keyword::new(
+        "CONSTRAINED_NODE_SET",
+        &[WELD_ID, ("nsid:i! dof:i! tf:r=1e20", Once)],
+        "`[[tie]]` of the others to the first node of the set; dof has to be 7, all displacements",
+    )
+    .options(&["ID"])
+    .repeats(),
     not_yet(
         "CONSTRAINED_INTERPOLATION",
         &[("icid:i! dnid:i! ddof:i cidd:i ityp:i", Once), ("inid:i! idof:i twghtx:r twghty:r twghtz:r rwghtx:r rwghty:r rwghtz:r", Rest)],
