@@ -312,6 +312,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
             &["[[motion]]", "[[gravity]]", "[[load]]", "[[curve]]"],
         ),
     ] {
+        let digest = |job| run(job, &[]);
         let one = digest(job);
         program::run(crumple_with(&["export-deck", job, "--out", first])).with_code(0);
         let text = fs::read_to_string(first).unwrap();
@@ -329,6 +330,11 @@ fn exported_cards_say_what_other_programs_have_to_know() {
         program::run(crumple_with(&["export-deck", first, "--out", again])).with_code(0);
         assert_eq!(one, digest(again), "{job}, exported twice");
     }
+    let sled = "tests/decks/scenes/sled.k";
+    let wanted = run(sled, odd.as_flattened());
+    assert_ne!(wanted, run(sled, &[]), "they are felt");
+    program::run(crumple_with(&[&["export-deck", sled, "--out", first], odd.as_flattened()].concat())).with_code(0);
+    assert_eq!(wanted, run(first, &[]));
 }
 
 #[test]
