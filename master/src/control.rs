@@ -70,6 +70,8 @@ pub struct Control<'a> {
     /// Field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Trouble>,
+    /// Whether a deep penetration has been told.
+    sunk_told: bool,
     closings: Vec<Option<Closing>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
@@ -147,6 +149,7 @@ impl<'a> Control<'a> {
             ready_since: None,
             pieces: BTreeMap::new(),
             trouble: None,
+            sunk_told: false,
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -262,6 +265,7 @@ impl<'a> Control<'a> {
                 let path = || self.out.join("history.csv");
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
                 self.watch_energy();
+                self.watch_contact();
             }
             ToMaster::Fields { index, time } => {
                 let pieces = self.pieces.entry(index).or_default();
@@ -296,6 +300,20 @@ impl<'a> Control<'a> {
             ToMaster::Extents(_) | ToMaster::Histograms(_) => tracing::warn!(worker, "answer to no question"),
         }
         Ok(())
+    }
+
+    /// Says once that contact does not hold what it should.
+    fn watch_contact(&mut self) {
+        let (depth, time) = (self.history.penetration, self.history.last.as_ref().map_or(0.0, |r| r.sum.time));
+        if depth > SUNK && !self.sunk_told {
+            self.sunk_told = true;
+            let message = format!(
+                "at time {time:.6e} a node is {depth:.2} of the contact thickness deep, and from a whole one on it may be lost on the \
+                 other side: give more contact.sweeps, the iteration gauss_seidel, or a shorter time.dt_max"
+            );
+            tracing::warn!(depth, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
     }
 
     /// Plasticity can hold an unstable step in bounds; the balance of energy cannot, or velocities swing from step to step
@@ -454,6 +472,8 @@ impl<'a> Control<'a> {
     }
 }
 
+/// A penetration deeper than this fraction of the contact thickness is told.
+const SUNK: f64 = 0.5;
 /// A run whose energy balance is off by more than this fraction has failed; crash codes are accepted with 0.01.
 const MOST_ENERGY_ERROR: f64 = 0.1;
 /// How long the master waits for what workers have recorded when one of them was lost.

@@ -160,7 +160,7 @@ pub fn parts(job: &Job, outline: &Outline, parts: &[Part], closings: &[Closing])
             name: part.name.clone(),
             law,
             material: part.material.clone(),
-            points: part.points,
+            points: if part.thickness > 0.0 { part.points } else { 1 }, // only shells have more
             elements: all.elements,
             plastic_strain_max: all.plastic_strain,
             von_mises_end: all.von_mises,

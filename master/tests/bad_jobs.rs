@@ -278,3 +278,42 @@ fn damaged_jobs_do_not_panic() {
     }
     assert!(sound > 20 && faulty > 200, "{sound} sound, {faulty} faulty: the damage is too small or too great");
 }
+
+/// Two cubes of ten, one `depth` into the other.
+fn sunk(depth: f64, aside: f64) -> String {
+    let cube = |first: u32, at: [f64; 3]| {
+        let corner = |i: u32| {
+            [[0.0, 10.0, 10.0, 0.0][i as usize % 4], [0.0, 0.0, 10.0, 10.0][i as usize % 4], f64::from(i / 4) * 10.0]
+        };
+        let node = |i: u32| {
+            let x = corner(i);
+            format!("[{}, {:?}, {:?}, {:?}]", first + i, at[0] + x[0], at[1] + x[1], at[2] + x[2])
+        };
+        (0..8).map(node).collect::<Vec<_>>().join(", ")
+    };
+    format!(
+        "title = \"cubes\"\nunits = \"mm, ms, kg\"\nend_time = 0.1\n[contact]\n\
+         [mesh]\nnodes = [{}, {}]\nsolids = [[1, 1, 1, 2, 3, 4, 5, 6, 7, 8], [2, 2, 9, 10, 11, 12, 13, 14, 15, 16]]\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\n[[part]]\nid = 2\nmaterial = \"steel\"\n[[initial_velocity]]\nvelocity = [0.0, 0.0, 1.0]\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 210.0\npoisson = 0.3\n",
+        cube(1, [0.0; 3]),
+        cube(9, [aside, aside, 10.0 - depth])
+    )
+}
+
+#[test]
+fn solids_that_overlap_are_told_with_the_depth_along_what_faces_them() {
+    let told = |depth: f64, aside: f64| {
+        let model =
+            crumple::job::read_text("cubes.toml".into(), sunk(depth, aside), &[]).unwrap_or_else(|r| panic!("{r}"));
+        model.warnings.iter().map(|w| w.message.clone() + " " + w.help.as_str()).collect::<Vec<_>>().join("\n")
+    };
+    for aside in [0.0, 2.0] {
+        assert_eq!(told(0.0, aside), "", "they only touch");
+        assert_eq!(told(-1.0, aside), "");
+        let shallow = told(0.05, aside);
+        assert!(shallow.contains("5.000e-2 into") && shallow.contains("pushed out slowly"), "{aside}: {shallow}");
+        let deep = told(5.0, aside);
+        assert!(deep.contains("too deep for contact to see") && deep.contains("5.000e0 into"), "{aside}: {deep}");
+    }
+}

@@ -8,7 +8,7 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
-use crumple_worker::contact::initial::{initial_penetrations, thinned_shells};
+use crumple_worker::contact::initial::{Penetration, initial_penetrations, thinned_shells};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block, formulation};
 use crumple_worker::materials;
@@ -114,17 +114,21 @@ pub fn thinned(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
     Some(Problem::warning("contact.thickness_limit", message, help))
 }
 
-/// A warning if nodes start inside the thickness of shells that they can touch.
-pub fn penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<Problem> {
-    let found = initial_penetrations(settings, elements, nodes);
-    let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
-    let message = format!(
-        "{} nodes start inside a shell's thickness; the deepest is node {}, {:.3e} into element {}",
-        found.len(),
-        deepest.node,
-        deepest.depth,
-        deepest.elem
-    );
-    let help = "they are let be and pushed out slowly; move the parts apart by their thickness to be rid of them";
-    Some(Problem::warning("contact", message, help))
+/// Warnings if nodes start inside the thickness of shells, or solids, that they can touch.
+pub fn penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Vec<Problem> {
+    let (unseen, seen): (Vec<_>, Vec<_>) =
+        initial_penetrations(settings, elements, nodes).into_iter().partition(|p| p.unseen);
+    let tell = |found: &[Penetration], what: &str, help: &str| {
+        let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
+        let Penetration { node, depth, elem, .. } = deepest;
+        let count = found.len();
+        let message =
+            format!("{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into element {elem}");
+        Some(Problem::warning("contact", message, help))
+    };
+    let slowly = "they are let be and pushed out slowly; move the parts apart to be rid of them";
+    let never = "parts pass through each other there; move them apart";
+    let seen = tell(&seen, "the thickness of shells, or other solids", slowly);
+    let unseen = tell(&unseen, "other solids, too deep for contact to see", never);
+    seen.into_iter().chain(unseen).collect()
 }

@@ -181,6 +181,12 @@ impl Study {
         if self.series.is_empty() || self.measure.is_empty() {
             wrong.push("a study needs at least one [[series]] and one [[measure]]".into());
         }
+        if !self.job.exists() {
+            wrong.push(format!("job: {} is not there", self.job.display()));
+        }
+        if self.time_limit.is_some_and(|limit| limit.is_nan() || limit <= 0.0) {
+            wrong.push("time_limit has to be above 0 [s]".into());
+        }
         let names: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
         let measures: Vec<&str> = self.measure.iter().map(|m| m.name.as_str()).collect();
         for (what, names) in [("series", &names), ("measure", &measures)] {
@@ -256,7 +262,9 @@ pub const ENDED: &str = "ended";
 /// It cannot be read, or has other variables.
 pub fn formula(text: &str) -> Result<impl Fn(f64) -> f64 + use<>, String> {
     use exmex::Express;
-    let read = exmex::FlatEx::<f64>::parse(text).map_err(|error| format!("formula `{text}`: {error}"))?;
+    let read = exmex::FlatEx::<f64>::parse(text).map_err(|_| {
+        format!("formula `{text}` cannot be read: it has to be an expression of x, such as 2 / sqrt(1 + x)")
+    })?;
     let strange = read.var_names().iter().find(|name| *name != "x").cloned();
     if let Some(name) = strange {
         return Err(format!("formula `{text}`: `{name}` is not known, the only variable is x"));

@@ -162,7 +162,7 @@ fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, m
 
 /// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
 /// face everywhere.
-fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
+pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
     let (mut mean, mut faces) = (V3::zeros(), 0);
     for face in surface.around(place).filter(|s| s.is_solid()) {
         let Some(outward) = face.middle_normal(&nodes.x) else { continue };

@@ -73,20 +73,14 @@ impl Axis {
             let tick = |(i, w): (usize, &String)| Tick { value: i as f64, label: Some(w.clone()) };
             return self.words.iter().enumerate().map(tick).collect();
         }
-        let inside = |v: f64| v >= self.ends[0] - 1e-9 && v <= self.ends[1] + 1e-9;
         if !self.log {
-            let step = nice_step((self.ends[1] - self.ends[0]) / 6.0);
-            let first = (self.ends[0] / step - 1e-9).ceil() as i64;
-            let last = (self.ends[1] / step + 1e-9).floor() as i64;
-            let digits = (-step.log10().floor()).max(0.0) as usize;
-            let tick = |i: i64| {
-                let value = i as f64 * step;
-                let label = if !(1e-4..1e5).contains(&step) { short(value) } else { format!("{value:.digits$}") };
-                Tick { value, label: Some(label) }
-            };
-            return (first..=last).map(tick).collect();
+            return linear_ticks(self.ends[0], self.ends[1]);
         }
+        let inside = |v: f64| v >= self.ends[0] - 1e-9 && v <= self.ends[1] + 1e-9;
         let decades = self.ends[1] - self.ends[0];
+        if decades < 0.3 {
+            return linear_ticks(10f64.powf(self.ends[0]), 10f64.powf(self.ends[1])); // too few digits lie in so little
+        }
         let labelled: &[u32] = match decades {
             d if d < 0.7 => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
             d if d < 2.5 => &[1, 2, 5],
@@ -107,6 +101,20 @@ impl Axis {
         }
         ticks
     }
+}
+
+/// Ticks at equal distances from one value to another.
+fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
+    let step = nice_step((high - low) / 6.0);
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    let digits = (-step.log10().floor()).max(0.0) as usize;
+    let tick = |i: i64| {
+        let value = i as f64 * step;
+        let label = if !(1e-4..1e5).contains(&step) { short(value) } else { format!("{value:.digits$}") };
+        Tick { value, label: Some(label) }
+    };
+    (first..=last).map(tick).collect()
 }
 
 /// 1, 2 or 5 times a power of ten, at least `step`.
@@ -159,6 +167,7 @@ mod tests {
         assert_eq!(labels(&Axis::between(0.0, 1.0, false, page)), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(labels(&Axis::between(1e-4, 1.0, true, page)), ["10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
         assert_eq!(labels(&Axis::between(0.1, 1.0, true, page)), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(labels(&Axis::between(21.5, 22.6, true, page)), ["21.6", "21.8", "22.0", "22.2", "22.4", "22.6"]);
         assert_eq!(labels(&Axis::of_words(vec!["a".into(), "b".into()], page)), ["a", "b"]);
     }
 
