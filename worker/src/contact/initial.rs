@@ -37,6 +37,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     }
     let (nodes, mut surface) = whole_surface(settings, elements, nodes);
     surface.collect_slaves(&nodes);
+    surface.link_faces(nodes.held);
     let tied: HashSet<(NodeId, NodeId)> =
         settings.ties.iter().flat_map(|t| t.partners().flat_map(|p| [(t.node, p), (p, t.node)])).collect();
     let is_tied = |slave: u32, corners: &[u32]| {
@@ -104,13 +105,13 @@ fn in_solids(
             let near = nearest(&at, &s.corners(&nodes.x), s.is_triangle())?;
             let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
             let depth = -offset.dot(&near.normal);
-            let behind = depth > ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
+            let behind = depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
             let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
             (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((depth, scale))
         };
         let nearest_face =
             faces.iter().filter_map(|s| depth(&s).map(|d| (s, d))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let (face, (depth, scale)) = nearest_face?;
+        let (face, (depth, scale)) = nearest_face.filter(|(_, (depth, scale))| *depth > ROUND_OFF * scale)?;
         let (node, elem) = (nodes.id[slave as usize], face.id.elem());
         Some(Penetration { node, elem, depth, unseen: depth > BEHIND * scale })
     };
