@@ -28,6 +28,7 @@ if [[ ${1:-} == --write ]]; then
     write=true
     shift
 fi
+$write || [[ -f $file ]] || echo "note: there is no $file to compare with; --write makes it" >&2
 wanted=" $* "
 lines=""
 worse=0

@@ -309,7 +309,8 @@ impl<'a> Control<'a> {
             self.sunk_told = true;
             let message = format!(
                 "at time {time:.6e} a node is {depth:.2} of the contact thickness deep, and from a whole one on it may be lost on the \
-                 other side: give more contact.sweeps, the iteration gauss_seidel, or a shorter time.dt_max"
+                 other side. If the mesh does not start so, contact does not keep up: see contact.iteration, contact.sweeps and \
+                 contact.penalty_scale, or take a shorter time.dt_max"
             );
             tracing::warn!(depth, time, message);
             self.progress.say(&format!("warning: {message}"));

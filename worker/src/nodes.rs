@@ -159,6 +159,13 @@ impl Nodes {
         self.id.len()
     }
 
+    /// Mass of node `i` as contact meets it: a tied node, whose carriers have its mass, still has it there [mass].
+    pub fn contact_mass(&self, i: usize) -> f64 {
+        let [x, y, z, _] = self.inv_mass[i];
+        let inverse = x.max(y).max(z);
+        if self.mass[i] > 0.0 || inverse == 0.0 { self.mass[i] } else { 1.0 / inverse }
+    }
+
     /// Whether this worker owns node `i`.
     pub fn is_own(&self, i: usize) -> bool {
         i < self.held && self.owner[i] == self.me

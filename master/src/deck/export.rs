@@ -326,6 +326,9 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     if part.drilling != default.drilling {
         own.insert("drilling".into(), part.drilling.into());
     }
+    if part.skin {
+        own.insert("skin".into(), true.into());
+    }
     if part.thinning {
         own.insert("thinning".into(), true.into());
     }

@@ -241,6 +241,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     settings.walls = walls::resolve(&job, &sets, findings);
     settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
+    ties::lead(&settings.ties, &mut settings.loads.motions);
     settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
     settings.rotations = !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
     if findings.any_error() {

@@ -5,6 +5,7 @@ use super::state::{NodeSets, NodeStart};
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Tie as TieSpec};
+use crumple_proto::loads::Motion;
 use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
@@ -309,10 +310,9 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
     let mut ties = Vec::with_capacity(stands.len());
     for Stand { mut tie, entry, .. } in stands {
-        let on = tie.carriers.iter().find_map(|c| Some((c.0, *kinds.get(&c.0)?)));
-        if let Some((carrier, (rotations, offset))) = on
-            && (tie.offset || offset || tie.rotations && !rotations)
-        {
+        let cannot = |&(rotations, offset): &(bool, bool)| tie.offset || offset || tie.rotations && !rotations;
+        let on = tie.carriers.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
+        if let Some((carrier, _)) = on {
             let message =
                 format!("{}: node {} stands on node {carrier}, which is tied itself", name(job, entry), tie.node);
             let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
@@ -341,6 +341,12 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         ties.push(tie);
     }
     ties
+}
+
+/// What leads all carriers of a node leads it too: it is no longer led by itself.
+pub fn lead(ties: &[Tie], motions: &mut [Motion]) {
+    let tied: HashSet<NodeId> = ties.iter().map(|t| t.node).collect();
+    motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }
 
 /// Makes nodes that rigid bodies carry members of these; tells of nodes that are held, moved or rigid already, and so cannot be tied.

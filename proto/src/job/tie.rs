@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// momentum nor energy is lost, and no stable step becomes shorter.
 ///
 /// A face that a rigid body moves makes its nodes members of the body. Walls let tied nodes be and stop what carries them. A node
-/// stays tied when elements around it fail.
+/// stays tied when elements around it fail, and starts to move as its face does.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {

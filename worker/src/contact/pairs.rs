@@ -302,7 +302,8 @@ impl PairTable {
     /// m_k / M2 = M_k N_k / sum_j M_j N_j. Edges keep their shape values. To be done before others are told.
     pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
         for pair in self.pairs.iter_mut().filter(|p| p.own && !p.name.is_edge()) {
-            let m: [f64; 4] = std::array::from_fn(|k| nodes.mass[pair.nodes[k + 1] as usize] * pair.shape[k + 1]);
+            let m: [f64; 4] =
+                std::array::from_fn(|k| nodes.contact_mass(pair.nodes[k + 1] as usize) * pair.shape[k + 1]);
             let sum: f64 = m.iter().sum();
             if sum > 0.0 {
                 pair.weight[1..].iter_mut().zip(m).for_each(|(w, a)| *w = a / sum);
@@ -517,7 +518,7 @@ impl Pair {
     /// Notes the slave's mass along the normal; own pairs only.
     pub fn weigh_slave(&mut self, nodes: &Nodes) {
         let met = self.nodes[self.ahead()..].iter().filter(|&&n| n != NOT_LOCAL);
-        let segment: f64 = met.map(|&n| nodes.mass[n as usize]).sum();
+        let segment: f64 = met.map(|&n| nodes.contact_mass(n as usize)).sum();
         let n = &self.normal;
         let moves = |r: usize| {
             let inv = &nodes.inv_mass[self.nodes[r] as usize];

@@ -134,7 +134,7 @@ impl Sweeps<'_> {
         let slaves: Vec<V3> = own.map(|p| p.slave_velocity(&self.nodes.next_v)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
             let (force, mass) = t.pressed_on(k);
-            let total = self.nodes.mass[n as usize] + mass;
+            let total = self.nodes.contact_mass(n as usize) + mass;
             let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
             self.bring(n, push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push));
         }

@@ -56,6 +56,7 @@ impl Build {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             if record.integer("dof") != 7 {
                 self.unsupported_value(&record, "dof", "only all displacements (7) are shared");
+                continue;
             }
             if record.real("tf") > 0.0 && record.real("tf") < self.end_time {
                 self.unsupported_value(&record, "tf", "constraints that fail at a given time");
