@@ -3,6 +3,7 @@
 
 use super::Build;
 use super::sets::{id, ids};
+use super::space::{cross, unit};
 use super::tree::Table;
 use crate::deck::record::Record;
 use crate::job::tree::Place;
@@ -25,13 +26,14 @@ impl Build {
         self.transducers();
         let mut sections = Vec::new();
         let sets = ELEMENT_SETS.map(|(list, ranges, _)| self.element_sets(list, ranges));
-        for (record, number) in self.take("DATABASE_CROSS_SECTION_SET").iter().zip(1..) {
-            let name = section_name(record, number);
-            sections.extend(self.section_of_sets(record, name, &sets));
+        let (of_sets, of_planes) = (self.take("DATABASE_CROSS_SECTION_SET"), self.take("DATABASE_CROSS_SECTION_PLANE"));
+        let names = section_names(of_sets.iter().chain(&of_planes));
+        let (set_names, plane_names) = names.split_at(of_sets.len());
+        for (record, name) in of_sets.iter().zip(set_names) {
+            sections.extend(self.section_of_sets(record, name.clone(), &sets));
         }
-        for (record, number) in self.take("DATABASE_CROSS_SECTION_PLANE").iter().zip(1 + sections.len()..) {
-            let name = section_name(record, number);
-            sections.extend(self.section_of_plane(record, name));
+        for (record, name) in of_planes.iter().zip(plane_names) {
+            sections.extend(self.section_of_plane(record, name.clone()));
         }
         self.put_list("section", sections);
         self.node_histories();
@@ -199,8 +201,8 @@ impl Build {
         };
         let own = |e: &&MeshElement| parts.as_ref().is_none_or(|p| p.contains(&i64::from(e.part)));
         let elements: Vec<MeshElement> = self.rows.elements().filter(own).copied().collect();
-        let (mut cut, mut nodes) = (Vec::new(), BTreeSet::new());
-        for e in elements.iter().filter(|e| e.shape != Shape::Beam2) {
+        let (mut cut, mut nodes, mut beams) = (Vec::new(), BTreeSet::new(), 0);
+        for e in &elements {
             let corners: Vec<(NodeId, [f64; 3])> =
                 e.corners().iter().filter_map(|&n| self.rows.at(n).map(|x| (n, x))).collect();
             let behind = |x: &[f64; 3]| plane.height(x) <= 0.0;
@@ -209,8 +211,16 @@ impl Build {
             if count == 0 || count == corners.len() || !plane.reaches(&middle) {
                 continue;
             }
+            if e.shape == Shape::Beam2 {
+                beams += 1;
+                continue;
+            }
             cut.push(e.id.0 as i64);
             nodes.extend(corners.iter().filter(|c| behind(&c.1)).map(|c| c.0));
+        }
+        if beams > 0 {
+            let message = format!("{name}: {beams} beams that the plane cuts do not count");
+            self.trouble.warning(record.head, message, "shells, solids and springs do");
         }
         let set = format!("{name} nodes");
         self.rows.add_set(set.clone(), nodes.into_iter().collect(), record.head);
@@ -256,12 +266,21 @@ impl Build {
     }
 }
 
-fn section_name(record: &Record, number: usize) -> String {
-    match (record.word("title"), record.integer("csid")) {
-        ("", 0) => format!("cross section {number}"),
-        ("", number) => format!("cross section {number}"),
-        (title, _) => title.to_string(),
+/// A name for each section, none twice: its title, or by its id or its place.
+fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (record, number) in records.zip(1..) {
+        let mut name = match (record.word("title"), record.integer("csid")) {
+            ("", 0) => format!("cross section {number}"),
+            ("", id) => format!("cross section {id}"),
+            (title, _) => title.to_string(),
+        };
+        if names.contains(&name) {
+            name += &format!(" ({number})");
+        }
+        names.push(name);
     }
+    names
 }
 
 /// A cutting plane, perhaps with an edge.
@@ -284,7 +303,7 @@ impl Plane {
         let along = [0, 1, 2].map(|c| edge[c] - tail[c]);
         let lift = dot(&along, &normal);
         let sides = match unit([0, 1, 2].map(|c| along[c] - lift * normal[c])) {
-            Some(first) => [(first, record.real("lenl")), (cross(&normal, &first), record.real("lenm"))],
+            Some(first) => [(first, record.real("lenl")), (cross(normal, first), record.real("lenm"))],
             None => [([0.0; 3], 0.0); 2],
         };
         Some(Self { tail, normal, radius: record.real("radius"), sides })
@@ -309,13 +328,4 @@ impl Plane {
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
-    let length = dot(&a, &a).sqrt();
-    (length > 0.0 && length.is_finite()).then(|| a.map(|c| c / length))
 }
