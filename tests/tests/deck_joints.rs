@@ -142,20 +142,6 @@ fn welds_are_bodies_or_beams_that_break() {
 }
 
 #[test]
-fn springs_go_to_the_ground_along_a_direction() {
-    let model = with(
-        "*PART\nspring\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n*DEFINE_SD_ORIENTATION\n\
-        6,0,0.0,0.0,2.0\n*ELEMENT_DISCRETE\n31,3,5,0,6\n32,3,15,0,6\n33,3,1,11,6\n",
-    );
-    assert_eq!(model.job.part[2].spring.as_ref().unwrap().direction, Some([0.0, 0.0, 2.0]));
-    let ground = set(&model, "ground-of-springs");
-    assert_eq!((ground.as_slice(), model.mesh.nodes.len()), ([17, 18].as_slice(), 14));
-    let node = |id: u64| model.mesh.nodes.iter().position(|n| n.id.0 == id).unwrap();
-    assert_eq!(model.mesh.nodes[node(18)].x, model.mesh.nodes[node(15)].x);
-    assert_eq!(ground.iter().map(|&n| model.nodes.fixed[node(n)]).collect::<Vec<_>>(), [0b111, 0b111]);
-}
-
-#[test]
 fn null_shells_are_skins() {
     let model = with("*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n");
     assert_eq!([0, 2].map(|i| model.job.part[i].skin), [false, true]);

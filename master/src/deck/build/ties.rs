@@ -13,6 +13,8 @@ const KEYWORDS: [(&str, bool); 4] = [
     ("CONTACT_SPOTWELD", true),
 ];
 const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
+/// As the job's default has it, of thicknesses that a deck gives for the two sides.
+const OF_THICKNESSES: f64 = 0.6;
 
 impl Build {
     pub(super) fn ties(&mut self) {
@@ -121,14 +123,21 @@ impl Build {
         Some(name)
     }
 
-    /// How far nodes may be off, if the deck says: minus the distance.
+    /// How far nodes may be off, if the deck says: minus the distance, or thicknesses of both sides.
     fn tolerance(&mut self, record: &Record, of: &str) -> Option<f64> {
         let (a, b) = (record.real("sast"), record.real("sbst"));
         if a < 0.0 || b < 0.0 {
             return Some(a.min(b).abs());
         }
+        if a > 0.0 && b > 0.0 {
+            return Some(OF_THICKNESSES * (a + b));
+        }
         if a + b > 0.0 {
-            self.map(of, format!("sast {a}, sbst {b}: thicknesses"), "not used: the parts have their own");
+            self.map(
+                of,
+                format!("sast {a}, sbst {b}: the thickness of one side"),
+                "not used: the parts have their own",
+            );
         }
         None
     }
