@@ -7,7 +7,7 @@
 //!
 //! A node with an offset stands at the end of an arm d from its carriers' mean place, which turns with their mean rotation:
 //! `v_s = sum N_k (v_k + w_k x d)`, and `d x f_s` is a moment on them, `N_k` on each, so that angular momentum is kept too. Their
-//! inertias grow by [`ARM_INERTIA`] times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step
+//! inertias grow by `ARM_INERTIA` times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step
 //! of the elements at s is then at least `1/sqrt(1 + a)` of their own.
 //!
 //! Contact sees a tied node with the mass that it had, which is less than what carries it: too little is given back in one step
