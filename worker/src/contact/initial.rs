@@ -124,8 +124,7 @@ fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
 
 /// Whether a point is in a hexahedron, but for round-off, by the planes through the middles of its faces.
 fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
-    const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-    FACES.iter().all(|f| {
+    Shape::Hex8.faces().iter().all(|f| {
         let [a, b, c, d] = f.map(|i| corners[i]);
         let outward = (c - a).cross(&(d - b));
         (at - (a + b + c + d) * 0.25).dot(&outward) <= ROUND_OFF * outward.norm() * (c - a).norm()
