@@ -24,6 +24,8 @@ mod drop;
 mod hertz;
 #[path = "../jeep-frame/mesh.rs"]
 mod jeep_frame;
+#[path = "../panel/mesh.rs"]
+mod panel;
 #[path = "../plate/mesh.rs"]
 mod plate;
 #[path = "../slide/mesh.rs"]
@@ -70,6 +72,7 @@ pub const GENERATORS: &[Generator] = &[
     corner::GENERATOR,
     drop::GENERATOR,
     hertz::GENERATOR,
+    panel::GENERATOR,
     plate::GENERATOR,
     slide::GENERATOR,
     strip::GENERATOR,

@@ -14,6 +14,10 @@ use std::path::Path;
 const ELASTIC_POINTS: usize = 2;
 /// Plastic strain below which a part is taken for one that might as well be rigid: that of the 0.2 % proof stress.
 const PROOF_STRAIN: f64 = 0.002;
+/// Hourglass energy, as a fraction of the internal one, below which modes without stiffness of their own did not matter.
+const NO_HOURGLASS: f64 = 0.001;
+/// Cost of `stabilised_quad` over that of `belytschko_tsay` (`cases/bench/RESULTS.md`).
+const STABILISED: f64 = 1.2;
 /// A mesh resolves a field of which neighbouring elements differ by no more than this fraction of its largest value.
 const RESOLVED: f64 = 0.1;
 
@@ -35,6 +39,8 @@ struct Advice {
     at_most: f64,
     /// Lines of the job.
     settings: Vec<String>,
+    /// Parts that it would take out of what the elements cost: other advice on them saves nothing more.
+    parts: Vec<u32>,
 }
 
 /// Prints advice on the run in `dir`; gives the exit code.
@@ -66,9 +72,13 @@ fn read(dir: &Path) -> Result<Summary, String> {
 fn describe(s: &Summary) -> String {
     let mut out = String::new();
     let mut advice = rigid(s);
-    advice.extend([points(s), law(s), contact(s), mesh(s)].into_iter().flatten());
+    let bodies: Vec<u32> = advice.iter().flat_map(|a| a.parts.iter().copied()).collect();
+    advice.extend([points(s, &bodies), law(s, &bodies), form(s), contact(s), mesh(s)].into_iter().flatten());
     // Writing to a string cannot fail.
-    let _ = writeln!(out, "part                  elements  plastic strain  largest step to a neighbour  contact");
+    let _ = writeln!(
+        out,
+        "part                  elements  plastic strain  largest step to a neighbour  hourglass/internal  contact"
+    );
     for p in &s.parts {
         let contact = match (p.contact_near, p.contact_pairs) {
             (_, Some(true)) => "touched",
@@ -78,11 +88,12 @@ fn describe(s: &Summary) -> String {
         };
         let _ = writeln!(
             out,
-            "{:<20}  {:>8}  {:>14.4}  {:>26.4}   {contact}",
+            "{:<20}  {:>8}  {:>14.4}  {:>26.4}   {:>18.5}  {contact}",
             called(p),
             p.elements,
             p.plastic_strain_max,
-            p.strain_jump
+            p.strain_jump,
+            hourglass_share(p)
         );
     }
     for a in &advice {
@@ -161,7 +172,8 @@ fn rigid(s: &Summary) -> Vec<Advice> {
             format!("parts = [{}]", ids.join(", ")),
         ];
         let within = |p: &PartSummary| group.iter().any(|g| g.id == p.id);
-        Advice { why, at_most: seconds(s, &["elements"]) * share(s, within), settings }
+        let parts = group.iter().map(|p| p.id).collect();
+        Advice { why, at_most: seconds(s, &["elements"]) * share(s, within), settings, parts }
     };
     groups.into_values().map(advise).collect()
 }
@@ -182,7 +194,12 @@ fn mesh(s: &Summary) -> Option<Advice> {
     );
     // A quarter of the shells or less is left.
     let at_most = 0.75 * seconds(s, &["elements", "assemble", "local", "advance"]) * share(s, fine);
-    s.parts.iter().any(fine).then(|| Advice { why, at_most, settings: vec!["# a coarser mesh of these parts".into()] })
+    s.parts.iter().any(fine).then(|| Advice {
+        why,
+        at_most,
+        settings: vec!["# a coarser mesh of these parts".into()],
+        parts: vec![],
+    })
 }
 
 /// Share of the elements that some parts have.
@@ -195,22 +212,55 @@ fn names(s: &Summary, of: impl Fn(&PartSummary) -> bool) -> String {
     s.parts.iter().filter(|p| of(p)).map(called).collect::<Vec<_>>().join(", ")
 }
 
-/// Parts that stayed elastic bend linearly: more points than two integrate the same.
-fn points(s: &Summary) -> Option<Advice> {
+/// Words for those of some parts whose time is counted with a rigid body.
+fn besides(s: &Summary, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> String {
+    let also = names(s, |p| idle(p) && bodies.contains(&p.id));
+    if also.is_empty() { also } else { format!(". Not counted here, since a rigid body saves it too: {also}") }
+}
+
+/// Hourglass energy over internal energy; nought without either.
+fn hourglass_share(p: &PartSummary) -> f64 {
+    if p.internal > 0.0 { p.hourglass / p.internal } else { 0.0 }
+}
+
+/// Parts of stabilised quads whose hourglass modes were hardly strained: the cheaper form gives the same.
+fn form(s: &Summary) -> Option<Advice> {
+    let idle = |p: &PartSummary| {
+        p.elements > 0
+            && !p.rigid
+            && p.element == "stabilised_quad"
+            && p.internal > 0.0
+            && hourglass_share(p) <= NO_HOURGLASS
+    };
+    let settings: Vec<String> =
+        s.parts.iter().filter(|p| idle(p)).flat_map(|p| in_part(p, "element = \"belytschko_tsay\"")).collect();
+    let why = format!(
+        "{}: the stabilisation did {NO_HOURGLASS} of the work of stresses at most, so its form made no difference to measure",
+        names(s, idle)
+    );
+    let at_most = (1.0 - 1.0 / STABILISED) * seconds(s, &["elements"]) * share(s, idle);
+    (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
+}
+
+/// Parts that stayed elastic bend linearly: more points than two integrate the same. `bodies` might be rigid.
+fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     let idle = |p: &PartSummary| p.elements > 0 && !p.rigid && p.plastic_strain_max == 0.0 && p.points > ELASTIC_POINTS;
     let settings: Vec<String> =
         s.parts.iter().filter(|p| idle(p)).flat_map(|p| in_part(p, &format!("points = {ELASTIC_POINTS}"))).collect();
     let why = format!(
         "{}: no plastic strain anywhere at the end, so stress is linear through the thickness and {ELASTIC_POINTS} \
-         points give the same resultants",
-        names(s, idle)
+         points give the same resultants{}",
+        names(s, idle),
+        besides(s, bodies, idle)
     );
+    let counted = |p: &PartSummary| idle(p) && !bodies.contains(&p.id);
     // Membrane, shear, hourglass and gathering remain, whatever the points.
-    (!settings.is_empty()).then(|| Advice { why, at_most: seconds(s, &["elements"]) * share(s, idle), settings })
+    let at_most = seconds(s, &["elements"]) * share(s, counted);
+    (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
 }
 
 /// Materials none of whose parts yielded need no plasticity, no hardening and no rates.
-fn law(s: &Summary) -> Option<Advice> {
+fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     let yielded = |name: &str| s.parts.iter().any(|p| p.material == name && p.plastic_strain_max > 0.0);
     let idle = |p: &PartSummary| p.elements > 0 && p.law != "elastic" && !yielded(&p.material);
     let mut materials: Vec<&str> = s.parts.iter().filter(|p| idle(p)).map(|p| p.material.as_str()).collect();
@@ -222,8 +272,10 @@ fn law(s: &Summary) -> Option<Advice> {
     };
     let settings: Vec<String> = materials.iter().flat_map(line).collect();
     let why =
-        format!("{}: no part of the material yielded, so neither hardening nor rates mattered", materials.join(", "));
-    (!settings.is_empty()).then(|| Advice { why, at_most: seconds(s, &["elements"]) * share(s, idle), settings })
+        format!("{}: no part of the material yielded, so neither hardening nor rates mattered", materials.join(", "))
+            + &besides(s, bodies, idle);
+    let at_most = seconds(s, &["elements"]) * share(s, |p| idle(p) && !bodies.contains(&p.id));
+    (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
 }
 
 /// Parts that never came near to anything need no contact surface.
@@ -235,7 +287,7 @@ fn contact(s: &Summary) -> Option<Advice> {
     if s.parts.iter().all(|p| p.contact_pairs == Some(false)) {
         let why = "no contact pair was ever active: the job's [contact] had nothing to do".into();
         let at_most = seconds(s, &["search", "local", "contact"]);
-        return Some(Advice { why, at_most, settings: vec!["# leave out [contact]".into()] });
+        return Some(Advice { why, at_most, settings: vec!["# leave out [contact]".into()], parts: vec![] });
     }
     if !s.parts.iter().any(far) {
         return None;
@@ -243,7 +295,7 @@ fn contact(s: &Summary) -> Option<Advice> {
     let rest: Vec<String> = s.parts.iter().filter(|p| !far(p)).map(|p| p.id.to_string()).collect();
     let why = format!("{}: never within contact reach of anything, itself included", names(s, far));
     let settings = vec!["# in [contact]:".into(), format!("parts = [{}]", rest.join(", "))];
-    Some(Advice { why, at_most: seconds(s, &["search", "local"]) * share(s, far), settings })
+    Some(Advice { why, at_most: seconds(s, &["search", "local"]) * share(s, far), settings, parts: vec![] })
 }
 
 #[cfg(test)]
@@ -279,19 +331,22 @@ mod tests {
     #[test]
     fn only_what_was_idle_is_called_so() {
         let s = summary(vec![part(1, 0.1, true, true), part(2, 0.0, false, false)]);
-        let advice = points(&s).unwrap();
+        let advice = points(&s, &[]).unwrap();
         assert_eq!(
             (advice.at_most, &advice.settings[..]),
             (2.0, &["# in the [[part]] with name = \"p2\":".to_string(), "points = 2".into()][..])
         );
-        assert!(law(&s).unwrap().why.starts_with("m2:"));
+        assert!(law(&s, &[]).unwrap().why.starts_with("m2:"));
+        let as_body = points(&s, &[2]).unwrap();
+        assert_eq!(as_body.at_most, 0.0, "a rigid body saves it already");
+        assert!(as_body.why.ends_with("saves it too: p2"));
         assert_eq!(contact(&s).unwrap().settings, ["# in [contact]:", "parts = [1]"]);
     }
 
     #[test]
     fn a_run_that_used_everything_gets_no_advice() {
         let s = summary(vec![part(1, 0.1, true, true), part(2, 0.2, true, false)]);
-        assert!(points(&s).is_none() && law(&s).is_none() && contact(&s).is_none());
+        assert!(points(&s, &[]).is_none() && law(&s, &[]).is_none() && contact(&s).is_none());
         assert!(describe(&s).contains("every part needed what it was given"));
     }
 
@@ -316,6 +371,16 @@ mod tests {
         let mut parts = vec![part(1, 0.1, true, true), part(2, 0.1, true, true)];
         (parts[0].strain_jump, parts[0].stress_jump) = (0.01, 0.01);
         assert!(mesh(&summary(parts)).unwrap().why.starts_with("p1:"));
+    }
+
+    #[test]
+    fn a_stabilisation_that_did_nothing_can_go() {
+        let mut parts = vec![part(1, 0.1, true, true), part(2, 0.1, true, true)];
+        for (p, hourglass) in parts.iter_mut().zip([0.5e-3, 0.01]) {
+            (p.element, p.internal, p.hourglass) = ("stabilised_quad".into(), 1.0, hourglass);
+        }
+        let advice = form(&summary(parts)).unwrap();
+        assert_eq!(advice.settings, ["# in the [[part]] with name = \"p1\":", "element = \"belytschko_tsay\""]);
     }
 
     #[test]

@@ -128,6 +128,33 @@ pub(crate) fn begin(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
     csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
 }
 
+/// Names of the columns of a job's `history.csv`, with their units.
+pub fn columns(model: &Model) -> Vec<String> {
+    let (u, walls) = (Labels::of(&model.job.units), wall_names(&model.settings.walls));
+    let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
+    for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"] {
+        header.push(format!("{name} [{}]", u.energy));
+    }
+    header.push("energy error [-]".into());
+    header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
+    header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{}]", u.angular)));
+    header.extend(["pairs".into(), "penetration [fraction of contact thickness]".into(), "controlling element".into()]);
+    for wall in &walls {
+        header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
+        header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
+    }
+    let accounts = [
+        "wall [s]",
+        "cpu of all workers [s]",
+        "cpu of the critical path [s]",
+        "cpu of renewals [s]",
+        "low redecompositions",
+        "high redecompositions",
+    ];
+    header.extend(accounts.map(String::from));
+    header
+}
+
 impl History {
     /// Begins the file, and those of histories by kind beside it.
     ///
@@ -136,34 +163,7 @@ impl History {
     pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
         let mut file = begin(&dir.join(FILE))?;
         let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
-        let u = Labels::of(&model.job.units);
-        let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
-        for name in ["kinetic", "internal", "hourglass", "contact work", "friction work", "wall work", "external work"]
-        {
-            header.push(format!("{name} [{}]", u.energy));
-        }
-        header.push("energy error [-]".into());
-        header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
-        header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{}]", u.angular)));
-        header.extend([
-            "pairs".into(),
-            "penetration [fraction of contact thickness]".into(),
-            "controlling element".into(),
-        ]);
-        for wall in &walls {
-            header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
-            header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
-        }
-        let accounts = [
-            "wall [s]",
-            "cpu of all workers [s]",
-            "cpu of the critical path [s]",
-            "cpu of renewals [s]",
-            "low redecompositions",
-            "high redecompositions",
-        ];
-        header.extend(accounts.map(String::from));
-        file.write_record(&header).map_err(|e| (dir.join(FILE), e.into()))?;
+        file.write_record(columns(model)).map_err(|e| (dir.join(FILE), e.into()))?;
         Ok(Self {
             file,
             workers,

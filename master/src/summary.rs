@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// It reached its end.
+    #[default]
     Completed,
     /// The user stopped it; the state is kept.
     Stopped,
@@ -139,6 +140,12 @@ pub struct PartSummary {
     pub strain_jump: f64,
     /// The same of von Mises stress [force/length^2].
     pub stress_jump: f64,
+    /// Formulation of its four-node shells or its solids, if the job names one.
+    pub element: String,
+    /// Work of its stresses [energy].
+    pub internal: f64,
+    /// Work of its hourglass control and drilling stiffness [energy].
+    pub hourglass: f64,
     /// Its connected pieces.
     pub pieces: Vec<Piece>,
     /// Whether it belongs to a rigid body.
@@ -166,6 +173,9 @@ pub fn parts(job: &Job, outline: &Outline, parts: &[Part], closings: &[Closing])
             von_mises_end: all.von_mises,
             strain_jump: all.strain_jump,
             stress_jump: all.stress_jump,
+            element: part.element.clone().unwrap_or_default(),
+            internal: all.internal,
+            hourglass: all.hourglass,
             pieces: outline.pieces.get(&part.id).cloned().unwrap_or_default(),
             rigid: job.rigid.iter().any(|r| r.parts.contains(&part.id)),
             contact_near: job.contact.as_ref().map(|_| all.near),
@@ -197,7 +207,7 @@ impl Outline {
 }
 
 /// The whole file.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
     /// What the scene is, as the job says.
     pub title: String,

@@ -149,7 +149,7 @@ pub struct MeshSource {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Time {
-    /// Fraction of the smallest element step that is used.
+    /// Fraction of the smallest element step that is used; `cases/studies/README.md`, penalty-map.
     pub safety: f64,
     /// Stop after this many cycles, 0 for no limit.
     pub max_cycles: u64,
@@ -248,37 +248,41 @@ pub struct Part {
     pub thickness: f64,
     /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
     /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
-    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a tenth more cost.
+    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a tenth more cost. Elsewhere they agree (plate-shells, panel,
+    /// beam-shells).
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
-    /// Integration points through the thickness, 1 to 10; see `cases/studies/README.md`, plate-points.
+    /// Integration points through the thickness, 1 to 10; see `cases/studies/README.md`, plate-points,
+    /// beam-shells and panel.
     #[serde(default = "five")]
     pub points: usize,
     /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also `assumed_strain`.
     /// Without it `stiffness` for shells, `assumed_strain` for solids: it bends right without a coefficient, and nothing
-    /// locks as nu comes near 1/2, where `stiffness`, a fraction of lambda + 2 mu, has no bound.
+    /// locks as nu comes near 1/2, where `stiffness`, a fraction of lambda + 2 mu, has no bound (`cases/studies/README.md`,
+    /// hourglass, hourglass-solids, incompressible).
     #[serde(default)]
     pub hourglass: Option<HourglassForm>,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
     /// shells and 0.05 for solids. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
-    /// plastic flow. `assumed_strain` has none.
+    /// plastic flow. `assumed_strain` has none. See `cases/studies/README.md`, hourglass and hourglass-solids.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
     /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one;
-    /// without it `[0.06, 1.5]`. Shells have none.
+    /// without it `[0.06, 1.5]` (`cases/studies/README.md`, viscosity). Shells have none.
     #[serde(default)]
     pub bulk_viscosity: Option<[f64; 2]>,
-    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`.
+    /// Add the Belytschko-Wong-Chiang coupling terms for warped quads to `belytschko_tsay`; they change little
+    /// (`cases/studies/README.md`, twist, twist-thin and panel).
     #[serde(default)]
     pub warping: bool,
     /// Makes it a skin: it has mass and touches, but its elements bear nothing and do not limit the time step.
     #[serde(default)]
     pub skin: bool,
-    /// Update the thickness from the strain through it.
+    /// Update the thickness from the strain through it (`cases/studies/README.md`, panel).
     #[serde(default)]
     pub thinning: bool,
-    /// Drilling stiffness as a fraction of the shear stiffness G h A / 4.
+    /// Drilling stiffness as a fraction of the shear stiffness G h A / 4 (`cases/studies/README.md`, twist and twist-thin).
     #[serde(default = "drilling")]
     pub drilling: f64,
 }
@@ -343,7 +347,8 @@ pub struct Fix {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`.
+    /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`. All three hold where contact is strong
+    /// (`cases/studies/README.md`, tube, corner, tumble); for contact stresses take one of the first two (hertz).
     pub law: String,
     /// Coulomb friction coefficient.
     pub friction: f64,
@@ -361,15 +366,19 @@ pub struct Contact {
     /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D). Too few for layers
     /// below a hundredth of their neighbours' mass: see `cases/studies/README.md`, sandwich.
     pub sweeps: usize,
-    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic); see bars in the same file.
+    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic); see
+    /// `cases/studies/README.md`, bars.
     pub tolerance: f64,
-    /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7).
+    /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7), which
+    /// keeps no angular momentum where the masses of a segment differ (Lagrange); see `cases/studies/README.md`, hertz and tumble.
     pub weighting: String,
     /// Fraction beta of the correction that the surface of the lower part (within a part, of the lower element) takes as slave of the other, which takes
     /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
+    /// See `cases/studies/README.md`, bars-solids.
     pub partition: f64,
     /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
-    /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d.
+    /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d. See `cases/studies/README.md`,
+    /// reversal and hertz.
     pub penalty_form: String,
     /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, bars, reversal and
     /// penalty-map.
@@ -378,13 +387,15 @@ pub struct Contact {
     /// what slides on springs chatters and feels too little friction (`cases/studies/README.md`, slide); an impact of bars
     /// loses as much with 0.1 as with the Lagrange law.
     pub penalty_damping: f64,
-    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up.
+    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up
+    /// (`cases/studies/README.md`, penalty-map).
     pub penalty_cap: bool,
     /// Whether edges meet edges too: free ones of shells, and sharp ones of solids. Without it they pass each other between
-    /// their nodes.
+    /// their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
     /// Largest thickness with which a shell is met, as a multiple of its shortest side; 0 for no limit. Shells finer than they
-    /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost.
+    /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost
+    /// (`cases/bench/RESULTS.md`).
     pub thickness_limit: f64,
     /// Parts that take part; all if empty.
     pub parts: Vec<u32>,

@@ -179,6 +179,10 @@ pub struct PartRecord {
     pub strain_jump: f64,
     /// The same of von Mises stress [force/length^2].
     pub stress_jump: f64,
+    /// Work of its stresses, done on this worker [energy].
+    pub internal: f64,
+    /// Work of its hourglass control and drilling stiffness, likewise [energy].
+    pub hourglass: f64,
     /// Whether a global search ever found a candidate among its nodes and segments: within contact reach and skin.
     pub near: bool,
     /// Whether any of its nodes was ever part of a contact pair.
@@ -193,6 +197,8 @@ impl PartRecord {
         self.von_mises = self.von_mises.max(o.von_mises);
         self.strain_jump = self.strain_jump.max(o.strain_jump);
         self.stress_jump = self.stress_jump.max(o.stress_jump);
+        self.internal += o.internal;
+        self.hourglass += o.hourglass;
         self.near |= o.near;
         self.touched |= o.touched;
     }

@@ -54,7 +54,10 @@ fn a_study_runs_once_and_keeps_failures_as_points() {
 fn mistakes_are_named_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
-        ("scene.elements =", "scene.elemnts =", "elemnts"),
+        ("scene.elements =", "scene.elemnts =", "the same at 3 other points"),
+        ("field = \"velocity\"", "field = \"velocty\"", "measure `speed`: there is no field `velocty`"),
+        ("field = \"velocity\", component = \"x\", part = 2", "history = \"kinetik\"", "did you mean `kinetic`?"),
+        ("field = \"velocity\", component = \"x\", part = 2", "summary = \"energy.eror\"", "did you mean `error`?"),
         ("kind = \"pareto\"", "kind = \"pareto\"\nmeasure = \"sped\"", "there is no measure `sped`; there are: speed"),
         ("part = 2", "prt = 2", "unknown field `prt`"),
         ("x = \"scene.elements\"", "x = \"scene.refine\"", "no series varies `scene.refine`"),

@@ -173,9 +173,7 @@ impl Engine {
             tree,
             agreement,
         };
-        if engine.settings.histories.parts {
-            engine.blocks.by_part = vec![[0.0; 2]; engine.settings.parts.len()];
-        }
+        engine.blocks.by_part = vec![[0.0; 2]; engine.settings.parts.len()];
         engine.begin_membership(local.surface, |_| Vec::new());
         Ok(engine)
     }

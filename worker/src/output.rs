@@ -64,6 +64,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
         parts[part as usize].add(&PartRecord { strain_jump, stress_jump, ..PartRecord::default() });
     }
     for (number, part) in parts.iter_mut().enumerate() {
+        [part.internal, part.hourglass] = engine.blocks.by_part[number];
         (part.near, part.touched) = engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
     }
     parts

@@ -24,6 +24,7 @@ pub mod state;
 mod ties;
 pub mod tree;
 mod units;
+mod unused;
 mod validate;
 mod walls;
 
@@ -233,6 +234,9 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         None => vec![laws::Used::default(); order.len()],
     };
     let blocks = Blocks::build(&settings, &order, &used, findings);
+    let mut of_job = vec![laws::Used::default(); job.part.len()];
+    order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
+    unused::check(&tree, &job, &of_job, findings);
     let mesh = mesh?;
     let sets = state::NodeSets::of(&mesh);
     let mut nodes = state::nodes(&job, &mesh, &sets, findings);

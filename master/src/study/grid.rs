@@ -1,6 +1,7 @@
 //! The points of a study: every combination of its settings, each checked as a job before anything runs.
 
-use super::spec::{Reference, Study, flatten};
+use super::quantity::Run;
+use super::spec::{Measure, Reference, Study, flatten};
 use crate::job::{self, Model};
 use std::collections::HashMap;
 use std::path::Path;
@@ -39,6 +40,7 @@ impl Plan {
         let common = flatten(&study.set);
         let mut keys = Keys::default();
         let mut wrong = Vec::new();
+        let mut refused: Vec<Refused> = Vec::new();
         let mut points = Vec::new();
         for (number, series) in study.series.iter().enumerate() {
             let combined = match (cross(&flatten(&series.grid)), zipped(&flatten(&series.zip))) {
@@ -58,9 +60,18 @@ impl Plan {
                 let sets: Vec<String> = fixed.iter().chain(&varied).map(|(k, v)| format!("{k}={v}")).collect();
                 match keys.of(&study.job, &sets) {
                     Ok(key) => points.push(Point { series: Some(number), varied, sets, key }),
-                    Err(why) => wrong.push(why),
+                    Err(why) => match refused.iter_mut().find(|r| r.why == why) {
+                        Some(same) => same.others += 1,
+                        None => refused.push(Refused { sets: sets.join(" "), why, others: 0 }),
+                    },
                 }
             }
+        }
+        wrong.extend(refused.iter().map(Refused::text));
+        if let Some(blank) = &keys.blank {
+            let of = |m: &Measure| m.quantity.unknown(blank).map(|why| format!("measure `{}`: {why}", m.name));
+            wrong.extend(study.measure.iter().filter_map(of));
+            wrong.extend(study.cost.quantity.unknown(blank).map(|why| format!("cost: {why}")));
         }
         let mut reference = Vec::new();
         for measure in &study.measure {
@@ -77,10 +88,9 @@ impl Plan {
                         points.push(Point { series: None, varied: flatten(set), sets, key });
                     }
                 }
-                Err(why) => wrong.push(format!("reference of `{}`: {why}", measure.name)),
+                Err(why) => wrong.push(format!("reference of `{}`: {}\n{why}", measure.name, sets.join(" "))),
             }
         }
-        wrong.dedup();
         if wrong.is_empty() { Ok(Self { points, reference }) } else { Err(wrong.join("\n")) }
     }
 }
@@ -89,7 +99,8 @@ impl Point {
     /// The point in a few words: its series and what varies.
     pub fn label(&self, study: &Study) -> String {
         let name = self.series.map_or("reference", |s| study.series[s].name.as_str());
-        let settings: Vec<String> = self.varied.iter().map(|(k, v)| format!("{}={}", short(k), plain(v))).collect();
+        let mut settings: Vec<String> = self.varied.iter().map(|(k, v)| format!("{}={}", short(k), plain(v))).collect();
+        settings.dedup(); // the same of several parts
         if settings.is_empty() { name.into() } else { format!("{name}, {}", settings.join(" ")) }
     }
 }
@@ -140,10 +151,30 @@ fn zipped(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
     Ok(all)
 }
 
+/// Points whose job is wrong in the same way: told once.
+struct Refused {
+    /// Settings of the first.
+    sets: String,
+    why: String,
+    others: usize,
+}
+
+impl Refused {
+    fn text(&self) -> String {
+        let others = match self.others {
+            0 => String::new(),
+            n => format!("\nthe same at {n} other points"),
+        };
+        format!("{}\n{}{others}", self.sets, self.why.trim_end())
+    }
+}
+
 /// Hashes of points; equal ones are the same run.
 #[derive(Default)]
 struct Keys {
     meshes: HashMap<String, blake3::Hash>,
+    /// What a run of the first sound point will leave behind.
+    blank: Option<Run>,
 }
 
 impl Keys {
@@ -152,7 +183,8 @@ impl Keys {
     /// # Errors
     /// Everything that is wrong with it.
     fn of(&mut self, job: &Path, sets: &[String]) -> Result<String, String> {
-        let model = job::read(job, sets).map_err(|report| format!("{}\n{report}", sets.join(" ")))?;
+        let model = job::read(job, sets).map_err(|report| report.to_string())?;
+        self.blank.get_or_insert_with(|| Run::blank(&model));
         let written = serde_json::to_string(&model.job).map_err(|error| error.to_string())?;
         let source = serde_json::to_string(&(&model.job.mesh, &model.job.scene)).map_err(|error| error.to_string())?;
         let mesh = *self.meshes.entry(source).or_insert_with(|| mesh_hash(&model));

@@ -45,6 +45,11 @@ pub fn values(
     Ok(of_all)
 }
 
+/// What is wrong with a field and its component by their names.
+pub fn unknown(field: &str, component: Option<&str>) -> Option<String> {
+    find(field).and_then(|array| picker(array, component).map(|_| ())).err()
+}
+
 fn find(field: &str) -> Result<&'static Array, String> {
     let mut all = POINT_ARRAYS.iter().chain(CELL_ARRAYS);
     all.clone().find(|a| a.name == field).ok_or_else(|| {

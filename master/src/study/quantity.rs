@@ -1,6 +1,9 @@
 //! Numbers out of what a run leaves behind: a place in `summary.json`, a column of `history.csv`, a field of a part.
 
 use super::probe;
+use crate::history;
+use crate::job::Model;
+use crate::summary::{Summary, phases};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -99,6 +102,13 @@ impl Run {
         Ok(Self { summary, header, rows, folder: folder.to_owned() })
     }
 
+    /// What every run of a job leaves behind, without its numbers: names can be looked up before anything runs.
+    pub fn blank(model: &Model) -> Self {
+        let summary = Summary { phase_s: phases(&[]), ..Summary::default() };
+        let summary = serde_json::to_value(summary).unwrap_or_default();
+        Self { summary, header: history::columns(model), rows: Vec::new(), folder: PathBuf::new() }
+    }
+
     fn in_summary(&self, path: &str) -> Result<f64, String> {
         let mut value = &self.summary;
         for key in path.split('.') {
@@ -119,13 +129,18 @@ impl Run {
         })
     }
 
-    /// Times and values of a column.
-    fn column(&self, name: &str, window: [f64; 2]) -> Result<Vec<[f64; 2]>, String> {
+    /// Where a column is.
+    fn place(&self, name: &str) -> Result<usize, String> {
         let bare = |h: &str| h.split(" [").next().unwrap_or(h).to_string();
-        let at = self.header.iter().position(|h| h == name || bare(h) == name).ok_or_else(|| {
+        self.header.iter().position(|h| h == name || bare(h) == name).ok_or_else(|| {
             let names: Vec<String> = self.header.iter().map(|h| bare(h)).collect();
             unknown("history.csv", name, name, &names)
-        })?;
+        })
+    }
+
+    /// Times and values of a column.
+    fn column(&self, name: &str, window: [f64; 2]) -> Result<Vec<[f64; 2]>, String> {
+        let at = self.place(name)?;
         let inside = |r: &&Vec<f64>| r[0] >= window[0] && r[0] <= window[1];
         let rows: Vec<[f64; 2]> = self.rows.iter().filter(inside).map(|r| [r[0], r[at]]).collect();
         if rows.is_empty() {
@@ -185,6 +200,27 @@ impl Quantity {
             return Some("`component`, `part` and `elements` belong to field = \"...\"".into());
         }
         [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.wrong())
+    }
+
+    /// What it asks for by a name that no run of the job has; `blank` is [`Run::blank`]. Lists that are empty there, such
+    /// as that of parts, may hold anything.
+    pub fn unknown(&self, blank: &Run) -> Option<String> {
+        let open = |path: &str| {
+            let mut value = &blank.summary;
+            path.split('.').any(|key| {
+                let empty =
+                    value.as_object().is_some_and(|m| m.is_empty()) || value.as_array().is_some_and(|l| l.is_empty());
+                value = value.get(key).or(key.parse().ok().and_then(|i: usize| value.get(i))).unwrap_or(&Value::Null);
+                empty
+            })
+        };
+        let own = match (&self.summary, &self.history, &self.field) {
+            (Some(path), _, _) if !open(path) => blank.in_summary(path).err(),
+            (_, Some(column), _) => blank.place(column).err(),
+            (_, _, Some(field)) => probe::unknown(field, self.component.as_deref()),
+            _ => None,
+        };
+        own.or_else(|| [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.unknown(blank)))
     }
 
     /// Its value in a run.

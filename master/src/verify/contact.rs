@@ -68,6 +68,8 @@ pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cr
 /// Density of what only carries a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
+const INSIDE_A_STEP: &str = "the spring comes on and goes off inside a step and knows only its end: by where in the step that is, a node \
+                             leaves with 0.969 to 1.033 of its speed at the default scale, 1.001 in the mean";
 const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 1000: they stop what closes over many steps, and overshoot a little";
 
 /// Fraction of the contact thickness that sweeps may leave of a gap in a step (`worker/src/contact/enforce/mod.rs`).
@@ -165,12 +167,13 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             let down = |nodes: &[u32]| -mean_velocity(&run.engine, nodes, 2);
             // An elastic one is off by what a spring of this stiffness loses or gains in whole steps.
             const D: &str = "[D] plastic impact, or elastic for penalty";
-            all.push(Row::new("velocity of the node after", &variant, "m/s", down(&[n])).within(of_node, 0.02 * v, D));
-            all.push(Row::new("velocity of the segment after", &variant, "m/s", down(segment.all())).within(
-                of_segment,
-                0.02 * v,
-                D,
-            ));
+            all.push(
+                Row::new("velocity of the node after", &variant, "m/s", down(&[n]))
+                    .within(of_node, 0.02 * v, D)
+                    .known(INSIDE_A_STEP),
+            );
+            let row = Row::new("velocity of the segment after", &variant, "m/s", down(segment.all()));
+            all.push(row.within(of_segment, 0.02 * v, D).known(INSIDE_A_STEP));
             let drift = run.momentum_drift(2, run.momentum[0][2].abs());
             all.push(Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"));
         }

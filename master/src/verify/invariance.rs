@@ -56,7 +56,7 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(
                 Row::new("contact work / energy at the start", &variant, "", run.energies.contact / run.initial)
                     .at_most(0.0, "[D] contact gives no energy")
-                    .known("the penalty law gives energy here; why has not been found yet"),
+                    .known("springs come on and go off inside a step, see C02: without damping they give a little energy in the mean"),
             );
             all.push(
                 Row::new("friction work given back / energy at the start", &variant, "", rising / run.initial)
@@ -138,9 +138,6 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-const DASHPOTS: &str =
-    "the springs of the penalty law have dashpots beside them, which take what bodies lose that meet again and again";
-
 /// Ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction, for 1e5 steps.
 fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
     const EACH: usize = 10;
@@ -173,7 +170,7 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.wall([0.0; 3], unit(1.0), 0.0);
             scene.wall([room; 3], unit(-1.0), 0.0);
         }
-        scene.add(&law.table());
+        scene.add(&law.undamped());
         // A shell alone is not stable at more (A23).
         scene.time("max_cycles = 100000\nsafety = 0.8");
         let mut hit = 0;
@@ -187,7 +184,6 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         let sizes: f64 = (0..run.engine.nodes.held).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
         let off = (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
         let off = if run.trouble { f64::INFINITY } else { off / sizes };
-        let from = all.len();
         let row = Row::new("change of momentum less the impulse of the box / m v", &variant, "", off);
         all.push(row.at_most(1e-10, "gate of the catalogue"));
         let energies = &run.energies;
@@ -208,7 +204,6 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(
             Row::new("energy not accounted for at the end", &variant, "", drift).at_most(5e-3, "gate of the catalogue"),
         );
-        all[from..].iter_mut().filter(|_| law.is_spring()).for_each(|r| r.known = DASHPOTS);
         all.push(Row::new("cycles in contact", &variant, "", hit as f64).at_least(100.0, "bodies do meet"));
     }
     Ok(all)

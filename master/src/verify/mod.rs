@@ -97,15 +97,21 @@ impl Outcome {
 
 /// `crumple verify`; returns the exit code.
 pub fn run(args: &VerifyArgs) -> u8 {
+    let named = |id: &str, e: &Entry| e.id.eq_ignore_ascii_case(id.trim());
     let unknown: Vec<&str> =
-        args.only.iter().map(String::as_str).filter(|id| !CATALOGUE.iter().any(|e| e.id == *id)).collect();
+        args.only.iter().map(String::as_str).filter(|id| !CATALOGUE.iter().any(|e| named(id, e))).collect();
     if !unknown.is_empty() {
+        let near = |id: &&str| {
+            let alike = |e: &&Entry| strsim::damerau_levenshtein(&id.to_uppercase(), e.id);
+            CATALOGUE.iter().min_by_key(alike).map(|e| format!("{} ({})", e.id, e.title))
+        };
+        let near: Vec<String> = unknown.iter().filter_map(near).collect();
         let known: Vec<&str> = CATALOGUE.iter().map(|e| e.id).collect();
-        eprintln!("error: the catalogue has no {}", unknown.join(", "));
+        eprintln!("error: the catalogue has no {}; did you mean {}?", unknown.join(", "), near.join(", "));
         eprintln!("  it has {}", known.join(", "));
         return BAD_INPUT;
     }
-    let wanted = |e: &&Entry| args.only.is_empty() || args.only.iter().any(|id| id == e.id);
+    let wanted = |e: &&Entry| args.only.is_empty() || args.only.iter().any(|id| named(id, e));
     let entries: Vec<&Entry> = CATALOGUE.iter().filter(wanted).collect();
     let checks: Vec<(&'static str, &'static Check)> = CATALOGUE
         .iter()

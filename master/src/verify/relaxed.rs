@@ -43,6 +43,8 @@ const SIDEWAYS: &str = "one shell across, nothing but the hourglass control resi
                         the strip escapes sideways just short of the circle, at 0.2 it does not";
 const STIFFER: &str = "in the table's code the rigid rotation of warped shells excites hourglass rates, in ours it does not: \
                        nearer to the limit of fine meshes, and what a direct solution with our kernels gives";
+const COARSE: &str =
+    "two shells over a flange: half the side halves the distance from the converged codes' 111.2 MPa and more";
 const CLAMPED: &str = "x y z rx ry rz";
 
 /// Runs a scene until it rests; returns the deflection there.
@@ -436,7 +438,7 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             let edge = pair(n - 1) + 0.5 * (pair(n - 1) - pair(n - 2));
             let variant = format!("{element}, sides of {} m", 1.0 / n as f64);
             let row = Row::new("|axial stress| at the edge of a flange", &variant, "MPa", 1e-6 * edge.abs() / SMALL);
-            all.push(row.near(108.0, 0.05, "[V:S10] NAFEMS LE5; converged codes 111.2"));
+            all.push(row.near(108.0, 0.05, "[V:S10] NAFEMS LE5; converged codes 111.2").known(COARSE));
         }
     }
     Ok(all)

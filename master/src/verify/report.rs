@@ -54,14 +54,19 @@ impl Report<'_> {
         let known = || rows().filter(|r| !r.known.is_empty());
         if known().next().is_some() {
             text.push_str("\n## Known shortcomings\n\n");
-            let mut said: Vec<&str> = Vec::new();
+            // What explains rows of several entries is said once.
+            let mut said: Vec<(&str, Vec<String>)> = Vec::new();
             for outcome in self.outcomes {
                 for row in outcome.rows.iter().flatten().filter(|r| !r.known.is_empty() && !r.passes()) {
-                    if !said.contains(&row.known) {
-                        said.push(row.known);
-                        let _ = writeln!(text, "- {} {}: {}", outcome.id, row.quantity, row.known);
+                    match said.iter_mut().find(|s| s.0 == row.known) {
+                        Some((_, of)) if of.iter().any(|name| name.starts_with(outcome.id)) => {}
+                        Some((_, of)) => of.push(outcome.id.into()),
+                        None => said.push((row.known, vec![format!("{} {}", outcome.id, row.quantity)])),
                     }
                 }
+            }
+            for (why, of) in said {
+                let _ = writeln!(text, "- {}: {why}", of.join(", "));
             }
         }
         let open: Vec<_> = self.entries.iter().filter(|e| !e.open.is_empty()).collect();

@@ -26,6 +26,10 @@ const MU: f64 = 0.3;
 const CREEP: &str = "where it sticks, the friction of the penalty is a spring of its own stiffness";
 const TAIL: &str = "down to a hundredth of its speed the block slows as it should; below, its nodes stick and slip one by one, with less \
                     than mu N in all, so that it comes to rest some 80 us late, on the right spot";
+const SWINGING: &str = "its nodes swing along the way, and those that stand still or go back for a moment are held with less than mu N: \
+                        a surmise from A07, not measured here";
+const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
+                      by 3 %; why has not been found yet";
 const ONSET: &str = "slip sets in with the square of the time: speeds below a hundredth of the unit, 0.06 of a cycle at r = 1.2, do not \
                      count as slip";
 /// Block 20 x 20 x 10 mm of steel.
@@ -251,13 +255,7 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
                 let way = displacement(&run.engine, block.at([0, 0, 0]))[0];
                 let free = 0.5 * g * s * time * time;
                 let row = Row::new("creep / way without friction", &variant, "", way.abs() / free);
-                all.push(
-                    row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is").known(if law.is_spring() {
-                        CREEP
-                    } else {
-                        ""
-                    }),
-                );
+                all.push(row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is").known(creep(law)));
             } else {
                 let from = seen.partition_point(|s| s.0 < 2.0 * ramped);
                 let (first, last) = (seen[from], seen[seen.len() - 1]);
@@ -268,6 +266,11 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
         }
     }
     Ok(all)
+}
+
+/// Why a block that should stick creeps.
+fn creep(law: &Law) -> &'static str {
+    if law.is_spring() { CREEP } else { PASSES }
 }
 
 fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -317,7 +320,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         let mean = |c: usize| means[c].0 / f64::from(means[c].1);
         let amplitude = 0.5 * (high - low);
         let variant = format!("{}, 1.5 mu N at 1 kHz", law.name);
-        let known = if law.is_spring() { CREEP } else { "" };
+        let known = creep(law);
         all.push(
             Row::new("largest displacement while it should stick / amplitude", &variant, "", early / amplitude)
                 .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
@@ -326,11 +329,9 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         let row = Row::new("turns of the friction force while it should stick", &variant, "", f64::from(turns));
         all.push(row.at_most(1.0, "limit of the catalogue"));
         all.push(
-            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid)).near(
-                1.0,
-                0.005,
-                "limit of the catalogue",
-            ),
+            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid))
+                .near(1.0, 0.005, "limit of the catalogue")
+                .known(SWINGING),
         );
         let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
         all.push(given.at_most(1e-6, "[D] never negative; round-off").known(known));

@@ -18,7 +18,7 @@
 //! worker, so pairs that are known here are remembered, not only own ones.
 
 use crate::contact::geometry::{Passing, V3, passing};
-use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, tolerated};
+use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
@@ -276,7 +276,8 @@ impl Edges {
             own: true,
             ..Pair::unknown(name, other.id, [i, j, k, l, NOT_LOCAL])
         };
-        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap));
+        let moved = moved(nodes, [j, k, l].into_iter(), i, dt);
+        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap, moved));
         let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
         (predicted < ACTIVE * scale).then_some(pair)
     }

@@ -228,9 +228,21 @@ fn has_folded_over(nodes: &Nodes, meeting: &Meeting<'_>, near: &Nearest, offset:
     inside > FOLDED * offset.norm()
 }
 
-/// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly.
-pub(super) fn tolerated(old: Option<&Memory>, gap: f64) -> f64 {
-    old.map_or(gap.min(0.0), |m| (m.tolerated * (1.0 - RELAX)).max(gap.min(0.0)))
+/// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly. So is
+/// what a pair is deeper than before without having moved that far, at most by `moved` [length]: its normal has turned, or it
+/// follows on that of another segment or edge. A force against that would come from nothing, and make energy.
+pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64) -> f64 {
+    let Some(old) = old else { return gap.min(0.0) };
+    let jump = (gap + old.depth + moved).min(0.0);
+    (old.tolerated * (1.0 - RELAX) + jump).max(gap.min(0.0))
+}
+
+/// The most that nodes can have come nearer to the first of them in a step like the last one [length].
+pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, dt: f64) -> f64 {
+    /// Steps may become shorter.
+    const SLACK: f64 = 2.0;
+    let v = |n: u32| v3(&nodes.v[n as usize]);
+    SLACK * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt()
 }
 
 fn look(
@@ -267,7 +279,7 @@ fn look(
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    let tolerated = tolerated(old, gap);
+    let tolerated = tolerated(old, gap, moved(nodes, segment.nodes.into_iter(), slave, dt));
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
@@ -287,4 +299,22 @@ fn look(
         ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };
     Some(Find { pair: pair.remembering(old, gap, tolerated), impact, opening, offset, gap })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::{NodeId, SegmentId};
+
+    #[test]
+    fn a_depth_that_no_motion_explains_is_let_be() {
+        let pair = Pair::unknown(Name::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
+        let memory = pair.remembering(None, -0.25, 0.0).memory();
+        assert_eq!(tolerated(None, -0.5, 0.125), -0.5, "a pair that begins inside");
+        assert_eq!(tolerated(Some(&memory), -0.375, 0.125), 0.0, "it has moved that far");
+        assert_eq!(tolerated(Some(&memory), -0.5, 0.125), -0.125, "and no farther");
+        assert_eq!(tolerated(Some(&memory), 0.5, 0.125), 0.0, "open");
+        let given_back = tolerated(Some(&Memory { tolerated: -0.25, ..memory }), -0.25, 0.0);
+        assert!((-0.25..-0.2499).contains(&given_back), "slowly");
+    }
 }

@@ -116,6 +116,8 @@ pub struct Memory {
     pub side: f64,
     /// See [`Pair::tolerated`].
     pub tolerated: f64,
+    /// See [`Pair::depth`].
+    pub depth: f64,
     /// See [`Pair::normal`].
     pub normal: V3,
     /// See [`Pair::force`].
@@ -126,7 +128,7 @@ pub struct Memory {
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 15;
+    pub const WORDS: usize = 16;
 
     /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
     pub fn force_along(&self, normal: &V3) -> V3 {
@@ -144,7 +146,7 @@ impl Memory {
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers = [self.side, self.tolerated].into_iter();
+        let numbers = [self.side, self.tolerated, self.depth].into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -170,9 +172,10 @@ impl Memory {
             name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
             side: at(0),
             tolerated: at(1),
-            normal: vector(2),
-            force: vector(5),
-            slip: vector(8),
+            depth: at(2),
+            normal: vector(3),
+            force: vector(6),
+            slip: vector(9),
         }
     }
 }
@@ -187,6 +190,7 @@ struct WirePair {
     weight: [f64; 5],
     normal: [f64; 3],
     tolerated: f64,
+    depth: f64,
     force: [f64; 3],
     mass: f64,
 }
@@ -552,6 +556,7 @@ impl Pair {
             name: self.name,
             side: self.side,
             tolerated: self.tolerated,
+            depth: self.depth,
             normal: self.normal,
             force: self.force,
             slip: self.slip,
@@ -569,6 +574,7 @@ impl WirePair {
             weight: p.weight,
             normal: p.normal.into(),
             tolerated: p.tolerated,
+            depth: p.depth,
             force: p.force.into(),
             mass: p.mass,
         }
@@ -580,6 +586,7 @@ impl WirePair {
             weight: self.weight,
             normal: self.normal.into(),
             tolerated: self.tolerated,
+            depth: self.depth,
             force: self.force.into(),
             mass: self.mass,
             ..Pair::unknown(self.name, self.segment, self.nodes.map(local))

@@ -91,6 +91,7 @@ impl Frame {
     /// Draws axes and their titles; gives the page.
     pub fn close(mut self, x_title: &str, y_title: &str) -> Sheet {
         let sheet = &mut self.sheet;
+        sheet.reach(self.below + LINE);
         sheet.line(&[[LEFT, TOP], [RIGHT, TOP], [RIGHT, BOTTOM], [LEFT, BOTTOM], [LEFT, TOP]], BLACK, 0.8);
         for tick in self.x.ticks() {
             let at = self.x.at(tick.value);

@@ -64,15 +64,17 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
         let roomy = (x1 - x0).abs() > ROOM[0] && (y1 - y0).abs() > ROOM[1];
         let middle = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
         if !row.ended_well() {
-            words.push((middle, "×".to_string(), 16.0, WHITE));
+            words.push((middle, "×".to_string(), 16.0, WHITE, fill));
         } else if roomy && !ended_only && value.is_finite() {
             let ink = if shade < 0.55 { WHITE } else { BLACK };
-            words.push((middle, short(value), 11.5, ink));
+            words.push((middle, short(value), 11.5, ink, fill));
         }
     }
     curves(view, &mut frame)?;
-    // Upon the curves, which may run through them.
-    for (at, word, size, ink) in words {
+    // Upon the curves, which may run through them, on a patch of the cell's own colour.
+    for (at, word, size, ink, fill) in words {
+        let half = [0.33 * size * word.chars().count() as f64, 0.6 * size];
+        frame.sheet.rectangle([at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]], fill);
         frame.sheet.text(at, &word, size, Anchor::Middle, ink);
     }
     if ended_only {
@@ -135,6 +137,7 @@ fn square(sheet: &mut Sheet, at: [f64; 2], colour: Colour) {
 
 /// The colour bar with its ticks, in the legend.
 fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
+    frame.gap(8.0);
     frame.note(title);
     let top = frame.gap(BAR + 24.0) + 2.0;
     let y = |fraction: f64| top + BAR * (1.0 - fraction);

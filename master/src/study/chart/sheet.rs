@@ -10,7 +10,7 @@ use plotters::style::{FontStyle, FontTransform, IntoFont, RGBColor, ShapeStyle, 
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Size of a page in its own units.
+/// Size of a page in its own units; a long legend makes it higher.
 pub const SIZE: [f64; 2] = [1000.0, 620.0];
 /// Pixels per unit in both kinds of files.
 const SCALE: f64 = 1.5;
@@ -54,9 +54,16 @@ enum Shape {
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     shapes: Vec<Shape>,
+    /// Height that is needed, if that of [`SIZE`] is too little.
+    needed: f64,
 }
 
 impl Sheet {
+    /// Makes the page at least this high.
+    pub fn reach(&mut self, height: f64) {
+        self.needed = self.needed.max(height);
+    }
+
     /// A line through points.
     pub fn line(&mut self, points: &[[f64; 2]], colour: Colour, width: f64) {
         self.shapes.push(Shape::Line { points: points.to_vec(), colour, width });
@@ -136,7 +143,7 @@ impl Sheet {
         REGISTERED.call_once(|| register_font(FONT_NAME, FontStyle::Normal, FONT).unwrap_or(()));
         let named = |ending: &str| PathBuf::from(format!("{}.{ending}", path.display()));
         let (svg, png) = (named("svg"), named("png"));
-        let size = (pixel(SIZE[0]) as u32, pixel(SIZE[1]) as u32);
+        let size = (pixel(SIZE[0]) as u32, pixel(SIZE[1].max(self.needed)) as u32);
         self.paint(&SVGBackend::new(&svg, size).into_drawing_area(), &svg)?;
         self.paint(&BitMapBackend::new(&png, size).into_drawing_area(), &png)?;
         Ok([svg, png])
