@@ -99,11 +99,11 @@ fn describe(s: &Summary) -> String {
     for a in &advice {
         let total = s.cpu_s.total;
         let share = if total > 0.0 { 100.0 * a.at_most / total } else { 0.0 };
-        let _ = writeln!(
-            out,
-            "\n# {}\n# Saves {:.3} s of CPU time at most, {share:.0} % of the run. In the job:",
-            a.why, a.at_most
-        );
+        let saving = match a.at_most {
+            0.0 => "Saves nothing beside that".to_string(),
+            s => format!("Saves {s:.3} s of CPU time at most, {share:.0} % of the run"),
+        };
+        let _ = writeln!(out, "\n# {}\n# {saving}. In the job:", a.why);
         for line in &a.settings {
             let _ = writeln!(out, "{line}");
         }

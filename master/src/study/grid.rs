@@ -163,6 +163,7 @@ impl Refused {
     fn text(&self) -> String {
         let others = match self.others {
             0 => String::new(),
+            1 => "\nthe same at another point".into(),
             n => format!("\nthe same at {n} other points"),
         };
         format!("{}\n{}{others}", self.sets, self.why.trim_end())

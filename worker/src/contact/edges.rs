@@ -276,7 +276,7 @@ impl Edges {
             own: true,
             ..Pair::unknown(name, other.id, [i, j, k, l, NOT_LOCAL])
         };
-        let moved = moved(nodes, [j, k, l].into_iter(), i, dt);
+        let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
         let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap, moved));
         let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
         (predicted < ACTIVE * scale).then_some(pair)

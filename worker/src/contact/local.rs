@@ -237,12 +237,14 @@ pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64) -> f64 {
     (old.tolerated * (1.0 - RELAX) + jump).max(gap.min(0.0))
 }
 
-/// The most that nodes can have come nearer to the first of them in a step like the last one [length].
-pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, dt: f64) -> f64 {
+/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a step like the last one [length].
+pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, dt: f64, scale: f64) -> f64 {
     /// Steps may become shorter.
-    const SLACK: f64 = 2.0;
+    const SHORTER: f64 = 2.0;
+    /// A fraction of the scale that is no jump, above all none of round-off where nothing moves.
+    const LITTLE: f64 = 1e-3;
     let v = |n: u32| v3(&nodes.v[n as usize]);
-    SLACK * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt()
+    SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt() + LITTLE * scale
 }
 
 fn look(
@@ -279,7 +281,7 @@ fn look(
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    let tolerated = tolerated(old, gap, moved(nodes, segment.nodes.into_iter(), slave, dt));
+    let tolerated = tolerated(old, gap, moved(nodes, segment.nodes.into_iter(), slave, dt, scale));
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
