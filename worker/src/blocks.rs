@@ -83,8 +83,8 @@ struct Batch {
     nodes: Range<usize>,
 }
 
-/// Groups of a batch: their corner forces and history fit into the second level of a cache beside all else.
-const BATCH: usize = 64;
+/// Elements of a batch: their corner forces and history fit into the second level of a cache beside all else.
+const BATCH: usize = 256;
 
 /// Bytes of the columns of elements, by what they are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -239,9 +239,9 @@ impl Blocks {
                 } else {
                     b.front..b.group_count()
                 };
-                let end = all.end;
-                all.step_by(BATCH)
-                    .map(move |g| Batch { block, groups: g..(g + BATCH).min(end), nodes: 0..0 })
+                let (end, size) = (all.end, BATCH / b.lanes());
+                all.step_by(size)
+                    .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
                     .collect::<Vec<_>>()
             };
             self.blocks.iter().enumerate().flat_map(cut).collect()

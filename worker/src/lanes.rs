@@ -337,12 +337,30 @@ impl Lanes<LANES> for Lane {
     }
 }
 
+/// A row in single precision. By its instruction, where there is one: from arrays compilers make conversions one by one.
+#[inline(always)]
+fn rounded(row: Lane) -> f32x4 {
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
+    return bytemuck::cast(safe_arch::convert_to_m128_from_m256d(bytemuck::cast(row)));
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "avx")))]
+    f32x4::new(row.to_array().map(|c| c as f32))
+}
+
+/// A row in double precision again.
+#[inline(always)]
+fn widened(row: f32x4) -> Lane {
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
+    return bytemuck::cast(safe_arch::convert_to_m256d_from_m128(bytemuck::cast(row)));
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "avx")))]
+    Lane::new(row.to_array().map(f64::from))
+}
+
 impl Lanes<LANES32> for Lane32 {
     type Row = f32x4;
 
     #[inline(always)]
     fn row(row: Lane) -> f32x4 {
-        f32x4::new(row.to_array().map(|c| c as f32))
+        rounded(row)
     }
     #[inline(always)]
     fn from_rows([a, b, c, d, e, f, g, h]: [f32x4; LANES32]) -> [Self; 3] {
@@ -354,7 +372,7 @@ impl Lanes<LANES32> for Lane32 {
         let [x, y, z]: [[f32x4; 2]; 3] = components.map(bytemuck::cast);
         let half = |k: usize| f32x4::transpose([x[k], y[k], z[k], f32x4::ZERO]);
         let ([a, b, c, d], [e, f, g, h]) = (half(0), half(1));
-        [a, b, c, d, e, f, g, h].map(|row| Lane::new(row.to_array().map(f64::from)))
+        [a, b, c, d, e, f, g, h].map(widened)
     }
     #[inline(always)]
     fn to_array(self) -> [f64; LANES32] {

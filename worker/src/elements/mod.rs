@@ -11,6 +11,8 @@ mod kinematics;
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
+#[cfg(test)]
+mod precision_tests;
 mod quad;
 mod section;
 mod shell;

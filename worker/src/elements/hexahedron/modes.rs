@@ -149,17 +149,7 @@ pub fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<8, W>, [one, other
     // One length for both columns: one check for each node.
     let n = one.len();
     let columns = [&one[..n], &other[..n]];
-    // Short numbers hold what corners have beyond the first.
-    let zero = Lane::splat(0.0);
-    let of_node = |i: u32| (Lane::new(columns[0][i as usize]), Lane::new(columns[1][i as usize]));
-    let first = group[0].map(|i| if L::SHORT { of_node(i) } else { (zero, zero) });
-    let at = |c: usize| {
-        let rows: [_; W] = std::array::from_fn(|lane| {
-            let (x, v) = of_node(group[c][lane]);
-            (L::row(x - first[lane].0), L::row(v - first[lane].1))
-        });
-        [L::from_rows(rows.map(|row| row.0)), L::from_rows(rows.map(|row| row.1))]
-    };
+    let at = |c: usize| corner::<L, W>(group, columns, c);
     // Written out, so that corners stay in registers.
     let c = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
     let of = |k: usize| {
@@ -170,6 +160,25 @@ pub fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<8, W>, [one, other
         std::array::from_fn(|m| [x[m], y[m], z[m]])
     };
     [of(0), of(1)]
+}
+
+/// Two nodal columns at a corner of a group; where numbers are short, what they have there beyond the first corner.
+#[inline(always)]
+fn corner<L: Lanes<W>, const W: usize>(group: &GroupNodes<8, W>, columns: [&[[f64; 4]]; 2], c: usize) -> [[L; 3]; 2] {
+    if L::SHORT && c == 0 {
+        return [[L::zero(); 3]; 2];
+    }
+    let of_node = |i: u32| columns.map(|rows| Lane::new(rows[i as usize]));
+    let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
+    for lane in 0..W {
+        let [mut x, mut v] = of_node(group[c][lane]);
+        if L::SHORT {
+            let [x0, v0] = of_node(group[0][lane]);
+            (x, v) = (x - x0, v - v0);
+        }
+        (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
+    }
+    rows.map(L::from_rows)
 }
 
 /// Forces of modes to rows of corner forces.
