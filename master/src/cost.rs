@@ -12,7 +12,6 @@ use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{Lost, threads};
 use crumple_worker::blocks::BlockBytes;
 use crumple_worker::engine::{Engine, Phase};
-use crumple_worker::lanes::LANES;
 use crumple_worker::membership::Share;
 use crumple_worker::step::step;
 use std::collections::HashMap;
@@ -26,6 +25,8 @@ const STEPS: usize = 20;
 /// A sample as an engine holds it.
 struct Sample {
     elements: usize,
+    /// Places in lanes that they take.
+    lanes: usize,
     nodes: usize,
     blocks: BlockBytes,
     /// Of moving and of turning.
@@ -146,8 +147,7 @@ pub fn element_seconds(model: &Model) -> Result<Vec<f64>, Lost> {
         if picked.is_empty() || is_idle(model, number) {
             return Ok(0.0);
         }
-        let lanes = picked.len().div_ceil(LANES) * LANES;
-        try_out(&quiet(model, false), &picked, &record).map(|s| s.elements_s / lanes as f64)
+        try_out(&quiet(model, false), &picked, &record).map(|s| s.elements_s / s.lanes as f64)
     };
     (0..model.settings.parts.len() as u32).map(of_part).collect()
 }
@@ -208,6 +208,7 @@ fn try_out(
     let [elements_s, assemble_s, advance_s, contact_s] = least.map(|s| if s.is_finite() { s } else { 0.0 });
     Ok(Sample {
         elements: elements.len(),
+        lanes: engine.blocks.blocks.iter().map(|b| b.count.next_multiple_of(b.lanes())).sum(),
         nodes: engine.nodes.len(),
         blocks: engine.blocks.bytes(),
         columns: engine.nodes.bytes(),

@@ -41,6 +41,9 @@ pub struct Job {
     /// Time step.
     #[serde(default)]
     pub time: Time,
+    /// What elements compute with.
+    #[serde(default)]
+    pub elements: Elements,
     /// What is written, how often.
     #[serde(default)]
     pub output: Output,
@@ -178,6 +181,27 @@ impl Default for Time {
             dt_max: 0.0,
         }
     }
+}
+
+/// What elements compute with.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Elements {
+    /// Precision of the stresses and forces of shells and solids: `double`, or `single`, which computes twice as many
+    /// elements at once and keeps half of their state. Nodes, their motion, masses, contact, beams and springs are in double
+    /// precision always. See `cases/studies/README.md`, precision, for what it costs in accuracy.
+    pub precision: Precision,
+}
+
+/// Length of numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// 64 bits, 16 digits.
+    #[default]
+    Double,
+    /// 32 bits, 7 digits.
+    Single,
 }
 
 /// Decomposition and redecomposition.

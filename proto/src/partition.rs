@@ -3,7 +3,7 @@
 
 use crate::histories::Asked;
 use crate::ids::{ElemId, NodeId};
-use crate::job::{Contact, Part};
+use crate::job::{Contact, Part, Precision};
 use crate::loads::Loads;
 use crate::mesh::{CornerNodes, Shape};
 use crate::rigid::RigidBody;
@@ -39,6 +39,8 @@ pub struct Settings {
     pub parts: Vec<Part>,
     /// Vectors from beams towards their second axes at the start, by ascending id [length].
     pub axes: Vec<(ElemId, [f64; 3])>,
+    /// What shells and solids compute with.
+    pub precision: Precision,
     /// Rigid walls.
     pub walls: Vec<Wall>,
     /// Loads and prescribed motions.

@@ -3,10 +3,11 @@
 //! A node adds its corners in ascending global element id, own and received ones alike:
 //! the sum has the same bits whoever computes it.
 
+use crate::columns::{Columns, State};
 use crate::elements::{CornerForces, Element, Pass, PassTotals, build_block};
-use crate::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::ids::ElemId;
+use crumple_proto::job::Precision;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
 use std::ops::Range;
@@ -39,9 +40,9 @@ pub struct Block {
     /// Slots per element.
     slots: usize,
     /// Local nodes: per group one row per slot.
-    groups: Vec<[u32; LANES]>,
-    /// History columns, group by group.
-    history: Vec<Lane>,
+    groups: Vec<u32>,
+    /// History columns.
+    history: Columns,
 }
 
 /// All own elements.
@@ -82,8 +83,8 @@ struct Batch {
     nodes: Range<usize>,
 }
 
-/// Groups of a batch: their corner forces and history fit into the second level of a cache beside all else.
-const BATCH: usize = 64;
+/// Elements of a batch: their corner forces and history fit into the second level of a cache beside all else.
+const BATCH: usize = 256;
 
 /// Bytes of the columns of elements, by what they are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,21 +109,14 @@ pub struct ForeignCorner {
 }
 
 impl Block {
-    fn lane_history(&self, index: usize) -> (&[Lane], usize) {
-        let columns = self.element.columns();
-        let group = index / LANES;
-        (&self.history[group * columns..(group + 1) * columns], index % LANES)
-    }
-
     /// History columns of one element.
-    pub fn history_of(&self, index: usize) -> Vec<f64> {
-        let (columns, lane) = self.lane_history(index);
-        columns.iter().map(|c| c.as_array()[lane]).collect()
+    pub fn state(&self, index: usize) -> State<'_> {
+        self.history.of(index)
     }
 
-    /// History columns of the group that holds an element, and the element's lane.
-    pub fn fields_source(&self, index: usize) -> (&[Lane], usize) {
-        self.lane_history(index)
+    /// Elements of a group.
+    pub fn lanes(&self) -> usize {
+        self.history.lanes()
     }
 }
 
@@ -168,10 +162,7 @@ impl Blocks {
     pub fn newly_failed(&self) -> impl Iterator<Item = usize> + '_ {
         let fallible = self.blocks.iter().filter(|b| b.element.can_fail());
         fallible.flat_map(|b| {
-            let has = move |i: &usize| {
-                let (history, lane) = b.lane_history(*i);
-                b.element.failed(history, lane)
-            };
+            let has = move |i: &usize| b.element.failed(b.state(*i));
             (0..b.count).filter(has).map(|i| b.first + i).filter(|&i| !self.elements[i].record.failed)
         })
     }
@@ -183,7 +174,7 @@ impl Blocks {
         let lists = lists.iter().sum::<usize>();
         let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
-            history: self.blocks.iter().map(|b| size_of_val(&b.history[..])).sum(),
+            history: self.blocks.iter().map(|b| b.history.bytes()).sum(),
             force: size_of_val(&self.force[..]),
             moment: size_of_val(&self.moment[..]),
             connectivity: records + lists,
@@ -248,9 +239,9 @@ impl Blocks {
                 } else {
                     b.front..b.group_count()
                 };
-                let end = all.end;
-                all.step_by(BATCH)
-                    .map(move |g| Batch { block, groups: g..(g + BATCH).min(end), nodes: 0..0 })
+                let (end, size) = (all.end, BATCH / b.lanes());
+                all.step_by(size)
+                    .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
                     .collect::<Vec<_>>()
             };
             self.blocks.iter().enumerate().flat_map(cut).collect()
@@ -259,7 +250,7 @@ impl Blocks {
         let mut when = vec![0u32; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
             let b = &self.blocks[batch.block];
-            let slots = batch.groups.start * LANES * b.slots..batch.groups.end * LANES * b.slots;
+            let slots = batch.groups.start * b.group_slots()..batch.groups.end * b.group_slots();
             when.iter_mut().take(b.base + slots.end).skip(b.base + slots.start).for_each(|w| *w = number as u32);
         }
         let count = self.batches[0].len() + self.batches[1].len();
@@ -419,50 +410,56 @@ impl Block {
         let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
             panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
         });
-        let (columns, groups, slots) = (element.columns(), run.len().div_ceil(LANES), shape.slots());
+        let precision = if element.any_precision() { settings.precision } else { Precision::Double };
+        let history = Columns::new(precision, run.len(), element.columns());
+        let (lanes, slots) = (history.lanes(), shape.slots());
+        let groups = run.len().div_ceil(lanes);
         let mut b = Self {
             base,
             slots,
-            groups: vec![[0; LANES]; groups * slots],
-            history: vec![Lane::from([0.0; LANES]); groups * columns],
-            front: run.iter().filter(|e| e.shared).count().div_ceil(LANES),
+            groups: vec![0; groups * slots * lanes],
+            history,
+            front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
             count: run.len(),
             idle: is_idle(settings, run[0].record.part),
             first,
             element,
         };
-        for g in 0..groups {
-            let history = &mut b.history[g * columns..(g + 1) * columns];
-            b.element.start(history);
-            for lane in 0..LANES {
-                // Padding repeats the last element, so that it computes nothing unusual.
-                let i = (g * LANES + lane).min(run.len() - 1);
-                (0..slots).for_each(|c| b.groups[g * slots + c][lane] = run[i].nodes[c]);
-                let axis = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0);
-                if let (Ok(at), true) = (axis, histories[i].is_empty()) {
-                    b.element.orient(history, lane, settings.axes[at].1);
+        let mut fresh = vec![0.0; b.element.columns()];
+        for place in 0..groups * lanes {
+            // Padding repeats the last element, so that it computes nothing unusual.
+            let i = place.min(run.len() - 1);
+            (0..slots).for_each(|c| b.groups[(place / lanes * slots + c) * lanes + place % lanes] = run[i].nodes[c]);
+            if histories[i].is_empty() {
+                fresh.fill(0.0);
+                b.element.start(&mut fresh);
+                if let Ok(at) = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0) {
+                    b.element.orient(&mut fresh, settings.axes[at].1);
                 }
-                for (column, &h) in history.iter_mut().zip(&histories[i]) {
-                    let mut lanes = column.to_array();
-                    lanes[lane] = h;
-                    *column = Lane::from(lanes);
-                }
+                b.history.set(place, &fresh);
+            } else {
+                b.history.set(place, &histories[i]);
             }
         }
         b
     }
 
+    /// Corner slots of a group.
+    fn group_slots(&self) -> usize {
+        self.slots * self.lanes()
+    }
+
     fn group_count(&self) -> usize {
-        self.groups.len() / self.slots
+        self.groups.len() / self.group_slots()
     }
 
     /// Corner slots, those of padding included.
     fn corner_slots(&self) -> usize {
-        self.groups.len() * LANES
+        self.groups.len()
     }
 
     fn forces(&mut self, range: Range<usize>, nodes: &Nodes, dt: f64, out: CornerForces<'_>) -> PassTotals {
-        let (groups, history) = (&self.groups[..], &mut self.history[..]);
+        let (groups, history) = (&self.groups[..], self.history.as_mut());
         self.element.forces(Pass { range, count: self.count, groups, history, nodes: nodes.view(), dt, out })
     }
 }

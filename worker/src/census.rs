@@ -12,7 +12,6 @@ use crate::contact::pairs::{Pair, WIRE_WORDS};
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
 use crate::halo;
-use crate::lanes::LANES;
 use crate::membership::{are_near, covered, seeking};
 use crate::migrate::centre;
 use crate::nodes::xyz;
@@ -213,7 +212,7 @@ impl Census {
             self.worker[b.first..b.first + b.count].iter().for_each(|&w| *of_worker.entry(w).or_default() += 1);
             let part = elements[b.first].record.part as usize;
             for (w, count) in of_worker {
-                self.counts[w as usize].lanes[part] += (count.div_ceil(LANES) * LANES) as u64;
+                self.counts[w as usize].lanes[part] += count.next_multiple_of(b.lanes()) as u64;
             }
         }
     }

@@ -1,17 +1,27 @@
-//! The scalar of the kernels: one `f64`, or [`LANES`] of them side by side.
+//! The scalar of the kernels: one `f64`, or several numbers side by side: [`LANES`] of `f64`, [`LANES32`] of `f32`.
 //!
 //! Kernels are written once over [`Real`]. What one lane holds never depends on its place or on its neighbours:
 //! a kernel may branch on data only to skip work that would leave every lane as it is, so loops that stop lane by
 //! lane keep finished lanes frozen with [`Real::select`].
+//!
+//! In single precision only what happens within an element is short: nodal columns are `f64`, differences of corners are
+//! taken before they are rounded ([`Lanes::row`]), and corner forces are sums of modes taken after they are long again, so that
+//! the forces of an element add up to nought as well as in double precision.
 
+use crate::materials::PointReal;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use wide::f32x4;
 
-/// Elements that are worked on side by side.
+/// Elements that are worked on side by side in double precision.
 pub const LANES: usize = 4;
+/// The same in single precision.
+pub const LANES32: usize = 8;
 
-/// One number of each of [`LANES`] elements.
+/// One number of each of [`LANES`] elements; also the row of a node: x, y, z, padding.
 pub type Lane = wide::f64x4;
+/// One short number of each of [`LANES32`] elements.
+pub type Lane32 = wide::f32x8;
 
 /// Vectors that the kernels were compiled for, in words.
 pub fn vectors() -> String {
@@ -23,7 +33,7 @@ pub fn vectors() -> String {
         _ => "no vectors",
     };
     let fused = if cfg!(target_feature = "fma") { " with fused products" } else { "" };
-    format!("{LANES} f64 side by side, {set}{fused}")
+    format!("{LANES} f64 or {LANES32} f32 side by side, {set}{fused}")
 }
 
 /// What kernels compute with.
@@ -45,6 +55,15 @@ pub trait Real:
 {
     /// Yes or no for each lane.
     type Mask: Copy;
+
+    /// Distance from one to the next number.
+    const EPSILON: f64;
+    /// The least number above nought that has all its digits.
+    const SMALLEST: f64;
+    /// The largest finite number.
+    const LARGEST: f64;
+    /// Whether its numbers are shorter than `f64`.
+    const SHORT: bool = Self::EPSILON > f64::EPSILON;
 
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
@@ -96,6 +115,10 @@ pub trait Real:
 
 impl Real for f64 {
     type Mask = bool;
+
+    const EPSILON: f64 = f64::EPSILON;
+    const SMALLEST: f64 = f64::MIN_POSITIVE;
+    const LARGEST: f64 = f64::MAX;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -177,86 +200,187 @@ impl Real for f64 {
     }
 }
 
-impl Real for Lane {
-    /// All bits of a lane set, or none.
-    type Mask = Lane;
+/// Numbers of one kind side by side.
+macro_rules! lanes {
+    ($lane:ty, $number:ident) => {
+        impl Real for $lane {
+            /// All bits of a lane set, or none.
+            type Mask = $lane;
+
+            const EPSILON: f64 = $number::EPSILON as f64;
+            const SMALLEST: f64 = $number::MIN_POSITIVE as f64;
+            const LARGEST: f64 = $number::MAX as f64;
+
+            #[inline(always)]
+            fn splat(value: f64) -> Self {
+                <$lane>::splat(value as $number)
+            }
+            #[inline(always)]
+            fn lane(self, index: usize) -> f64 {
+                self.as_array()[index] as f64
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                self.abs()
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                self.fast_min(other)
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                self.fast_max(other)
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                self.mul_add(factor, term)
+            }
+            #[inline(always)]
+            fn neg_mul_add(self, factor: Self, term: Self) -> Self {
+                self.mul_neg_add(factor, term)
+            }
+            #[inline]
+            fn powf_where(self, exponent: f64, mask: Self) -> Self {
+                let power = (self.ln() * <$lane>::splat(exponent as $number)).exp();
+                Real::select(mask, power, <$lane>::splat(1.0))
+            }
+            #[inline]
+            fn ln(self) -> Self {
+                self.ln()
+            }
+            #[inline]
+            fn exp(self) -> Self {
+                self.exp()
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> Self {
+                self.simd_lt(other)
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> Self {
+                self.simd_le(other)
+            }
+            #[inline(always)]
+            fn gt(self, other: Self) -> Self {
+                self.simd_gt(other)
+            }
+            #[inline(always)]
+            fn ge(self, other: Self) -> Self {
+                self.simd_ge(other)
+            }
+            #[inline(always)]
+            fn select(mask: Self, yes: Self, no: Self) -> Self {
+                mask.select(yes, no)
+            }
+            #[inline(always)]
+            fn both(a: Self, b: Self) -> Self {
+                a & b
+            }
+            #[inline(always)]
+            fn either(a: Self, b: Self) -> Self {
+                a | b
+            }
+            #[inline(always)]
+            fn any(mask: Self) -> bool {
+                mask.any()
+            }
+        }
+    };
+}
+lanes!(wide::f64x4, f64);
+lanes!(wide::f32x8, f32);
+
+/// `W` elements side by side.
+pub trait Lanes<const W: usize>: PointReal {
+    /// A row of a node, x, y, z and padding, in this precision.
+    type Row: Copy;
+
+    /// A row, rounded. Take differences of rows before that.
+    fn row(row: Lane) -> Self::Row;
+    /// The three components of the rows of `W` elements.
+    fn from_rows(rows: [Self::Row; W]) -> [Self; 3];
+    /// Rows that have three components; the fourth is nought.
+    fn to_rows(components: [Self; 3]) -> [Lane; W];
+    /// The number of each element.
+    fn to_array(self) -> [f64; W];
+    /// From the number of each element, rounded.
+    fn from_array(numbers: [f64; W]) -> Self;
+}
+
+impl Lanes<LANES> for Lane {
+    type Row = Lane;
 
     #[inline(always)]
-    fn splat(value: f64) -> Self {
-        Lane::splat(value)
+    fn row(row: Lane) -> Lane {
+        row
     }
     #[inline(always)]
-    fn lane(self, index: usize) -> f64 {
-        self.as_array()[index]
+    fn from_rows(rows: [Lane; LANES]) -> [Self; 3] {
+        let [x, y, z, _] = Lane::transpose(rows);
+        [x, y, z]
     }
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
+    fn to_rows([x, y, z]: [Self; 3]) -> [Lane; LANES] {
+        Lane::transpose([x, y, z, Lane::splat(0.0)])
     }
     #[inline(always)]
-    fn abs(self) -> Self {
-        self.abs()
+    fn to_array(self) -> [f64; LANES] {
+        self.to_array()
     }
     #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.fast_min(other)
+    fn from_array(numbers: [f64; LANES]) -> Self {
+        Lane::new(numbers)
+    }
+}
+
+/// A row in single precision. By its instruction, where there is one: from arrays compilers make conversions one by one.
+#[inline(always)]
+fn rounded(row: Lane) -> f32x4 {
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
+    return bytemuck::cast(safe_arch::convert_to_m128_from_m256d(bytemuck::cast(row)));
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "avx")))]
+    f32x4::new(row.to_array().map(|c| c as f32))
+}
+
+/// A row in double precision again.
+#[inline(always)]
+fn widened(row: f32x4) -> Lane {
+    #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
+    return bytemuck::cast(safe_arch::convert_to_m256d_from_m128(bytemuck::cast(row)));
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "avx")))]
+    Lane::new(row.to_array().map(f64::from))
+}
+
+impl Lanes<LANES32> for Lane32 {
+    type Row = f32x4;
+
+    #[inline(always)]
+    fn row(row: Lane) -> f32x4 {
+        rounded(row)
     }
     #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        self.fast_max(other)
+    fn from_rows([a, b, c, d, e, f, g, h]: [f32x4; LANES32]) -> [Self; 3] {
+        let (low, high) = (f32x4::transpose([a, b, c, d]), f32x4::transpose([e, f, g, h]));
+        std::array::from_fn(|i| bytemuck::cast([low[i], high[i]]))
     }
     #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
+    fn to_rows(components: [Self; 3]) -> [Lane; LANES32] {
+        let [x, y, z]: [[f32x4; 2]; 3] = components.map(bytemuck::cast);
+        let half = |k: usize| f32x4::transpose([x[k], y[k], z[k], f32x4::ZERO]);
+        let ([a, b, c, d], [e, f, g, h]) = (half(0), half(1));
+        [a, b, c, d, e, f, g, h].map(widened)
     }
     #[inline(always)]
-    fn neg_mul_add(self, factor: Self, term: Self) -> Self {
-        self.mul_neg_add(factor, term)
-    }
-    #[inline]
-    fn powf_where(self, exponent: f64, mask: Self) -> Self {
-        let power = (self.ln() * Lane::splat(exponent)).exp();
-        Real::select(mask, power, Lane::splat(1.0))
-    }
-    #[inline]
-    fn ln(self) -> Self {
-        self.ln()
-    }
-    #[inline]
-    fn exp(self) -> Self {
-        self.exp()
+    fn to_array(self) -> [f64; LANES32] {
+        self.to_array().map(f64::from)
     }
     #[inline(always)]
-    fn lt(self, other: Self) -> Self {
-        self.simd_lt(other)
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> Self {
-        self.simd_le(other)
-    }
-    #[inline(always)]
-    fn gt(self, other: Self) -> Self {
-        self.simd_gt(other)
-    }
-    #[inline(always)]
-    fn ge(self, other: Self) -> Self {
-        self.simd_ge(other)
-    }
-    #[inline(always)]
-    fn select(mask: Self, yes: Self, no: Self) -> Self {
-        mask.select(yes, no)
-    }
-    #[inline(always)]
-    fn both(a: Self, b: Self) -> Self {
-        a & b
-    }
-    #[inline(always)]
-    fn either(a: Self, b: Self) -> Self {
-        a | b
-    }
-    #[inline(always)]
-    fn any(mask: Self) -> bool {
-        mask.any()
+    fn from_array(numbers: [f64; LANES32]) -> Self {
+        Lane32::new(numbers.map(|c| c as f32))
     }
 }
 

@@ -13,6 +13,7 @@
 pub mod agreement;
 pub mod blocks;
 pub mod census;
+pub mod columns;
 pub mod contact;
 pub mod curve;
 pub mod elements;

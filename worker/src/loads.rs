@@ -7,7 +7,6 @@ use crate::blocks::Blocks;
 use crate::contact::enforce::Steps;
 use crate::curve::Curve;
 use crate::energy::Work;
-use crate::lanes::LANES;
 use crate::nodes::{Nodes, Row, row};
 use crumple_proto::loads::{Loads as LoadJob, Pressure};
 use nalgebra::Vector3;
@@ -87,7 +86,7 @@ impl Loads {
                             pressure: p,
                             slots: corners.map(|c| slot + c),
                             nodes: corners.map(|c| e.nodes[c]),
-                            front: i < b.front * LANES,
+                            front: i < b.front * b.lanes(),
                             rigid: b.idle,
                             force: [[0.0; 4]; 4],
                         }

@@ -55,7 +55,7 @@ pub fn migrate(
     for b in &local.blocks.blocks {
         for (i, e) in local.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             let to = tree.worker_of(centre(&local.nodes, e.nodes, e.record.shape));
-            put_element(&mut parcels[to].elements, &e.record, &b.history_of(i));
+            put_element(&mut parcels[to].elements, &e.record, &b.state(i).to_vec());
             goes.extend(e.nodes.map(|n| (n, to)));
         }
     }

@@ -47,8 +47,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
-            let (history, lane) = b.fields_source(i);
-            let f = b.element.fields(history, lane, &x);
+            let f = b.element.fields(b.state(i), &x);
             for &n in &e.nodes[..e.record.shape.corners()] {
                 let range: &mut [Range; 2] = around.entry((e.record.part, n)).or_default();
                 range[0].include(f.plastic_strain);
@@ -103,8 +102,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
-            let (history, lane) = b.fields_source(i);
-            let f = b.element.fields(history, lane, &x);
+            let f = b.element.fields(b.state(i), &x);
             c.cells.push(e.record.shape, &e.nodes);
             c.plastic_strain.push(f.plastic_strain as f32);
             c.von_mises.push(f.von_mises as f32);

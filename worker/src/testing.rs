@@ -16,6 +16,7 @@ pub fn settings() -> Settings {
         materials: Vec::new(),
         parts: Vec::new(),
         axes: Vec::new(),
+        precision: Default::default(),
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
         rigid: Vec::new(),

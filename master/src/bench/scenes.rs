@@ -20,6 +20,7 @@ pub struct Scene {
 
 const STABILISED: &str = "part.tube.element=stabilised_quad";
 const FINE: &str = "scene.elements=57";
+const SINGLE: &str = "elements.precision=single";
 
 /// Every scene, in the order in which they are timed. Goals: a fifth of the established open solver's times in its stock
 /// build (OpenRadioss of August 2026 on an EPYC of Zen 4), where the solver runs the scene.
@@ -37,6 +38,11 @@ pub const SCENES: &[Scene] = &[
     Scene { workers: 2, ..scene("jeep-frame-2-workers", "jeep-frame") },
     fine("jeep-frame-65k", "jeep-frame", &["scene.refine=3"]),
     Scene { goal_ns: 60.0, ..scene("hex-bar", "bench/hex-bar") },
+    Scene { sets: &[SINGLE], ..scene("tube-single", "tube-crush") },
+    Scene { sets: &[SINGLE], contact: false, ..scene("tube-free-single", "tube-crush") },
+    Scene { sets: &[SINGLE, STABILISED], ..scene("tube-stabilised-single", "tube-crush") },
+    Scene { contact: false, ..fine("tube-65k-free-single", "tube-crush", &[FINE, SINGLE]) },
+    Scene { sets: &[SINGLE], ..scene("hex-bar-single", "bench/hex-bar") },
 ];
 
 const fn scene(name: &'static str, job: &'static str) -> Scene {

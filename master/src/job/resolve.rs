@@ -221,6 +221,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         materials: job.material.iter().map(material).collect(),
         parts,
         axes: Vec::new(),
+        precision: job.elements.precision,
         walls: Vec::new(),
         loads: Loads::default(),
         rigid: Vec::new(),

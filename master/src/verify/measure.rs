@@ -76,8 +76,7 @@ pub fn fields(e: &Engine) -> Vec<ElementFields> {
     for b in &e.blocks.blocks {
         for (i, element) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             let x = element.nodes.map(|n| xyz(&e.nodes.x[n as usize]));
-            let (history, lane) = b.fields_source(i);
-            all.push((element.record.id, b.element.fields(history, lane, &x)));
+            all.push((element.record.id, b.element.fields(b.state(i), &x)));
         }
     }
     all.sort_by_key(|f| f.0);

@@ -26,7 +26,8 @@ mod tests;
 use self::section::Section;
 use super::section::label;
 use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, failed_column};
-use crate::lanes::{LANES, Lane};
+use crate::columns::State;
+use crate::lanes::LANES;
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::nodes::xyz;
 use crumple_proto::job::{BeamSection, Part, Weld};
@@ -309,12 +310,8 @@ impl Element for Beam {
         FIBRES + SECTIONS.len() * self.section.fibres.len() * self.stride
     }
 
-    fn start(&self, history: &mut [Lane]) {
-        history.fill(Lane::splat(0.0));
-    }
-
-    fn orient(&self, history: &mut [Lane], lane: usize, towards: [f64; 3]) {
-        history[TRIADS..].iter_mut().zip(towards).for_each(|(column, c)| column.as_mut_array()[lane] = c);
+    fn orient(&self, history: &mut [f64], towards: [f64; 3]) {
+        history[TRIADS..].iter_mut().zip(towards).for_each(|(column, c)| *column = c);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
@@ -327,7 +324,8 @@ impl Element for Beam {
 
     /// One by one: a scene has few.
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out } = pass;
+        let Pass { range, count, groups, history, nodes, dt, out } = pass.double();
+        let groups = groups.as_chunks::<LANES>().0;
         let (mut totals, columns) = (PassTotals::NONE, self.columns());
         let mut state = vec![0.0; columns];
         for i in range.start * LANES..(range.end * LANES).min(count) {
@@ -383,17 +381,16 @@ impl Element for Beam {
         if largest.is_finite() { 2.0 / largest.sqrt() } else { f64::NAN }
     }
 
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        let state: Vec<f64> = history.iter().map(|column| column.as_array()[lane]).collect();
-        self.is_gone(&state)
+    fn failed(&self, history: State<'_>) -> bool {
+        self.is_gone(&history.to_vec())
     }
 
     fn can_fail(&self) -> bool {
         self.failed.is_some() || self.weld.is_some()
     }
 
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
-        let state: Vec<f64> = history.iter().map(|column| column.as_array()[lane]).collect();
+    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
+        let state = history.to_vec();
         let along = (V3::from(x[1]) - V3::from(x[0])).try_normalize(0.0).unwrap_or_default();
         let (mut fields, mut mean) = (ElementFields::default(), 0.0);
         for fibre in state[FIBRES..].chunks_exact(self.stride) {

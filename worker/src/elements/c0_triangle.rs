@@ -29,8 +29,8 @@
 use super::kinematics::{Frame, PlaneMotion, curvature};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
-use super::{Build, Built, ElementRow, GroupNodes, NodeView, Pass, PassTotals, Totals, let_go};
-use crate::lanes::{LANES, Lane, Real, cross, dot};
+use super::{Build, Built, ElementRow, GroupCorners, GroupNodes, NodeView, Totals, let_go};
+use crate::lanes::{Lane, Lanes, Real, cross, dot};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
@@ -250,7 +250,7 @@ impl C0Triangle {
             total += force[0][c].abs() + force[1][c].abs();
             total += moment[0][c].abs() + moment[1][c].abs() + moment[2][c].abs();
         }
-        let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(f64::MAX)));
+        let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(R::LARGEST)));
         let elastic = &self.section.elastic;
         let totals = Totals {
             stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
@@ -269,44 +269,38 @@ impl C0Triangle {
 
 /// Corner vectors of a group. Differences are taken row by row, before the rows become lanes.
 #[inline(always)]
-fn gather(group: &GroupNodes<4>, nodes: &NodeView<'_>) -> Corners<Lane> {
+fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Corners<L> {
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
-    let mut rows = [[Lane::splat(0.0); LANES]; 7];
-    for lane in 0..LANES {
+    let mut rows = [[L::row(Lane::splat(0.0)); W]; 7];
+    for lane in 0..W {
         let corner: [usize; 3] = std::array::from_fn(|c| group[c][lane] as usize);
         for (block, column) in [x, v, w].into_iter().enumerate() {
             let [a, b, c] = corner.map(|node| Lane::new(column[node]));
-            rows[2 * block][lane] = b - a;
-            rows[2 * block + 1][lane] = c - a;
+            rows[2 * block][lane] = L::row(b - a);
+            rows[2 * block + 1][lane] = L::row(c - a);
             if block == 2 {
-                rows[6][lane] = a + b + c;
+                rows[6][lane] = L::row(a + b + c);
             }
         }
     }
-    let [x2, x3, v2, v3, w2, w3, ws] = rows.map(|rows| {
-        let [x, y, z, _] = Lane::transpose(rows);
-        [x, y, z]
-    });
+    let [x2, x3, v2, v3, w2, w3, ws] = rows.map(L::from_rows);
     Corners { x: [x2, x3], v: [v2, v3], w: [w2, w3, ws] }
 }
 
 /// Lanes to rows; the fourth corner is the third again and gets nothing.
 #[inline(always)]
-fn scatter(response: &Response<Lane>, force: &mut [[f64; 4]; LANES * 4], moment: &mut [[f64; 4]; LANES * 4]) {
-    let rows = |v: [Lane; 3]| Lane::transpose([v[0], v[1], v[2], Lane::splat(0.0)]);
-    let [f2, f3] = response.force.map(rows);
-    let m = response.moment.map(rows);
-    for lane in 0..LANES {
-        let slot = 4 * lane;
-        force[slot] = (-(f2[lane] + f3[lane])).to_array();
-        force[slot + 1] = f2[lane].to_array();
-        force[slot + 2] = f3[lane].to_array();
-        force[slot + 3] = [0.0; 4];
-        for (c, m) in m.iter().enumerate() {
-            moment[slot + c] = m[lane].to_array();
-        }
-        moment[slot + 3] = [0.0; 4];
+fn scatter<L: Lanes<W>, const W: usize>(
+    response: &Response<L>,
+    force: &mut GroupCorners<4, W>,
+    moment: &mut GroupCorners<4, W>,
+) {
+    let [f2, f3] = response.force.map(L::to_rows);
+    let [m1, m2, m3] = response.moment.map(L::to_rows);
+    for lane in 0..W {
+        let first = -(f2[lane] + f3[lane]);
+        force[lane] = [first.to_array(), f2[lane].to_array(), f3[lane].to_array(), [0.0; 4]];
+        moment[lane] = [m1[lane].to_array(), m2[lane].to_array(), m3[lane].to_array(), [0.0; 4]];
     }
 }
 
@@ -341,13 +335,18 @@ impl Formulation for C0Triangle {
         [e1, e2, n]
     }
 
-    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
-        let dt = pass.dt;
-        pass.shells(self.section.columns() + OWN, |group, nodes, history, force, moment| {
-            let response = self.respond::<Lane, N>(&gather(group, nodes), history, dt);
-            scatter(&response, force, moment);
-            response.totals
-        })
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        [force, moment]: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L> {
+        let response = self.respond::<L, N>(&gather(group, nodes), history, dt);
+        scatter(&response, force, moment);
+        response.totals
     }
 }
 

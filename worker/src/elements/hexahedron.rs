@@ -34,9 +34,11 @@ mod modes;
 use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
-    Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, Totals, failed_column, let_go, section,
+    Build, Built, Element, ElementFields, ElementRow, GroupCorners, GroupNodes, NodeView, Pass, PassTotals,
+    SolidGroups, Totals, failed_column, let_go, section,
 };
-use crate::lanes::{Lane, Real, dot};
+use crate::columns::State;
+use crate::lanes::{Lanes, Real, dot};
 use crate::materials::{Elastic, PointReal, Solid, SolidPoint};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
@@ -233,7 +235,7 @@ impl Hexahedron {
             total += mode[0] + mode[1] + mode[2];
         }
         let whole = R::both(gradient.volume64.gt(R::zero()), gradient.centre.gt(R::zero()));
-        let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(f64::MAX)));
+        let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(R::LARGEST)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
         let mut response = Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
@@ -304,13 +306,30 @@ fn eight(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
     x.first_chunk().expect("a hexahedron has eight slots")
 }
 
+impl SolidGroups for Hexahedron {
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        force: &mut GroupCorners<8, W>,
+    ) -> Totals<L> {
+        let [x, v] = gather(group, [nodes.x, nodes.v]);
+        let response = self.respond(&x, &v, history, dt);
+        scatter(&response.force, force);
+        response.totals
+    }
+}
+
 impl Element for Hexahedron {
     fn columns(&self) -> usize {
         self.state + OWN + hourglass::COLUMNS
     }
 
-    fn start(&self, history: &mut [Lane]) {
-        history.fill(Lane::splat(0.0));
+    fn any_precision(&self) -> bool {
+        true
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
@@ -318,13 +337,7 @@ impl Element for Hexahedron {
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let dt = pass.dt;
-        pass.solids(self.columns(), |group, nodes, history, force| {
-            let [x, v] = gather(group, [nodes.x, nodes.v]);
-            let response = self.respond(&x, &v, history, dt);
-            scatter(&response.force, force);
-            response.totals
-        })
+        pass.solids(self.columns(), self)
     }
 
     /// With the density at the start: shorter than what [`Self::forces`] tells once the element is compressed.
@@ -338,16 +351,16 @@ impl Element for Hexahedron {
         self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        self.failed.is_some_and(|column| history[column].lane(lane) > 0.5)
+    fn failed(&self, history: State<'_>) -> bool {
+        self.failed.is_some_and(|column| history.at(column) > 0.5)
     }
 
     fn can_fail(&self) -> bool {
         self.failed.is_some()
     }
 
-    fn fields(&self, history: &[Lane], lane: usize, _x: &[[f64; 3]]) -> ElementFields {
-        let at = |column: usize| history[column].lane(lane);
+    fn fields(&self, history: State<'_>, _x: &[[f64; 3]]) -> ElementFields {
+        let at = |column: usize| history.at(column);
         let stress: [f64; STRESS] = std::array::from_fn(at);
         let [x, y, z, xy, yz, zx] = stress;
         let direct = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
@@ -356,7 +369,7 @@ impl Element for Hexahedron {
             stress,
             von_mises: (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt(),
             thickness: 0.0,
-            failed: self.failed(history, lane),
+            failed: self.failed(history),
         }
     }
 }

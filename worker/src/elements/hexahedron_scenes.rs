@@ -81,7 +81,7 @@ fn flow_bounds_what_hourglass_modes_store() {
     for _ in 0..200 {
         stretch(&mut solids, rate);
         stretch(&mut assumed, rate);
-        kept.push(assumed.history[assumed.element.columns() - hourglass::COLUMNS + 4].lane(0));
+        kept.push(assumed.history.of(0).at(assumed.element.columns() - hourglass::COLUMNS + 4));
     }
     let bound = E / (1.0 - NU * NU) * ratio * yields / (3.0 * G);
     assert_close(kept[199], bound, 0.03 * bound, "a strain of 2 %");
@@ -89,12 +89,12 @@ fn flow_bounds_what_hourglass_modes_store() {
     // P of mode xi eta: (kappa/16) (lambda + 2 mu) V (B_iI B_iI) dq: B_iI B_iI is 1.5 on the unit cube, dq the sum of 8 corners.
     let modulus = E * (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU));
     let bound = 0.05 / 16.0 * modulus * 1.5 * 4.0 * ratio * yields / (3.0 * G);
-    let p = solids.history[solids.element.columns() - hourglass::COLUMNS + 6].lane(0);
+    let p = solids.history.of(0).at(solids.element.columns() - hourglass::COLUMNS + 6);
     assert_close(p, bound, 0.03 * bound, "a strain of 2 %");
     // Back: the first step is elastic.
     let before = kept[199];
     stretch(&mut assumed, -0.1 * rate);
-    let after = assumed.history[assumed.element.columns() - hourglass::COLUMNS + 4].lane(0);
+    let after = assumed.history.of(0).at(assumed.element.columns() - hourglass::COLUMNS + 4);
     let wanted = E / (1.0 - NU * NU) * ratio * 0.1 * rate;
     assert_close(before - after, wanted, 0.03 * wanted, "a strain of 2 %");
 }

@@ -1,6 +1,6 @@
 //! Element formulations. One file per formulation, one row in [`ELEMENTS`].
 //!
-//! Elements are worked on in groups of [`LANES`]: lane l of every vector belongs to element l of the group.
+//! Elements are worked on in groups: lane l of every vector belongs to element l of the group.
 
 mod beam;
 mod belytschko_tsay;
@@ -11,6 +11,8 @@ mod kinematics;
 mod motion_tests;
 #[cfg(test)]
 mod plate_tests;
+#[cfg(test)]
+mod precision_tests;
 mod quad;
 mod section;
 mod shell;
@@ -25,7 +27,8 @@ mod statics;
 #[cfg(test)]
 pub(crate) mod testing;
 
-use crate::lanes::{LANES, Lane, Real};
+use crate::columns::{ColumnsMut, Numbers, State};
+use crate::lanes::{LANES, LANES32, Lane, Lanes, Real};
 use crate::materials::{self, PlaneStress, Solid, unknown_name};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
@@ -44,7 +47,7 @@ pub struct NodeView<'a> {
     pub w: &'a [[f64; 4]],
 }
 
-/// Forces of element corners. Slot `(group * LANES + lane) * slots + corner`, with [`Shape::slots`] slots per element;
+/// Forces of element corners. Slot `(group * lanes + lane) * slots + corner`, with [`Shape::slots`] slots per element;
 /// components x, y, z, padding.
 pub struct CornerForces<'a> {
     /// Internal force on the corner, to be subtracted from what drives the node [force].
@@ -79,19 +82,22 @@ impl PassTotals {
     }
 }
 
-/// A group of elements of C slots: local nodes per corner and lane. Padding lanes repeat the last real element.
-pub type GroupNodes<const C: usize> = [[u32; LANES]; C];
+/// A group of W elements of C slots: local nodes per corner and lane. Padding lanes repeat the last real element.
+pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
+
+/// What a group of W elements of C slots gives to corners: rows x, y, z, padding by element and slot.
+type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
 
 /// Groups of a block to be worked on, and what belongs to them.
-pub struct Pass<'a> {
+pub struct Pass<'a, H = ColumnsMut<'a>> {
     /// Which groups.
     pub range: Range<usize>,
     /// Real elements of the block; the rest of the last group is padding and adds nothing to totals.
     pub count: usize,
     /// Local nodes of the whole block: per group one row per slot.
-    pub groups: &'a [[u32; LANES]],
+    pub groups: &'a [u32],
     /// History of the whole block.
-    pub history: &'a mut [Lane],
+    pub history: H,
     /// Nodal columns.
     pub nodes: NodeView<'a>,
     /// Last step [time].
@@ -117,14 +123,19 @@ pub struct ElementFields {
 
 /// Elements of one part, all of one shape. Holds parameters only; the state is in the history columns.
 pub trait Element: Send + Sync {
-    /// History columns per element, each [`Lane`] wide in a group.
+    /// History columns per element.
     fn columns(&self) -> usize;
 
-    /// Sets the history of one fresh group (thickness and the like).
-    fn start(&self, history: &mut [Lane]);
+    /// Whether its kernels come in any precision; they are in double precision otherwise.
+    fn any_precision(&self) -> bool {
+        false
+    }
 
-    /// Turns a fresh beam in `lane` of a group with this history: its second axis lies towards the vector `towards`.
-    fn orient(&self, _history: &mut [Lane], _lane: usize, _towards: [f64; 3]) {}
+    /// Sets what is not nought in the history of a fresh element (thickness and the like).
+    fn start(&self, _history: &mut [f64]) {}
+
+    /// Turns a fresh beam with this history: its second axis lies towards the vector `towards`.
+    fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
     /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its corners.
     /// `x` are the coordinates of its slots.
@@ -142,15 +153,15 @@ pub trait Element: Send + Sync {
         None
     }
 
-    /// Whether the law of the element in `lane` of a group with this history has failed at every point. Such an element
+    /// Whether the law of the element with this history has failed at every point. Such an element
     /// gives no force, limits no step and is never in trouble.
-    fn failed(&self, history: &[Lane], lane: usize) -> bool;
+    fn failed(&self, history: State<'_>) -> bool;
 
     /// Whether its law can fail at all.
     fn can_fail(&self) -> bool;
 
-    /// Fields of the element in `lane` of a group with this history at slot coordinates `x`.
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields;
+    /// Fields of the element with this history at slot coordinates `x`.
+    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields;
 }
 
 /// A spring or damper.
@@ -320,96 +331,167 @@ impl<R: Real> Totals<R> {
     }
 }
 
-impl Pass<'_> {
-    /// Calls `kernel` for each group of shells with its connectivity, its history and its corner forces and moments,
-    /// and adds up.
+/// Groups of shells, in lanes of any kind.
+trait ShellGroups {
+    /// Corner forces and moments of a group, from its connectivity and its history.
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L>;
+}
+
+/// Groups of eight-node solids, in lanes of any kind.
+trait SolidGroups {
+    /// Corner forces of a group, from its connectivity and its history.
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        force: &mut GroupCorners<8, W>,
+    ) -> Totals<L>;
+}
+
+impl<'a> Pass<'a> {
+    /// Calls `kernel` for each group of shells with this many columns an element, and adds up.
     #[inline(always)]
-    fn shells<F>(self, columns: usize, mut kernel: F) -> PassTotals
-    where
-        F: FnMut(&GroupNodes<4>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 16], &mut [[f64; 4]; 16]) -> Totals<Lane>,
-    {
-        const SLOTS: usize = 4 * LANES;
-        let Pass { range, count, groups, history, nodes, dt: _, out } = self;
-        let slots = range.start * SLOTS..range.end * SLOTS;
-        let force = out.force[slots.clone()].as_chunks_mut::<SLOTS>().0;
-        let moment = out.moment[slots].as_chunks_mut::<SLOTS>().0;
-        let slots = force.iter_mut().zip(moment);
-        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
-        let groups = &groups.as_chunks::<4>().0[range.clone()];
-        let each = groups.iter().zip(states).zip(slots);
-        total(range, count, each.map(|((group, state), (force, moment))| kernel(group, &nodes, state, force, moment)))
+    fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
+        let Self { range, count, groups, history, nodes, dt, out } = self;
+        match history {
+            Numbers::Double(history) => {
+                Pass { range, count, groups, history, nodes, dt, out }.shells_in::<LANES>(columns, kernel)
+            }
+            Numbers::Single(history) => {
+                Pass { range, count, groups, history, nodes, dt, out }.shells_in::<LANES32>(columns, kernel)
+            }
+        }
     }
 
-    /// Calls `kernel` for each group of eight-node solids with its connectivity, its history and its corner forces,
-    /// and adds up.
+    /// The same for eight-node solids.
     #[inline(always)]
-    fn solids<F>(self, columns: usize, mut kernel: F) -> PassTotals
+    fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
+        let Self { range, count, groups, history, nodes, dt, out } = self;
+        match history {
+            Numbers::Double(history) => {
+                Pass { range, count, groups, history, nodes, dt, out }.solids_in::<LANES>(columns, kernel)
+            }
+            Numbers::Single(history) => {
+                Pass { range, count, groups, history, nodes, dt, out }.solids_in::<LANES32>(columns, kernel)
+            }
+        }
+    }
+
+    /// The same in double precision, for elements that come in no other.
+    ///
+    /// # Panics
+    /// When a block has laid its columns otherwise.
+    fn double(self) -> Pass<'a, &'a mut [Lane]> {
+        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Numbers::Double(history) = history else { panic!("an element is in double precision unless it says so") };
+        Pass { range, count, groups, history, nodes, dt, out }
+    }
+}
+
+impl<L> Pass<'_, &mut [L]> {
+    #[inline(always)]
+    fn shells_in<const W: usize>(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals
     where
-        F: FnMut(&GroupNodes<8>, &NodeView<'_>, &mut [Lane], &mut [[f64; 4]; 32]) -> Totals<Lane>,
+        L: Lanes<W>,
     {
-        const SLOTS: usize = 8 * LANES;
-        let Pass { range, count, groups, history, nodes, dt: _, out } = self;
-        let force = out.force[range.start * SLOTS..range.end * SLOTS].as_chunks_mut::<SLOTS>().0;
+        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let corners = range.start * W..range.end * W;
+        let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
+        let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
-        let groups = &groups.as_chunks::<8>().0[range.clone()];
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
+        let each = groups.iter().zip(states).zip(force.iter_mut().zip(moment));
+        let respond = |((group, state), (force, moment))| kernel.group(group, &nodes, state, dt, [force, moment]);
+        total(range, count, each.map(respond))
+    }
+
+    #[inline(always)]
+    fn solids_in<const W: usize>(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals
+    where
+        L: Lanes<W>,
+    {
+        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let force = out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
         let each = groups.iter().zip(states).zip(force);
-        total(range, count, each.map(|((group, state), force)| kernel(group, &nodes, state, force)))
+        total(range, count, each.map(|((group, state), force)| kernel.group(group, &nodes, state, dt, force)))
     }
 }
 
 /// Adds up what the groups in `range` tell. Padding lanes add nothing.
 #[inline(always)]
-fn total(range: Range<usize>, count: usize, groups: impl Iterator<Item = Totals<Lane>>) -> PassTotals {
-    let mut sum = GroupSum::NONE;
+fn total<L: Lanes<W>, const W: usize>(
+    range: Range<usize>,
+    count: usize,
+    groups: impl Iterator<Item = Totals<L>>,
+) -> PassTotals {
+    let mut sum = GroupSum::<L, W>::new();
     range.zip(groups).for_each(|(index, totals)| sum.add(index, count, &totals));
     sum.finish()
 }
 
 /// Totals of groups, lane by lane.
-struct GroupSum {
-    stable_dt: Lane,
-    internal: Lane,
-    hourglass: Lane,
+struct GroupSum<L, const W: usize> {
+    stable_dt: L,
+    /// Long in any precision: what a group adds is little beside what there is.
+    internal: [f64; W],
+    hourglass: [f64; W],
     trouble: Option<usize>,
 }
 
-impl GroupSum {
-    const NONE: Self = Self {
-        stable_dt: Lane::new([f64::INFINITY; LANES]),
-        internal: Lane::new([0.0; LANES]),
-        hourglass: Lane::new([0.0; LANES]),
-        trouble: None,
-    };
+/// Factor on a stable step in single precision: round-off must not make a step longer. Least where a root is taken of a
+/// difference of equal numbers, as for squares at nu = 0: `sqrt(3 * 2^-24)` of it is lost there, of the step half as much.
+const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
+
+impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { stable_dt: L::splat(f64::INFINITY), internal: [0.0; W], hourglass: [0.0; W], trouble: None }
+    }
 
     #[inline(always)]
-    fn add(&mut self, index: usize, count: usize, totals: &Totals<Lane>) {
+    fn add(&mut self, index: usize, count: usize, totals: &Totals<L>) {
         // Padding repeats a real element, so its step and its health are true; only sums must leave it out.
-        let real = count.saturating_sub(index * LANES);
-        let counted = |values: Lane| if real >= LANES { values } else { first_lanes(values, real) };
-        self.internal += counted(totals.internal);
-        self.hourglass += counted(totals.hourglass);
+        let real = count.saturating_sub(index * W);
+        let counted = |values: L| if real >= W { values.to_array() } else { first_lanes(values.to_array(), real) };
+        let (internal, hourglass) = (counted(totals.internal), counted(totals.hourglass));
+        for lane in 0..W {
+            self.internal[lane] += internal[lane];
+            self.hourglass[lane] += hourglass[lane];
+        }
         self.stable_dt = Real::min(totals.stable_dt, self.stable_dt);
-        if !totals.sound.all() && self.trouble.is_none() {
-            let lane = totals.sound.to_array().iter().position(|l| l.to_bits() == 0).unwrap_or(0);
-            self.trouble = Some((index * LANES + lane).min(count - 1));
+        let sound = L::select(totals.sound, L::zero(), L::splat(1.0));
+        if L::any(sound.gt(L::zero())) && self.trouble.is_none() {
+            let lane = sound.to_array().iter().position(|&l| l > 0.0).unwrap_or(0);
+            self.trouble = Some((index * W + lane).min(count - 1));
         }
     }
 
     fn finish(self) -> PassTotals {
+        let stable_dt = self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min);
         PassTotals {
-            stable_dt: self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min),
-            internal: self.internal.to_array().iter().sum(),
-            hourglass: self.hourglass.to_array().iter().sum(),
+            stable_dt: if L::SHORT { SHORT_STEP * stable_dt } else { stable_dt },
+            internal: self.internal.iter().sum(),
+            hourglass: self.hourglass.iter().sum(),
             trouble: self.trouble,
         }
     }
 }
 
 /// The first `count` lanes, and nought in the others.
-fn first_lanes(values: Lane, count: usize) -> Lane {
-    let mut values = values.to_array();
+fn first_lanes<const W: usize>(mut values: [f64; W], count: usize) -> [f64; W] {
     values[count..].fill(0.0);
-    Lane::new(values)
+    values
 }
 
 /// Runs `$call` with the constant `$n` set to the number of points: loops over the thickness unroll.

@@ -2,7 +2,7 @@
 
 use super::testing::*;
 use super::{CornerForces, NodeView, Pass};
-use crate::lanes::{LANES, Lane};
+use crate::lanes::LANES;
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
@@ -251,7 +251,7 @@ fn lanes_do_not_see_their_neighbours() {
             for (lane, element) in order.into_iter().enumerate() {
                 let bits = |patch: &Patch, lane: usize| -> Vec<u64> {
                     let forces = patch.force[lane * 4..][..4].iter().chain(&patch.moment[lane * 4..][..4]);
-                    let history = patch.history.iter().map(|column| column.as_array()[lane]);
+                    let history = patch.history.of(lane).to_vec();
                     forces.flatten().copied().chain(history).map(f64::to_bits).collect()
                 };
                 assert!(bits(run, lane) == bits(&runs[0], element), "element {element} in lane {lane} of {order:?}");
@@ -290,8 +290,7 @@ fn padding_adds_nothing_and_ranges_add_up() {
         for range in [2..3, 0..2] {
             let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
             let out = CornerForces { force: &mut patch.force, moment: &mut patch.moment };
-            let history: &mut [Lane] = &mut patch.history;
-            let groups = patch.groups.as_flattened();
+            let (groups, history) = (&patch.groups[..], patch.history.as_mut());
             let pass = Pass { range, count: 10, groups, history, nodes, dt: 1.0, out };
             internal += patch.element.forces(pass).internal;
         }

@@ -35,8 +35,8 @@
 use super::kinematics::{Frame, PlaneMotion, curvature};
 use super::section::{INERTIA_FLOOR, Section, Strains};
 use super::shell::Formulation;
-use super::{GroupNodes, NodeView, Pass, PassTotals, Totals, let_go};
-use crate::lanes::{LANES, Lane, Real, cross, dot};
+use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
+use crate::lanes::{Lane, Lanes, Real, cross, dot};
 use crate::materials::PointReal;
 
 /// Generalised hourglass rates: of tx, ty, vz, vx, vy.
@@ -321,7 +321,7 @@ impl<R: Real> Response<R> {
             total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
-        let sound = R::both(R::both(sound, g.convex), total.le(R::splat(f64::MAX)));
+        let sound = R::both(R::both(sound, g.convex), total.le(R::splat(R::LARGEST)));
         let elastic = &section.elastic;
         let stable_dt = g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed());
         Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound } }
@@ -376,38 +376,43 @@ impl<K: Kernel> Formulation for Quad<K> {
         [e1, e2, n]
     }
 
-    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals {
-        let dt = pass.dt;
-        pass.shells(self.section().columns() + K::OWN, |group, nodes, history, force, moment| {
-            let response = self.0.respond::<Lane, N>(&gather(group, nodes), history, dt);
-            scatter(&response, force, moment);
-            response.totals
-        })
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        [force, moment]: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L> {
+        let response = self.0.respond::<L, N>(&gather(group, nodes), history, dt);
+        scatter(&response, force, moment);
+        response.totals
     }
 }
 
 /// Corner values of a group as modes. Differences are taken row by row, before the rows become lanes.
 #[inline(always)]
-fn gather(group: &GroupNodes<4>, nodes: &NodeView<'_>) -> Modes<Lane> {
+fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Modes<L> {
     // One length for all three columns: one check for each node.
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
-    let zero = Lane::splat(0.0);
-    let (mut mx, mut mv, mut mw) = ([[zero; LANES]; 3], [[zero; LANES]; 3], [[zero; LANES]; 4]);
-    for lane in 0..LANES {
+    let zero = L::row(Lane::splat(0.0));
+    let (mut mx, mut mv, mut mw) = ([[zero; W]; 3], [[zero; W]; 3], [[zero; W]; 4]);
+    for lane in 0..W {
         let corner: [usize; 4] = std::array::from_fn(|c| group[c][lane] as usize);
         let modes = |column: &[[f64; 4]]| {
             let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
-            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)]
+            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
         };
         let rows = modes(x);
-        (mx[0][lane], mx[1][lane], mx[2][lane]) = (rows[0], rows[1], h_from_sides(x, corner));
+        (mx[0][lane], mx[1][lane], mx[2][lane]) = (rows[0], rows[1], L::row(h_from_sides(x, corner)));
         let rows = modes(v);
         (mv[0][lane], mv[1][lane], mv[2][lane]) = (rows[0], rows[1], rows[2]);
         let rows = modes(w);
         (mw[0][lane], mw[1][lane], mw[2][lane], mw[3][lane]) = (rows[0], rows[1], rows[2], rows[3]);
     }
-    Modes { x: mx.map(components), v: mv.map(components), w: mw.map(components) }
+    Modes { x: mx.map(L::from_rows), v: mv.map(L::from_rows), w: mw.map(L::from_rows) }
 }
 
 /// Mode h of coordinates from differences of neighbours, which are small: `(1 - 2) + (3 - 4)`.
@@ -417,30 +422,27 @@ fn h_from_sides(x: &[[f64; 4]], corner: [usize; 4]) -> Lane {
     (a - b) + (c - d)
 }
 
-/// The three components of rows that hold one vector each.
-#[inline(always)]
-fn components(rows: [Lane; LANES]) -> [Lane; 3] {
-    let [x, y, z, _] = Lane::transpose(rows);
-    [x, y, z]
-}
-
 /// Modes to corners, lanes to rows.
 #[inline(always)]
-fn scatter(response: &Response<Lane>, force: &mut [[f64; 4]; LANES * 4], moment: &mut [[f64; 4]; LANES * 4]) {
-    let rows = |v: [Lane; 3]| Lane::transpose([v[0], v[1], v[2], Lane::splat(0.0)]);
-    let [f13, f24, fh] = response.force.map(rows);
-    let [m13, m24, mh, ms] = response.moment.map(rows);
-    for lane in 0..LANES {
-        let slot = 4 * lane;
-        force[slot] = (fh[lane] + f13[lane]).to_array();
-        force[slot + 1] = (f24[lane] - fh[lane]).to_array();
-        force[slot + 2] = (fh[lane] - f13[lane]).to_array();
-        force[slot + 3] = (-(f24[lane] + fh[lane])).to_array();
+fn scatter<L: Lanes<W>, const W: usize>(
+    response: &Response<L>,
+    force: &mut GroupCorners<4, W>,
+    moment: &mut GroupCorners<4, W>,
+) {
+    let [f13, f24, fh] = response.force.map(L::to_rows);
+    let [m13, m24, mh, ms] = response.moment.map(L::to_rows);
+    for lane in 0..W {
+        let force = &mut force[lane];
+        force[0] = (fh[lane] + f13[lane]).to_array();
+        force[1] = (f24[lane] - fh[lane]).to_array();
+        force[2] = (fh[lane] - f13[lane]).to_array();
+        force[3] = (-(f24[lane] + fh[lane])).to_array();
+        let moment = &mut moment[lane];
         let (even, odd) = (ms[lane] + mh[lane], ms[lane] - mh[lane]);
-        moment[slot] = (even + m13[lane]).to_array();
-        moment[slot + 1] = (odd + m24[lane]).to_array();
-        moment[slot + 2] = (even - m13[lane]).to_array();
-        moment[slot + 3] = (odd - m24[lane]).to_array();
+        moment[0] = (even + m13[lane]).to_array();
+        moment[1] = (odd + m24[lane]).to_array();
+        moment[2] = (even - m13[lane]).to_array();
+        moment[3] = (odd - m24[lane]).to_array();
     }
 }
 
@@ -455,6 +457,9 @@ pub mod tests {
     use super::super::testing::Noise;
     use super::super::{Element, ElementFields};
     use super::*;
+    use crate::columns::Columns;
+    use crate::lanes::LANES;
+    use crumple_proto::job::Precision;
 
     /// Runs one kernel on lanes and on single numbers through the same motions, small in the first lane and large in
     /// the last, and compares bits; gives the fields of the lanes.
@@ -464,9 +469,10 @@ pub mod tests {
         one_of: impl Fn(&Modes<f64>, &mut [f64]) -> Response<f64>,
     ) -> [ElementFields; LANES] {
         let mut noise = Noise(41);
-        let mut wide = vec![Lane::splat(0.0); shell.columns()];
-        shell.start(&mut wide);
-        let mut alone: Vec<Vec<f64>> = (0..LANES).map(|l| wide.iter().map(|c| c.as_array()[l]).collect()).collect();
+        let mut fresh = vec![0.0; shell.columns()];
+        shell.start(&mut fresh);
+        let mut wide: Vec<Lane> = fresh.iter().map(|&c| Lane::splat(c)).collect();
+        let mut alone = vec![fresh; LANES];
         for _ in 0..40 {
             let mut random = |size: f64| -> [f64; LANES] {
                 let sizes = [0.0, 0.01, 1.0, 10.0];
@@ -496,6 +502,8 @@ pub mod tests {
             }
         }
         let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-        std::array::from_fn(|lane| shell.fields(&wide, lane, &square))
+        let mut columns = Columns::new(Precision::Double, LANES, shell.columns());
+        alone.iter().enumerate().for_each(|(lane, state)| columns.set(lane, state));
+        std::array::from_fn(|lane| shell.fields(columns.of(lane), &square))
     }
 }

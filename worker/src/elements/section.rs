@@ -8,7 +8,8 @@
 //! Gauss points are as few as the accuracy needs (5 give linear bending exactly and the plastic hinge within 2 %);
 //! the outer fibres themselves carry none.
 
-use crate::lanes::{Lane, Real};
+use crate::columns::State;
+use crate::lanes::Real;
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::problem::Problem;
@@ -142,10 +143,9 @@ impl Section {
         POINTS + self.points * self.stride
     }
 
-    /// Thickness, and nought for all else.
-    pub fn start(&self, history: &mut [Lane]) {
-        history.fill(Lane::splat(0.0));
-        history[THICKNESS] = Lane::splat(self.thickness);
+    /// Thickness; all else is nought at the start.
+    pub fn start(&self, history: &mut [f64]) {
+        history[THICKNESS] = self.thickness;
     }
 
     /// Current thickness [length].
@@ -257,7 +257,7 @@ impl Section {
         }
         let after = self.yielded::<R, N>(history);
         let three_g = R::splat(3.0 * self.elastic.shear_modulus());
-        let tiny = R::splat(f64::MIN_POSITIVE);
+        let tiny = R::splat(R::SMALLEST);
         let lost: [R; 2] = std::array::from_fn(|c| three_g * (after.plastic_strain[c] - before.plastic_strain[c]));
         let left = |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
         [
@@ -280,8 +280,8 @@ impl Section {
     }
 
     /// Whether all points of one element have failed.
-    pub fn has_failed(&self, history: &[Lane], lane: usize) -> bool {
-        let mark = |k: usize, column: usize| history[POINTS + k * self.stride + column].lane(lane);
+    pub fn has_failed(&self, history: State<'_>) -> bool {
+        let mark = |k: usize, column: usize| history.at(POINTS + k * self.stride + column);
         self.failed.is_some_and(|column| (0..self.points).all(|k| mark(k, column) > 0.5))
     }
 
@@ -297,8 +297,8 @@ impl Section {
     }
 
     /// Fields of one element; `axes` are its e1, e2 and normal.
-    pub fn fields(&self, history: &[Lane], lane: usize, axes: &[[f64; 3]; 3]) -> ElementFields {
-        let at = |column: usize| history[column].lane(lane);
+    pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
+        let at = |column: usize| history.at(column);
         let point = |k: usize, c: usize| at(POINTS + k * self.stride + c);
         let (mut von_mises, mut plastic_strain) = (0.0_f64, 0.0_f64);
         for k in 0..self.points {
@@ -319,7 +319,7 @@ impl Section {
             stress: [global(0, 0), global(1, 1), global(2, 2), global(0, 1), global(1, 2), global(2, 0)],
             von_mises,
             thickness: at(THICKNESS),
-            failed: self.has_failed(history, lane),
+            failed: self.has_failed(history),
         }
     }
 }

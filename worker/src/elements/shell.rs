@@ -1,8 +1,12 @@
 //! What is the same of every shell as an [`Element`].
 
 use super::section::Section;
-use super::{Element, ElementFields, Pass, PassTotals, four, with_points};
-use crate::lanes::Lane;
+use super::{
+    Element, ElementFields, GroupCorners, GroupNodes, NodeView, Pass, PassTotals, ShellGroups, Totals, four,
+    with_points,
+};
+use crate::columns::State;
+use crate::lanes::Lanes;
 
 /// What differs from shell to shell.
 pub trait Formulation: Send + Sync {
@@ -21,8 +25,32 @@ pub trait Formulation: Send + Sync {
     /// Axes e1, e2 and normal at these coordinates.
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3];
 
-    /// As [`Element::forces`], with N points through the thickness.
-    fn pass<const N: usize>(&self, pass: Pass<'_>) -> PassTotals;
+    /// As [`ShellGroups::group`], with N points through the thickness.
+    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L>;
+}
+
+/// A formulation with N points through the thickness.
+struct WithPoints<'a, F, const N: usize>(&'a F);
+
+impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L> {
+        self.0.group::<L, W, N>(group, nodes, history, dt, out)
+    }
 }
 
 /// A shell of this formulation.
@@ -39,7 +67,11 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().columns() + F::OWN
     }
 
-    fn start(&self, history: &mut [Lane]) {
+    fn any_precision(&self) -> bool {
+        true
+    }
+
+    fn start(&self, history: &mut [f64]) {
         self.section().start(history);
     }
 
@@ -48,22 +80,23 @@ impl<F: Formulation> Element for Shell<F> {
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        with_points!(self.section().points, N => self.0.pass::<N>(pass))
+        let columns = self.columns();
+        with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
     }
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         self.0.stable_dt(four(x))
     }
 
-    fn failed(&self, history: &[Lane], lane: usize) -> bool {
-        self.section().has_failed(history, lane)
+    fn failed(&self, history: State<'_>) -> bool {
+        self.section().has_failed(history)
     }
 
     fn can_fail(&self) -> bool {
         self.section().can_fail()
     }
 
-    fn fields(&self, history: &[Lane], lane: usize, x: &[[f64; 3]]) -> ElementFields {
-        self.section().fields(history, lane, &F::axes(four(x)))
+    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
+        self.section().fields(history, &F::axes(four(x)))
     }
 }

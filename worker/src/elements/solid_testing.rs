@@ -1,9 +1,9 @@
 //! What tests of solids share: a mesh of hexahedra with its columns, meshes, a bare explicit solver.
 
-use super::testing::{part, settings};
-use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, Pass, PassTotals, build_block};
-use crate::lanes::{LANES, Lane};
-use crumple_proto::job::{HourglassForm, Part};
+use super::testing::{lay, part, settings};
+use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
+use crate::columns::Columns;
+use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Material;
 
@@ -18,30 +18,32 @@ pub struct Solids {
     pub x: Vec<[f64; 4]>,
     pub v: Vec<[f64; 4]>,
     pub cells: Vec<[u32; 8]>,
-    pub groups: Vec<GroupNodes<8>>,
-    pub history: Vec<Lane>,
+    pub groups: Vec<u32>,
+    pub history: Columns,
     pub force: Vec<[f64; 4]>,
 }
 
 impl Solids {
     pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], cells: &[[u32; 8]]) -> Self {
+        Self::in_precision(Precision::Double, part, material, nodes, cells)
+    }
+
+    pub fn in_precision(
+        precision: Precision,
+        part: Part,
+        material: Material,
+        nodes: &[[f64; 3]],
+        cells: &[[u32; 8]],
+    ) -> Self {
         let element = build_block(&settings(part, material), 0, Shape::Hex8).map_err(|e| format!("{e:?}")).unwrap();
-        let groups: Vec<GroupNodes<8>> = (0..cells.len().div_ceil(LANES))
-            .map(|g| {
-                let of = |lane: usize| cells[(g * LANES + lane).min(cells.len() - 1)];
-                std::array::from_fn(|corner| std::array::from_fn(|lane| of(lane)[corner]))
-            })
-            .collect();
-        let columns = element.columns();
-        let mut history = vec![Lane::splat(0.0); groups.len() * columns];
-        history.chunks_mut(columns).for_each(|group| element.start(group));
+        let (groups, history) = lay(&*element, precision, cells);
         let mut all = Self {
             element,
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
             v: vec![[0.0; 4]; nodes.len()],
             cells: cells.to_vec(),
             history,
-            force: vec![[0.0; 4]; groups.len() * LANES * 8],
+            force: vec![[0.0; 4]; groups.len()],
             groups,
         };
         all.forces(0.0);
@@ -53,10 +55,10 @@ impl Solids {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
         let out = CornerForces { force: &mut self.force, moment: &mut [] };
         self.element.forces(Pass {
-            range: 0..self.groups.len(),
+            range: 0..self.groups.len() / (8 * self.history.lanes()),
             count: self.cells.len(),
-            groups: self.groups.as_flattened(),
-            history: &mut self.history,
+            groups: &self.groups,
+            history: self.history.as_mut(),
             nodes,
             dt,
             out,
@@ -85,9 +87,7 @@ impl Solids {
     }
 
     pub fn fields(&self, element: usize) -> ElementFields {
-        let columns = self.element.columns();
-        let group = &self.history[element / LANES * columns..][..columns];
-        self.element.fields(group, element % LANES, &self.corners(element))
+        self.element.fields(self.history.of(element), &self.corners(element))
     }
 
     /// Forces of the elements on the nodes.

@@ -9,7 +9,8 @@
 //! circle as long as `k mu dt^2 + 2 c mu dt <= 4`. Across a stretched spring F / L is below the steepest k as long as f(0) = 0.
 
 use super::{Build, Built, Discrete, Element, ElementFields, ElementRow, Pass, PassTotals, section};
-use crate::lanes::{LANES, Lane};
+use crate::columns::State;
+use crate::lanes::LANES;
 use crate::nodes::xyz;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
@@ -140,17 +141,14 @@ impl Element for Spring {
         COLUMNS
     }
 
-    fn start(&self, history: &mut [Lane]) {
-        history.fill(Lane::splat(0.0));
-    }
-
     fn corner_mass(&self, _: &[[f64; 3]]) -> (f64, f64) {
         (0.0, 0.0)
     }
 
     /// One by one: a scene has few.
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out } = pass;
+        let Pass { range, count, groups, history, nodes, dt, out } = pass.double();
+        let groups = groups.as_chunks::<LANES>().0;
         let mut totals = PassTotals::NONE;
         for i in range.start * LANES..(range.end * LANES).min(count) {
             let (group, lane) = (i / LANES, i % LANES);
@@ -189,7 +187,7 @@ impl Element for Spring {
         Some(Discrete { stiffness, damping, along_line: self.direction.is_none() })
     }
 
-    fn failed(&self, _: &[Lane], _: usize) -> bool {
+    fn failed(&self, _: State<'_>) -> bool {
         false
     }
 
@@ -197,7 +195,7 @@ impl Element for Spring {
         false
     }
 
-    fn fields(&self, _: &[Lane], _: usize, _: &[[f64; 3]]) -> ElementFields {
+    fn fields(&self, _: State<'_>, _: &[[f64; 3]]) -> ElementFields {
         ElementFields::default()
     }
 }

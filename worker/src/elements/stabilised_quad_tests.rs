@@ -86,7 +86,7 @@ fn flow_relaxes_the_stabilising_forces() {
             }
             assert!(patch.step(1.0).hourglass >= 0.0);
         }
-        patch.history[column].as_array()[0]
+        patch.history.of(0).at(column)
     };
     let (plain, flowing) = (gathered(elastic(E, NU, 1.0)), gathered(steel));
     // Elastic: E t/16 times Jxx = 4/3, times four times the corners' 1e-3.

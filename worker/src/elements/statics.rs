@@ -1,7 +1,6 @@
 //! Linear statics for tests: stiffness from what the kernels answer to each small corner motion, solved directly.
 
 use super::testing::Patch;
-use crate::lanes::Lane;
 use crumple_proto::job::Part;
 use crumple_proto::partition::Material;
 
@@ -23,13 +22,13 @@ impl Statics {
         let apart: Vec<[f64; 3]> = quads.iter().flatten().map(|&node| nodes[node as usize]).collect();
         let cells: Vec<[u32; 4]> = (0..quads.len() as u32).map(|e| [0, 1, 2, 3].map(|c| 4 * e + c)).collect();
         let mut patch = Patch::new(part, material, &apart, &cells);
-        let fresh: Vec<Lane> = patch.history.clone();
+        let fresh = patch.history.clone();
         let span = |quad: &[u32; 4]| quad.iter().max().unwrap() - quad.iter().min().unwrap();
         let band = 6 * (quads.iter().map(span).max().unwrap() as usize + 1);
         let size = 6 * nodes.len();
         let mut rows = vec![vec![0.0; band]; size];
         for probe in 0..24 {
-            patch.history.copy_from_slice(&fresh);
+            patch.history.clone_from(&fresh);
             for (node, (v, w)) in patch.v.iter_mut().zip(&mut patch.w).enumerate() {
                 (*v, *w) = ([0.0; 4], [0.0; 4]);
                 let (corner, c) = (probe / 6, probe % 6);

@@ -1,8 +1,8 @@
 //! What element tests share: parts and materials in a line, a mesh with its columns, a bare explicit solver.
 
-use super::{CornerForces, Element, ElementFields, GroupNodes, NodeView, Pass, PassTotals, build_block};
-use crate::lanes::{LANES, Lane};
-use crumple_proto::job::Part;
+use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
+use crate::columns::Columns;
+use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
 
@@ -64,6 +64,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         materials: vec![material],
         parts: vec![part],
         axes: Vec::new(),
+        precision: Default::default(),
         walls: Vec::new(),
         loads: crumple_proto::loads::Loads::default(),
         rigid: Vec::new(),
@@ -83,27 +84,43 @@ pub struct Patch {
     pub v: Vec<[f64; 4]>,
     pub w: Vec<[f64; 4]>,
     pub quads: Vec<[u32; 4]>,
-    pub groups: Vec<GroupNodes<4>>,
-    pub history: Vec<Lane>,
+    pub groups: Vec<u32>,
+    pub history: Columns,
     pub force: Vec<[f64; 4]>,
     pub moment: Vec<[f64; 4]>,
 }
 
+/// Connectivity in groups, and the columns of fresh elements.
+pub fn lay<const C: usize>(element: &dyn Element, precision: Precision, cells: &[[u32; C]]) -> (Vec<u32>, Columns) {
+    let mut columns = Columns::new(precision, cells.len(), element.columns());
+    let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
+    element.start(&mut fresh);
+    let mut groups = Vec::new();
+    for first in (0..cells.len()).step_by(lanes) {
+        let of = |lane: usize| cells[(first + lane).min(cells.len() - 1)];
+        (0..C).for_each(|corner| groups.extend((0..lanes).map(|lane| of(lane)[corner])));
+        (0..lanes).for_each(|lane| columns.set(first + lane, &fresh));
+    }
+    (groups, columns)
+}
+
 impl Patch {
     pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], quads: &[[u32; 4]]) -> Self {
+        Self::in_precision(Precision::Double, part, material, nodes, quads)
+    }
+
+    pub fn in_precision(
+        precision: Precision,
+        part: Part,
+        material: Material,
+        nodes: &[[f64; 3]],
+        quads: &[[u32; 4]],
+    ) -> Self {
         let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
         let element = build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
-        let groups: Vec<GroupNodes<4>> = (0..quads.len().div_ceil(LANES))
-            .map(|g| {
-                let of = |lane: usize| quads[(g * LANES + lane).min(quads.len() - 1)];
-                std::array::from_fn(|corner| std::array::from_fn(|lane| of(lane)[corner]))
-            })
-            .collect();
-        let columns = element.columns();
-        let mut history = vec![Lane::splat(0.0); groups.len() * columns];
-        history.chunks_mut(columns).for_each(|group| element.start(group));
+        let (groups, history) = lay(&*element, precision, quads);
         let still = vec![[0.0; 4]; nodes.len()];
-        let corners = vec![[0.0; 4]; groups.len() * LANES * 4];
+        let corners = vec![[0.0; 4]; groups.len()];
         Self {
             element,
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
@@ -130,10 +147,10 @@ impl Patch {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = CornerForces { force: &mut self.force, moment: &mut self.moment };
         self.element.forces(Pass {
-            range: 0..self.groups.len(),
+            range: 0..self.groups.len() / (4 * self.history.lanes()),
             count: self.quads.len(),
-            groups: self.groups.as_flattened(),
-            history: &mut self.history,
+            groups: &self.groups,
+            history: self.history.as_mut(),
             nodes,
             dt,
             out,
@@ -154,9 +171,7 @@ impl Patch {
     }
 
     pub fn fields(&self, element: usize) -> ElementFields {
-        let columns = self.element.columns();
-        let group = &self.history[element / LANES * columns..][..columns];
-        self.element.fields(group, element % LANES, &self.corners(element))
+        self.element.fields(self.history.of(element), &self.corners(element))
     }
 
     /// Corner force and moment of an element.

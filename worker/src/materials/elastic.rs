@@ -7,7 +7,7 @@
 
 use super::parameters::Parameters;
 use super::{Built, BuiltSolid, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
-use crate::lanes::{Lane, Real};
+use crate::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
@@ -80,6 +80,9 @@ impl PlaneStress for LinearElastic {
     fn update(&self, points: Points<'_, Lane>, _dt: f64) {
         self.stress(points);
     }
+    fn update_short(&self, points: Points<'_, Lane32>, _dt: f64) {
+        self.stress(points);
+    }
     fn update_one(&self, points: Points<'_, f64>, _dt: f64) {
         self.stress(points);
     }
@@ -93,6 +96,9 @@ impl Solid for LinearElastic {
         self.elastic
     }
     fn update(&self, point: SolidPoint<'_, Lane>, _dt: f64) -> Lane {
+        self.solid_stress(point)
+    }
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, _dt: f64) -> Lane32 {
         self.solid_stress(point)
     }
     fn update_one(&self, point: SolidPoint<'_, f64>, _dt: f64) -> f64 {

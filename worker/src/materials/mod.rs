@@ -11,7 +11,7 @@ mod plasticity;
 
 pub(crate) use parameters::unknown_name;
 
-use crate::lanes::{Lane, Real};
+use crate::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
@@ -90,6 +90,9 @@ pub trait PlaneStress: Send + Sync {
     /// Stress and history over a step `dt` [time] at all points of a group, at most [`MAX_POINTS`] of them.
     fn update(&self, points: Points<'_, Lane>, dt: f64);
 
+    /// The same in single precision, by the same code.
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64);
+
     /// The same for one element, by the same code.
     fn update_one(&self, points: Points<'_, f64>, dt: f64);
 }
@@ -114,6 +117,9 @@ pub trait Solid: Send + Sync {
     /// trial, by its norm: one where nothing flowed.
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane;
 
+    /// The same in single precision, by the same code.
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32;
+
     /// The same for one element, by the same code.
     fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64;
 }
@@ -134,6 +140,17 @@ impl PointReal for Lane {
     #[inline(always)]
     fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
         law.update(point, dt)
+    }
+}
+
+impl PointReal for Lane32 {
+    #[inline(always)]
+    fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64) {
+        law.update_short(points, dt);
+    }
+    #[inline(always)]
+    fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self {
+        law.update_short(point, dt)
     }
 }
 

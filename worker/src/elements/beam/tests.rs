@@ -1,9 +1,10 @@
 //! One beam that is led.
 
 use super::*;
+use crate::columns::Columns;
 use crate::elements::build_block;
 use crate::elements::testing::{elastic, part, settings};
-use crumple_proto::job::{Beam as BeamJob, Part as PartJob};
+use crumple_proto::job::{Beam as BeamJob, Part as PartJob, Precision};
 
 fn rectangle() -> BeamJob {
     BeamJob {
@@ -29,9 +30,11 @@ fn beam(section: BeamJob) -> Box<dyn Element> {
 /// Forces and moments of a beam whose ends go through `places` with rotational velocities `w` in steps of 1.
 fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let beam = beam(section);
-    let mut history = vec![Lane::splat(0.0); beam.columns()];
-    beam.start(&mut history);
-    beam.orient(&mut history, 0, [0.3, 1.0, 0.2]);
+    let mut fresh = vec![0.0; beam.columns()];
+    beam.start(&mut fresh);
+    beam.orient(&mut fresh, [0.3, 1.0, 0.2]);
+    let mut history = Columns::new(Precision::Double, 1, beam.columns());
+    history.set(0, &fresh);
     let groups = [[0u32; LANES], [1; LANES]];
     let row = |v: V3| [v.x, v.y, v.z, 0.0];
     let (mut force, mut moment) = ([[0.0; 4]; 2 * LANES], [[0.0; 4]; 2 * LANES]);
@@ -42,7 +45,8 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
         let nodes = crate::elements::NodeView { x: &x, v: &v, w: &w };
         let out = crate::elements::CornerForces { force: &mut force, moment: &mut moment };
         let dt = if k == 0 { 0.0 } else { 1.0 };
-        let pass = Pass { range: 0..1, count: 1, groups: &groups, history: &mut history, nodes, dt, out };
+        let (groups, history) = (groups.as_flattened(), history.as_mut());
+        let pass = Pass { range: 0..1, count: 1, groups, history, nodes, dt, out };
         assert_eq!(beam.forces(pass).trouble, None);
     }
     [force[1], moment[0], moment[1]].map(|r| V3::new(r[0], r[1], r[2]))

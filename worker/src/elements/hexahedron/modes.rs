@@ -9,7 +9,8 @@
 //! whose derivatives by the modes give the mean gradient of Flanagan & Belytschko 1981 (eq. 16) exactly:
 //! `V B_I = dV/dx_I = sum over k of Gamma_kI dV/dX_k`. X7 is not in it.
 
-use crate::lanes::{LANES, Lane, Real, cross, dot};
+use super::super::{GroupCorners, GroupNodes};
+use crate::lanes::{Lane, Lanes, Real, cross, dot};
 
 /// Modes of a vector at the corners.
 pub type Modes<R> = [[R; 3]; 7];
@@ -144,14 +145,11 @@ where
 
 /// Modes of two nodal columns at the corners of a group.
 #[inline(always)]
-pub fn gather(group: &[[u32; LANES]; 8], [one, other]: [&[[f64; 4]]; 2]) -> [Modes<Lane>; 2] {
+pub fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<8, W>, [one, other]: [&[[f64; 4]]; 2]) -> [Modes<L>; 2] {
     // One length for both columns: one check for each node.
     let n = one.len();
     let columns = [&one[..n], &other[..n]];
-    let at = |c: usize| {
-        let [a, b, c, d] = group[c].map(|i| (columns[0][i as usize], columns[1][i as usize]));
-        [transposed([a.0, b.0, c.0, d.0]), transposed([a.1, b.1, c.1, d.1])]
-    };
+    let at = |c: usize| corner::<L, W>(group, columns, c);
     // Written out, so that corners stay in registers.
     let c = [at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
     let of = |k: usize| {
@@ -164,21 +162,39 @@ pub fn gather(group: &[[u32; LANES]; 8], [one, other]: [&[[f64; 4]]; 2]) -> [Mod
     [of(0), of(1)]
 }
 
-/// The three components of the rows of a group.
+/// Two nodal columns at a corner of a group; where numbers are short, what they have there beyond the first corner.
 #[inline(always)]
-fn transposed(rows: [[f64; 4]; LANES]) -> [Lane; 3] {
-    let [x, y, z, _] = Lane::transpose(rows.map(Lane::new));
-    [x, y, z]
+fn corner<L: Lanes<W>, const W: usize>(group: &GroupNodes<8, W>, columns: [&[[f64; 4]]; 2], c: usize) -> [[L; 3]; 2] {
+    if L::SHORT && c == 0 {
+        return [[L::zero(); 3]; 2];
+    }
+    let of_node = |i: u32| columns.map(|rows| Lane::new(rows[i as usize]));
+    let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
+    for lane in 0..W {
+        let [mut x, mut v] = of_node(group[c][lane]);
+        if L::SHORT {
+            let [x0, v0] = of_node(group[0][lane]);
+            (x, v) = (x - x0, v - v0);
+        }
+        (rows[0][lane], rows[1][lane]) = (L::row(x), L::row(v));
+    }
+    rows.map(L::from_rows)
 }
 
 /// Forces of modes to rows of corner forces.
 #[inline(always)]
-pub fn scatter(modes: &Modes<Lane>, force: &mut [[f64; 4]; 8 * LANES]) {
-    let [x, y, z]: [[Lane; 8]; 3] = std::array::from_fn(|i| corners_of(std::array::from_fn(|k| modes[k][i])));
+pub fn scatter<L: Lanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupCorners<8, W>) {
+    if L::SHORT {
+        let rows = modes.map(L::to_rows);
+        for (lane, force) in force.iter_mut().enumerate() {
+            *force = corners_of(rows.map(|rows| rows[lane])).map(|row| row.to_array());
+        }
+        return;
+    }
+    let [x, y, z]: [[L; 8]; 3] = std::array::from_fn(|i| corners_of(std::array::from_fn(|k| modes[k][i])));
     for c in 0..8 {
-        let rows = Lane::transpose([x[c], y[c], z[c], Lane::splat(0.0)]);
-        for (lane, row) in rows.into_iter().enumerate() {
-            force[8 * lane + c] = row.to_array();
+        for (lane, row) in L::to_rows([x[c], y[c], z[c]]).into_iter().enumerate() {
+            force[lane][c] = row.to_array();
         }
     }
 }

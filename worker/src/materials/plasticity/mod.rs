@@ -17,6 +17,8 @@ use crate::lanes::Real;
 
 /// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
 const TOLERANCE: f64 = 1e-10;
+/// The same in steps between numbers, where these are short: what round-off of the condition leaves.
+const ROUND_OFF: f64 = 16.0;
 /// A power law is a straight line up to this plastic strain, where its slope is without bound.
 const POWER_START: f64 = 1e-5;
 /// Least factor of temperature: what melts keeps so much of its yield stress.
@@ -30,6 +32,11 @@ const LARGEST_TRIAXIALITY: f64 = 1.5;
 const RISE: usize = 1;
 const DAMAGE: usize = 2;
 const FAILED: usize = 3;
+
+/// How near the yield surface a returned stress has to be with this scalar, as a fraction of the yield stress.
+fn tolerance<R: Real>() -> f64 {
+    TOLERANCE.max(ROUND_OFF * R::EPSILON)
+}
 
 /// A plastic law.
 pub struct Plasticity {
@@ -206,7 +213,8 @@ impl Plasticity {
         let damage = R::select(mask, columns[DAMAGE] + step.y / limit, columns[DAMAGE]);
         columns[DAMAGE] = damage;
         // Round-off of a sum must not put the end off by a step.
-        columns[FAILED] = R::select(damage.ge(R::splat(1.0 - 1e-12)), one, columns[FAILED]);
+        columns[FAILED] =
+            R::select(damage.ge(R::splat(1.0 - f64::max(1e-12, ROUND_OFF * R::EPSILON))), one, columns[FAILED]);
     }
 
     /// Lanes that have not failed; `columns` are those after stress.

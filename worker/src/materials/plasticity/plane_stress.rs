@@ -15,8 +15,8 @@
 //! nearly so elsewhere, with `sqrt(v)` as the rational function that agrees to the fourth power of v - 1.
 //! Two or three steps reach 1e-10 of the yield stress.
 
-use super::{Damage, Plasticity, TOLERANCE};
-use crate::lanes::{Lane, Real};
+use super::{Damage, Plasticity, tolerance};
+use crate::lanes::{Lane, Lane32, Real};
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 
 /// Columns of stress per point: xx, yy, xy.
@@ -174,17 +174,25 @@ impl Plasticity {
     /// Moves the lanes that are off the surface still; false if there were none.
     #[inline(always)]
     fn halley_step<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) -> bool {
-        let Denominators { alpha, beta, d_alpha, d_beta, .. } = self.denominators(back);
+        let Denominators { mut alpha, mut beta, mut d_alpha, mut d_beta, .. } = self.denominators(back);
+        let (mut p, mut q) = (back.p, back.q);
+        if R::SHORT {
+            // In units of alpha: what follows has powers up to the 18th of the trial stress, too large from 60 times yield on.
+            let unit = R::splat(1.0) / alpha;
+            (alpha, beta) = (R::splat(1.0), beta * unit);
+            (d_alpha, d_beta) = (d_alpha * unit, d_beta * unit);
+            (p, q) = (p * unit * unit, q * unit * unit);
+        }
         // v = n/d2 over the common denominator; sqrt(v) - 1 is half of v - 1 near the end.
         let (alpha2, beta2) = (alpha * alpha, beta * beta);
         let d2 = alpha2 * beta2;
-        let n = back.p.mul_add(beta2, back.q * alpha2);
-        let active = R::both(yields, (n - d2).abs().gt(R::splat(2.0 * TOLERANCE) * d2));
+        let n = p.mul_add(beta2, q * alpha2);
+        let active = R::both(yields, (n - d2).abs().gt(R::splat(2.0 * tolerance::<R>()) * d2));
         if !R::any(active) {
             return false;
         }
         // -v'/2 = m/d^3 and v''/6 = z/d^4, but for the curvature of hardening.
-        let (on_p, on_q) = (back.p * d_alpha * beta2, back.q * d_beta * alpha2);
+        let (on_p, on_q) = (p * d_alpha * beta2, q * d_beta * alpha2);
         let m = on_p.mul_add(beta, on_q * alpha);
         let z = (on_p * d_alpha).mul_add(beta2, on_q * d_beta * alpha2);
         // Newton's step is top/below, with 4 (v^2 - 1)/(v^2 + 10 v + 5) for sqrt(v) - 1; then Halley's, with its one
@@ -210,7 +218,7 @@ impl Plasticity {
         };
         let kept = back.y;
         let (off, scale) = outside(back);
-        let wanting = R::both(yields, off.abs().gt(R::splat(2.0 * TOLERANCE) * scale));
+        let wanting = R::both(yields, off.abs().gt(R::splat(2.0 * tolerance::<R>()) * scale));
         let mut low = R::zero();
         // alpha and beta are at least min(a, b) y, and v is 1 at the solution.
         let [a, b] = self.moduli();
@@ -251,6 +259,9 @@ impl PlaneStress for Plasticity {
         self.elastic
     }
     fn update(&self, points: Points<'_, Lane>, dt: f64) {
+        self.points(points, dt);
+    }
+    fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {
         self.points(points, dt);
     }
     fn update_one(&self, points: Points<'_, f64>, dt: f64) {

@@ -6,8 +6,8 @@
 //! eps_p, then corrected for each bend of the curve that the answer lies beyond. With a power law, by Newton from y = 0:
 //! hardening is concave, so that the steps never pass the answer.
 
-use super::{Curve, Damage, Plasticity, TOLERANCE};
-use crate::lanes::{Lane, Real, dot};
+use super::{Curve, Damage, Plasticity, tolerance};
+use crate::lanes::{Lane, Lane32, Real, dot};
 use crate::materials::{Elastic, Solid, SolidPoint};
 
 /// Columns of stress: xx, yy, zz, xy, yz, zx.
@@ -99,7 +99,7 @@ impl Plasticity {
                 for _ in 0..NEWTON_STEPS {
                     let (sig_y, modulus) = self.yield_curve(eps_p + y);
                     let beyond = three_g.neg_mul_add(y, stress) - scale * sig_y;
-                    let active = R::both(over, beyond.abs().gt(R::splat(TOLERANCE) * scale * sig_y));
+                    let active = R::both(over, beyond.abs().gt(R::splat(tolerance::<R>()) * scale * sig_y));
                     if !R::any(active) {
                         break;
                     }
@@ -138,6 +138,9 @@ impl Solid for Plasticity {
         self.elastic
     }
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane {
+        self.point(point, dt)
+    }
+    fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32 {
         self.point(point, dt)
     }
     fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
