@@ -1,7 +1,7 @@
 //! THE RUN, one page: deal out, listen, decide, write, stop.
 
 use crate::balance::{Balance, Due, Limits};
-use crate::decompose::{Centres, Workers, bisect, drifted};
+use crate::decompose::{Loads, Workers, bisect, drifted};
 use crate::fields::Series;
 use crate::history::{Extras, History};
 use crate::job::Model;
@@ -213,7 +213,9 @@ impl<'a> Control<'a> {
             std::array::from_fn(|c| corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64)
         };
         let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
-        self.tree = bisect(&mut Centres(centres.clone()), self.workers)?;
+        let load = |e| self.model.settings.load(e);
+        let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
+        self.tree = bisect(&mut Loads(loads), self.workers)?;
         let mut shares = vec![Vec::new(); self.workers];
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);

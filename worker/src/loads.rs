@@ -47,7 +47,9 @@ struct LoadedFace {
     front: bool,
     /// Whether the element is rigid: nothing else puts forces into its slots.
     rigid: bool,
-    /// Forces on its nodes at the present time [force].
+    /// Cycles that a force acts for: those of an outer step on slow elements.
+    cycles: f64,
+    /// Forces on its nodes when they last got any [force].
     force: [Row; 4],
 }
 
@@ -66,7 +68,7 @@ impl Loads {
     }
 
     /// Finds the loaded nodes and faces among those that are here.
-    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks) {
+    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
         }
@@ -89,6 +91,7 @@ impl Loads {
                             nodes: corners.map(|c| e.nodes[c]),
                             front: i < b.front * LANES,
                             rigid: b.idle,
+                            cycles: if b.slow { subcycles as f64 } else { 1.0 },
                             force: [[0.0; 4]; 4],
                         }
                     }));
@@ -97,14 +100,16 @@ impl Loads {
         }
     }
 
-    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest.
-    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, front: bool) {
-        for face in self.faces.iter().filter(|f| f.front == front && f.rigid) {
+    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest. With
+    /// `all`, when an outer step begins, slow elements get what acts for all of its cycles.
+    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, [all, front]: [bool; 2]) {
+        let due = |f: &&mut LoadedFace| f.front == front && (all || f.cycles == 1.0);
+        for face in self.faces.iter_mut().filter(due).filter(|f| f.rigid) {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
         }
-        for face in self.faces.iter_mut().filter(|f| f.front == front) {
+        for face in self.faces.iter_mut().filter(due) {
             let p = &self.pressures[face.pressure];
-            let pressure = p.pressure * factor(&self.curves, p.curve, time);
+            let pressure = p.pressure * factor(&self.curves, p.curve, time) * face.cycles;
             face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
@@ -112,7 +117,7 @@ impl Loads {
         }
     }
 
-    /// What pressure has put into corner slots at the present time, face after face: slots and forces [force].
+    /// What pressure has put into corner slots last, face after face: slots and forces [force].
     pub fn on_slots(&self) -> impl Iterator<Item = (usize, &Row)> {
         self.faces.iter().flat_map(|face| face.slots.iter().copied().zip(&face.force))
     }
@@ -158,8 +163,9 @@ impl Loads {
         }
     }
 
-    /// Work done on owned nodes and elements in the step, when the velocities at its end are known [energy].
-    pub fn work(&self, nodes: &Nodes, steps: Steps) -> Work {
+    /// Work done on owned nodes and elements in the step, when the velocities at its end are known; with `all` on slow elements
+    /// too [energy].
+    pub fn work(&self, nodes: &Nodes, steps: Steps, all: bool) -> Work {
         let moved = |f: &Row, i: usize| Work::of_all(f, &nodes.v[i], &nodes.next_v[i]);
         let turned = |f: &Row, i: usize| Work::of_all(f, &nodes.w[i], &nodes.next_w[i]);
         let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
@@ -173,7 +179,7 @@ impl Loads {
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
             work += owned.map(of).sum::<Work>() * load.factor;
         }
-        for face in &self.faces {
+        for face in self.faces.iter().filter(|f| all || f.cycles == 1.0) {
             work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
         }
         work = work * steps.mid;
