@@ -340,7 +340,9 @@ impl<'a> Control<'a> {
         let element = sum.controlling.map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
         let safety = self.model.settings.safety;
         let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
-        let why = format!("{what}{element}; time.safety is {safety}, use {cure}");
+        let subcycled = self.model.settings.subcycles > 1;
+        let or = if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
+        let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
         self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
         self.stop_ordered = true;
         self.order(Action::Stop);

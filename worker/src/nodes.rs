@@ -189,7 +189,7 @@ impl Nodes {
 
     /// What slow elements see when an outer step begins: the mean velocities of the one before.
     pub fn mean_view(&self) -> NodeView<'_> {
-        NodeView { x: &self.x, v: &self.mean_v, w: &self.mean_w }
+        NodeView { x: &self.x[..self.held], v: &self.mean_v, w: &self.mean_w }
     }
 
     /// What elements see.
