@@ -116,7 +116,7 @@ fn imbalance(model: &Model) -> f64 {
     let (mut most, mut work) = (0.0f64, 0.0f64);
     run_alone(model, |e| {
         if (e.clock.cycle - 1).is_multiple_of(model.settings.subcycles) {
-            let now = e.ledger.energies(&e.nodes);
+            let now = e.energies(false);
             most = most.max((now.kinetic + now.internal + now.hourglass - now.external).abs());
             work = work.max(now.external);
         }
@@ -124,8 +124,8 @@ fn imbalance(model: &Model) -> f64 {
     most / work
 }
 
-/// In 5000 outer steps, 250 periods of the bar, energy stays within a few percent of the largest work: the error swings with the
-/// square of the outer step times the frequencies that a sudden force excites, and does not grow. Without the layers that keep the short elements'
+/// In 5000 outer steps, 250 periods of the bar, energy stays within a percent or two of the largest work: what a sudden force excites at
+/// the end of the stable step is beyond the second order of the balance, and does not grow. Without the layers that keep the short elements'
 /// motion from the slow forces it grows without bound at this step, whose multiple by 4 is half a period of one of their modes.
 #[test]
 fn energy_stays_with_a_layer_and_resonates_without() {
@@ -135,7 +135,7 @@ fn energy_stays_with_a_layer_and_resonates_without() {
     let early = imbalance(&bar(Kind::Shells, 0.1 * end, &sets));
     let without = imbalance(&bar(Kind::Shells, 0.1 * end, &[&sets[..], &["time.subcycle_layers=0"]].concat()));
     println!("with a layer {with}, in the first tenth {early}, without {without}");
-    assert!(with < 0.05 && with < 2.0 * early, "with a layer: {with}, in the first tenth {early}");
+    assert!(with < 0.02 && with < 2.0 * early, "with a layer: {with}, in the first tenth {early}");
     assert!(without > 1e3, "without: {without}");
 }
 
@@ -174,6 +174,7 @@ fn workers_and_renewals_change_no_bit() {
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\n\
          poisson = 0.3\nhardening = [[0.0, 0.3], [1.0, 0.9]]\n[[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n\
          [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n[[pressure]]\nparts = [2]\npressure = -0.002\n\
+         [[gravity]]\nacceleration = [0.0, 0.0, -1.0]\n\
          [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [4.0, 1.0, -30.0]\nspin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n"
     );
     let model = written(&text, &["time.subcycles=3"]);
@@ -201,4 +202,43 @@ fn no_slow_elements_are_told() {
     assert_eq!((asked.settings.subcycles, plain.settings.subcycles), (1, 1));
     let [a, b] = [plain, asked].map(|model| run_side_by_side(&model, 1, 50, 0).digest());
     assert_eq!(a, b);
+}
+
+/// The bar of `cases/graded` free to bend under gravity, with a rigid block at its tip, a spring to the ground and a strip tied on: the
+/// same bits on three workers with boxes renewed every 35 cycles, and energies as without subcycles.
+#[test]
+fn rigid_bodies_ties_and_springs_go_with_it() {
+    let text = std::fs::read_to_string(case("graded").join("job.toml")).unwrap();
+    let strip: String = (0..9)
+        .map(|i| {
+            format!("[{}, {}.0, 0.5, 1.5], [{}, {}.0, 4.5, 1.5],\n", 301 + 2 * i, 30 + 5 * i, 302 + 2 * i, 30 + 5 * i)
+        })
+        .collect();
+    let quads: String = (0..8)
+        .map(|i| format!("[{}, 3, {}, {}, {}, {}],\n", 301 + i, 301 + 2 * i, 303 + 2 * i, 304 + 2 * i, 302 + 2 * i))
+        .collect();
+    let (head, tail) = text.split_once("[[fix]]").unwrap();
+    let (_, loads) = tail.split_once("[[curve]]").unwrap();
+    let text = format!(
+        "{head}[[fix]]\nnodes = \"ground\"\ndofs = [\"x\", \"y\", \"z\"]\n[[fix]]\nnodes = \"root\"\n\
+         dofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 5.0\n\
+         [[part]]\nid = 3\nmaterial = \"steel\"\nthickness = 1.0\n[[part]]\nid = 4\n[part.spring]\nstiffness = 0.5\n\
+         [[rigid]]\nname = \"block\"\nparts = [2]\n[[tie]]\nnodes = \"glued\"\nparts = [1]\ntolerance = 2.0\noffset = true\n\
+         [[gravity]]\nacceleration = [0.0, 0.0, -2.0]\n[[curve]]{loads}"
+    );
+    let nodes = format!("nodes = [\n[101, 105.0, 0.0, 0.0], [102, 105.0, 5.0, 0.0], [201, 7.0, 0.0, -30.0],\n{strip}");
+    let text = text.replacen("nodes = [\n", &nodes, 1);
+    let text = text.replacen("shells = [\n", &format!("shells = [\n[101, 2, 55, 101, 102, 56],\n{quads}"), 1);
+    let sets = "springs = [[401, 4, 5, 201]]\n[mesh.node_sets]\nground = [201]\n\
+                glued = [301, 302, 303, 304, 311, 312, 313, 314, 315, 316, 317, 318]\n";
+    let text = text.replacen("[mesh.node_sets]\n", sets, 1);
+    let job = |m: &str| written(&text, &["end_time=0.3", "time.safety=0.9", m]);
+    let model = job("time.subcycles=3");
+    assert_eq!(slow(&model), 24, "of 27 quads in the bar, 8 tied on, one rigid, and a spring");
+    let [serial, forced] = [(1, 0), (3, 35)].map(|(workers, every)| run_side_by_side(&model, workers, 2700, every));
+    assert!(forced.renewals >= 2700 / 35);
+    assert_eq!(serial.digest(), forced.digest());
+    let internal = |m: &str| run_alone(&job(m), |_| {}).ledger.energies(&Default::default()).internal;
+    let (every, some) = (internal("time.subcycles=1"), internal("time.subcycles=3"));
+    assert!((some / every - 1.0).abs() < 2e-3, "of second order in the outer step: {some} of {every}");
 }

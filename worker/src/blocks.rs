@@ -69,6 +69,8 @@ pub struct Blocks {
     subcycles: u64,
     /// Step that slow own elements left when they were last computed [time].
     pub slow_dt: f64,
+    /// Held nodes with slow and with fast elements.
+    between: Vec<u32>,
     /// How nodes gather in steps with all elements, and in those without slow ones.
     plans: [Plan; 2],
 }
@@ -151,6 +153,7 @@ impl Blocks {
             moment: Vec::new(),
             subcycles: settings.subcycles,
             slow_dt: f64::INFINITY,
+            between: Vec::new(),
             plans: Default::default(),
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
@@ -217,6 +220,11 @@ impl Blocks {
             plan
         };
         self.plans = [of(true), if self.subcycles > 1 { of(false) } else { Plan::default() }];
+        if self.subcycles > 1 {
+            let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
+            let is_between = |i: &usize| matches!(corners(*i), [all, fast] if 0 < fast && fast < all);
+            self.between = (0..held).filter(is_between).map(|i| i as u32).collect();
+        }
         self.force.resize(own + foreign.len(), [0.0; 4]);
         if !self.moment.is_empty() {
             self.moment.resize(own + foreign.len(), [0.0; 4]);
@@ -282,6 +290,34 @@ impl Blocks {
         self.plans[usize::from(!all)] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals
+    }
+
+    /// Whether held node `i` has slow elements, and no others.
+    pub fn is_slow_only(&self, i: usize) -> bool {
+        self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
+    }
+
+    /// Sum of `f_s f_f / m` over own nodes between slow and fast elements when an outer step begins: f_s are the forces of slow elements,
+    /// f_f all others but those of contact, m masses, or inertias [energy/time^2].
+    pub fn coupling(&self, nodes: &Nodes) -> f64 {
+        let cycles = self.subcycles as f64;
+        let [all, fast] = &self.plans;
+        let product = |column: &[Row], force: &Row, inverse: &Row, i: usize| {
+            let sum = |plan: &Plan, c: usize| plan.slots_of(i).iter().map(|&s| column[s as usize][c]).sum::<f64>();
+            let of = |c: usize| {
+                let slow = sum(fast, c) - sum(all, c);
+                inverse[c] * (slow / cycles) * (force[c] - slow)
+            };
+            (0..3).map(of).sum::<f64>()
+        };
+        let of = |i: usize| {
+            let turning = match self.moment.is_empty() {
+                true => 0.0,
+                false => product(&self.moment, &nodes.moment[i], &nodes.inv_inertia[i], i),
+            };
+            product(&self.force, &nodes.force[i], &nodes.inv_mass[i], i) + turning
+        };
+        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_own(i)).map(of).sum()
     }
 
     /// Gives the held nodes that have not gathered yet minus the sum of their corners; with `all` those of slow elements too.

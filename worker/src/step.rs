@@ -48,7 +48,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     halo.recv_corners(wire, blocks, all)?;
     timer.lap(Phase::Halo);
     blocks.assemble(nodes, all); // in ascending global element id: same bits for any worker count
-    loads.add_forces(nodes, clock.time);
+    loads.add_forces(nodes, clock.time, all);
     ties.give_forces(wire, nodes)?;
     nodes.accelerate(steps.mid); // contact and walls not yet felt
     loads.damp(nodes, steps.mid);
