@@ -336,6 +336,15 @@ fn bars_meet_end_to_end() {
     assert!((gap - 0.200_001).abs() < 1e-12, "{gap}");
 }
 
+/// Narrow columns lie in the middle, the others share what is left of the side.
+#[test]
+fn a_plate_can_have_a_strip_of_narrow_quads() {
+    let mesh = made("plate", "elements = 3\nside = 90.0\nstrip = 2\nnarrow = 4.0");
+    let mut x: Vec<f64> = mesh.nodes.iter().filter(|n| n.x[1] == -45.0).map(|n| n.x[0]).collect();
+    x.sort_by(f64::total_cmp);
+    assert_eq!(x, [-45.0, -25.0, -5.0, 0.0, 5.0, 25.0, 45.0]);
+}
+
 #[test]
 fn the_plate_is_held_at_its_rim() {
     let mesh = made("plate", "elements = 3");

@@ -1,5 +1,6 @@
 //! `crumple check`: what a job is, told without running it.
 
+use crate::job::subcycles::{self, Classes};
 use crate::job::{Model, Report};
 use crumple_proto::mesh::Shape;
 use std::fmt::Write;
@@ -132,7 +133,21 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
         figure(dt / model.settings.safety),
         model.mesh.elements[at].id
     )?;
-    writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)
+    writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)?;
+    let layers = model.job.time.subcycle_layers;
+    if model.settings.subcycles > 1 {
+        let (m, classes) = (model.settings.subcycles, Classes::of(&model.elements));
+        let work = figure(classes.work(m));
+        writeln!(
+            out,
+            "subcycles    {m}: {} elements in each cycle, {} in one of {m}; {work} of the computations without",
+            classes.fast, classes.slow
+        )?;
+    } else if let Some((m, work)) = subcycles::best(layers, &model.mesh, &model.settings, &model.elements) {
+        let work = figure(work);
+        writeln!(out, "subcycles    none; time.subcycles = {m} would leave {work} of the computations of elements")?;
+    }
+    Ok(())
 }
 
 fn shapes(model: &Model, out: &mut String) -> std::fmt::Result {

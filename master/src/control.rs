@@ -1,7 +1,7 @@
 //! THE RUN, one page: deal out, listen, decide, write, stop.
 
 use crate::balance::{Balance, Due, Limits};
-use crate::decompose::{Centres, Workers, bisect, drifted};
+use crate::decompose::{Loads, Workers, bisect, drifted};
 use crate::fields::Series;
 use crate::history::{Extras, History};
 use crate::job::Model;
@@ -213,7 +213,9 @@ impl<'a> Control<'a> {
             std::array::from_fn(|c| corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64)
         };
         let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
-        self.tree = bisect(&mut Centres(centres.clone()), self.workers)?;
+        let load = |e| self.model.settings.load(e);
+        let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
+        self.tree = bisect(&mut Loads(loads), self.workers)?;
         let mut shares = vec![Vec::new(); self.workers];
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);
@@ -338,7 +340,9 @@ impl<'a> Control<'a> {
         let element = sum.controlling.map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
         let safety = self.model.settings.safety;
         let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
-        let why = format!("{what}{element}; time.safety is {safety}, use {cure}");
+        let subcycled = self.model.settings.subcycles > 1;
+        let or = if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
+        let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
         self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
         self.stop_ordered = true;
         self.order(Action::Stop);

@@ -57,6 +57,9 @@ pub struct History {
     pub pairs: u64,
     /// Cycle of the first of the last rows that all have much of the energy in swings from step to step.
     swings_from: Option<u64>,
+    /// Whether there are subcycles: energy then swings about its balance by a fraction of the most that has come in, which may leave.
+    subcycled: bool,
+    most_came_in: f64,
 }
 
 /// Fraction of the energy in swings from step to step that a step above the stability limit soon has and keeps up. A stable one
@@ -176,6 +179,8 @@ impl History {
             penetration: 0.0,
             pairs: 0,
             swings_from: None,
+            subcycled: model.settings.subcycles > 1,
+            most_came_in: 0.0,
         })
     }
 
@@ -203,6 +208,8 @@ impl History {
         // What the run starts with is known at its first row, less the work that has been done until then.
         let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
+        self.most_came_in = if self.subcycled { self.most_came_in.max(came_in) } else { came_in };
+        let came_in = self.most_came_in;
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
         let there = sum.energies.came_in(initial).max(sum.energies.internal);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };

@@ -168,6 +168,33 @@ fn mass_scaling_reaches_the_step_asked_for() {
     assert!(scaled.warnings.iter().any(|w| w.message.contains("mass scaling adds")), "{:?}", scaled.warnings);
 }
 
+/// No cycle in an outer step is refused; what cannot be slow is told, and the line of `check` says what subcycles leave.
+#[test]
+fn subcycles_are_checked() {
+    let refused = report_of(&plate(), &["time.subcycles=0"]).to_string();
+    assert!(refused.contains("subcycles is 0") && refused.contains("take 1"), "{refused}");
+    let refused = report_of(&plate(), &["time.subcycles=-2"]).to_string();
+    assert!(refused.contains("subcycles"), "{refused}");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/plate");
+    let strip = |sets: &[&str]| {
+        let sets: Vec<String> = ["scene.strip=2", "scene.narrow=8"].iter().chain(sets).map(|s| s.to_string()).collect();
+        read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
+    };
+    // 20 columns, of which 2 are narrow and their neighbours next to these: 80 of 400 quads in each cycle.
+    let model = strip(&["time.subcycles=4"]);
+    let told = crumple::check::describe(&model);
+    assert!(
+        told.contains("subcycles    4: 80 elements in each cycle, 320 in one of 4; 0.4 of the computations"),
+        "{told}"
+    );
+    let told = crumple::check::describe(&strip(&["time.subcycles=4", "time.subcycle_layers=0"]));
+    assert!(told.contains("subcycles    4: 40 elements in each cycle, 360 in one of 4; 0.325 of"), "{told}");
+    let told = crumple::check::describe(&strip(&[]));
+    assert!(told.contains("subcycles    none; time.subcycles = 6 would leave"), "{told}");
+    let none = strip(&["time.subcycles=20"]);
+    assert!(none.warnings.iter().any(|w| w.message.contains("leaves no slow element")), "{:?}", none.warnings);
+}
+
 #[test]
 fn warnings_do_not_stop_a_run() {
     for (set, said) in [

@@ -162,6 +162,12 @@ pub struct Time {
     pub mass_scaling_dt: f64,
     /// Most mass that may be added so, as a fraction of the structure's: a job that would get more is refused.
     pub mass_scaling_limit: f64,
+    /// Elements whose stable step at the start is at least this many times the smallest one are computed every so many cycles only,
+    /// the small ones in each; 1 for all in each.
+    pub subcycles: u64,
+    /// Layers of neighbours around the small elements that are computed in each cycle too. Without any, fast motion of the
+    /// small elements can resonate with the forces that their neighbours give now and then.
+    pub subcycle_layers: u64,
     /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity` on every node, and the
     /// like for rotations [1/time].
     pub damping: f64,
@@ -177,6 +183,8 @@ impl Default for Time {
             dt_min_ratio: 1e-3,
             mass_scaling_dt: 0.0,
             mass_scaling_limit: 0.1,
+            subcycles: 1,
+            subcycle_layers: 1,
             damping: 0.0,
             dt_max: 0.0,
         }

@@ -51,6 +51,8 @@ pub struct Settings {
     pub ties: Vec<Tie>,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
+    /// Cycles of an outer step, in the first of which slow elements are computed; 1 if all elements always are.
+    pub subcycles: u64,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.
     pub contact: Option<Contact>,
     /// Whether nodes can turn: there are shells, or rigid bodies. Without, no rotational column is kept, moved or sent.
@@ -59,6 +61,16 @@ pub struct Settings {
     pub buffer: f64,
     /// Ask for a redecomposition every so many cycles, 0 for never (for tests).
     pub force_every: u64,
+}
+
+/// What an element costs when it is not computed, its share of the motion of nodes, over what it costs when it is.
+const IDLE_COST: f64 = 0.25;
+
+impl Settings {
+    /// Mean cost of an element in a cycle, over that of one that is computed in each.
+    pub fn load(&self, element: &ElementRecord) -> f64 {
+        if element.slow { IDLE_COST + (1.0 - IDLE_COST) / self.subcycles as f64 } else { 1.0 }
+    }
 }
 
 /// A material as a worker sees it: a law's name and a table of numbers.
@@ -124,6 +136,8 @@ pub struct ElementRecord {
     pub failed: bool,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
+    /// Whether it is computed in the first cycle of an outer step only, see [`Settings::subcycles`].
+    pub slow: bool,
     /// Stable step that the masses of its nodes leave an element that has none, before the safety factor; infinite for
     /// all others [time].
     pub stable_dt: f64,

@@ -180,8 +180,7 @@ fn a_prescribed_turn_leaves_no_stress() {
                 cycles += 1;
                 for b in &e.blocks.blocks {
                     for (i, el) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-                        let (history, lane) = b.fields_source(i);
-                        let fields = b.element.fields(history, lane, &el.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
+                        let fields = b.element.fields(b.state(i), &el.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
                         worst = worst.max(fields.von_mises / E);
                     }
                 }

@@ -4,7 +4,8 @@
 //! the sum has the same bits whoever computes it.
 
 use crate::columns::{Columns, State};
-use crate::elements::{CornerForces, Element, Pass, PassTotals, build_block};
+use crate::elements::{CornerForces, Element, NodeView, Pass, PassTotals, build_block};
+use crate::gather::{Batch, Corners, Plan};
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::Precision;
@@ -35,6 +36,8 @@ pub struct Block {
     pub front: usize,
     /// Whether the part is rigid or a skin: its elements compute no forces and set no step.
     pub idle: bool,
+    /// Whether its elements are computed in the first cycle of an outer step only.
+    pub slow: bool,
     /// First of its corner slots.
     base: usize,
     /// Slots per element.
@@ -63,24 +66,14 @@ pub struct Blocks {
     /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless histories ask for it
     /// [energy].
     pub by_part: Vec<[f64; 2]>,
-    gather_start: Vec<u32>,
-    gather: Vec<u32>,
-    /// Groups in the order in which they are computed: those that other workers wait for, then the rest.
-    batches: [Vec<Batch>; 2],
-    /// Nodes that batches gather, batch after batch.
-    early: Vec<u32>,
-    /// Held nodes that are gathered at the end: what others send is part of their sum.
-    late: Vec<u32>,
-}
-
-/// Groups of a block that are computed together, and the nodes whose corners are then complete: they gather while these are
-/// still in the cache.
-#[derive(Debug)]
-struct Batch {
-    block: usize,
-    groups: Range<usize>,
-    /// Range of `Blocks::early`.
-    nodes: Range<usize>,
+    /// Cycles of an outer step.
+    subcycles: u64,
+    /// Step that slow own elements left when they were last computed [time].
+    pub slow_dt: f64,
+    /// Held nodes with slow and with fast elements.
+    between: Vec<u32>,
+    /// How nodes gather in steps with all elements, and in those without slow ones.
+    plans: [Plan; 2],
 }
 
 /// Elements of a batch: their corner forces and history fit into the second level of a cache beside all else.
@@ -106,6 +99,8 @@ pub struct ForeignCorner {
     pub node: u32,
     /// The element.
     pub elem: ElemId,
+    /// Whether it is slow.
+    pub slow: bool,
 }
 
 impl Block {
@@ -127,7 +122,7 @@ impl Blocks {
     /// When a part cannot be built; the master checks parts before it deals out work.
     pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
         let mut elements = elements;
-        let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8);
+        let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8, e.record.slow);
         elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
         let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
         let mut blocks: Vec<Block> = Vec::new();
@@ -141,17 +136,19 @@ impl Blocks {
             mass_scaled: elements
                 .iter()
                 .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_idle(settings, e.record.part)),
-            massless_dt: elements.iter().map(|e| e.record.stable_dt).fold(f64::INFINITY, f64::min),
+            massless_dt: elements
+                .iter()
+                .map(|e| e.record.stable_dt / cycles_of(&e.record, settings.subcycles))
+                .fold(f64::INFINITY, f64::min),
             elements,
             blocks,
             by_part: Vec::new(),
             force: Vec::new(),
             moment: Vec::new(),
-            gather_start: Vec::new(),
-            gather: Vec::new(),
-            batches: [Vec::new(), Vec::new()],
-            early: Vec::new(),
-            late: Vec::new(),
+            subcycles: settings.subcycles,
+            slow_dt: f64::INFINITY,
+            between: Vec::new(),
+            plans: Default::default(),
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
         all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
@@ -170,8 +167,7 @@ impl Blocks {
     /// Bytes in use, spare room of lists left out.
     pub fn bytes(&self) -> BlockBytes {
         let groups = |b: &Block| size_of_val(&b.groups[..]);
-        let lists = [&self.gather, &self.gather_start, &self.early, &self.late].map(|l| size_of_val(&l[..]));
-        let lists = lists.iter().sum::<usize>();
+        let lists = self.plans.iter().map(Plan::bytes).sum::<usize>();
         let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
             history: self.blocks.iter().map(|b| b.history.bytes()).sum(),
@@ -199,137 +195,135 @@ impl Blocks {
         let mut order: Vec<(ElemId, u32)> = self.elements.iter().zip(0..).map(|(e, i)| (e.record.id, i)).collect();
         order.extend(foreign.iter().zip(count as u32..).map(|(f, i)| (f.elem, i)));
         order.sort_unstable();
+        let slots = self.first_slots();
         let corners = |i: usize| match self.elements.get(i) {
-            Some(e) => &e.nodes[..e.record.shape.corners()],
-            None => std::slice::from_ref(&foreign[i - count].node),
+            Some(e) => Corners { nodes: &e.nodes[..e.record.shape.corners()], first: slots[i] },
+            None => Corners { nodes: std::slice::from_ref(&foreign[i - count].node), first: own + i - count },
         };
-        let mut start = vec![0; held + 1];
-        for i in 0..order.len() {
-            corners(i).iter().for_each(|&n| start[n as usize + 1] += 1);
+        let is_slow = |i: usize| self.elements.get(i).map_or_else(|| foreign[i - count].slow, |e| e.record.slow);
+        let of = |all: bool| {
+            let picked = order.iter().map(|o| o.1 as usize).filter(|&i| all || !is_slow(i));
+            let mut plan = Plan::new(held, picked.map(corners));
+            let batches = [true, false].map(|front| self.batches(front, all));
+            plan.lay_batches(batches, if wait { 0 } else { own }, |batch| {
+                self.blocks[batch.block].slots_of(&batch.groups)
+            });
+            plan
+        };
+        self.plans = [of(true), if self.subcycles > 1 { of(false) } else { Plan::default() }];
+        if self.subcycles > 1 {
+            let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
+            let is_between = |i: &usize| matches!(corners(*i), [all, fast] if 0 < fast && fast < all);
+            self.between = (0..held).filter(is_between).map(|i| i as u32).collect();
         }
-        for i in 0..held {
-            start[i + 1] += start[i];
-        }
-        let (slots, mut next) = (self.first_slots(), start.clone());
-        self.gather = vec![0; start[held] as usize];
-        for i in order.into_iter().map(|(_, i)| i as usize) {
-            let first = slots.get(i).copied().unwrap_or_else(|| own + i - count);
-            for (&n, slot) in corners(i).iter().zip(first as u32..) {
-                self.gather[next[n as usize] as usize] = slot;
-                next[n as usize] += 1;
-            }
-        }
-        self.gather_start = start;
         self.force.resize(own + foreign.len(), [0.0; 4]);
         if !self.moment.is_empty() {
             self.moment.resize(own + foreign.len(), [0.0; 4]);
         }
-        self.lay_batches(held, if wait { 0 } else { own });
     }
 
-    /// Cuts the groups into batches. Nodes with a corner slot from `received` on gather at the end, others with their last
-    /// batch.
-    fn lay_batches(&mut self, held: usize, received: usize) {
-        self.batches = [true, false].map(|front| {
-            let cut = |(block, b): (usize, &Block)| {
-                let all = if b.idle {
-                    0..0
-                } else if front {
-                    0..b.front
-                } else {
-                    b.front..b.group_count()
-                };
-                let (end, size) = (all.end, BATCH / b.lanes());
-                all.step_by(size)
-                    .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
-                    .collect::<Vec<_>>()
+    /// Cuts the groups that other workers wait for, or the rest, into batches; with `all` those of slow elements too.
+    fn batches(&self, front: bool, all: bool) -> Vec<Batch> {
+        let cut = |(block, b): (usize, &Block)| {
+            let groups = if b.idle || b.slow && !all {
+                0..0
+            } else if front {
+                0..b.front
+            } else {
+                b.front..b.group_count()
             };
-            self.blocks.iter().enumerate().flat_map(cut).collect()
-        });
-        // When each slot is complete; those of idle elements always are.
-        let mut when = vec![0u32; received];
-        for (number, batch) in self.batches.iter().flatten().enumerate() {
-            let b = &self.blocks[batch.block];
-            let slots = batch.groups.start * b.group_slots()..batch.groups.end * b.group_slots();
-            when.iter_mut().take(b.base + slots.end).skip(b.base + slots.start).for_each(|w| *w = number as u32);
-        }
-        let count = self.batches[0].len() + self.batches[1].len();
-        let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];
-        self.late.clear();
-        for i in 0..held {
-            let complete = self
-                .corners_of(i)
-                .iter()
-                .map(|&slot| when.get(slot as usize).copied())
-                .max_by_key(|w| w.unwrap_or(u32::MAX));
-            match complete.flatten().and_then(|w| ready.get_mut(w as usize)) {
-                Some(batch) => batch.push(i as u32),
-                None => self.late.push(i as u32),
-            }
-        }
-        self.early.clear();
-        for (batch, nodes) in self.batches.iter_mut().flatten().zip(ready) {
-            let first = self.early.len();
-            self.early.extend(nodes);
-            batch.nodes = first..self.early.len();
-        }
+            let (end, size) = (groups.end, BATCH / b.lanes());
+            groups
+                .step_by(size)
+                .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
+                .collect::<Vec<_>>()
+        };
+        self.blocks.iter().enumerate().flat_map(cut).collect()
     }
 
     /// Internal forces, batch by batch; nodes whose corners are then complete get minus their sum. Trouble is an index into
     /// `elements`; `front` selects the groups that other workers wait for, or the rest.
-    pub fn add_internal_forces(&mut self, nodes: &mut Nodes, dt: f64, front: bool) -> PassTotals {
+    ///
+    /// When an outer step begins, with `all`, slow elements look back on the mean motion of the one before, and their forces are
+    /// those that act in one cycle for all of its cycles.
+    pub fn add_internal_forces(&mut self, nodes: &mut Nodes, dt: f64, all: bool, front: bool) -> PassTotals {
         let mut totals = PassTotals { stable_dt: self.massless_dt, ..PassTotals::NONE };
-        let batches = std::mem::take(&mut self.batches);
-        for batch in &batches[usize::from(!front)] {
+        if all && front {
+            self.slow_dt = f64::INFINITY;
+        }
+        let plan = std::mem::take(&mut self.plans[usize::from(!all)]);
+        for batch in &plan.batches[usize::from(!front)] {
             let b = &mut self.blocks[batch.block];
             let slots = b.base..b.base + b.corner_slots();
             let moment = if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
             let out = CornerForces { force: &mut self.force[slots], moment };
-            let mut pass = b.forces(batch.groups.clone(), nodes, dt, out);
+            let mut pass = if b.slow {
+                let cycles = self.subcycles as f64;
+                let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), cycles * dt, out);
+                let filled = b.slots_of(&batch.groups);
+                self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
+                if !self.moment.is_empty() {
+                    self.moment[filled].as_flattened_mut().iter_mut().for_each(|m| *m *= cycles);
+                }
+                self.slow_dt = self.slow_dt.min(pass.stable_dt / cycles);
+                pass.stable_dt = f64::INFINITY;
+                pass
+            } else {
+                b.forces(batch.groups.clone(), nodes.view(), dt, out)
+            };
             pass.trouble = pass.trouble.map(|i| b.first + i);
             if let Some(energy) = self.by_part.get_mut(self.elements[b.first].record.part as usize) {
                 *energy = [energy[0] + pass.internal, energy[1] + pass.hourglass];
             }
             totals.add(&pass);
-            self.gather(nodes, &self.early[batch.nodes.clone()]);
+            self.gather(&plan, nodes, &plan.early[batch.nodes.clone()]);
         }
-        self.batches = batches;
+        self.plans[usize::from(!all)] = plan;
+        totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals
     }
 
-    /// Gives the held nodes that have not gathered yet minus the sum of their corners.
-    pub fn assemble(&self, nodes: &mut Nodes) {
-        self.gather(nodes, &self.late);
+    /// Whether held node `i` has slow elements, and no others.
+    pub fn is_slow_only(&self, i: usize) -> bool {
+        self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
     }
 
-    /// Gives some held nodes minus the sum of their corners, in ascending element id.
-    fn gather(&self, nodes: &mut Nodes, which: &[u32]) {
+    /// Sum of `f_s f_f / m` over own nodes between slow and fast elements when an outer step begins: f_s are the forces of slow elements,
+    /// f_f all others but those of contact, m masses, or inertias [energy/time^2].
+    pub fn coupling(&self, nodes: &Nodes) -> f64 {
+        let cycles = self.subcycles as f64;
+        let [all, fast] = &self.plans;
+        let product = |column: &[Row], force: &Row, inverse: &Row, i: usize| {
+            let sum = |plan: &Plan, c: usize| plan.slots_of(i).iter().map(|&s| column[s as usize][c]).sum::<f64>();
+            let of = |c: usize| {
+                let slow = sum(fast, c) - sum(all, c);
+                inverse[c] * (slow / cycles) * (force[c] - slow)
+            };
+            (0..3).map(of).sum::<f64>()
+        };
+        let of = |i: usize| {
+            let turning = match self.moment.is_empty() {
+                true => 0.0,
+                false => product(&self.moment, &nodes.moment[i], &nodes.inv_inertia[i], i),
+            };
+            product(&self.force, &nodes.force[i], &nodes.inv_mass[i], i) + turning
+        };
+        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_own(i)).map(of).sum()
+    }
+
+    /// Gives the held nodes that have not gathered yet minus the sum of their corners; with `all` those of slow elements too.
+    pub fn assemble(&self, nodes: &mut Nodes, all: bool) {
+        let plan = &self.plans[usize::from(!all)];
+        self.gather(plan, nodes, &plan.late);
+    }
+
+    fn gather(&self, plan: &Plan, nodes: &mut Nodes, which: &[u32]) {
         if self.moment.is_empty() {
-            for i in which.iter().map(|&i| i as usize) {
-                let mut f = [0.0; 4];
-                for &slot in self.corners_of(i) {
-                    (0..4).for_each(|c| f[c] -= self.force[slot as usize][c]);
-                }
-                nodes.force[i] = f;
-            }
-            return;
+            plan.gather(&self.force, &mut nodes.force, which);
+        } else {
+            let sums = [&mut nodes.force[..], &mut nodes.moment[..]];
+            plan.gather_both([&self.force, &self.moment], sums, which);
         }
-        for i in which.iter().map(|&i| i as usize) {
-            let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
-            for &slot in self.corners_of(i) {
-                let (sf, sm) = (&self.force[slot as usize], &self.moment[slot as usize]);
-                for c in 0..4 {
-                    f[c] -= sf[c];
-                    m[c] -= sm[c];
-                }
-            }
-            (nodes.force[i], nodes.moment[i]) = (f, m);
-        }
-    }
-
-    /// Corner slots that held node `i` gathers, in ascending element id.
-    fn corners_of(&self, i: usize) -> &[u32] {
-        &self.gather[self.gather_start[i] as usize..self.gather_start[i + 1] as usize]
     }
 
     /// Puts the corner masses and inertias of own elements at initial coordinates into the corner slots.
@@ -349,7 +343,7 @@ impl Blocks {
     /// Adds the gathered corner masses to the nodes, in ascending element id.
     pub fn gather_masses(&mut self, nodes: &mut Nodes) {
         for i in 0..nodes.held {
-            for &slot in self.corners_of(i) {
+            for &slot in self.plans[0].slots_of(i) {
                 nodes.mass[i] += self.force[slot as usize][0];
                 if nodes.rotations {
                     nodes.inertia[i] += self.force[slot as usize][1];
@@ -361,13 +355,14 @@ impl Blocks {
         self.force.fill([0.0; 4]);
     }
 
-    /// Smallest stable step at the present coordinates and the element that has it (lowest id among equals).
+    /// Smallest step that own elements leave at the present coordinates and the element that does (lowest id among equals):
+    /// its stable step, by the cycles of an outer step if it is slow.
     /// An element whose step is not a number comes first, with a step of 0.
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
         let step = |b: &Block, e: &LocalElement| {
             let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
             let dt = if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() };
-            (dt.min(e.record.stable_dt), e.record.id)
+            (dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles), e.record.id)
         };
         let of_block = |b: &Block| {
             let own = self.elements[b.first..b.first + b.count].iter();
@@ -381,7 +376,7 @@ impl Blocks {
         let i = self.elements.iter().position(|e| e.record.id == id)?;
         let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
         let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
-        let dt = dt * e.record.mass_factor.sqrt();
+        let dt = dt * e.record.mass_factor.sqrt() / cycles_of(&e.record, self.subcycles);
         let what = if dt.is_nan() {
             "is inverted, or its coordinates are no numbers".to_string()
         } else if safety * dt < 0.5 * first_dt {
@@ -397,6 +392,11 @@ impl Blocks {
         };
         Some(format!("element {id} {what}; {try_this}"))
     }
+}
+
+/// Cycles from one computation of an element to the next.
+fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
+    if record.slow { subcycles as f64 } else { 1.0 }
 }
 
 /// Whether the elements of a part bear nothing: it belongs to a rigid body, or is a skin.
@@ -422,6 +422,7 @@ impl Block {
             front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
             count: run.len(),
             idle: is_idle(settings, run[0].record.part),
+            slow: run[0].record.slow,
             first,
             element,
         };
@@ -458,8 +459,14 @@ impl Block {
         self.groups.len()
     }
 
-    fn forces(&mut self, range: Range<usize>, nodes: &Nodes, dt: f64, out: CornerForces<'_>) -> PassTotals {
+    /// Corner slots of some groups.
+    fn slots_of(&self, groups: &Range<usize>) -> Range<usize> {
+        let each = self.group_slots();
+        self.base + groups.start * each..self.base + groups.end * each
+    }
+
+    fn forces(&mut self, range: Range<usize>, nodes: NodeView<'_>, dt: f64, out: CornerForces<'_>) -> PassTotals {
         let (groups, history) = (&self.groups[..], self.history.as_mut());
-        self.element.forces(Pass { range, count: self.count, groups, history, nodes: nodes.view(), dt, out })
+        self.element.forces(Pass { range, count: self.count, groups, history, nodes, dt, out })
     }
 }

@@ -23,7 +23,7 @@ use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
-use crumple_proto::report::{HistoryPart, PHASES, PhaseSeconds};
+use crumple_proto::report::{Energies, HistoryPart, PHASES, PhaseSeconds};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{Lost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -128,6 +128,8 @@ pub struct Engine {
     pub ledger: Ledger,
     /// Where what is recorded is.
     histories: Histories,
+    /// Energies when the present outer step began: later in it those of slow elements are of another time than motion.
+    balance: Option<Energies>,
     /// How held nodes have moved since the boxes were last renewed.
     pub motion: Motion,
     /// What workers agree on.
@@ -147,6 +149,9 @@ impl Engine {
         let mut local = settle(wire, &settings, share, true)?;
         let mut ties = Ties::start(wire, &settings, &mut local.nodes)?;
         ties.settle(wire, &mut local.nodes)?;
+        if settings.subcycles > 1 {
+            local.nodes.keep_means(&[]);
+        }
         let mut agreement = Agreement::new();
         let own = local.blocks.smallest_step(&local.nodes).map_or(f64::INFINITY, |s| s.0);
         let surface = local.surface.as_ref();
@@ -164,6 +169,7 @@ impl Engine {
             motion: Motion::since(&[]),
             ledger: Ledger::default(),
             histories: Histories::default(),
+            balance: None,
             timer: Timer::new(),
             centre: [0.0; 3],
             nodes: local.nodes,
@@ -185,6 +191,7 @@ impl Engine {
     pub fn renew(&mut self, wire: &mut dyn Transport, tree: CutTree) -> Result<(), Lost> {
         self.tree = tree;
         let by_part = std::mem::take(&mut self.blocks.by_part); // what was done here stays booked here
+        let slow_dt = self.blocks.slow_dt; // and what all agree on
         let local = Local {
             nodes: std::mem::take(&mut self.nodes),
             blocks: std::mem::take(&mut self.blocks),
@@ -194,9 +201,13 @@ impl Engine {
         let mut share = migrate(wire, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
         let memories = std::mem::take(&mut share.memories);
+        let means = std::mem::take(&mut share.means);
         let local = settle(wire, &self.settings, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
-        self.blocks.by_part = by_part;
+        (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
+        if self.settings.subcycles > 1 {
+            self.nodes.keep_means(&means);
+        }
         self.ties.settle(wire, &mut self.nodes)?;
         self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
@@ -225,9 +236,9 @@ impl Engine {
             let slack = self.halo.slack(&self.nodes);
             self.motion.restart(&self.nodes.x[..self.nodes.held], slack);
         }
-        self.loads.settle(&self.nodes, &self.blocks);
+        self.loads.settle(&self.nodes, &self.blocks, self.settings.subcycles);
         self.prescribed.settle(&self.nodes);
-        self.histories.settle(&self.settings.histories, &self.nodes, &self.blocks);
+        self.histories.settle(&self.settings.histories, self.settings.subcycles, &self.nodes, &self.blocks);
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();
     }
@@ -262,7 +273,8 @@ impl Engine {
     /// a contact pair weighs as much as `pair_weight` elements.
     pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
         let mut pairs = vec![0u32; self.nodes.held];
-        let mut units = self.blocks.elements.len() as f64;
+        let load = |e: &crate::blocks::LocalElement| self.settings.load(&e.record);
+        let mut units = self.blocks.elements.iter().map(load).sum::<f64>();
         for n in self.contact.iter().flat_map(|c| c.own_pair_nodes()) {
             pairs[n as usize] += 1;
         }
@@ -270,7 +282,7 @@ impl Engine {
         let carried = |e: &crate::blocks::LocalElement| pair_weight * f64::from(pairs[e.nodes[0] as usize]);
         units += self.blocks.elements.iter().map(carried).sum::<f64>();
         for e in &self.blocks.elements {
-            f(self.centre_of(e.nodes, e.record.shape), cost / units * (1.0 + carried(e)));
+            f(self.centre_of(e.nodes, e.record.shape), cost / units * (load(e) + carried(e)));
         }
     }
 
@@ -279,6 +291,15 @@ impl Engine {
     /// # Errors
     /// The master is gone.
     pub fn at_present_time(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        if self.settings.subcycles > 1 {
+            if self.clock.begins(&self.settings) {
+                self.balance = Some(self.energies(false));
+                self.histories.begin_outer(self.histories.accelerations(self));
+            }
+            if let Some(contact) = &self.contact {
+                self.histories.feel(&self.settings, contact, &self.nodes);
+            }
+        }
         if self.clock.row_due(&self.settings) {
             self.timer.lap(Phase::Advance);
             self.send_row(wire, false)?;
@@ -287,20 +308,35 @@ impl Engine {
         Ok(())
     }
 
-    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time before.
+    /// Energies at the present time or, when the run has `ended`, at the time before.
+    ///
+    /// With subcycles the balance of [`crate::energy::Ledger::energies`] holds where an outer step begins and at nodes that have slow
+    /// elements only, or fast ones only. Those between swing within an outer step of m steps of dt, and what is kept has beside it, to
+    /// second order, `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/m`. It counts as kinetic here.
+    pub fn energies(&self, ended: bool) -> Energies {
+        let mut energies = self.ledger.energies(&self.nodes);
+        if self.settings.subcycles > 1 {
+            let (m, dt) = (self.settings.subcycles as f64, self.clock.dt);
+            energies.kinetic -= dt * dt / 12.0 * (2.0 * m - 1.0) * (m - 1.0) * self.blocks.coupling(&self.nodes);
+        }
+        if self.nodes.me == 0 {
+            energies.kinetic += self.bodies.beyond().0 + self.walls.carried(ended).0;
+        }
+        energies
+    }
+
+    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time before, with subcycles those
+    /// of the last outer step's start.
     ///
     /// # Errors
     /// The master is gone.
     pub fn send_row(&mut self, wire: &mut dyn Transport, ended: bool) -> Result<(), Lost> {
         let of = if ended { momentum } else { momentum_at_present };
         let (mut momentum, mut angular_momentum) = of(&self.nodes);
-        let mut energies = self.ledger.energies(&self.nodes);
+        let energies = self.balance.filter(|_| ended).unwrap_or_else(|| self.energies(ended));
         if self.nodes.me == 0 {
-            let (energy, angular) = self.bodies.beyond();
-            energies.kinetic += energy;
+            let (angular, carried) = (self.bodies.beyond().1, self.walls.carried(ended).1);
             (0..3).for_each(|c| angular_momentum[c] += angular[c]);
-            let (energy, carried) = self.walls.carried(ended);
-            energies.kinetic += energy;
             (0..3).for_each(|c| momentum[c] += carried[c]);
         }
         let smallest = self.blocks.smallest_step(&self.nodes);

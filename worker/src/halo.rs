@@ -25,6 +25,10 @@ pub struct Link {
     pub corners_out: Vec<u32>,
     /// First received corner slot and their number.
     pub corners_in: (usize, usize),
+    /// Of both what does not belong to slow elements, as slots; without subcycles nobody asks.
+    pub fast_out: Vec<u32>,
+    /// See `fast_out`.
+    pub fast_in: Vec<u32>,
     /// Owned nodes of which the other has exterior copies.
     pub export: Vec<u32>,
     /// Exterior copies here of nodes that the other owns.
@@ -83,14 +87,18 @@ impl Halo {
         nodes.x[..nodes.held].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
     }
 
-    /// Sends corner forces, and moments if there are any, of own elements at shared nodes.
+    /// Sends corner forces, and moments if there are any, of own elements at shared nodes; with `all` those of slow ones too.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn send_corners(&mut self, wire: &mut dyn Transport, blocks: &Blocks) -> Result<(), Lost> {
-        for link in self.links.iter().filter(|l| !l.corners_out.is_empty()) {
+    pub fn send_corners(&mut self, wire: &mut dyn Transport, blocks: &Blocks, all: bool) -> Result<(), Lost> {
+        for link in &self.links {
+            let slots = if all { &link.corners_out } else { &link.fast_out };
+            if slots.is_empty() {
+                continue;
+            }
             self.words.clear();
-            for &slot in &link.corners_out {
+            for &slot in slots {
                 self.words.extend(blocks.force[slot as usize][..3].iter().map(|a| a.to_bits()));
                 if let Some(m) = blocks.moment.get(slot as usize) {
                     self.words.extend(m[..3].iter().map(|a| a.to_bits()));
@@ -101,21 +109,30 @@ impl Halo {
         Ok(())
     }
 
-    /// Receives corner forces of others' elements at shared nodes.
+    /// Receives corner forces of others' elements at shared nodes; with `all` those of slow ones too.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn recv_corners(&mut self, wire: &mut dyn Transport, blocks: &mut Blocks) -> Result<(), Lost> {
-        for link in self.links.iter().filter(|l| l.corners_in.1 > 0) {
-            wire.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
+    pub fn recv_corners(&mut self, wire: &mut dyn Transport, blocks: &mut Blocks, all: bool) -> Result<(), Lost> {
+        let width = if blocks.moment.is_empty() { 3 } else { 6 };
+        let mut take = |slot: usize, words: &[u64]| {
+            let at = |c: usize| f64::from_bits(words[c]);
+            blocks.force[slot] = [at(0), at(1), at(2), 0.0];
+            if let Some(m) = blocks.moment.get_mut(slot) {
+                *m = [at(3), at(4), at(5), 0.0];
+            }
+        };
+        for link in &self.links {
             let (first, count) = link.corners_in;
-            let width = if blocks.moment.is_empty() { 3 } else { 6 };
-            for (i, words) in self.words.chunks_exact(width).take(count).enumerate() {
-                let at = |c: usize| f64::from_bits(words[c]);
-                blocks.force[first + i] = [at(0), at(1), at(2), 0.0];
-                if let Some(m) = blocks.moment.get_mut(first + i) {
-                    *m = [at(3), at(4), at(5), 0.0];
-                }
+            if if all { count == 0 } else { link.fast_in.is_empty() } {
+                continue;
+            }
+            wire.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
+            let corners = self.words.chunks_exact(width);
+            if all {
+                corners.zip(first..first + count).for_each(|(words, slot)| take(slot, words));
+            } else {
+                corners.zip(&link.fast_in).for_each(|(words, &slot)| take(slot as usize, words));
             }
         }
         Ok(())

@@ -2,11 +2,14 @@
 //! sections. Read off the state when a row is due; nothing of it is felt by the state, and no step computes any of it.
 
 use crate::blocks::Blocks;
+use crate::contact::Contact;
 use crate::engine::Engine;
 use crate::nodes::{Nodes, Row, xyz};
-use crumple_proto::histories::{Asked, NodeState, PartShare, Section, SectionShare, Shares};
+use crumple_proto::histories::{Asked, ContactShare, NodeState, PairForce, PartShare, Section, SectionShare, Shares};
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::Settings;
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 type V3 = Vector3<f64>;
 
@@ -16,20 +19,57 @@ pub struct Histories {
     /// Owned nodes of all groups, ascending.
     nodes: Vec<u32>,
     sections: Vec<LocalSection>,
+    /// Accelerations of these nodes when the present outer step began, with subcycles: no later time in it has one
+    /// [length/time^2].
+    accelerations: HashMap<NodeId, [f64; 3]>,
+    /// With subcycles: contact forces in the present outer step so far, and in the whole one before.
+    felt: Felt,
+    felt_before: Felt,
+}
+
+/// Contact forces in an outer step, as fractions of a mean over all of its cycles [force].
+#[derive(Debug, Default)]
+struct Felt {
+    between_parts: BTreeMap<[u32; 2], [f64; 3]>,
+    on_transducers: BTreeMap<(u32, [u64; 4]), [f64; 3]>,
+}
+
+impl Felt {
+    fn add(&mut self, share: f64, contact: &Contact, nodes: &Nodes, asked: &Asked) {
+        let add = |sum: &mut [f64; 3], force: [f64; 3]| (0..3).for_each(|c| sum[c] += share * force[c]);
+        if asked.contacts {
+            for c in contact.forces_between_parts() {
+                add(self.between_parts.entry(c.parts).or_default(), c.force);
+            }
+        }
+        if !asked.transducers.is_empty() {
+            for p in contact.forces_on_transducers(&asked.transducers, nodes) {
+                add(self.on_transducers.entry((p.transducer, p.pair)).or_default(), p.force);
+            }
+        }
+    }
+
+    fn contacts(&self) -> Vec<ContactShare> {
+        self.between_parts.iter().map(|(&parts, &force)| ContactShare { parts, force }).collect()
+    }
+
+    fn transducers(&self) -> Vec<PairForce> {
+        self.on_transducers.iter().map(|(&(transducer, pair), &force)| PairForce { transducer, pair, force }).collect()
+    }
 }
 
 /// What a worker has of a section.
 #[derive(Debug, Default)]
 struct LocalSection {
-    /// Corner slots of own elements at the section's nodes, and these nodes.
-    corners: Vec<(usize, u32)>,
+    /// Corner slots of own elements at the section's nodes, these nodes, and the cycles that a force in the slot acts for.
+    corners: Vec<(usize, u32, f64)>,
     /// Owned nodes.
     nodes: Vec<u32>,
 }
 
 impl Histories {
     /// Finds what is asked for among the nodes and elements that are here.
-    pub fn settle(&mut self, asked: &Asked, nodes: &Nodes, blocks: &Blocks) {
+    pub fn settle(&mut self, asked: &Asked, subcycles: u64, nodes: &Nodes, blocks: &Blocks) {
         let own = |ids: &[crumple_proto::ids::NodeId]| -> Vec<u32> {
             let held = ids.iter().filter_map(|&id| nodes.held_number(id));
             held.filter(|&n| nodes.is_own(n as usize)).collect()
@@ -49,32 +89,63 @@ impl Histories {
                 let e = &blocks.elements[i];
                 let at =
                     (0..e.record.shape.corners()).filter(|&c| section.nodes.binary_search(&e.record.nodes[c]).is_ok());
-                corners.extend(at.map(|c| (slots[i] + c, e.nodes[c])));
+                let cycles = if e.record.slow { subcycles as f64 } else { 1.0 };
+                corners.extend(at.map(|c| (slots[i] + c, e.nodes[c], cycles)));
             }
             LocalSection { corners, nodes: own(&section.nodes) }
         };
         self.sections = asked.sections.iter().map(local).collect();
     }
 
+    /// Accelerations of recorded nodes, when an outer step begins.
+    pub fn accelerations(&self, engine: &Engine) -> HashMap<NodeId, [f64; 3]> {
+        let of = |&n: &u32| (engine.nodes.id[n as usize], mean_acceleration(engine, n as usize));
+        self.nodes.iter().map(of).collect()
+    }
+
+    /// An outer step begins, with these accelerations.
+    pub fn begin_outer(&mut self, accelerations: HashMap<NodeId, [f64; 3]>) {
+        self.accelerations = accelerations;
+        self.felt_before = std::mem::take(&mut self.felt);
+    }
+
+    /// Takes the contact forces of a cycle into the means over an outer step.
+    pub fn feel(&mut self, settings: &Settings, contact: &Contact, nodes: &Nodes) {
+        self.felt.add(1.0 / settings.subcycles as f64, contact, nodes, &settings.histories);
+    }
+
     /// This worker's shares of a row. Velocities are those before and after the present time or, when the run has `ended`,
     /// those of the last two mid-steps; forces are then those of the last step.
     pub fn shares(&self, engine: &Engine, ended: bool) -> Shares {
         let asked = &engine.settings.histories;
+        // Contact answers the forces of slow elements all at once: only a mean over an outer step tells anything.
+        let felt = (engine.settings.subcycles > 1).then_some(if ended { &self.felt } else { &self.felt_before });
         Shares {
             parts: if asked.parts { parts(engine, ended) } else { Vec::new() },
-            contacts: match &engine.contact {
-                Some(contact) if asked.contacts => contact.forces_between_parts(),
+            contacts: match (&engine.contact, felt) {
+                (_, Some(felt)) => felt.contacts(),
+                (Some(contact), _) if asked.contacts => contact.forces_between_parts(),
                 _ => Vec::new(),
             },
-            nodes: self.nodes.iter().map(|&n| node(engine, n as usize, ended)).collect(),
+            nodes: self.nodes.iter().map(|&n| self.node(engine, n as usize, ended)).collect(),
             sections: self.sections(engine),
-            transducers: match &engine.contact {
-                Some(contact) if !asked.transducers.is_empty() => {
+            transducers: match (&engine.contact, felt) {
+                (_, Some(felt)) => felt.transducers(),
+                (Some(contact), _) if !asked.transducers.is_empty() => {
                     contact.forces_on_transducers(&asked.transducers, &engine.nodes)
                 }
                 _ => Vec::new(),
             },
         }
+    }
+
+    fn node(&self, engine: &Engine, n: usize, ended: bool) -> NodeState {
+        let state = node(engine, n, ended);
+        if engine.settings.subcycles == 1 {
+            return state;
+        }
+        let known = self.accelerations.get(&state.id).copied();
+        NodeState { a: known.unwrap_or_else(|| mean_acceleration(engine, n)), ..state }
     }
 
     fn sections(&self, engine: &Engine) -> Vec<SectionShare> {
@@ -89,13 +160,13 @@ impl Histories {
         let at = |n: u32| V3::from(xyz(&engine.nodes.x[n as usize]));
         let share = |section: &LocalSection| {
             let (mut force, mut moment) = (V3::zeros(), V3::zeros());
-            for &(slot, n) in &section.corners {
+            for &(slot, n, cycles) in &section.corners {
                 let pressed = pressed.get(&slot).copied().unwrap_or_default();
-                let f = -V3::from(xyz(&engine.blocks.force[slot])) - pressed;
+                let f = (-V3::from(xyz(&engine.blocks.force[slot])) - pressed) / cycles;
                 force += f;
                 moment += at(n).cross(&f);
                 if let Some(m) = engine.blocks.moment.get(slot) {
-                    moment -= V3::from(xyz(m));
+                    moment -= V3::from(xyz(m)) / cycles;
                 }
             }
             let places = section.nodes.iter().map(|&n| at(n)).sum::<V3>();
@@ -128,6 +199,21 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
         }
     }
     parts
+}
+
+/// Acceleration of a held node when an outer step begins [length/time^2]. Forces of slow elements come all at once, so that only
+/// means over an outer step tell anything: the velocity is now ahead of its mean by half of what it gains in one.
+fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
+    let (nodes, clock) = (&engine.nodes, &engine.clock);
+    let (before, after) = (&nodes.v[n], &nodes.next_v[n]);
+    match nodes.mean_v.get(n).filter(|_| clock.last_dt > 0.0) {
+        Some(mean) => [0, 1, 2].map(|c| {
+            let now = before[c] + 0.5 * clock.last_dt * (after[c] - before[c]) / clock.mid();
+            (now - mean[c]) / (0.5 * engine.settings.subcycles as f64 * clock.last_dt)
+        }),
+        // At the start nothing is strained: loads and initial contact act alone.
+        None => [0, 1, 2].map(|c| if clock.mid() > 0.0 { (after[c] - before[c]) / clock.mid() } else { 0.0 }),
+    }
 }
 
 /// The motion of a held node: velocity at the present time, or at the last mid-step when the run has `ended`.

@@ -20,6 +20,7 @@ pub mod elements;
 pub mod energy;
 pub mod engine;
 pub mod erosion;
+pub mod gather;
 pub mod halo;
 pub mod histories;
 pub mod lanes;

@@ -24,6 +24,9 @@ pub struct Loads {
     pub damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
+    /// Cycles that a load on a held node acts for: those of an outer step where it has slow elements only, which then move as
+    /// with one long step; empty without subcycles.
+    cycles: Vec<f64>,
 }
 
 /// A force on some held nodes.
@@ -46,7 +49,9 @@ struct LoadedFace {
     front: bool,
     /// Whether the element is rigid: nothing else puts forces into its slots.
     rigid: bool,
-    /// Forces on its nodes at the present time [force].
+    /// Cycles that a force acts for: those of an outer step on slow elements.
+    cycles: f64,
+    /// Forces on its nodes when they last got any [force].
     force: [Row; 4],
 }
 
@@ -61,13 +66,19 @@ impl Loads {
             faces: Vec::new(),
             damping: job.damping,
             falling: [0.0; 4],
+            cycles: Vec::new(),
         }
     }
 
     /// Finds the loaded nodes and faces among those that are here.
-    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks) {
+    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
+        }
+        self.cycles.clear();
+        if subcycles > 1 && !(self.gravity.is_empty() && self.forces.is_empty()) {
+            let of = |i| if blocks.is_slow_only(i) { subcycles as f64 } else { 1.0 };
+            self.cycles.extend((0..nodes.held).map(of));
         }
         self.faces.clear();
         if self.pressures.is_empty() {
@@ -88,6 +99,7 @@ impl Loads {
                             nodes: corners.map(|c| e.nodes[c]),
                             front: i < b.front * b.lanes(),
                             rigid: b.idle,
+                            cycles: if b.slow { subcycles as f64 } else { 1.0 },
                             force: [[0.0; 4]; 4],
                         }
                     }));
@@ -96,14 +108,16 @@ impl Loads {
         }
     }
 
-    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest.
-    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, front: bool) {
-        for face in self.faces.iter().filter(|f| f.front == front && f.rigid) {
+    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest. With
+    /// `all`, when an outer step begins, slow elements get what acts for all of its cycles.
+    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, [all, front]: [bool; 2]) {
+        let due = |f: &&mut LoadedFace| f.front == front && (all || f.cycles == 1.0);
+        for face in self.faces.iter_mut().filter(due).filter(|f| f.rigid) {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
         }
-        for face in self.faces.iter_mut().filter(|f| f.front == front) {
+        for face in self.faces.iter_mut().filter(due) {
             let p = &self.pressures[face.pressure];
-            let pressure = p.pressure * factor(&self.curves, p.curve, time);
+            let pressure = p.pressure * factor(&self.curves, p.curve, time) * face.cycles;
             face.force = on_corners(pressure, &face.nodes.map(|n| nodes.x[n as usize]), face.nodes);
             for (&slot, f) in face.slots.iter().zip(&face.force) {
                 (0..3).for_each(|c| blocks.force[slot][c] -= f[c]);
@@ -111,29 +125,39 @@ impl Loads {
         }
     }
 
-    /// What pressure has put into corner slots at the present time, face after face: slots and forces [force].
+    /// What pressure has put into corner slots last, face after face: slots and forces [force].
     pub fn on_slots(&self) -> impl Iterator<Item = (usize, &Row)> {
         self.faces.iter().flat_map(|face| face.slots.iter().copied().zip(&face.force))
     }
 
-    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job.
-    pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64) {
+    /// How many times a load acts on a held node in this cycle; with `all` an outer step begins.
+    fn times(&self, i: usize, all: bool) -> f64 {
+        let cycles = self.cycles.get(i).copied().unwrap_or(1.0);
+        if all || cycles == 1.0 { cycles } else { 0.0 }
+    }
+
+    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job; with `all` an outer step begins.
+    pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, all: bool) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
             for &(a, curve) in &self.gravity {
                 let factor = factor(&self.curves, curve, time);
                 (0..3).for_each(|c| self.falling[c] += factor * a[c]);
             }
-            for (f, m) in nodes.force.iter_mut().zip(&nodes.mass) {
+            for (i, (f, m)) in nodes.force.iter_mut().zip(&nodes.mass).enumerate() {
+                let m = m * self.times(i, all);
                 (0..3).for_each(|c| f[c] += m * self.falling[c]);
             }
         }
         for load in &mut self.forces {
             load.factor = factor(&self.curves, load.job.curve, time);
-            for &n in &load.nodes {
-                (0..3).for_each(|c| nodes.force[n as usize][c] += load.factor * load.job.force[c]);
+        }
+        for load in &self.forces {
+            for n in load.nodes.iter().map(|&n| n as usize) {
+                let factor = load.factor * self.times(n, all);
+                (0..3).for_each(|c| nodes.force[n][c] += factor * load.job.force[c]);
                 if nodes.rotations {
-                    (0..3).for_each(|c| nodes.moment[n as usize][c] += load.factor * load.job.moment[c]);
+                    (0..3).for_each(|c| nodes.moment[n][c] += factor * load.job.moment[c]);
                 }
             }
         }
@@ -157,22 +181,23 @@ impl Loads {
         }
     }
 
-    /// Work done on owned nodes and elements in the step, when the velocities at its end are known [energy].
-    pub fn work(&self, nodes: &Nodes, steps: Steps) -> Work {
+    /// Work done on owned nodes and elements in the step, when the velocities at its end are known; with `all` on slow elements
+    /// too [energy].
+    pub fn work(&self, nodes: &Nodes, steps: Steps, all: bool) -> Work {
         let moved = |f: &Row, i: usize| Work::of_all(f, &nodes.v[i], &nodes.next_v[i]);
         let turned = |f: &Row, i: usize| Work::of_all(f, &nodes.w[i], &nodes.next_w[i]);
         let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
         let mut work = Work::default();
         if !self.gravity.is_empty() {
-            work += own().map(|i| moved(&self.falling, i) * nodes.mass[i]).sum();
+            work += own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, all))).sum();
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
             let of = |i: usize| moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() };
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
-            work += owned.map(of).sum::<Work>() * load.factor;
+            work += owned.map(|i| of(i) * self.times(i, all)).sum::<Work>() * load.factor;
         }
-        for face in &self.faces {
+        for face in self.faces.iter().filter(|f| all || f.cycles == 1.0) {
             work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
         }
         work = work * steps.mid;

@@ -8,7 +8,7 @@ use crate::contact::edges::outline;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::halo::{Halo, Link};
-use crate::nodes::{Nodes, xyz};
+use crate::nodes::{Mean, Nodes, xyz};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
@@ -25,6 +25,8 @@ pub struct Share {
     pub nodes: Vec<NodeRecord>,
     /// What nodes remember of contact, possibly several times.
     pub memories: BTreeMap<NodeId, Vec<Memory>>,
+    /// Mean velocities of nodes in the outer step, of moving and of turning, possibly several times; empty without subcycles.
+    pub means: Vec<Mean>,
 }
 
 /// A worker's local mesh and connections.
@@ -48,6 +50,7 @@ struct WireCorner {
     /// What the node has of the sender's surface, see [`Surface::widen`].
     half: f64,
     scale: f64,
+    slow: u64,
 }
 
 /// A segment of an exterior element.
@@ -111,8 +114,8 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     let mut halo = link_corners(wire, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.lay_masses(&nodes);
-        halo.send_corners(wire, &blocks)?;
-        halo.recv_corners(wire, &mut blocks)?;
+        halo.send_corners(wire, &blocks, true)?;
+        halo.recv_corners(wire, &mut blocks, true)?;
         blocks.gather_masses(&mut nodes);
     }
     if let Some(surface) = &mut surface {
@@ -152,9 +155,10 @@ fn link_corners(
 ) -> Result<Halo, Lost> {
     let me = nodes.me as usize;
     let slots = blocks.first_slots();
-    let mut corners: Vec<(ElemId, usize, u32, u32)> = Vec::new();
+    let mut corners: Vec<(ElemId, usize, u32, u32, bool)> = Vec::new();
     for (e, slot) in blocks.elements.iter().zip(slots).filter(|(e, _)| e.shared) {
-        corners.extend((0..e.record.shape.corners()).map(|c| (e.record.id, c, e.nodes[c], (slot + c) as u32)));
+        let corner = |c: usize| (e.record.id, c, e.nodes[c], (slot + c) as u32, e.record.slow);
+        corners.extend((0..e.record.shape.corners()).map(corner));
     }
     corners.sort_unstable_by_key(|c| (c.0, c.1));
     let mut links = Vec::new();
@@ -163,13 +167,14 @@ fn link_corners(
         let at_shared: Vec<_> = corners.iter().filter(|c| list.binary_search(&c.2).is_ok()).collect();
         let reach =
             |n: u32| surface.as_ref().map_or((0.0, 0.0), |s| (s.node_half[n as usize], s.node_scale[n as usize]));
-        let wired = |c: &&(ElemId, usize, u32, u32)| {
+        let wired = |c: &&(ElemId, usize, u32, u32, bool)| {
             let (half, scale) = reach(c.2);
-            WireCorner { node: nodes.id[c.2 as usize], elem: c.0, half, scale }
+            WireCorner { node: nodes.id[c.2 as usize], elem: c.0, half, scale, slow: u64::from(c.4) }
         };
         let wired: Vec<WireCorner> = at_shared.iter().map(wired).collect();
         parcels.push(words(&wired));
-        links.push(Link { worker, corners_out: at_shared.iter().map(|c| c.3).collect(), ..Link::default() });
+        let fast_out = at_shared.iter().filter(|c| settings.subcycles > 1 && !c.4).map(|c| c.3).collect();
+        links.push(Link { worker, corners_out: at_shared.iter().map(|c| c.3).collect(), fast_out, ..Link::default() });
     }
     let others = exchange_all(wire, parcels)?;
     let mut foreign = Vec::new();
@@ -179,7 +184,11 @@ fn link_corners(
         link.corners_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
             let node = nodes.held_number(c.node).expect("shared nodes are held");
-            foreign.push(ForeignCorner { node, elem: c.elem });
+            let slow = c.slow != 0;
+            if settings.subcycles > 1 && !slow {
+                link.fast_in.push((blocks.own_slots() + foreign.len()) as u32);
+            }
+            foreign.push(ForeignCorner { node, elem: c.elem, slow });
             widths.push((node, c.half, c.scale));
         }
     }

@@ -4,7 +4,7 @@
 use crate::contact::Contact;
 use crate::contact::pairs::Memory;
 use crate::membership::{Local, Share};
-use crate::nodes::Nodes;
+use crate::nodes::{Mean, Nodes};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
@@ -20,7 +20,7 @@ struct WireElement {
     id: ElemId,
     part: u32,
     shape: u16,
-    /// Free faces, and above these a bit for failure.
+    /// Free faces, and above these bits for failure and for slowness.
     free_faces: u16,
     nodes: CornerNodes,
     mass_factor: f64,
@@ -29,13 +29,15 @@ struct WireElement {
 }
 const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
 const NODE_WORDS: usize = size_of::<NodeRecord>() / 8;
+const MEAN_WORDS: usize = size_of::<Mean>() / 8;
 
-/// What goes to one worker: three runs of words, each led by its length.
+/// What goes to one worker: four runs of words, each led by its length.
 #[derive(Default)]
 struct Parcel {
     elements: Vec<u64>,
     nodes: Vec<u64>,
     memories: Vec<u64>,
+    means: Vec<u64>,
 }
 
 /// Takes the local mesh apart and sends every element to the worker whose box holds its centre.
@@ -64,19 +66,25 @@ pub fn migrate(
     for (n, to) in goes {
         let record = local.nodes.record(n as usize);
         parcels[to].nodes.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&record)));
+        if let Some(mean) = local.nodes.mean(n as usize) {
+            parcels[to].means.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&mean)));
+        }
         if let Some(list) = memories.get(&record.id) {
             put_memories(&mut parcels[to].memories, record.id, list);
         }
     }
-    let packed = parcels.into_iter().map(|p| pack(&[p.elements, p.nodes, p.memories])).collect();
+    let packed = parcels.into_iter().map(|p| pack(&[p.elements, p.nodes, p.memories, p.means])).collect();
     let mut share = Share::default();
     for parcel in exchange_all(wire, packed)? {
-        let [elements, nodes, memories] = unpack(&parcel);
+        let [elements, nodes, memories, means] = unpack(&parcel);
         take_elements(elements, &mut share.elements);
         share.nodes.extend(
             nodes.chunks_exact(NODE_WORDS).map(|w| bytemuck::pod_read_unaligned::<NodeRecord>(bytemuck::cast_slice(w))),
         );
         take_memories(memories, |id, list| _ = share.memories.insert(id, list));
+        share.means.extend(
+            means.chunks_exact(MEAN_WORDS).map(|w| bytemuck::pod_read_unaligned::<Mean>(bytemuck::cast_slice(w))),
+        );
     }
     Ok(share)
 }
@@ -119,7 +127,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         id: e.id,
         part: e.part,
         shape: e.shape as u16,
-        free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8,
+        free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8 | u16::from(e.slow) << 9,
         nodes: e.nodes,
         mass_factor: e.mass_factor,
         stable_dt: e.stable_dt,
@@ -141,7 +149,8 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
             shape,
             nodes: e.nodes,
             free_faces: e.free_faces as u8,
-            failed: e.free_faces >> 8 != 0,
+            failed: e.free_faces >> 8 & 1 == 1,
+            slow: e.free_faces >> 9 & 1 == 1,
             mass_factor: e.mass_factor,
             stable_dt: e.stable_dt,
         };
@@ -163,11 +172,11 @@ fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<Memory>)) {
     }
 }
 
-fn pack(runs: &[Vec<u64>; 3]) -> Vec<u64> {
+fn pack(runs: &[Vec<u64>; 4]) -> Vec<u64> {
     runs.iter().flat_map(|r| std::iter::once(r.len() as u64).chain(r.iter().copied())).collect()
 }
 
-fn unpack(mut words: &[u64]) -> [&[u64]; 3] {
+fn unpack(mut words: &[u64]) -> [&[u64]; 4] {
     std::array::from_fn(|_| match words {
         [len, rest @ ..] => {
             let (run, after) = rest.split_at(*len as usize);
@@ -196,6 +205,7 @@ mod tests {
             nodes: [0, 1, 2, 3, 4, 5, 6, 7].map(|c| NodeId(id + c)),
             free_faces: part as u8,
             failed: part == 5,
+            slow: id == 3 || id == 7,
             mass_factor: 1.0 + 0.1 * id as f64,
             stable_dt: if part == 2 { f64::INFINITY } else { 0.3 },
         };
@@ -217,11 +227,13 @@ mod tests {
         };
         let remembered =
             BTreeMap::from([(NodeId(4), vec![memory(9, 1.0), memory(11, -1.0)]), (NodeId(8), vec![memory(1, 1.0)])]);
-        let mut runs = [Vec::new(), Vec::new(), Vec::new()];
+        let mean = Mean { id: NodeId(4), v: [0.1, -0.0, 1e-300], w: [1.0 / 3.0, 2.0, -3.0] };
+        let mut runs = [const { Vec::new() }; 4];
+        runs[3].extend_from_slice(bytemuck::cast_slice::<Mean, u64>(&[mean]));
         sent.iter().for_each(|(e, history)| put_element(&mut runs[0], e, history));
         remembered.iter().for_each(|(&node, list)| put_memories(&mut runs[2], node, list));
 
-        let [elements, nodes, memories] = unpack(&pack(&runs)).map(<[u64]>::to_vec);
+        let [elements, nodes, memories, means] = unpack(&pack(&runs)).map(<[u64]>::to_vec);
         let (mut arrived, mut known) = (Vec::new(), BTreeMap::new());
         take_elements(&elements, &mut arrived);
         take_memories(&memories, |id, list| _ = known.insert(id, list));
@@ -231,6 +243,7 @@ mod tests {
         assert_eq!(arrived, sent);
         assert_eq!(bits(&arrived), bits(&sent), "-0 stays -0");
         assert_eq!((known, nodes.len()), (remembered, 0));
-        assert_eq!(unpack(&[]).map(<[u64]>::len), [0, 0, 0], "nothing comes from a worker that sends nothing");
+        assert_eq!(bytemuck::cast_slice::<u64, Mean>(&means), [mean]);
+        assert_eq!(unpack(&[]).map(<[u64]>::len), [0; 4], "nothing comes from a worker that sends nothing");
     }
 }

@@ -2,6 +2,7 @@
 //! hold them too: all compute the same bits. The rest are exterior: copies that contact needs.
 
 use crate::elements::NodeView;
+use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::NodeRecord;
 
@@ -16,6 +17,18 @@ pub fn row(a: [f64; 3]) -> Row {
 /// The three components of a row.
 pub fn xyz(r: &Row) -> [f64; 3] {
     [r[0], r[1], r[2]]
+}
+
+/// A node's mean velocities in an outer step, see [`Nodes::mean_v`].
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Mean {
+    /// The node.
+    pub id: NodeId,
+    /// Of moving [length/time].
+    pub v: [f64; 3],
+    /// Of turning [1/time].
+    pub w: [f64; 3],
 }
 
 /// Columns over local nodes; held nodes in ascending id, then exterior nodes in ascending id.
@@ -56,6 +69,11 @@ pub struct Nodes {
     pub inertia: Vec<f64>,
     /// Inverse mass per component, zero where fixed or prescribed.
     pub inv_mass: Vec<Row>,
+    /// Mean velocities in the cycles of the outer step so far, as fractions of all of its cycles; empty without subcycles
+    /// [length/time].
+    pub mean_v: Vec<Row>,
+    /// The same of rotational velocities [1/time].
+    pub mean_w: Vec<Row>,
     /// Inverse rotational inertia per component, zero where fixed or prescribed.
     pub inv_inertia: Vec<Row>,
 }
@@ -140,6 +158,40 @@ impl Nodes {
         self.w[..self.next_w.len()].swap_with_slice(&mut self.next_w);
     }
 
+    /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with `begins` it is the first of them.
+    pub fn follow(&mut self, subcycles: u64, begins: bool) {
+        let share = 1.0 / subcycles as f64;
+        for (mean, v) in [(&mut self.mean_v, &self.v), (&mut self.mean_w, &self.w)] {
+            for (mean, v) in mean.iter_mut().zip(v) {
+                (0..4).for_each(|c| mean[c] = share.mul_add(v[c], if begins { 0.0 } else { mean[c] }));
+            }
+        }
+    }
+
+    /// The mean velocities of node `i`, if they are kept.
+    pub fn mean(&self, i: usize) -> Option<Mean> {
+        let v = xyz(self.mean_v.get(i)?);
+        Some(Mean { id: self.id[i], v, w: self.mean_w.get(i).map_or([0.0; 3], xyz) })
+    }
+
+    /// Keeps mean velocities of held nodes from now on; `means` are those from where they were kept before.
+    pub fn keep_means(&mut self, means: &[Mean]) {
+        self.mean_v = vec![[0.0; 4]; self.held];
+        self.mean_w = vec![[0.0; 4]; if self.rotations { self.held } else { 0 }];
+        for mean in means {
+            let i = self.held_number(mean.id).expect("means come with their nodes") as usize;
+            self.mean_v[i] = row(mean.v);
+            if self.rotations {
+                self.mean_w[i] = row(mean.w);
+            }
+        }
+    }
+
+    /// What slow elements see when an outer step begins: the mean velocities of the one before.
+    pub fn mean_view(&self) -> NodeView<'_> {
+        NodeView { x: &self.x[..self.held], v: &self.mean_v, w: &self.mean_w }
+    }
+
     /// What elements see.
     pub fn view(&self) -> NodeView<'_> {
         NodeView { x: &self.x, v: &self.v, w: &self.w }
@@ -149,8 +201,8 @@ impl Nodes {
     pub fn bytes(&self) -> [usize; 2] {
         let rows = |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
         let named = size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
-        let moving = [&self.x0, &self.x, &self.v, &self.next_v, &self.force, &self.inv_mass];
-        let turning = [&self.w, &self.next_w, &self.moment, &self.inv_inertia];
+        let moving = [&self.x0, &self.x, &self.v, &self.next_v, &self.mean_v, &self.force, &self.inv_mass];
+        let turning = [&self.w, &self.next_w, &self.mean_w, &self.moment, &self.inv_inertia];
         [named + size_of_val(&self.mass[..]) + rows(&moving), size_of_val(&self.inertia[..]) + rows(&turning)]
     }
 

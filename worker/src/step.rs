@@ -33,21 +33,22 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         ..
     } = engine;
 
-    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, true); // elements at shared nodes first
-    loads.add_pressures(blocks, nodes, clock.time, true);
-    halo.send_corners(wire, blocks)?;
-    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, false)); // the others while the forces travel
-    loads.add_pressures(blocks, nodes, clock.time, false);
+    let all = clock.begins(settings); // else without slow elements
+    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, all, true); // elements at shared nodes first
+    loads.add_pressures(blocks, nodes, clock.time, [all, true]);
+    halo.send_corners(wire, blocks, all)?;
+    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, all, false)); // the others while the forces travel
+    loads.add_pressures(blocks, nodes, clock.time, [all, false]);
     ledger.book_elements(&totals);
     timer.lap(Phase::Elements);
     let eroded = clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
     let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
     let known = Known { totals, eroded, parted: halo.parted(), velocities };
     engine.agreement.begin(wire, blocks, nodes, &known, clock, settings)?;
-    halo.recv_corners(wire, blocks)?;
+    halo.recv_corners(wire, blocks, all)?;
     timer.lap(Phase::Halo);
-    blocks.assemble(nodes); // in ascending global element id: same bits for any worker count
-    loads.add_forces(nodes, clock.time);
+    blocks.assemble(nodes, all); // in ascending global element id: same bits for any worker count
+    loads.add_forces(nodes, clock.time, all);
     ties.give_forces(wire, nodes)?;
     nodes.accelerate(steps.mid); // contact and walls not yet felt
     loads.damp(nodes, steps.mid);
@@ -95,7 +96,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     }
 
     let led = prescribed.work(nodes, (contact.as_ref(), ties), steps);
-    ledger.book_external(loads.work(nodes, steps) + led + on_bodies.external);
+    ledger.book_external(loads.work(nodes, steps, all) + led + on_bodies.external);
 
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
     let agreed = engine.agreement.finish(wire, thinnest)?;
@@ -104,6 +105,9 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     if agreed.trouble.is_none() {
         engine.at_present_time(wire)?; // history, while velocities before and after are both known
         engine.nodes.advance(steps.dt);
+        if engine.settings.subcycles > 1 {
+            engine.nodes.follow(engine.settings.subcycles, all);
+        }
         engine.bodies.advance(&mut engine.nodes, steps.dt);
         engine.walls.advance(steps.dt);
         engine.clock.tick();

@@ -22,6 +22,7 @@ pub fn settings() -> Settings {
         rigid: Vec::new(),
         ties: Vec::new(),
         dt_max: 0.0,
+        subcycles: 1,
         contact: None,
         rotations: true,
         buffer: 1.0,

@@ -39,6 +39,11 @@ const LAST_STEPS: f64 = 1000.0;
 const HELD: u64 = 256;
 
 impl Clock {
+    /// Whether an outer step begins: slow elements are computed, and the step may change.
+    pub fn begins(&self, settings: &Settings) -> bool {
+        self.cycle.is_multiple_of(settings.subcycles)
+    }
+
     /// At time 0 with the first stable step, safety factor not yet applied.
     pub fn start(settings: &Settings, stable_dt: f64) -> Self {
         let mut c = Self {
@@ -60,14 +65,17 @@ impl Clock {
     }
 
     /// Takes the global smallest stable step of the elements. It becomes shorter at once and longer now and then: a step that goes
-    /// with the lengths of vibrating elements gives them energy or takes it (Skeel & Gear 1992). The run ends on
+    /// with the lengths of vibrating elements gives them energy or takes it (Skeel & Gear 1992). Within an outer step it stays. The run ends on
     /// time: the last steps are equal parts of what is left, since a last step of next to nothing would make enormous velocities
     /// of whatever gap is to be closed, and a jump of the step costs the balance of energy as much of what swings.
     pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let limit = (settings.safety * stable_dt).min(largest);
         self.least_dt = self.least_dt.min(limit);
-        let dt = if self.cycle.is_multiple_of(HELD) {
+        if !self.begins(settings) {
+            return;
+        }
+        let dt = if (self.cycle / settings.subcycles).is_multiple_of(HELD) {
             std::mem::replace(&mut self.least_dt, f64::INFINITY)
         } else {
             self.whole_dt.min(limit)
@@ -75,8 +83,9 @@ impl Clock {
         self.min_dt = self.min_dt.min(dt);
         self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);
-        let steps = left / dt;
-        self.dt = if steps <= LAST_STEPS { left / (steps * (1.0 - SLACK)).ceil().max(1.0) } else { dt };
+        let cycles = settings.subcycles as f64;
+        let steps = left / (cycles * dt);
+        self.dt = if steps <= LAST_STEPS { left / (cycles * (steps * (1.0 - SLACK)).ceil().max(1.0)) } else { dt };
     }
 
     /// From the last to the next mid-step [time].
@@ -110,14 +119,15 @@ impl Clock {
         stable_dt.is_nan() || settings.safety * stable_dt < settings.dt_min_ratio * self.first_dt
     }
 
-    /// Whether a history row is due at the present time.
+    /// Whether a history row is due at the present time: when an outer step begins, since all stresses are then known.
     pub fn row_due(&self, settings: &Settings) -> bool {
-        self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
+        self.begins(settings) && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
     }
 
-    /// Whether field files are due at the present time.
+    /// Whether field files are due at the present time: one cycle into an outer step, when no stress is older than that.
     pub fn fields_due(&self, settings: &Settings) -> bool {
-        settings.field_times.get(self.fields).is_some_and(|&t| self.time >= t * (1.0 - SLACK))
+        let fresh = self.cycle == 0 || self.cycle % settings.subcycles == 1 % settings.subcycles;
+        fresh && settings.field_times.get(self.fields).is_some_and(|&t| self.time >= t * (1.0 - SLACK))
     }
 }
 
@@ -142,6 +152,31 @@ mod tests {
         assert!(steps[..1001].iter().all(|d| *d <= 0.31 && *d > 0.999 * 0.31), "{steps:?}");
         assert!(steps[2..1001].windows(2).all(|d| (d[0] - d[1]).abs() < 1e-12), "{steps:?}");
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
+    }
+
+    /// With subcycles outer steps are whole, begin and end with the run, and the step stays as it is in each of them.
+    #[test]
+    fn outer_steps_are_whole_and_of_one_step() {
+        let settings = Settings { end_time: 310.1, subcycles: 4, ..crate::testing::settings() };
+        let mut c = Clock::start(&settings, 0.31 / settings.safety);
+        let mut steps = vec![c.dt];
+        let (mut rows, mut fields) = (Vec::new(), Vec::new());
+        while !c.is_over(&settings) {
+            let stable = if c.cycle == 401 { 0.2 } else { 0.31 } / settings.safety;
+            c.tick();
+            c.choose(&settings, stable);
+            steps.push(c.dt);
+            rows.extend(c.row_due(&settings).then_some(c.cycle));
+            fields.extend(c.fields_due(&Settings { field_times: vec![100.0], ..settings.clone() }).then_some(c.cycle));
+        }
+        assert!((c.time - 310.1).abs() < 1e-9 && c.cycle.is_multiple_of(4), "{} in {}", c.time, c.cycle);
+        assert!(steps[..steps.len() - 1].chunks(4).all(|outer| outer.iter().all(|d| *d == outer[0])), "{steps:?}");
+        assert!(rows.iter().all(|r| r % 4 == 0) && fields.iter().all(|f| f % 4 == 1), "{rows:?} {fields:?}");
+        assert!(!rows.is_empty() && !fields.is_empty());
+        assert!(
+            (steps[400] - 0.31).abs() < 1e-3,
+            "a short step in the middle of an outer one, that is over when it ends, is let be"
+        );
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub fn run(once: bool) {
 }
 
 fn kernels(e: &mut Engine) {
-    black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, false));
+    black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, false));
 }
 
 /// Elements add to their nodes, which start from nought.

@@ -61,7 +61,7 @@ fn engine(job: &str, sets: &[&str]) -> Engine {
 fn elements(job: &str, sets: &[&str]) -> Work {
     let mut e = engine(job, sets);
     Box::new(move || {
-        black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, false));
+        black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, false));
     })
 }
 

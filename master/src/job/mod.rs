@@ -21,6 +21,7 @@ mod rigid;
 mod sets;
 mod springs;
 pub mod state;
+pub mod subcycles;
 mod ties;
 pub mod tree;
 mod units;
@@ -251,10 +252,11 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     if findings.any_error() {
         return None;
     }
-    let elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
+    let mut elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
     if findings.any_error() {
         return None;
     }
+    subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
     let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
     Some(Built { quality: figures?, job, mesh, settings, nodes, elements, blocks, warnings, mapping, unsupported })
 }
@@ -400,6 +402,7 @@ impl Model {
             free_faces: free[i],
             failed: false,
             mass_factor: self.elements.mass_factor[i],
+            slow: self.elements.slow.get(i).is_some_and(|&slow| slow),
             stable_dt: self.elements.massless_dt(i),
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {

@@ -28,6 +28,10 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     numbers.need(limit >= 0.0, "time.mass_scaling_limit", limit, "a fraction of the structure's mass, 0 or above");
     numbers.need(time.mass_scaling_dt >= 0.0, "time.mass_scaling_dt", time.mass_scaling_dt, "0 (none) or above");
 
+    if time.subcycles == 0 {
+        let help = "take 1 (all elements in each cycle), or so many cycles for the slow elements' step";
+        numbers.findings.add(Problem::error("time.subcycles", "subcycles is 0: an outer step has no cycle", help));
+    }
     numbers.need(time.dt_max >= 0.0, "time.dt_max", time.dt_max, "0 (no limit) or above");
 
     let output = &job.output;
@@ -227,6 +231,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
         rigid: Vec::new(),
         ties: Vec::new(),
         dt_max: job.time.dt_max,
+        subcycles: job.time.subcycles.max(1),
         contact,
         rotations: true,
         buffer: or(job.parallel.buffer, 0.5 * smallest),

@@ -51,6 +51,8 @@ pub struct ElementStart {
     pub mass_factor: Vec<f64>,
     /// Stable step with mass scaling, before the safety factor; infinite where rigid or a skin [time].
     pub stable_dt: Vec<f64>,
+    /// Whether it is computed in the first cycle of an outer step only; empty without subcycles.
+    pub slow: Vec<bool>,
 }
 
 /// The mesh's node sets, for those who look them up by name.
@@ -280,7 +282,7 @@ pub fn warnings(
             mesh.elements[at].id,
             median / dt
         );
-        let help = "mesh it anew, or see time.mass_scaling_dt";
+        let help = "mesh it anew, or see time.subcycles and time.mass_scaling_dt";
         warnings.push(Problem::warning("", message, help));
     }
     warnings

@@ -128,6 +128,11 @@ pub fn run(args: &ScaleArgs) -> u8 {
 
 fn refuse(model: &Model, workers: &[usize], times: &[f64]) -> Option<String> {
     let (elements, end) = (model.mesh.elements.len(), model.settings.end_time);
+    if model.settings.subcycles > 1 {
+        return Some(
+            "time.subcycles: the model of costs has all elements in each cycle; add --set time.subcycles=1".into(),
+        );
+    }
     if let Some(n) = workers.iter().find(|&&n| n > elements) {
         return Some(format!(
             "{n} workers are more than the {elements} elements of the job; give fewer with --workers"

@@ -70,6 +70,7 @@ pub fn settings(part: Part, material: Material) -> Settings {
         rigid: Vec::new(),
         ties: Vec::new(),
         dt_max: 0.0,
+        subcycles: 1,
         contact: None,
         rotations: true,
         buffer: 0.0,
