@@ -124,7 +124,7 @@ fn imbalance(model: &Model) -> f64 {
     most / work
 }
 
-/// In 5000 outer steps, 250 periods of the bar, energy stays within a percent or two of the largest work: what a sudden force excites at
+/// In 5000 outer steps, 250 periods of the bar, energy stays within half a percent of the largest work: what a sudden force excites at
 /// the end of the stable step is beyond the second order of the balance, and does not grow. Without the layers that keep the short elements'
 /// motion from the slow forces it grows without bound at this step, whose multiple by 4 is half a period of one of their modes.
 #[test]
@@ -135,7 +135,7 @@ fn energy_stays_with_a_layer_and_resonates_without() {
     let early = imbalance(&bar(Kind::Shells, 0.1 * end, &sets));
     let without = imbalance(&bar(Kind::Shells, 0.1 * end, &[&sets[..], &["time.subcycle_layers=0"]].concat()));
     println!("with a layer {with}, in the first tenth {early}, without {without}");
-    assert!(with < 0.02 && with < 2.0 * early, "with a layer: {with}, in the first tenth {early}");
+    assert!(with < 5e-3 && with < 2.0 * early, "with a layer: {with}, in the first tenth {early}");
     assert!(without > 1e3, "without: {without}");
 }
 
