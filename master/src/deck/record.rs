@@ -208,7 +208,14 @@ impl Cards<'_> {
                     let message =
                         format!("*{} ends before its card {}: {}", block.name, record.lines.len() + 1, names.join(" "));
                     let place = block.lines.last().map_or(block.place(), |&l| block.span(l, 0, (l.1 - l.0) as usize));
-                    self.trouble.error(place, message, "add the line; a blank one stands for its defaults");
+                    let headed = row.cards.first().is_some_and(|(card, times)| {
+                        matches!(times, Times::Once) && card.fields.iter().all(|f| f.kind == Kind::Line)
+                    });
+                    let help = match headed {
+                        true => "add the line; its first one is a heading, which has to be there even if it is blank",
+                        false => "add the line; a blank one stands for its defaults",
+                    };
+                    self.trouble.error(place, message, help);
                     self.trouble.unsure();
                     whole = false;
                 }
@@ -341,5 +348,6 @@ pub fn layout(card: &Card, format: Format) -> String {
         (true, Some(width)) => format!("{width} columns each"),
         _ => format!("columns of {}", widths.iter().map(u16::to_string).collect::<Vec<_>>().join(", ")),
     };
-    format!("the fields are {}, {columns} or with commas between them", names.join(" "))
+    let ids = if widths.first() == Some(&8) { "; longer ids take *KEYWORD I10=Y, or commas" } else { "" };
+    format!("the fields are {}, {columns} or with commas between them{ids}", names.join(" "))
 }

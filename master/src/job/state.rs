@@ -10,6 +10,7 @@ use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_proto::tie::Tie;
 use crumple_proto::wall::WallMotion;
 use std::collections::HashMap;
 
@@ -247,8 +248,7 @@ pub fn warnings(
         let message = "nothing moves: no node has an initial velocity, and there are no loads";
         warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]] or a load"));
     }
-    let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
-    let fastest = job.material.iter().filter_map(wave).fold(0.0, f64::max);
+    let fastest = fastest_wave(job);
     let speed = nodes.velocity.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).fold(0.0, f64::max);
     if fastest > 0.0 && speed > fastest {
         let message = format!("a node starts with {speed:.4e}, faster than any wave in the materials ({fastest:.4e})");
@@ -270,6 +270,12 @@ pub fn warnings(
     if settings.contact.is_some() && mesh.elements.iter().any(|e| e.shape == Shape::Beam2) {
         let message = "beams take no part in contact: other things pass through them";
         warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));
+    }
+    let meets = |t: &Tie| settings.walls.iter().any(|w| w.admits(t.node));
+    if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
+        let message = format!("{count} tied nodes do not meet rigid walls, which see only what carries them");
+        let help = "tie the side that is away from the wall, or leave the tied nodes out by the wall's `except`";
+        warnings.push(Problem::warning("wall", message, help));
     }
     let structure = deformable_mass(elements);
     let added = scaled_mass(elements);
@@ -295,6 +301,12 @@ pub fn warnings(
         warnings.push(Problem::warning("", message, help));
     }
     warnings
+}
+
+/// The largest `sqrt(E/rho)` of a job's materials [length/time].
+pub fn fastest_wave(job: &Job) -> f64 {
+    let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
+    job.material.iter().filter_map(wave).fold(0.0, f64::max)
 }
 
 /// Mass that scaling adds to all elements [mass].
