@@ -1,6 +1,6 @@
 //! Tied nodes as workers know them.
 
-use crate::ids::NodeId;
+use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
 /// A node that is carried by others.
@@ -12,6 +12,9 @@ pub struct Tie {
     pub carriers: Vec<(NodeId, f64)>,
     /// Nodes of the surface that stand on faces between tied nodes, of which this is one: contact lets them be, as it does carriers.
     pub near: Vec<NodeId>,
+    /// Elements of the face that it stands on, and of those of tied nodes in between: when one of them fails it is let go. None for
+    /// what is tied to a node.
+    pub faces: Vec<ElemId>,
     /// Whether rotations are tied too.
     pub rotations: bool,
     /// Whether it keeps its place against its carriers' mean one, as an arm that turns with them; without, that is its place.

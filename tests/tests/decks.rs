@@ -147,6 +147,48 @@ fn includes_are_read_in_place() {
     assert_eq!(whole(&good(&main)), whole(&good(&decks("good/fixed.k"))));
 }
 
+/// Names of files as other systems write them; and what there is where only capitals differ.
+#[test]
+fn includes_of_other_systems_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(decks("good/fixed.k")).unwrap();
+    let (before, rest) = text.split_once("*NODE\n").unwrap();
+    fs::create_dir(folder.path().join("my meshes")).unwrap();
+    fs::write(folder.path().join("my meshes/mesh 1.k"), format!("*KEYWORD\n*NODE\n{rest}")).unwrap();
+    let main = folder.path().join("main.k");
+    let with = |name: &str| fs::write(&main, format!("{before}*INCLUDE\n{name}\n*END\n")).unwrap();
+    for name in ["my meshes/mesh 1.k", "\"my meshes/mesh 1.k\"", "my meshes\\mesh 1.k"] {
+        with(name);
+        assert_eq!(whole(&good(&main)), whole(&good(&decks("good/fixed.k"))), "{name}");
+    }
+    with("My Meshes/Mesh 1.k");
+    let report = read(&main, &[]).err().expect("another name").to_string();
+    assert!(report.contains("there is my meshes/mesh 1.k"), "{report}");
+}
+
+/// What a deck survives is told: a file cut short, a card that is there twice, velocities in other units.
+#[test]
+fn slips_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    let text = fs::read_to_string(decks("good/fixed.k")).unwrap();
+    let told = |text: String| {
+        fs::write(&path, text).unwrap();
+        good(&path).warnings.iter().map(|w| format!("{}\n", w.message)).collect::<String>()
+    };
+    let plain = told(text.clone());
+    for (said, text) in [
+        ("the deck has no *END", text.split("*END").next().unwrap().to_string()),
+        (
+            "*CONTROL_TIMESTEP is there 2 times: the last one counts",
+            text.replacen("*PART", "*CONTROL_TIMESTEP\n\n*PART", 1),
+        ),
+        ("faster than any wave", text.replace("      -3.0", "  -3.0e+06")),
+    ] {
+        assert!(!plain.contains(said) && told(text.clone()).contains(said), "not said: {said}\n{text}");
+    }
+}
+
 #[test]
 fn a_jobs_own_keys_go_before_its_decks() {
     let folder = tempfile::tempdir().unwrap();

@@ -42,6 +42,23 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     assert_eq!(facts["model"]["frames"].as_array().unwrap().len(), ended.read_fields());
     assert!(first.contains(summary["state_digest"].as_str().unwrap()), "the summary is on the page");
     assert_eq!(facts["plots"]["plots"][0]["title"], "Energies");
+    // They add up: at every time to the line of the total, which stays.
+    let lines = facts["plots"]["plots"][0]["lines"].as_array().unwrap();
+    let line = |label: &str| -> Vec<f64> {
+        let found = lines.iter().find(|line| line["label"] == label);
+        found.map_or(Vec::new(), |l| l["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect())
+    };
+    let total = line("total");
+    for (row, total_now) in total.iter().enumerate() {
+        let at = |label| line(label).get(row).copied().unwrap_or(0.0);
+        let given = at("contact work") + at("wall work") + at("external work");
+        let sum = at("kinetic") + at("internal") + at("hourglass") - given;
+        assert!(
+            (sum - total_now).abs() < 1e-9 * total[0] && (total_now / total[0] - 1.0).abs() < 5e-3,
+            "{sum} {total_now}"
+        );
+    }
+    assert!(total.len() > 1 && line("internal").last().copied() > Some(0.01 * total[0]), "they change: {total:?}");
 
     fs::remove_file(ended.out().join("report.html")).unwrap();
     run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);

@@ -220,7 +220,8 @@ impl Engine {
     /// A worker is gone.
     pub fn erode(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
-        erode(wire, &mut self.blocks, &self.nodes)?;
+        let failed = erode(wire, &mut self.blocks, &self.nodes)?;
+        self.ties.release(wire, &failed, &mut self.nodes)?;
         self.renew(wire, self.tree.clone())
     }
 

@@ -6,7 +6,7 @@
 
 use crate::blocks::Blocks;
 use crate::nodes::Nodes;
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::transport::{Lost, Transport, exchange_all};
 use std::collections::HashMap;
 
@@ -25,13 +25,14 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
 }
 
 /// Marks own elements that have failed, and opens the faces of own solids that failed ones of any worker had covered. Membership has to be settled anew
-/// afterwards. All workers call this together.
+/// afterwards. Gives the former. All workers call this together.
 ///
 /// # Errors
 /// A worker is gone.
-pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Result<(), Lost> {
+pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Result<Vec<ElemId>, Lost> {
     let failed: Vec<usize> = blocks.newly_failed().collect();
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
+    let ids = failed.iter().map(|&i| blocks.elements[i].record.id).collect();
     let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
     let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
     // Only who has a corner of a face near can have its other side; all are told, since failure is rare.
@@ -42,7 +43,7 @@ pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Re
     let here = |face: &&Face| nodes.held_number(face[0]).is_some();
     let bared: Vec<Face> = bared.iter().filter(here).copied().collect();
     if bared.is_empty() {
-        return Ok(());
+        return Ok(ids);
     }
     let mut opposing: HashMap<Face, Vec<(usize, usize)>> = HashMap::new();
     for (i, e) in blocks.elements.iter().enumerate().filter(|(_, e)| e.record.shape.is_solid()) {
@@ -53,5 +54,5 @@ pub fn erode(wire: &mut dyn Transport, blocks: &mut Blocks, nodes: &Nodes) -> Re
     for &(i, f) in bared.iter().filter_map(|face| opposing.get(face)).flatten() {
         blocks.elements[i].record.free_faces |= 1 << f;
     }
-    Ok(())
+    Ok(ids)
 }

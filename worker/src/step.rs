@@ -74,15 +74,16 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         contact.enforce(wire, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
         timer.lap(Phase::Contact);
     }
+    if let Some(contact) = contact {
+        ties.give_contact(wire, nodes, contact, steps)?; // what carries them meets walls with it
+    }
     let mut on_walls = Work::default();
     if !walls.is_empty() {
         bodies.push_walls_met(walls);
-        let pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
+        let mut pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
+        ties.push(&mut pushed, nodes, steps);
         on_walls = walls.keep_out(wire, nodes, &pushed, steps)?;
         timer.lap(Phase::Advance);
-    }
-    if let Some(contact) = contact {
-        ties.give_contact(wire, nodes, contact, steps)?;
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
     ties.follow(wire, nodes, steps.dt)?;

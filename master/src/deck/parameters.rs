@@ -42,7 +42,10 @@ impl Parameters {
     /// What to do about a name that there is not.
     pub fn nearest(&self, name: &str) -> String {
         let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
-        crate::job::nearest(name, &known)
+        match known.is_empty() {
+            true => format!("define it above this line: *PARAMETER, and a line `R {name}` with its value"),
+            false => format!("define it above this line by *PARAMETER; {}", crate::job::nearest(name, &known)),
+        }
     }
 
     /// Reads a block of `*PARAMETER` (pairs of name and value) or `*PARAMETER_EXPRESSION` (a name and a formula a line).

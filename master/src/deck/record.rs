@@ -208,7 +208,14 @@ impl Cards<'_> {
                     let message =
                         format!("*{} ends before its card {}: {}", block.name, record.lines.len() + 1, names.join(" "));
                     let place = block.lines.last().map_or(block.place(), |&l| block.span(l, 0, (l.1 - l.0) as usize));
-                    self.trouble.error(place, message, "add the line; a blank one stands for its defaults");
+                    let headed = row.cards.first().is_some_and(|(card, times)| {
+                        matches!(times, Times::Once) && card.fields.iter().all(|f| f.kind == Kind::Line)
+                    });
+                    let help = match headed {
+                        true => "add the line; its first one is a heading, which has to be there even if it is blank",
+                        false => "add the line; a blank one stands for its defaults",
+                    };
+                    self.trouble.error(place, message, help);
                     self.trouble.unsure();
                     whole = false;
                 }
@@ -253,13 +260,13 @@ impl Cards<'_> {
             );
             self.trouble.error(block.span(span, from, to), message, layout(card, block.format));
         }
-        let place = block.span(span, 0, text.len());
+        let (place, line) = (block.span(span, 0, text.len()), block.span(span, 0, text.len()));
         let mut values = Vec::with_capacity(card.fields.len());
         for (index, field) in card.fields.iter().enumerate() {
             let (from, to) = fields.span(index);
             let text = &text[from..to];
             let place = if from == to { place } else { block.span(span, from, to) };
-            let given = self.given(field, text, place, (block, card, number));
+            let given = self.given(field, text, place, (block, card, number, line));
             if given == Given::Blank && field.needed {
                 let message = format!("*{}: `{}` of card {} is blank", block.name, field.name, number + 1);
                 self.trouble.error(place, message, layout(card, block.format));
@@ -270,7 +277,7 @@ impl Cards<'_> {
         Line { card, values, place }
     }
 
-    fn given(&mut self, field: &Field, text: &[u8], place: Place, of: (&Block, &Card, usize)) -> Given {
+    fn given(&mut self, field: &Field, text: &[u8], place: Place, of: (&Block, &Card, usize, Place)) -> Given {
         if text.is_empty() {
             return Given::Blank;
         }
@@ -278,7 +285,7 @@ impl Cards<'_> {
         if field.kind == Kind::Line {
             return Given::Word(word.into_owned());
         }
-        let (block, card, number) = of;
+        let (block, card, number, line) = of;
         if let Some((minus, name)) = super::parameters::reference(&word) {
             return match self.parameters.get(name) {
                 Some(parameter) => match (field.kind, parameter.clone()) {
@@ -291,15 +298,15 @@ impl Cards<'_> {
                     (Kind::Real, Parameter::Real(x)) => Given::Real(if minus { -x } else { x }),
                     _ => {
                         let message = format!("*{}: parameter `{name}` does not suit `{}`", block.name, field.name);
-                        self.trouble.error(place, message, format!("it has to be {}", wanted(field.kind)));
-                        self.trouble.unsure();
+                        let help = format!("it has to be {}", wanted(field.kind));
+                        self.trouble.misread(line, None, place, message, help);
                         Given::Wrong
                     }
                 },
                 None => {
                     let help = self.parameters.nearest(name);
-                    self.trouble.error(place, format!("there is no parameter `{name}` yet"), help);
-                    self.trouble.unsure();
+                    let message = format!("there is no parameter `{name}` yet");
+                    self.trouble.misread(line, Some(&message), place, message.clone(), help);
                     Given::Wrong
                 }
             };
@@ -316,8 +323,7 @@ impl Cards<'_> {
             };
             let message = format!("*{}: `{}` has to be {}, {what}", block.name, field.name, wanted(field.kind));
             let help = format!("card {}: {}", number + 1, layout(card, block.format));
-            self.trouble.error(place, message, help);
-            self.trouble.unsure();
+            self.trouble.misread(line, None, place, message, help);
             Given::Wrong
         })
     }
@@ -342,5 +348,6 @@ pub fn layout(card: &Card, format: Format) -> String {
         (true, Some(width)) => format!("{width} columns each"),
         _ => format!("columns of {}", widths.iter().map(u16::to_string).collect::<Vec<_>>().join(", ")),
     };
-    format!("the fields are {}, {columns} or with commas between them", names.join(" "))
+    let ids = if widths.first() == Some(&8) { "; longer ids take *KEYWORD I10=Y, or commas" } else { "" };
+    format!("the fields are {}, {columns} or with commas between them{ids}", names.join(" "))
 }

@@ -107,7 +107,12 @@ impl Reader<'_> {
         let text = match load(path) {
             Ok(text) => text,
             Err(what) => {
-                let help = "check its name and rights; names are relative to the main deck's folder, the including file's, or an *INCLUDE_PATH";
+                let alike = self.folders.iter().find_map(|folder| alike(folder, &shown));
+                let near = alike.map_or(String::new(), |name| format!("there is {name}; "));
+                let help = format!(
+                    "{near}check its name and rights; names are relative to the main deck's folder, the including file's, or an \
+                     *INCLUDE_PATH"
+                );
                 return self.trouble.error(place, format!("{shown} {what}"), help);
             }
         };
@@ -136,6 +141,7 @@ impl Reader<'_> {
         let mut block: Option<Block> = None;
         let mut fragment: Option<Vec<u8>> = None;
         let mut stray = None;
+        let mut ended = false;
         while at < bytes.len() {
             let stop = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |n| at + n);
             let mut end = stop;
@@ -159,7 +165,10 @@ impl Reader<'_> {
                     }
                     let head = Head::read(line, format);
                     match head.name.as_str() {
-                        "END" => break,
+                        "END" => {
+                            ended = true;
+                            break;
+                        }
                         "KEYWORD" => format = head.format,
                         _ => {
                             block = Some(Block {
@@ -181,6 +190,10 @@ impl Reader<'_> {
         }
         if let Some(block) = block.take() {
             self.close(block, &text, path, format);
+        }
+        if main && !ended && !bytes.is_empty() {
+            let last = Place::Deck { file, start: bytes.len() as u32, end: bytes.len() as u32 };
+            self.trouble.warning(last, "the deck has no *END", "add it as the last line, if the file is whole");
         }
         if let Some((start, end)) = stray {
             let help = "a card belongs to the keyword above it, a line that begins with *";
@@ -219,11 +232,29 @@ impl Reader<'_> {
         }
     }
 
+    /// The file of a name: as it stands, or as other systems write it, in quotes or with backslashes.
     fn find(&self, name: &str, beside: &Path) -> PathBuf {
-        let name = Path::new(name);
-        let places = self.folders.iter().map(PathBuf::as_path).chain([beside]);
-        places.map(|folder| folder.join(name)).find(|p| p.is_file()).unwrap_or_else(|| beside.join(name))
+        let bare = name.trim_matches(['"', '\'']);
+        let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
+        let places = || self.folders.iter().map(PathBuf::as_path).chain([beside]);
+        let all = names.iter().flat_map(|name| places().map(move |folder| folder.join(name)));
+        all.into_iter().find(|p| p.is_file()).unwrap_or_else(|| beside.join(name))
     }
+}
+
+/// What a name stands for when capitals are not told apart.
+fn alike(folder: &Path, name: &str) -> Option<String> {
+    let mut found = folder.to_path_buf();
+    for part in Path::new(name).components() {
+        let part = part.as_os_str();
+        let same = |entry: &std::fs::DirEntry| entry.file_name().eq_ignore_ascii_case(part);
+        let here = if found.as_os_str().is_empty() { Path::new(".") } else { &found };
+        found = match found.join(part).exists() {
+            true => found.join(part),
+            false => found.join(std::fs::read_dir(here).ok()?.flatten().find(same)?.file_name()),
+        };
+    }
+    Some(found.strip_prefix(folder).unwrap_or(&found).display().to_string())
 }
 
 /// Names of files, one a line; a name goes on in the next line behind ` +`.

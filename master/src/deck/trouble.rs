@@ -17,11 +17,40 @@ pub struct Trouble {
     warned: HashSet<String>,
     /// Whether a card could not be read: what refers to it would be blamed for that.
     unsure: bool,
+    /// Lines with a field that could not be read: nothing else is said of what stands in them.
+    misread: Vec<(u32, u32, u32)>,
 }
 
 impl Trouble {
     /// Notes what keeps the run from starting.
     pub fn error(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
+        let within = |&(of, from, to): &(u32, u32, u32)| matches!(place, Place::Deck { file, start, end } if file == of && start >= from && end <= to);
+        if self.misread.iter().any(within) {
+            return;
+        }
+        self.keep(place, message, help);
+    }
+
+    /// Notes a field of a line that cannot be read, those of one kind once.
+    pub fn misread(
+        &mut self,
+        line: Place,
+        kind: Option<&str>,
+        place: Place,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        self.unsure = true;
+        if kind.is_none_or(|kind| self.warned.insert(kind.to_string())) {
+            self.keep(place, message, help);
+        }
+        let Place::Deck { file, start, end } = line else { return };
+        if self.misread.len() < KEPT && self.misread.last() != Some(&(file, start, end)) {
+            self.misread.push((file, start, end));
+        }
+    }
+
+    fn keep(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
         if self.list.len() < KEPT {
             self.add(Problem::error("", message, help), place);
         } else {

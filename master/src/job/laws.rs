@@ -5,10 +5,10 @@
 use super::validate::Findings;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
-use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
-use crumple_worker::contact::initial::{Penetration, initial_penetrations, thinned_shells};
+use crumple_worker::contact::initial::{Initial, Penetration};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::elements::{Element, build_block, formulation};
 use crumple_worker::materials;
@@ -105,8 +105,8 @@ impl Blocks {
 }
 
 /// A warning if contact meets shells with less than their thickness.
-pub fn thinned(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<Problem> {
-    let (count, least) = thinned_shells(settings, elements, nodes)?;
+pub fn thinned(settings: &Settings, initial: &Initial) -> Option<Problem> {
+    let (count, least) = initial.thinned?;
     let limit = settings.contact.as_ref()?.thickness_limit;
     let message = format!(
         "{count} shells are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for {:.0} % of it",
@@ -117,9 +117,8 @@ pub fn thinned(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
 }
 
 /// Warnings if nodes start inside the thickness of shells, or solids, that they can touch.
-pub fn penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Vec<Problem> {
-    let (unseen, seen): (Vec<_>, Vec<_>) =
-        initial_penetrations(settings, elements, nodes).into_iter().partition(|p| p.unseen);
+pub fn penetrations(initial: &Initial) -> Vec<Problem> {
+    let (unseen, seen): (Vec<_>, Vec<_>) = initial.penetrations.iter().copied().partition(|p| p.unseen);
     let tell = |found: &[Penetration], what: &str, help: &str| {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
         let Penetration { node, depth, elem, .. } = deepest;

@@ -181,9 +181,18 @@ fn loaded_faces(
 /// Faces of shells and outer faces of solids of some parts, all of whose nodes are in a set if one is given: elements by their place
 /// in the mesh, with the number of the face.
 pub fn faces(mesh: &Mesh, of_part: impl Fn(u32) -> bool, within: Option<&[NodeId]>) -> Vec<(usize, usize)> {
+    outer_faces(mesh, &free_faces(&mesh.elements), of_part, within)
+}
+
+/// The same where the free faces of the mesh are known.
+pub fn outer_faces(
+    mesh: &Mesh,
+    free: &[u8],
+    of_part: impl Fn(u32) -> bool,
+    within: Option<&[NodeId]>,
+) -> Vec<(usize, usize)> {
     let inside = |id: NodeId| within.is_none_or(|set| set.binary_search(&id).is_ok());
     let mut faces = Vec::new();
-    let free = free_faces(&mesh.elements);
     for (at, (e, free)) in mesh.elements.iter().zip(free).enumerate().filter(|(_, (e, _))| of_part(e.part)) {
         for (f, corners) in e.shape.faces().iter().enumerate() {
             let outer = e.shape.is_shell() || free >> f & 1 == 1;

@@ -230,7 +230,12 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
     let mesh = &read.mesh;
     if mesh.elements.is_empty() {
         let path = if read.written.is_some() { "mesh" } else { "mesh.generator" };
-        few.error("empty", path.into(), "the mesh has no elements".into(), "add mesh.shells or mesh.solids");
+        few.error(
+            "empty",
+            path.into(),
+            "the mesh has no elements".into(),
+            "add mesh.shells or mesh.solids; in a deck *ELEMENT_SHELL or *ELEMENT_SOLID",
+        );
     }
     let mut seen = HashSet::with_capacity(mesh.elements.len());
     let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
@@ -325,7 +330,10 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
         };
         let known: BTreeSet<u32> = parts.unwrap_or_default().iter().copied().collect();
         let known: Vec<String> = known.iter().map(u32::to_string).collect();
-        let help = format!("add a [[part]] with id = {part}; there are parts: {}", known.join(", "));
+        let help = format!(
+            "add a [[part]] with id = {part} (a *PART in a deck), or correct the element; there are parts: {}",
+            known.join(", ")
+        );
         few.error("orphan", read.element_path(index), message, &help);
     }
     if let Some((index, count)) = concave {

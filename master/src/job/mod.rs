@@ -42,6 +42,7 @@ use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
+use crumple_worker::contact::initial::initial;
 use report::{DeckSource, Source};
 use std::path::{Path, PathBuf};
 use tree::Node;
@@ -139,8 +140,9 @@ fn read_tree(path: PathBuf, job: Source, sets: &[String], mut findings: Findings
                 sources,
             };
             let (elements, nodes) = model.records();
-            model.warnings.extend(laws::thinned(&model.settings, &elements, &nodes));
-            model.warnings.extend(laws::penetrations(&model.settings, &elements, &nodes));
+            let initial = initial(&model.settings, &elements, &nodes);
+            model.warnings.extend(laws::thinned(&model.settings, &initial));
+            model.warnings.extend(laws::penetrations(&initial));
             Ok(model)
         }
         _ => Err(Report::new(findings.list, &sources)),
@@ -253,6 +255,9 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         return None;
     }
     let mut elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
+    if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
+        walls::behind(&settings, &mesh, &nodes, dt, state::fastest_wave(&job), findings);
+    }
     if findings.any_error() {
         return None;
     }

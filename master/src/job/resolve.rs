@@ -77,7 +77,11 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         findings.add(Problem::warning("scene", message, "add mesh.generator or take [scene] out"));
     }
     if job.part.is_empty() {
-        findings.add(Problem::error("", "the job has no [[part]]", "add one for each part id of the elements"));
+        findings.add(Problem::error(
+            "",
+            "the job has no [[part]]",
+            "add one for each part id of the elements; in a deck a *PART",
+        ));
     }
     super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
 }

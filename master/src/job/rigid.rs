@@ -10,7 +10,7 @@ use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// All degrees of freedom of a node.
 const ALL: u64 = 0b11_1111;
@@ -25,12 +25,16 @@ pub fn resolve(
     findings: &mut Findings,
 ) -> Vec<RigidBody> {
     let mut bodies: Vec<RigidBody> = Vec::new();
+    if job.rigid.is_empty() {
+        return bodies;
+    }
     let mut owner: HashMap<NodeId, usize> = HashMap::new();
+    let ground = Ground::of(mesh, sets);
     for (i, rigid) in job.rigid.iter().enumerate() {
         let path = format!("rigid.{i}");
         numbers(rigid, i, job, findings);
         let fixed = dof_bits(&rigid.fixed, &format!("{path}.fixed"), findings);
-        let nodes = members(rigid, &path, mesh, sets, findings);
+        let nodes = members(rigid, &path, &ground, findings);
         if let Some((other, first)) = nodes.iter().find_map(|id| owner.get(id).map(|o| (*o, *id))) {
             let message = format!(
                 "rigid bodies `{}` and `{}` have nodes in common; the first is node {first}",
@@ -47,7 +51,8 @@ pub fn resolve(
                 held.len(),
                 rigid.name
             );
-            let help = "take them out of [[fix]], [[symmetry]] and [[motion]]; hold or move the body: `fixed`, or a [[motion]] with `rigid`";
+            let help = "take them out of [[fix]], [[symmetry]] and [[motion]]; hold or move the body: `fixed`, or a [[motion]] with \
+                        `rigid` (in a deck cmo, con1 and con2 of its *MAT_RIGID, or *BOUNDARY_PRESCRIBED_MOTION_RIGID)";
             findings.add(Problem::error(&path, message, help));
         }
         let parts =
@@ -99,22 +104,43 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
     }
 }
 
+/// What of a mesh all bodies need.
+struct Ground<'a> {
+    mesh: &'a Mesh,
+    sets: &'a NodeSets<'a>,
+    /// Elements of each part by their place in the mesh.
+    of_part: HashMap<u32, Vec<usize>>,
+    /// Nodes that turn: they have an inertia of their own.
+    turning: HashSet<NodeId>,
+}
+
+impl<'a> Ground<'a> {
+    fn of(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
+        let mut of_part: HashMap<u32, Vec<usize>> = HashMap::new();
+        for (at, e) in mesh.elements.iter().enumerate() {
+            of_part.entry(e.part).or_default().push(at);
+        }
+        let turning = mesh.elements.iter().filter(|e| e.shape.turns()).flat_map(|e| e.corners()).copied().collect();
+        Self { mesh, sets, of_part, turning }
+    }
+}
+
 /// The nodes of a body, ascending.
-fn members(rigid: &Rigid, path: &str, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Findings) -> Vec<NodeId> {
+fn members(rigid: &Rigid, path: &str, ground: &Ground<'_>, findings: &mut Findings) -> Vec<NodeId> {
+    let Ground { mesh, sets, of_part, turning } = ground;
     if rigid.parts.is_empty() && rigid.nodes.is_none() {
         let help = "name `parts`, a node set as `nodes`, or both";
         findings.add(Problem::error(path, "a rigid body has no parts and no nodes", help));
     }
-    let of_parts = mesh.elements.iter().filter(|e| rigid.parts.contains(&e.part));
-    let mut nodes: BTreeSet<NodeId> = of_parts.flat_map(|e| e.corners()).copied().collect();
+    let of_parts = rigid.parts.iter().filter_map(|part| of_part.get(part)).flatten();
+    let mut nodes: BTreeSet<NodeId> = of_parts.flat_map(|&e| mesh.elements[e].corners()).copied().collect();
     if let Some(name) = &rigid.nodes {
         nodes.extend(sets.ids(name, format!("{path}.nodes"), findings).into_iter().flatten());
     }
     let at = |id: &NodeId| sets.place(*id).map(|n| mesh.nodes[n].x);
     let points: Vec<[f64; 3]> = nodes.iter().filter_map(at).collect();
-    // Nodes that turn have an inertia of their own.
-    let turns = || mesh.elements.iter().any(|e| e.shape.turns() && e.corners().iter().any(|n| nodes.contains(n)));
-    if !points.is_empty() && on_a_line(&points) && !turns() {
+    let turns = nodes.iter().any(|n| turning.contains(n));
+    if !points.is_empty() && on_a_line(&points) && !turns {
         let message = format!("the nodes of rigid body `{}` stand on one line", rigid.name);
         findings.add(Problem::error(path, message, "give it at least three that do not, or a node of a shell or beam"));
     }

@@ -3,12 +3,14 @@
 use super::laws::{Blocks, Used};
 use super::loads::dof_bits;
 use super::springs;
+use super::units;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::Job;
+use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_proto::tie::Tie;
 use crumple_proto::wall::WallMotion;
 use std::collections::HashMap;
 
@@ -248,6 +250,14 @@ pub fn warnings(
         let message = "nothing moves: no node has an initial velocity, and there are no loads";
         warnings.push(Problem::warning("initial_velocity", message, "add an [[initial_velocity]] or a load"));
     }
+    let fastest = fastest_wave(job);
+    let speed = nodes.velocity.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).fold(0.0, f64::max);
+    if fastest > 0.0 && speed > fastest {
+        let message = format!("a node starts with {speed:.4e}, faster than any wave in the materials ({fastest:.4e})");
+        let help = "check its units: velocities are in lengths by time of the coordinates and times of the job";
+        let place = if job.initial_velocity.len() == 1 { "initial_velocity.0" } else { "initial_velocity" };
+        warnings.push(Problem::warning(place, message, help));
+    }
     for (index, part) in settings.parts.iter().enumerate() {
         if !elements.part.contains(&(index as u32)) {
             let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
@@ -263,6 +273,12 @@ pub fn warnings(
         let message = "beams take no part in contact: other things pass through them";
         warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));
     }
+    let meets = |t: &Tie| settings.walls.iter().any(|w| w.admits(t.node));
+    if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
+        let message = format!("{count} tied nodes do not meet rigid walls, which see only what carries them");
+        let help = "tie the side that is away from the wall, or leave the tied nodes out by the wall's `except`";
+        warnings.push(Problem::warning("wall", message, help));
+    }
     let structure = deformable_mass(elements);
     let added = scaled_mass(elements);
     if added > 0.05 * structure {
@@ -273,9 +289,10 @@ pub fn warnings(
             "take a smaller step, or a mesh without tiny elements",
         ));
     }
-    let mut steps = elements.stable_dt.clone();
+    // Rigid bodies and skins set none.
+    let mut steps: Vec<f64> = elements.stable_dt.iter().copied().filter(|dt| dt.is_finite()).collect();
     let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median = if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
     if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
         let message = format!(
             "element {} alone sets the time step: it is {:.0} times below the median",
@@ -286,6 +303,12 @@ pub fn warnings(
         warnings.push(Problem::warning("", message, help));
     }
     warnings
+}
+
+/// The largest `sqrt(E/rho)` of a job's materials [length/time].
+pub fn fastest_wave(job: &Job) -> f64 {
+    let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
+    job.material.iter().filter_map(wave).fold(0.0, f64::max)
 }
 
 /// Mass that scaling adds to all elements [mass].

@@ -1,12 +1,12 @@
 //! Ties of a job: which nodes stand on which faces, what is wrong with that, and what it is in numbers and ids.
 
-use super::loads::faces;
+use super::loads::outer_faces;
 use super::state::{NodeSets, NodeStart};
 use super::validate::{Findings, nearest};
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, Tie as TieSpec};
 use crumple_proto::loads::Motion;
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::mesh::{Mesh, Shape, free_faces};
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
@@ -20,6 +20,8 @@ const OF_DIAGONAL: f64 = 0.05;
 const NO_SHARE: f64 = 1e-12;
 /// Nodes that are moved by more than this fraction of the face's diagonal are told.
 const TOLD_MOVE: f64 = 1e-3;
+/// Nodes that start with a velocity that differs by more than this fraction from that of their carriers are told.
+const TOLD_VELOCITY: f64 = 0.01;
 /// Numbers of nodes in a message.
 const NAMED: usize = 5;
 /// Ties one on another before they go in a circle.
@@ -34,15 +36,50 @@ struct Stand {
     moved: f64,
 }
 
+/// What of a job and its mesh all entries need.
+struct Ground<'a> {
+    job: &'a Job,
+    mesh: &'a Mesh,
+    sets: NodeSets<'a>,
+    /// Free faces of solids.
+    free: Vec<u8>,
+    /// Thickness of each part, and of the thickest shell at each node.
+    thick: HashMap<u32, f64>,
+    shells: HashMap<NodeId, f64>,
+    /// Nodes that turn.
+    turning: HashSet<NodeId>,
+    /// Parts of rigid bodies.
+    rigid: HashSet<u32>,
+}
+
+impl<'a> Ground<'a> {
+    fn of(job: &'a Job, mesh: &'a Mesh) -> Self {
+        let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
+        let turning = mesh.elements.iter().filter(|e| e.shape.turns()).flat_map(|e| e.corners()).copied().collect();
+        Self {
+            sets: NodeSets::of(mesh),
+            free: free_faces(&mesh.elements),
+            shells: of_nodes(mesh, &thick),
+            thick,
+            turning,
+            rigid: job.rigid.iter().flat_map(|r| r.parts.iter().copied()).collect(),
+            job,
+            mesh,
+        }
+    }
+}
+
 /// Finds the faces that nodes are tied to and moves the nodes onto them; tied nodes ascending.
 pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> {
     if job.tie.is_empty() {
         return Vec::new();
     }
     let mut stands: Vec<Stand> = Vec::new();
+    let ground = Ground::of(job, mesh);
     for (entry, spec) in job.tie.iter().enumerate() {
-        stands.extend(of_entry(spec, entry, job, mesh, findings));
+        stands.extend(of_entry(spec, entry, &ground, findings));
     }
+    drop(ground);
     stands.sort_by_key(|s| (s.tie.node, s.entry));
     for pair in stands.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
         let message = format!(
@@ -72,9 +109,9 @@ fn name(job: &Job, entry: usize) -> String {
 }
 
 /// The nodes of one entry.
-fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut Findings) -> Vec<Stand> {
+fn of_entry(spec: &TieSpec, entry: usize, ground: &Ground<'_>, findings: &mut Findings) -> Vec<Stand> {
+    let Ground { job, mesh, sets, free, thick, shells, turning, .. } = ground;
     let path = |key: &str| format!("tie.{entry}.{key}");
-    let sets = NodeSets::of(mesh);
     let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
     for (k, id) in spec.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)) {
         let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
@@ -85,6 +122,14 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     if spec.tolerance < 0.0 {
         let message = format!("tolerance is {}", spec.tolerance);
         findings.add(Problem::error(path("tolerance"), message, "give a length, or 0 for the default"));
+    }
+    for (k, thickness) in spec.thicknesses.iter().enumerate().filter(|(_, t)| **t < 0.0) {
+        let message = format!("a thickness is {thickness}");
+        findings.add(Problem::error(
+            path(&format!("thicknesses.{k}")),
+            message,
+            "give a length, or 0 for that of the parts",
+        ));
     }
     if let Some(node) = spec.node {
         return to_node(spec, NodeId(node), entry, nodes.unwrap_or_default(), mesh, findings);
@@ -103,7 +148,7 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     };
     let Some(nodes) = nodes else { return Vec::new() };
     let of_part = |part: u32| spec.parts.is_empty() || spec.parts.contains(&part);
-    let surface = faces(mesh, of_part, within.as_deref());
+    let surface = outer_faces(mesh, free, of_part, within.as_deref());
     if surface.is_empty() {
         let message = format!("{}: its surface has no face", name(job, entry));
         let help = "name a part that has shells or solids, or a set that holds all nodes of each face";
@@ -118,14 +163,18 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     let at = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| mesh.nodes[n].x);
     let places: Vec<Face> = corners.iter().map(|c| c.map(at)).collect();
     let points: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n].x).collect();
-    let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
-    let shells = of_nodes(mesh, &thick);
     let of_face = |f: usize| {
         let element = &mesh.elements[surface[f].0];
+        if spec.thicknesses[1] > 0.0 {
+            return spec.thicknesses[1];
+        }
         if element.shape.is_shell() { thick.get(&element.part).copied().unwrap_or(0.0) } else { 0.0 }
     };
     let id = |p: usize| mesh.nodes[nodes[p]].id;
-    let of_node = |p: usize| shells.get(&id(p)).copied().unwrap_or(0.0);
+    let of_node = |p: usize| match spec.thicknesses[0] {
+        given if given > 0.0 => given,
+        _ => shells.get(&id(p)).copied().unwrap_or(0.0),
+    };
     let reach = |f: usize, thickness: f64| match spec.tolerance {
         given if given > 0.0 => given,
         _ => (OF_THICKNESSES * (of_face(f) + thickness)).max(OF_DIAGONAL * diagonal(&places[f])),
@@ -134,10 +183,8 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     let tolerance = |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
     let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
     tell_lost(job, entry, &found, id, findings);
-    let turning: HashSet<NodeId> =
-        mesh.elements.iter().filter(|e| e.shape.turns()).flat_map(|e| e.corners()).copied().collect();
     // A rigid body takes its members where they are.
-    let rigid = |f: usize| job.rigid.iter().any(|r| r.parts.contains(&mesh.elements[surface[f].0].part));
+    let rigid = |f: usize| ground.rigid.contains(&mesh.elements[surface[f].0].part);
     let stand = |(p, foot): (usize, Option<Foot>)| {
         let foot = foot?;
         let carriers = shared(&corners[foot.face], &foot.shape);
@@ -148,6 +195,7 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
                 node: id(p),
                 carriers,
                 near: Vec::new(),
+                faces: vec![mesh.elements[surface[foot.face].0].id],
                 rotations: spec.rotations && turns,
                 offset: spec.offset && turns && !rigid(foot.face),
             },
@@ -160,9 +208,35 @@ fn of_entry(spec: &TieSpec, entry: usize, job: &Job, mesh: &Mesh, findings: &mut
     let mut stands: Vec<Stand> = found.into_iter().enumerate().filter_map(stand).collect();
     if job.contact.is_some() {
         let reaches = corners.iter().enumerate().flat_map(|(f, c)| c.map(|id| (id, reach(f, thickest))));
-        face_back(mesh, &mut stands, &surface, reaches.collect());
+        face_back(ground, &mut stands, &surface, reaches.collect());
     }
     stands
+}
+
+/// Tells of nodes that start with other velocities than what carries them.
+fn tell_unlike<'t>(
+    ties: impl Iterator<Item = &'t Tie>,
+    sets: &NodeSets<'_>,
+    start: &NodeStart,
+    findings: &mut Findings,
+) {
+    let velocity = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| start.velocity[n]);
+    let unlike = |tie: &&Tie| {
+        let own = velocity(tie.node);
+        let carried = tie.carriers.iter().map(|&(id, share)| velocity(id).map(|v| v * share));
+        let carried = carried.fold([0.0; 3], |sum, v| [0, 1, 2].map(|c| sum[c] + v[c]));
+        let size = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        size([0, 1, 2].map(|c| own[c] - carried[c])) > TOLD_VELOCITY * size(own).max(size(carried)) && !tie.offset
+    };
+    let nodes: Vec<NodeId> = ties.filter(unlike).map(|t| t.node).collect();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{} tied nodes start with other velocities than what carries them, and share their momentum with it: {}",
+            nodes.len(),
+            named(&nodes)
+        );
+        findings.add(Problem::warning("tie", message, "give both sides of a tie the same initial velocity"));
+    }
 }
 
 /// Nodes that have the displacements of another one.
@@ -191,6 +265,7 @@ fn to_node(
             node: mesh.nodes[node].id,
             carriers: vec![(carrier, 1.0)],
             near: Vec::new(),
+            faces: Vec::new(),
             rotations: spec.rotations,
             offset: false,
         },
@@ -203,7 +278,8 @@ fn to_node(
 }
 
 /// Notes which nodes of a surface stand on faces between tied nodes. `reaches` are the surface's nodes, each with its faces' tolerances.
-fn face_back(mesh: &Mesh, stands: &mut [Stand], surface: &[(usize, usize)], reaches: Vec<(NodeId, f64)>) {
+fn face_back(ground: &Ground<'_>, stands: &mut [Stand], surface: &[(usize, usize)], reaches: Vec<(NodeId, f64)>) {
+    let Ground { mesh, sets, free, .. } = ground;
     let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
     tied.sort_unstable();
     let mut reach: HashMap<NodeId, f64> = HashMap::new();
@@ -211,10 +287,9 @@ fn face_back(mesh: &Mesh, stands: &mut [Stand], surface: &[(usize, usize)], reac
         let most = reach.entry(id).or_insert(own);
         *most = most.max(own);
     }
-    let sets = NodeSets::of(mesh);
     let at = |id: &NodeId| sets.place(*id).map_or([0.0; 3], |n| mesh.nodes[n].x);
     let own: HashSet<(usize, usize)> = surface.iter().copied().collect();
-    let between = faces(mesh, |_| true, Some(&tied)).into_iter().filter(|face| !own.contains(face));
+    let between = outer_faces(mesh, free, |_| true, Some(&tied)).into_iter().filter(|face| !own.contains(face));
     let between: Vec<[NodeId; 4]> =
         between.map(|(e, f)| mesh.elements[e].shape.faces()[f].map(|c| mesh.elements[e].nodes[c])).collect();
     let mut points: Vec<NodeId> = reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
@@ -306,13 +381,14 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
 fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
         stands.iter().map(|s| (s.tie.node, s.tie.carriers.clone())).collect();
+    let on: HashMap<NodeId, Vec<ElemId>> = stands.iter().map(|s| (s.tie.node, s.tie.faces.clone())).collect();
     let kinds: HashMap<NodeId, (bool, bool)> =
         stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
     let mut ties = Vec::with_capacity(stands.len());
     for Stand { mut tie, entry, .. } in stands {
         let cannot = |&(rotations, offset): &(bool, bool)| tie.offset || offset || tie.rotations && !rotations;
-        let on = tie.carriers.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
-        if let Some((carrier, _)) = on {
+        let wrong = tie.carriers.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
+        if let Some((carrier, _)) = wrong {
             let message =
                 format!("{}: node {} stands on node {carrier}, which is tied itself", name(job, entry), tie.node);
             let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
@@ -322,11 +398,12 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         let mut rounds = 0;
         while tie.carriers.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
             rounds += 1;
-            let on = |&(node, share): &(NodeId, f64)| match own.get(&node) {
+            tie.faces.extend(tie.carriers.iter().filter_map(|c| on.get(&c.0)).flatten());
+            let next = |&(node, share): &(NodeId, f64)| match own.get(&node) {
                 Some(next) => next.iter().map(|&(n, s)| (n, s * share)).collect(),
                 None => vec![(node, share)],
             };
-            tie.carriers = tie.carriers.iter().flat_map(on).collect();
+            tie.carriers = tie.carriers.iter().flat_map(next).collect();
             whole(&mut tie.carriers);
             if tie.carriers.iter().any(|c| c.0 == tie.node) {
                 rounds = LONGEST_CHAIN;
@@ -338,6 +415,8 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
             findings.add(Problem::error(format!("tie.{entry}"), message, help));
             break;
         }
+        tie.faces.sort_unstable();
+        tie.faces.dedup();
         ties.push(tie);
     }
     ties
@@ -389,6 +468,7 @@ pub fn join(
         any && !matches!(body(t), (Some(_), true))
     });
     list(split, "stand on faces that are rigid in part", "leave a row of elements between, or make the face rigid");
+    tell_unlike(ties.iter().filter(|t| body(t).0.is_none()), sets, start, findings);
     ties.retain(|tie| match body(tie) {
         (Some(b), true) => {
             bodies[b].nodes.push(tie.node);

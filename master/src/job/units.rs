@@ -1,12 +1,15 @@
 //! Whether a material's numbers can be meant in the units that the job states.
 
-use crumple_proto::job::Job;
+use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::problem::Problem;
 
 /// Densities of solids that are built with, from foam to osmium [kg/m^3].
 const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=23_000.0;
-/// Wave speeds `sqrt(E/rho)`, from soft rubber to diamond [m/s].
+/// Wave speeds `sqrt(E/rho)`, from soft rubber to diamond, and of what is as dense as a metal, from lead on [m/s].
 const WAVE_SPEEDS: std::ops::RangeInclusive<f64> = 5.0..=19_000.0;
+const OF_METALS: std::ops::RangeInclusive<f64> = 1000.0..=19_000.0;
+/// Nothing soft is denser [kg/m^3].
+const SOFT: f64 = 2600.0;
 
 /// Units of length, time and mass, in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,10 +38,9 @@ pub fn check(job: &Job) -> Vec<Problem> {
             let help = format!("no solid has that; steel has {steel:.3e} in these units");
             problems.push(Problem::warning(format!("material.{index}.density"), message, help));
         }
-        let modulus = material.parameters.get("youngs_modulus");
-        let Some(modulus) = modulus.and_then(|e| e.as_float().or(e.as_integer().map(|i| i as f64))) else { continue };
+        let Some(modulus) = youngs_modulus(material) else { continue };
         let speed = (modulus / material.density).sqrt() * units.length / units.time;
-        if speed.is_finite() && speed > 0.0 && !WAVE_SPEEDS.contains(&speed) {
+        if speed.is_finite() && speed > 0.0 && !wave_speeds(density).contains(&speed) {
             let message =
                 format!("material `{}`: in {} its waves run at {speed:.3e} m/s, sqrt(E/rho)", material.name, job.units);
             let steel = 207e9 * units.length * units.time * units.time / units.mass;
@@ -49,6 +51,17 @@ pub fn check(job: &Job) -> Vec<Problem> {
     problems
 }
 
+/// Wave speeds [m/s] that there are at a density [kg/m^3].
+fn wave_speeds(density: f64) -> &'static std::ops::RangeInclusive<f64> {
+    if density > SOFT { &OF_METALS } else { &WAVE_SPEEDS }
+}
+
+/// Young's modulus of a material that has one [force/length^2].
+pub fn youngs_modulus(material: &MaterialSpec) -> Option<f64> {
+    let given = material.parameters.get("youngs_modulus")?;
+    given.as_float().or(given.as_integer().map(|i| i as f64))
+}
+
 /// Whether a solid can have this density [mass/length^3] and Young's modulus [force/length^2] in these units; a density
 /// that is not above 0 fits in any.
 pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
@@ -57,7 +70,7 @@ pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
     let density = density * units.mass / units.length.powi(3);
     density.is_nan()
         || density <= 0.0
-        || (DENSITIES.contains(&density) && (WAVE_SPEEDS.contains(&speed) || speed == 0.0))
+        || (DENSITIES.contains(&density) && (wave_speeds(density).contains(&speed) || speed == 0.0))
 }
 
 /// Reads `mm, ms, kg` and the like; `None` if the text does not name one unit each of length, time and mass.
@@ -77,6 +90,13 @@ fn read(text: &str) -> Option<Units> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 7850 and 207 are steel in no units: a metal is stiffer than that in the only ones in which it would be as dense.
+    #[test]
+    fn metals_are_not_as_soft_as_rubber() {
+        assert!(fit("m, ms, kg", 7850.0, 207e3) && !fit("m, ms, kg", 7850.0, 207.0));
+        assert!(fit("m, ms, kg", 1100.0, 5.0), "rubber");
+    }
 
     #[test]
     fn common_sets_are_read() {

@@ -135,7 +135,8 @@ fn table(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
             "" => format!("the job has no `{key}`"),
             _ => format!("{} has no `{key}`", section(path)),
         };
-        let help = format!("add `{key} = ...`, {}: {}", expected(property), description(property));
+        let card = if join(path, key) == "end_time" { "; in a deck *CONTROL_TERMINATION" } else { "" };
+        let help = format!("add `{key} = ...`, {}: {}{card}", expected(property), description(property));
         findings.add_faulty(Problem::error(join(path, key), message, help), Some(here));
         entries.insert(key.to_string(), Entry { key: here, node: stand_in(property, here) });
     }

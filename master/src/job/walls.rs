@@ -1,13 +1,21 @@
 //! Rigid walls of a job: what is wrong with them, and what they are in numbers and ids.
 
 use super::loads::{Curves, starts_with_jump};
-use super::state::NodeSets;
+use super::state::{NodeSets, NodeStart};
 use super::validate::Findings;
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Wall as WallSpec};
 use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::mesh::{Mesh, MeshNode};
+use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::wall::{Wall, WallForm, WallMotion};
+use std::collections::HashSet;
 
+/// Nodes that a wall would throw out with more than this fraction of the wave speed are told; less is round-off of the mesh.
+const TOLD_SPEED: f64 = 1e-6;
+/// With more than this, as by a strain that nothing bears, the run would fail.
+const THROWN: f64 = 0.1;
 /// An edge counts as along the normal if its part across is below this fraction of it.
 const ALONG: f64 = 1e-6;
 
@@ -152,5 +160,39 @@ mod tests {
         let wall = WallSpec { edge: Some([1.0, 2.0, 5.0]), ..WallSpec::default() };
         let edge = square(&wall, &[0.0, 0.0, 1.0]).unwrap();
         assert!(edge[2].abs() < 1e-15 && (edge[1] - 2.0 * edge[0]).abs() < 1e-15);
+    }
+}
+
+/// Tells of nodes that start behind planes without end, which push them out in the first step of length `dt`. What would come out
+/// faster than a tenth of the `wave` in the materials is an error.
+pub fn behind(settings: &Settings, mesh: &Mesh, start: &NodeStart, dt: f64, wave: f64, findings: &mut Findings) {
+    let held: HashSet<NodeId> = settings.rigid.iter().flat_map(|b| b.nodes.iter().copied()).collect();
+    let free: Vec<&MeshNode> = mesh
+        .nodes
+        .iter()
+        .zip(&start.fixed)
+        .filter(|(n, f)| **f & 7 != 7 && !held.contains(&n.id))
+        .map(|n| n.0)
+        .collect();
+    for (w, wall) in settings.walls.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
+        let depth = |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
+        let meets = free.iter().filter(|n| wall.admits(n.id));
+        let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > TOLD_SPEED * wave);
+        let (count, (most, id)) =
+            deep.fold((0, (0.0, NodeId(0))), |(count, most), d| (count + 1, if d.0 > most.0 { d } else { most }));
+        if count == 0 {
+            continue;
+        }
+        let message = format!(
+            "{count} nodes start behind wall `{}`, node {id} by {most:.3e}: the first step would throw it out with {:.3e}",
+            wall.name,
+            most / dt
+        );
+        let help = "move the wall, turn its normal round (it points to where the model is), or leave them out by `nodes` or `except`";
+        let path = format!("wall.{w}");
+        findings.add(match most / dt > THROWN * wave {
+            true => Problem::error(path, message, help),
+            false => Problem::warning(path, message, help),
+        });
     }
 }

@@ -116,6 +116,11 @@ pub fn run(args: &ScaleArgs) -> u8 {
             Err(why) => eprintln!("not checked with two workers: {why}"),
         }
     }
+    if let count @ 1.. = model.settings.ties.len() {
+        say!(
+            "not in the figures: what {count} tied nodes cost, up to five messages a step between workers that share a tie"
+        );
+    }
     match report::write(&model.job.title, &samples, &out) {
         Ok(files) => say!("written: {files}"),
         Err(why) => {

@@ -38,6 +38,10 @@ pub struct Beam {
     /// Torsion constant of a general section [length^4].
     #[serde(default)]
     pub torsion: f64,
+    /// Areas that bear the shear forces along the second and the third axis; 0 for a beam so thin that shear does not deform it, as it is
+    /// without this [length^2].
+    #[serde(default)]
+    pub shear_areas: [f64; 2],
     /// Makes beams welds that break.
     #[serde(default)]
     pub weld: Option<Weld>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// momentum nor energy is lost, and no stable step becomes shorter.
 ///
 /// A face that a rigid body moves makes its nodes members of the body. Walls let tied nodes be and stop what carries them. A node
-/// stays tied when elements around it fail, and starts to move as its face does.
+/// that starts with another velocity than its face gives it the difference of momentum. When the element of its face fails a node is let go.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tie {
@@ -31,6 +31,9 @@ pub struct Tie {
     /// whichever is more, as LS-DYNA does. What is farther off is not tied, which is told.
     #[serde(default)]
     pub tolerance: f64,
+    /// Thicknesses of the nodes' side and of the faces' side that the default `tolerance` goes by; 0 for those of the parts [length].
+    #[serde(default)]
+    pub thicknesses: [f64; 2],
     /// Tie rotations too, to faces whose nodes turn.
     #[serde(default)]
     pub rotations: bool,

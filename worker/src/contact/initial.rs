@@ -29,11 +29,21 @@ pub struct Penetration {
 /// Penetrations below this fraction of the contact thickness are round-off of the mesh.
 const ROUND_OFF: f64 = 1e-6;
 
-/// All penetrations of a mesh (records sorted by id), in ascending node id: the deepest shell for each node, or the nearest face of
-/// a solid that it is in. The run tolerates what it sees and gives it back slowly.
-pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Vec<Penetration> {
+/// What the contact surface of a mesh shows before the start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Initial {
+    /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face of a solid that it is in. The run
+    /// tolerates what it sees and gives it back slowly.
+    pub penetrations: Vec<Penetration>,
+    /// How many shells are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
+    /// fraction of it that is left; `None` if all are met as they are.
+    pub thinned: Option<(usize, f64)>,
+}
+
+/// Looks at the surface of a mesh (records sorted by id).
+pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Initial {
     if settings.contact.is_none() {
-        return Vec::new();
+        return Initial::default();
     }
     let (nodes, mut surface) = whole_surface(settings, elements, nodes);
     surface.collect_slaves(&nodes);
@@ -47,7 +57,7 @@ pub fn initial_penetrations(settings: &Settings, elements: &[ElementRecord], nod
     found.extend(in_solids(&nodes, &surface, elements, is_tied));
     found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));
     found.dedup_by_key(|p| p.node);
-    found
+    Initial { penetrations: found, thinned: thinned(settings, &surface) }
 }
 
 fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> bool) -> Vec<Penetration> {
@@ -98,24 +108,66 @@ fn in_solids(
         linked_cells(&boxes, &points(nodes, surface)).into_iter().filter(inside).map(|found| found.1).collect();
     slaves.sort_unstable();
     slaves.dedup();
-    let into = |&p: &u32| {
+    let depth_in = |s: &Segment, p: u32| {
         let slave = surface.slaves[p as usize];
         let at = V3::from(xyz(&nodes.x[slave as usize]));
-        let depth = |s: &&&Segment| {
-            let near = nearest(&at, &s.corners(&nodes.x), s.is_triangle())?;
-            let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
-            let depth = -offset.dot(&near.normal);
-            let behind = depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
-            let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
-            (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((depth, scale))
-        };
-        let nearest_face =
-            faces.iter().filter_map(|s| depth(&s).map(|d| (s, d))).min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        let (face, (depth, scale)) = nearest_face.filter(|(_, (depth, scale))| *depth > ROUND_OFF * scale)?;
-        let (node, elem) = (nodes.id[slave as usize], face.id.elem());
-        Some(Penetration { node, elem, depth, unseen: depth > BEHIND * scale })
+        let near = nearest(&at, &s.corners(&nodes.x), s.is_triangle())?;
+        let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
+        let depth = -offset.dot(&near.normal);
+        let behind = depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
+        let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
+        (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((depth, scale))
     };
-    slaves.iter().filter_map(into).collect()
+    let mut found: Vec<Penetration> = Vec::new();
+    for (p, (face, depth, scale)) in nearest_faces(&faces, slaves, nodes, surface, depth_in) {
+        if depth > ROUND_OFF * scale {
+            let (node, elem) = (nodes.id[surface.slaves[p as usize] as usize], faces[face as usize].id.elem());
+            found.push(Penetration { node, elem, depth, unseen: depth > BEHIND * scale });
+        }
+    }
+    found
+}
+
+/// For slaves the face that they are least deep in, with that depth and a scale. Faces are looked for within a reach that grows until
+/// none outside of it can be nearer.
+fn nearest_faces(
+    faces: &[&Segment],
+    mut slaves: Vec<u32>,
+    nodes: &Nodes,
+    surface: &Surface,
+    depth_in: impl Fn(&Segment, u32) -> Option<(f64, f64)>,
+) -> Vec<(u32, (u32, f64, f64))> {
+    let all: Vec<Aabb> = faces.iter().map(|s| s.bounds(&nodes.x, 0.0)).collect();
+    let place = |p: u32| xyz(&nodes.x[surface.slaves[p as usize] as usize]);
+    let whole = Aabb::around(all.iter().flat_map(|b| [b.min, b.max]).chain(slaves.iter().map(|&p| place(p))));
+    let largest = (0..3).map(|c| whole.max[c] - whole.min[c]).fold(0.0, f64::max);
+    let mut reach = surface.largest_scale();
+    let mut found = Vec::new();
+    while !slaves.is_empty() {
+        let boxes: Vec<Aabb> = all.iter().map(|b| b.grown(reach)).collect();
+        let points: Vec<[f64; 3]> = slaves.iter().map(|&p| place(p)).collect();
+        let mut least: Vec<Option<(u32, f64, f64)>> = vec![None; slaves.len()];
+        for (f, i) in linked_cells(&boxes, &points) {
+            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else { continue };
+            let best = &mut least[i as usize];
+            let nearer = |&(g, least, _): &(u32, f64, f64)| depth.total_cmp(&least).then(f.cmp(&g)).is_lt();
+            if best.as_ref().is_none_or(nearer) {
+                *best = Some((f, depth, scale));
+            }
+        }
+        // What is deeper than the reach may be less deep in a face outside of it.
+        let last = reach > 2.0 * largest;
+        let mut left = Vec::new();
+        for (p, best) in slaves.into_iter().zip(least) {
+            match best.filter(|best| last || best.1 <= reach) {
+                Some(best) => found.push((p, best)),
+                None if !last => left.push(p),
+                None => {}
+            }
+        }
+        (slaves, reach) = (left, 4.0 * reach);
+    }
+    found
 }
 
 fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
@@ -131,11 +183,7 @@ fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
     })
 }
 
-/// How many shells are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
-/// fraction of it that is left; `None` if all are met as they are.
-pub fn thinned_shells(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Option<(usize, f64)> {
-    settings.contact.as_ref()?;
-    let (_, surface) = whole_surface(settings, elements, nodes);
+fn thinned(settings: &Settings, surface: &Surface) -> Option<(usize, f64)> {
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
     let shares = shells.map(|s| 2.0 * s.half / settings.parts[s.part as usize].thickness).filter(|&share| share < 1.0);
     shares.fold(None, |sum, share| {

@@ -10,8 +10,12 @@
 //! ```
 //! integrated by Lobatto's rule at both ends and the middle: bending is exact for forces on the nodes, and a plastic hinge
 //! comes at the very end. Fibres have a law in plane stress without stress across. Those of tubes bear the torque as
-//! shear, with the law; in other sections it stays elastic. There is no transverse shear. A weld breaks when the forces at its
-//! end reach `(N/S_n)^n + (V/S_s)^m + (M/S_b)^2 + (T/S_t)^2 = 1`, tension only.
+//! shear, with the law; in other sections it stays elastic. A weld breaks when the forces at its end reach `(N/S_n)^n + (V/S_s)^m + (M/S_b)^2 + (T/S_t)^2 = 1`, tension only.
+//!
+//! Where areas for it are given shear deforms the beam too, elastically (Timoshenko 1921): `gamma = (m_1 + m_2)/(L G A_s)` is taken
+//! from the rotations of both ends before they bend it. With `phi = 12 E I/(G A_s L^2)` the step `d theta` of their mean brings
+//! `d gamma = (phi d theta + (m_1 + m_2)/(L G A_s) - gamma)/(1 + phi)`, which is exact while fibres are elastic, and follows the moments
+//! that they have left when they yield.
 //!
 //! Forces are those of virtual work, and shear forces from the moments, so that they keep momentum and angular momentum:
 //! `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
@@ -47,14 +51,17 @@ type V3 = Vector3<f64>;
 type Turn = UnitQuaternion<f64>;
 
 /// Columns of an element: whether it has started (0 or 1), length then [length], triads as quaternions (before the start a vector
-/// towards the second axis), deformation, forces at its corners, whether it has broken (0 or 1); then those of its fibres.
+/// towards the second axis), deformation, forces at its corners, whether it has broken (0 or 1), shear; then those of its fibres.
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const TRIADS: usize = 2;
 const DEFORMED: usize = 10;
 const FORCES: usize = 16;
 const BROKEN: usize = 25;
-const FIBRES: usize = 26;
+/// Shear strains by which ends turn about the second and the third axis without bending, and the sums of their moments.
+const SHEARED: usize = 26;
+const SUMS: usize = 28;
+const FIBRES: usize = 30;
 /// Ends.
 const ENDS: usize = 2;
 /// Lobatto's weights at s = 0, 1/2, 1, and the factors of the ends' rotations in the curvature there.
@@ -76,6 +83,8 @@ pub struct Beam {
     section: Section,
     /// Area, second moments about second and third axis, torsion constant.
     moments: [f64; 4],
+    /// Areas that shear forces deform, for bending about the second and the third axis; 0 for none.
+    shear_areas: [f64; 2],
     /// Columns of a fibre.
     stride: usize,
     /// Where a fibre keeps its effective plastic strain, and where it marks that it has failed.
@@ -130,6 +139,9 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     if beam.section == BeamSection::I && !(2.0 * beam.flange < beam.height && beam.web <= beam.width) {
         say("beam", "flanges or web are thicker than the section".into(), "correct height, width, flange and web");
     }
+    for (k, area) in beam.shear_areas.into_iter().enumerate().filter(|(_, area)| *area < 0.0) {
+        say(&format!("beam.shear_areas.{k}"), format!("a shear area is {area}"), "give an area, or 0 for no shear");
+    }
     if let Some(Weld { normal, shear, bending, torsion, exponents: [n, m] }) = beam.weld {
         let limits = [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
         for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {
@@ -154,6 +166,8 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
         weld: beam.weld.clone(),
         elastic: law.elastic(),
         moments: section.moments(),
+        // A force along the third axis bends about the second one.
+        shear_areas: [beam.shear_areas[1], beam.shear_areas[0]],
         section,
         stride: STRESS + history.len(),
         plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| STRESS + column),
@@ -205,6 +219,12 @@ impl Beam {
             *step = now - std::mem::replace(column, now);
         }
 
+        let sheared = [[1, 2], [3, 4]].map(|ends| ends.map(|k| step[k]));
+        for (axis, own) in sheared.into_iter().enumerate() {
+            let strain = self.shear(state, axis, 0.5 * (own[0] + own[1]), start);
+            (0..ENDS).for_each(|k| step[1 + 2 * axis + k] -= strain);
+        }
+
         // 2. Fibres at the sections, and what they give to the ends.
         let [du, y1, y2, z1, z2, twist] = step.map(|d| d / start);
         let (mut axial, mut torque, mut bending, mut largest) = (0.0, 0.0, [0.0; 4], 0.0f64);
@@ -231,6 +251,8 @@ impl Beam {
                 }
             }
         }
+        state[SUMS] = bending[0] + bending[1];
+        state[SUMS + 1] = bending[2] + bending[3];
         torque += self.elastic.shear_modulus() * self.section.torsion * deformed[5] / start;
 
         // 3. Forces in space.
@@ -246,6 +268,19 @@ impl Beam {
         }
         let sum = force.abs().sum() + moments[0].abs().sum() + moments[1].abs().sum();
         Response { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
+    }
+
+    /// What of a step of the ends' mean rotation about the second (0) or third (1) axis is shear.
+    fn shear(&self, state: &mut [f64], axis: usize, turned: f64, length: f64) -> f64 {
+        let stiffness = self.elastic.shear_modulus() * self.shear_areas[axis] * length;
+        if stiffness == 0.0 {
+            return 0.0;
+        }
+        let phi = 12.0 * self.elastic.youngs_modulus * self.moments[1 + axis] / (stiffness * length);
+        let left = state[SUMS + axis] / stiffness - state[SHEARED + axis];
+        let strain = (phi * turned + left) / (1.0 + phi);
+        state[SHEARED + axis] += strain;
+        strain
     }
 
     /// Updates fibres with no stress across: the strain across follows, by secants from the elastic one.

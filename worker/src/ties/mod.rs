@@ -10,8 +10,12 @@
 //! inertias grow by `ARM_INERTIA` times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step
 //! of the elements at s is then at least `1/sqrt(1 + a)` of their own.
 //!
+//! A node that starts with another velocity than its carriers gives them the difference as an impulse, so that momentum is what the
+//! mesh came with. When the element of its face fails the node is free again and takes back its mass, and the momentum that this had at
+//! the face.
+//!
 //! Contact sees a tied node with the mass that it had, which is less than what carries it: too little is given back in one step
-//! rather than too much. Its forces go to the carriers after the sweeps.
+//! rather than too much. Its forces go to the carriers after the sweeps, before these meet rigid walls. Walls do not see tied nodes.
 //!
 //! Every worker knows all ties. Forces on tied nodes come from the workers that own these, velocities of carriers likewise; they are
 //! added up in ascending id of the tied nodes, and of a node's carriers, so that all compute the same bits.
@@ -24,11 +28,12 @@ use crate::contact::geometry::V3;
 use crate::nodes::{Nodes, Row, xyz};
 use crate::rigid::Bodies;
 use bytemuck::{Pod, Zeroable};
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;
 use crumple_proto::tie::Tie;
 use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
 use nalgebra::Rotation3;
+use std::collections::{BTreeSet, HashSet};
 
 /// Stands for a node that is not local.
 const NONE: u32 = u32::MAX;
@@ -40,6 +45,7 @@ const ARM_INERTIA: f64 = 0.81 / 0.19 + 1.0;
 #[repr(C)]
 struct WireNode {
     number: u64,
+    fixed: u64,
     mass: f64,
     inertia: f64,
     x: [f64; 3],
@@ -64,8 +70,9 @@ pub struct Ties {
     /// Whether any ties rotations or has an arm, and whether any has an arm.
     turn: bool,
     arms: bool,
-    /// Masses and inertias that tied nodes had.
+    /// Masses and inertias that tied nodes had, and the inertias that carriers have of them.
     own: Vec<[f64; 2]>,
+    heavier: Vec<f64>,
     /// All carriers, ascending.
     carriers: Vec<NodeId>,
     /// Carriers of each tie by their number, with their shares.
@@ -135,46 +142,134 @@ impl Ties {
         let tied: Vec<NodeId> = all.jobs.iter().map(|t| t.node).collect();
         let states = of_owners(wire, nodes, &tied)?;
         all.own = states.iter().map(|s| [s.mass, s.inertia]).collect();
-        let carrying = of_owners(wire, nodes, &all.carriers)?;
-        let places: Vec<V3> = carrying.iter().map(|c| V3::from(c.x)).collect();
-        for (((job, shares), own), tied) in all.jobs.iter().zip(&all.shares).zip(&all.own).zip(&states) {
-            let turns = all.turn && job.rotations;
-            let mut heavier = if turns { own[1] } else { 0.0 };
-            if all.arms && job.offset {
-                let foot = shares.iter().fold(V3::zeros(), |sum, &(c, share)| sum + places[c as usize] * share);
-                heavier += ARM_INERTIA * own[0] * (V3::from(tied.x) - foot).norm_squared();
-            }
-            for &(c, share) in shares {
-                let Some(n) = nodes.number(all.carriers[c as usize]).map(|n| n as usize) else { continue };
-                nodes.mass[n] += share * own[0];
-                if heavier > 0.0 {
-                    nodes.inertia[n] += share * heavier;
-                }
-                nodes.invert_mass(n);
-            }
-            if let Some(n) = nodes.number(job.node).map(|n| n as usize) {
+        let mut carrying = of_owners(wire, nodes, &all.carriers)?;
+        let foot_of = |shares: &[(u32, f64)]| V3::from(xyz(&blend(shares, |c| carrying[c].x)));
+        let arm_of = |job: &Tie, shares: &[(u32, f64)], tied: &WireNode| match all.arms && job.offset {
+            true => V3::from(tied.x) - foot_of(shares),
+            false => V3::zeros(),
+        };
+        let arms: Vec<V3> = all.jobs.iter().zip(&all.shares).zip(&states).map(|((j, s), t)| arm_of(j, s, t)).collect();
+        let heavier = |(job, (own, arm)): (&Tie, (&[f64; 2], &V3))| {
+            let turns = if all.turn && job.rotations { own[1] } else { 0.0 };
+            turns + ARM_INERTIA * own[0] * arm.norm_squared()
+        };
+        all.heavier = all.jobs.iter().zip(all.own.iter().zip(&arms)).map(heavier).collect();
+        all.share_momentum(&states, &arms, &mut carrying);
+        for t in 0..all.jobs.len() {
+            all.add_masses(t, 1.0, nodes);
+            if let Some(n) = nodes.number(all.jobs[t].node).map(|n| n as usize) {
                 nodes.mass[n] = 0.0;
-                if turns {
+                if all.turn && all.jobs[t].rotations {
                     nodes.inertia[n] = 0.0;
                 }
                 nodes.invert_mass(n);
             }
         }
-        for ((job, shares), tied) in all.jobs.iter().zip(&all.shares).zip(&states) {
-            let Some(n) = nodes.number(job.node).map(|n| n as usize) else { continue };
-            nodes.v[n] = blend(shares, |c| carrying[c].v);
-            let spin = blend(shares, |c| carrying[c].w);
-            if all.arms && job.offset {
-                let arm = V3::from(tied.x) - V3::from(xyz(&blend(shares, |c| carrying[c].x)));
-                let turned = V3::from(xyz(&spin)).cross(&arm);
-                (0..3).for_each(|k| nodes.v[n][k] += turned[k]);
+        for (&id, state) in all.carriers.iter().zip(&carrying) {
+            if let Some(n) = nodes.number(id).map(|n| n as usize) {
+                nodes.v[n][..3].copy_from_slice(&state.v);
+                nodes.next_v[n] = nodes.v[n];
+                if nodes.rotations {
+                    nodes.w[n][..3].copy_from_slice(&state.w);
+                }
             }
+        }
+        for ((job, shares), arm) in all.jobs.iter().zip(&all.shares).zip(&arms) {
+            let Some(n) = nodes.number(job.node).map(|n| n as usize) else { continue };
+            let spin = blend(shares, |c| carrying[c].w);
+            nodes.v[n] = blend(shares, |c| carrying[c].v);
+            let turned = V3::from(xyz(&spin)).cross(arm);
+            (0..3).for_each(|k| nodes.v[n][k] += turned[k]);
             nodes.next_v[n] = nodes.v[n];
             if all.turn && job.rotations {
                 nodes.w[n] = spin;
             }
         }
         Ok(all)
+    }
+
+    /// Gives carriers, whose masses are still their own, the momentum that tied nodes have beyond what they have as they follow.
+    fn share_momentum(&self, tied: &[WireNode], arms: &[V3], carrying: &mut [WireNode]) {
+        let mut totals: Vec<[f64; 2]> = carrying.iter().map(|c| [c.mass, c.inertia]).collect();
+        let mut pushes = vec![[V3::zeros(); 2]; carrying.len()];
+        for (t, shares) in self.shares.iter().enumerate() {
+            let [mass, inertia] = self.own[t];
+            let spin = V3::from(xyz(&blend(shares, |c| carrying[c].w)));
+            let led = V3::from(xyz(&blend(shares, |c| carrying[c].v))) + spin.cross(&arms[t]);
+            let push = (V3::from(tied[t].v) - led) * mass;
+            let mut turn = arms[t].cross(&push);
+            if self.turn && self.jobs[t].rotations {
+                turn += (V3::from(tied[t].w) - spin) * inertia;
+            }
+            for &(c, share) in shares {
+                let c = c as usize;
+                totals[c][0] += share * mass;
+                totals[c][1] += share * self.heavier[t];
+                pushes[c][0] += push * share;
+                pushes[c][1] += turn * share;
+            }
+        }
+        for ((state, [mass, inertia]), [push, turn]) in carrying.iter_mut().zip(totals).zip(pushes) {
+            let free = |dof: usize| state.fixed >> dof & 1 == 0;
+            for k in 0..3 {
+                state.v[k] += if free(k) && mass > 0.0 { push[k] / mass } else { 0.0 };
+                state.w[k] += if free(3 + k) && inertia > 0.0 { turn[k] / inertia } else { 0.0 };
+            }
+        }
+    }
+
+    /// Adds mass and inertia of a tied node to its local carriers, or with a factor of -1 takes it from them.
+    fn add_masses(&self, t: usize, factor: f64, nodes: &mut Nodes) {
+        for &(c, share) in &self.shares[t] {
+            let Some(n) = nodes.number(self.carriers[c as usize]).map(|n| n as usize) else { continue };
+            nodes.mass[n] += factor * share * self.own[t][0];
+            if self.heavier[t] > 0.0 {
+                nodes.inertia[n] += factor * share * self.heavier[t];
+            }
+            nodes.invert_mass(n);
+        }
+    }
+
+    /// Lets nodes go whose faces are of elements that have just failed here or elsewhere. Membership has to be settled anew afterwards.
+    /// All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn release(&mut self, wire: &mut dyn Transport, failed: &[ElemId], nodes: &mut Nodes) -> Result<(), Lost> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let failed: HashSet<ElemId> = failed.iter().copied().collect();
+        let holds = |t: &usize| !self.jobs[*t].faces.iter().any(|elem| failed.contains(elem));
+        let here: Vec<u64> = (0..self.jobs.len()).filter(|t| !holds(t)).map(|t| t as u64).collect();
+        let parcels = vec![here; wire.size() - 1];
+        let told = exchange_all(wire, parcels)?;
+        let released: BTreeSet<usize> = told.into_iter().flatten().map(|t| t as usize).collect();
+        for &t in &released {
+            self.add_masses(t, -1.0, nodes);
+            if let Some(n) = nodes.number(self.jobs[t].node).map(|n| n as usize) {
+                if self.arms && self.jobs[t].offset {
+                    // Carriers have had its mass at the foot of the arm: with their velocity it takes the momentum that it gave.
+                    let held = |c: usize| Some(self.carrier_here[c] as usize).filter(|&k| k < nodes.held);
+                    nodes.v[n] = blend(&self.shares[t], |c| held(c).map_or(self.motion[c][0], |k| xyz(&nodes.v[k])));
+                    nodes.next_v[n] = nodes.v[n];
+                }
+                nodes.mass[n] = self.own[t][0];
+                if self.turn && self.jobs[t].rotations {
+                    nodes.inertia[n] = self.own[t][1];
+                }
+                nodes.invert_mass(n);
+            }
+        }
+        keep(&mut self.jobs, &released);
+        keep(&mut self.shares, &released);
+        keep(&mut self.own, &released);
+        keep(&mut self.heavier, &released);
+        self.acting.truncate(self.jobs.len());
+        if self.jobs.is_empty() {
+            *self = Self::default();
+        }
+        Ok(())
     }
 
     /// Finds what is here, and what goes where. All workers call this together.
@@ -350,6 +445,14 @@ impl Ties {
         Ok(())
     }
 
+    /// Adds what carriers have felt of contact on tied nodes to velocities of local nodes without it.
+    pub fn push(&self, velocities: &mut [(u32, Row)], nodes: &Nodes, steps: Steps) {
+        for (n, v) in velocities.iter_mut().filter(|_| !self.is_empty()) {
+            let (force, inverse) = (self.passed_on(*n, nodes), &nodes.inv_mass[*n as usize]);
+            (0..3).for_each(|k| v[k] += steps.push * force[k] * inverse[k]);
+        }
+    }
+
     /// Contact force in this step on what is tied to local node `n` [force].
     pub fn passed_on(&self, n: u32, nodes: &Nodes) -> V3 {
         self.carriers.binary_search(&nodes.id[n as usize]).map_or(V3::zeros(), |c| self.passed[c])
@@ -455,6 +558,12 @@ impl Ties {
     }
 }
 
+/// Takes entries out by their numbers.
+fn keep<T>(list: &mut Vec<T>, out: &BTreeSet<usize>) {
+    let mut number = 0..;
+    list.retain(|_| number.next().is_none_or(|n| !out.contains(&n)));
+}
+
 /// Two vectors from three or six words; the second is nought without its own.
 fn pair(words: &[u64]) -> [[f64; 3]; 2] {
     let at = |k: usize| words.get(k).map_or(0.0, |&w| f64::from_bits(w));
@@ -484,6 +593,7 @@ fn of_owners(wire: &mut dyn Transport, nodes: &Nodes, ids: &[NodeId]) -> Result<
             let record = nodes.record(i);
             mine.push(WireNode {
                 number: number as u64,
+                fixed: record.fixed,
                 mass: record.mass,
                 inertia: record.inertia,
                 x: record.x,

@@ -9,6 +9,7 @@ use super::tree::Table;
 use crate::deck::record::Record;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::corner_nodes;
+use std::f64::consts::PI;
 
 /// Stands for a third node that is not given.
 const NONE: NodeId = NodeId(0);
@@ -91,10 +92,9 @@ impl Build {
         }
         let used = match elform {
             0 | 1 | 4 | 5 | 9 => self.integrated(card, &mut beam),
-            2 | 3 => self.resultant(card, material, &mut beam),
+            2 | 3 | 13 => self.resultant(card, material, &mut beam),
             _ => {
-                let why =
-                    "1, 4, 5 and 9 (integrated sections), 2 (resultants) and 3 (trusses) are the beams that there are";
+                let why = "1, 4, 5 and 9 (integrated sections), 2 and 13 (resultants) and 3 (trusses) are the beams that there are";
                 self.unsupported_value(card, "elform", why);
                 None
             }
@@ -103,7 +103,8 @@ impl Build {
         if let (true, Ok(part)) = (round, u32::try_from(pid)) {
             self.round_parts.insert(part);
         }
-        let mut used = format!("corotating beam, section {used}; no transverse shear");
+        let shear = if beam.has("shear_areas") { "shear deforms it, elastically" } else { "no transverse shear" };
+        let mut used = format!("corotating beam, section {used}; {shear}");
         if let Some((limits, place)) = material.weld {
             let mut weld = Table::new(place);
             for (key, limit) in ["normal", "shear", "bending", "torsion"].into_iter().zip(limits) {
@@ -117,6 +118,7 @@ impl Build {
             3 => "truss",
             4 | 5 => "Belytschko-Schwer, integrated",
             9 => "spot weld",
+            13 => "linear Timoshenko",
             _ => "Hughes-Liu",
         };
         self.map(format!("part {pid}"), format!("beams, elform {elform} ({name})"), used);
@@ -154,11 +156,13 @@ impl Build {
             if along_t > 0.0 {
                 beam.put("wall", card.place("tt1"), 0.5 * (along_s - along_t));
             }
+            shear(card, 0.25 * PI * (along_s.powi(2) - along_t.powi(2)), beam);
             return Some(("tube", true));
         }
         beam.put("section", card.place("cst"), "rectangle");
         beam.put("height", card.place("ts1"), along_s);
         beam.put("width", card.place("tt1"), along_t);
+        shear(card, along_s * along_t, beam);
         Some(("rectangle", false))
     }
 
@@ -180,6 +184,19 @@ impl Build {
         let torsion = if card.real("j") > 0.0 { card.real("j") } else { about_s + about_t };
         beam.put("second_moments", card.place("iss"), [about_s, about_t]);
         beam.put("torsion", card.place("j"), torsion);
+        let bears = card.real("sa");
+        if bears > 0.0 {
+            beam.put("shear_areas", card.place("sa"), [bears; 2]);
+        } else if card.integer("elform") == 13 {
+            self.unsupported_value(card, "sa", "Timoshenko beams need their shear area");
+        }
         Some(("general", about_s == about_t))
+    }
+}
+
+/// Gives a section of the formulations that shear deforms its shear areas.
+fn shear(card: &Record, area: f64, beam: &mut Table) {
+    if matches!(card.integer("elform"), 0 | 1 | 9) {
+        beam.put("shear_areas", card.place("shrf"), [card.real("shrf") * area; 2]);
     }
 }

@@ -1,6 +1,7 @@
 //! `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
 
 use super::Build;
+use crate::deck::record::Record;
 
 impl Build {
     pub(super) fn control(&mut self) {
@@ -8,7 +9,7 @@ impl Build {
             let title = record.word("text").to_string();
             self.tree.set("title", record.place("text"), title);
         }
-        for record in self.take("CONTROL_TERMINATION") {
+        for record in self.take_one("CONTROL_TERMINATION") {
             self.end_time = record.real("endtim");
             self.tree.set("end_time", record.place("endtim"), self.end_time);
             if record.integer("endcyc") > 0 {
@@ -18,7 +19,7 @@ impl Build {
                 self.tree.set_in("time", "dt_min_ratio", record.place("dtmin"), record.real("dtmin"));
             }
         }
-        for record in self.take("CONTROL_TIMESTEP") {
+        for record in self.take_one("CONTROL_TIMESTEP") {
             if record.real("tssfac") > 0.0 {
                 self.tree.set_in("time", "safety", record.place("tssfac"), record.real("tssfac"));
             }
@@ -38,10 +39,10 @@ impl Build {
                 self.unsupported_value(&record, "lctm", "a curve that limits the step");
             }
         }
-        for record in self.take("DATABASE_GLSTAT").into_iter().filter(|r| r.real("dt") > 0.0) {
+        for record in self.take_one("DATABASE_GLSTAT").into_iter().filter(|r| r.real("dt") > 0.0) {
             self.tree.set_in("output", "history_interval", record.place("dt"), record.real("dt"));
         }
-        for record in self.take("DATABASE_BINARY_D3PLOT") {
+        for record in self.take_one("DATABASE_BINARY_D3PLOT") {
             let (dt, count) = (record.real("dt"), record.integer("npltc"));
             if count > 0 && self.end_time > 0.0 {
                 self.tree.set_in("output", "field_interval", record.place("npltc"), self.end_time / count as f64);
@@ -49,7 +50,7 @@ impl Build {
                 self.tree.set_in("output", "field_interval", record.place("dt"), dt);
             }
         }
-        for record in self.take("DAMPING_GLOBAL") {
+        for record in self.take_one("DAMPING_GLOBAL") {
             if record.integer("lcid") != 0 {
                 self.unsupported_value(&record, "lcid", "damping that changes with time");
             }
@@ -59,5 +60,15 @@ impl Build {
             }
             self.tree.set_in("time", "damping", record.place("valdmp"), record.real("valdmp"));
         }
+    }
+
+    /// The records of a keyword that a deck needs once; the last one counts, which is told.
+    fn take_one(&mut self, name: &str) -> Vec<Record> {
+        let records = self.take(name);
+        if let [_, .., last] = &records[..] {
+            let message = format!("*{name} is there {} times: the last one counts", records.len());
+            self.trouble.warning(last.head, message, "take the others out");
+        }
+        records
     }
 }

@@ -106,6 +106,12 @@ impl Build {
             6 => {
                 let out = self.part_set(number, place);
                 let rest: Vec<i64> = self.parts.keys().copied().filter(|p| !out.contains(p)).collect();
+                if rest.is_empty() {
+                    // Nothing is left of it, which is not the same as all there is.
+                    let message = format!("{name}: {side} leaves all parts out");
+                    self.trouble.error(place, message, "name the parts that are to be left, or take it out");
+                    return false;
+                }
                 table.put(parts, place, rest);
             }
             _ => {

@@ -150,7 +150,11 @@ impl Build {
                     self.trouble.warn_once(&block.name, block.place(), message, help);
                 }
                 None => {
-                    let message = format!("*{} is not supported", block.name);
+                    let near = match keywords::near(&block.name) {
+                        Some(near) => format!("; the nearest that is: *{near}"),
+                        None => String::new(),
+                    };
+                    let message = format!("*{} is not supported{near}", block.name);
                     self.unsupported(block.place(), message, format!("*{}", block.name));
                 }
             }

@@ -69,7 +69,16 @@ impl Build {
                 let mut known: Vec<i64> = materials.keys().copied().collect();
                 known.sort_unstable();
                 let known: Vec<String> = known.iter().map(i64::to_string).collect();
-                self.missing(record.place("mid"), "*MAT_...", mid, &known);
+                if self.spring_laws.contains_key(&mid) {
+                    let message = format!("part {id} is no part of springs, and material {mid} is for these only");
+                    self.trouble.error(
+                        record.place("mid"),
+                        message,
+                        "give it another *MAT_..., or a *SECTION_DISCRETE",
+                    );
+                } else {
+                    self.missing(record.place("mid"), "*MAT_...", mid, &known);
+                }
             }
             if section.is_none() {
                 let mut known: Vec<i64> = sections.by_id.keys().copied().collect();

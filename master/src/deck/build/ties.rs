@@ -13,8 +13,6 @@ const KEYWORDS: [(&str, bool); 4] = [
     ("CONTACT_SPOTWELD", true),
 ];
 const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
-/// As the job's default has it, of thicknesses that a deck gives for the two sides.
-const OF_THICKNESSES: f64 = 0.6;
 
 impl Build {
     pub(super) fn ties(&mut self) {
@@ -46,8 +44,13 @@ impl Build {
             Surface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
             Surface::Faces(set) => table.put("faces", record.place("surfb"), set),
         }
-        if let Some(tolerance) = self.tolerance(record, &of) {
-            table.put("tolerance", record.place("sast"), tolerance);
+        // Minus the distance itself, or thicknesses that take the place of the parts' own.
+        let off = ["sast", "sbst"].map(|side| record.real(side));
+        let place = record.place("sast");
+        match off[0].min(off[1]) {
+            least if least < 0.0 => table.put("tolerance", place, least.abs()),
+            _ if off != [0.0; 2] => table.put("thicknesses", place, off),
+            _ => {}
         }
         for field in ["saboxid", "sbboxid"] {
             if record.integer(field) != 0 {
@@ -64,8 +67,8 @@ impl Build {
         let used = match (offset, rotations) {
             (None, false) => "displacements tied, nodes moved onto the surface",
             (None, true) => "displacements and rotations tied, nodes moved onto the surface",
-            (Some(_), false) => "displacements tied at the end of arms that turn with the surface",
-            (Some(_), true) => "displacements, at the end of arms, and rotations tied",
+            (Some(_), false) => "displacements tied at the end of arms that turn with the surface, by a constraint",
+            (Some(_), true) => "displacements, at the end of arms, and rotations tied, by a constraint",
         };
         self.map(of, asked, used);
         self.add("tie", table);
@@ -121,25 +124,6 @@ impl Build {
         nodes.dedup();
         self.rows.add_set(name.clone(), nodes, place);
         Some(name)
-    }
-
-    /// How far nodes may be off, if the deck says: minus the distance, or thicknesses of both sides.
-    fn tolerance(&mut self, record: &Record, of: &str) -> Option<f64> {
-        let (a, b) = (record.real("sast"), record.real("sbst"));
-        if a < 0.0 || b < 0.0 {
-            return Some(a.min(b).abs());
-        }
-        if a > 0.0 && b > 0.0 {
-            return Some(OF_THICKNESSES * (a + b));
-        }
-        if a + b > 0.0 {
-            self.map(
-                of,
-                format!("sast {a}, sbst {b}: the thickness of one side"),
-                "not used: the parts have their own",
-            );
-        }
-        None
     }
 }
 

@@ -28,6 +28,11 @@ impl Table {
         self
     }
 
+    /// Whether a key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
     fn into_node(self) -> Node {
         Node { kind: Kind::Table(self.entries), place: self.place }
     }

@@ -34,7 +34,8 @@ const fn contact(name: &'static str, note: &'static str) -> Keyword {
 }
 
 const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb, which are moved onto them; with one of the OFFSET options they stay where \
-    they are, at the end of arms, by a constraint in all three. A negative sast or sbst is the tolerance";
+    they are, at the end of arms, by a constraint in all three. A negative sast or sbst is the tolerance, positive ones are the thicknesses that it goes \
+    by (0.6 of both, or a twentieth of the face's diagonal). When the element of its face fails a node is let go";
 const TURNED: &str = "the same with `rotations`";
 
 const fn tied(name: &'static str, note: &'static str) -> Keyword {

@@ -73,6 +73,16 @@ pub fn find(name: &str) -> Option<(&'static Row, Vec<&'static str>)> {
     })
 }
 
+/// The keyword of the table that a name differs from by a slip only.
+pub fn near(name: &str) -> Option<&'static str> {
+    /// Of the letters; one of ten may be wrong.
+    const ALIKE: f64 = 0.88;
+    let base = ["_TITLE", "_ID"].iter().find_map(|option| name.strip_suffix(option)).unwrap_or(name);
+    let scores = TABLE.keys().map(|&known| (strsim::normalized_damerau_levenshtein(base, known), known));
+    let (best, known) = scores.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))?;
+    (best >= ALIKE).then_some(known)
+}
+
 /// Whether a keyword that is not in the table asks for output only.
 pub fn is_output(name: &str) -> bool {
     OUTPUT.iter().any(|start| name.starts_with(start))

@@ -44,8 +44,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("a:r! iss:r itt:r j:r sa:r ist:r", Count(resultant)),
             ("field:r*8", Count(of_another_kind)),
         ],
-        "`[part.beam]`: elform 1, 4, 5 and 9 with cst 0 `rectangle` (ts1 by tt1) or 1 `tube` (diameters ts1 and tt1); elform 2 `general` \
-         with a, iss, itt and j, elastic; elform 3 the same without moments. There is no transverse shear: shrf and sa are not used",
+        "`[part.beam]`: elform 1, 4, 5 and 9 with cst 0 `rectangle` (ts1 by tt1) or 1 `tube` (diameters ts1 and tt1), of 1 and 9 \
+         shear deforms shrf of the area; elform 2 and 13 `general` with a, iss, itt and j, elastic, and shear by sa; elform 3 the same \
+         without moments",
     )
     .options(&["TITLE"])
     .repeats(),

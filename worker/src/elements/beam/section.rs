@@ -124,6 +124,7 @@ mod tests {
             area: 7.0,
             second_moments: [11.0, 13.0],
             torsion: 17.0,
+            shear_areas: [0.0; 2],
             weld: None,
         }
     }

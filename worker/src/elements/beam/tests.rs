@@ -18,6 +18,7 @@ fn rectangle() -> BeamJob {
         area: 0.0,
         second_moments: [0.0; 2],
         torsion: 0.0,
+        shear_areas: [0.0; 2],
         weld: None,
     }
 }
@@ -95,6 +96,35 @@ fn it_has_the_stiffness_of_a_beam() {
         }
         let shear = (first + last) / (length + 1e-3);
         assert!((force.z - shear.y).abs() < 1e-6 * shear.norm() && (force.y + shear.z).abs() < 1e-6 * shear.norm());
+    }
+}
+
+/// Ends that turn alike shear a short beam too: `12 E I/(L (1 + phi))` a rotation (Przemieniecki 1968, eq. 5.116); against each other they
+/// do not. Once fibres yield the moments are those of the fibres, and shear what these leave.
+#[test]
+fn short_beams_shear() {
+    let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
+    let areas = [0.05, 0.07];
+    let job = BeamJob { shear_areas: areas, ..rectangle() };
+    let start = [V3::zeros(), V3::x() * length];
+    let third = V3::x().cross(&V3::new(0.3, 1.0, 0.2)).normalize();
+    let axes = frame(&V3::x(), &third.cross(&V3::x()));
+    let places = [start; 11];
+    let of = |axis: V3, signs: [f64; 2]| {
+        let rates = [signs.map(|sign| axes * axis * (1e-4 * sign)); 10];
+        let [force, first, last] = led(job.clone(), &places, &rates).map(|f| axes.inverse() * f);
+        (force, first.dot(&axis), last.dot(&axis))
+    };
+    for (axis, i, area) in [(V3::y(), 0.4 * 0.008 / 12.0, areas[1]), (V3::z(), 0.2 * 0.064 / 12.0, areas[0])] {
+        let phi = 12.0 * e * i / (g * area * length * length);
+        assert!(phi > 0.01, "it matters: {phi}");
+        let (force, first, last) = of(axis, [1.0, 1.0]);
+        let exact = 6.0 * e * i / length / (1.0 + phi) * 1e-3;
+        assert!((first / exact - 1.0).abs() < 1e-5 && (last / exact - 1.0).abs() < 1e-5, "{first} {last} {exact}");
+        assert!((force.norm() / (2.0 * exact / length) - 1.0).abs() < 1e-5, "{force} keeps the moment");
+        let (_, first, last) = of(axis, [1.0, -1.0]);
+        let exact = 2.0 * e * i / length * 1e-3;
+        assert!((first / exact - 1.0).abs() < 1e-5 && (last / exact + 1.0).abs() < 1e-5, "{first} {last} {exact}");
     }
 }
 
