@@ -174,8 +174,8 @@ mod tests {
         assert!(rows.iter().all(|r| r % 4 == 0) && fields.iter().all(|f| f % 4 == 1), "{rows:?} {fields:?}");
         assert!(!rows.is_empty() && !fields.is_empty());
         assert!(
-            (steps[400] - 0.31).abs() < 1e-3,
-            "a short step in the middle of an outer one, that is over when it ends, is let be"
+            (steps[404] - steps[0]).abs() < 1e-9,
+            "a short step in an outer one, and over before it ends, is let be"
         );
     }
 
