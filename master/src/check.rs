@@ -134,7 +134,6 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
         model.mesh.elements[at].id
     )?;
     writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)?;
-    let layers = model.job.time.subcycle_layers;
     if model.settings.subcycles > 1 {
         let (m, classes) = (model.settings.subcycles, Classes::of(&model.elements));
         let work = figure(classes.work(m));
@@ -143,7 +142,7 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
             "subcycles    {m}: {} elements in each cycle, {} in one of {m}; {work} of the computations without",
             classes.fast, classes.slow
         )?;
-    } else if let Some((m, work)) = subcycles::best(layers, &model.mesh, &model.settings, &model.elements) {
+    } else if let Some((m, work)) = subcycles::best(&model.job.time, &model.mesh, &model.settings, &model.elements) {
         let work = figure(work);
         writeln!(out, "subcycles    none; time.subcycles = {m} would leave {work} of the computations of elements")?;
     }

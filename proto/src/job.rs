@@ -163,11 +163,14 @@ pub struct Time {
     /// Most mass that may be added so, as a fraction of the structure's: a job that would get more is refused.
     pub mass_scaling_limit: f64,
     /// Elements whose stable step at the start is at least this many times the smallest one are computed every so many cycles only,
-    /// the small ones in each; 1 for all in each.
+    /// the small ones in each; 1 for all in each. Elements of parts in contact are in each, see `subcycle_contact`.
     pub subcycles: u64,
     /// Layers of neighbours around the small elements that are computed in each cycle too. Without any, fast motion of the
     /// small elements can resonate with the forces that their neighbours give now and then.
     pub subcycle_layers: u64,
+    /// Let subcycles take elements of parts in contact too. Their forces then act in one of so many cycles, and contact answers in
+    /// that one: what rests or slides under load loses friction and gains energy, the more the more subcycles.
+    pub subcycle_contact: bool,
     /// Damping in proportion to mass, for dynamic relaxation: a force `-damping * mass * velocity` on every node, and the
     /// like for rotations [1/time].
     pub damping: f64,
@@ -185,6 +188,7 @@ impl Default for Time {
             mass_scaling_limit: 0.1,
             subcycles: 1,
             subcycle_layers: 1,
+            subcycle_contact: false,
             damping: 0.0,
             dt_max: 0.0,
         }
@@ -280,7 +284,7 @@ pub struct Part {
     pub thickness: f64,
     /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
     /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
-    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a tenth more cost. Elsewhere they agree (plate-shells, panel,
+    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a fifth more cost. Elsewhere they agree (plate-shells, panel,
     /// beam-shells).
     /// Solids: `hexahedron`.
     #[serde(default)]

@@ -21,6 +21,10 @@ enum Kind {
 /// A bar along x of square elements, a quarter as long in its middle: 19 long and 4 short ones. Its root at x = 0 is held along it,
 /// its tip is pulled.
 fn bar(kind: Kind, end_time: f64, sets: &[&str]) -> Model {
+    written(&bar_text(kind, end_time), sets)
+}
+
+fn bar_text(kind: Kind, end_time: f64) -> String {
     let mut x = vec![0.0];
     for i in 0..23 {
         x.push(x[i] + if (10..14).contains(&i) { 0.25 * SIDE } else { SIDE });
@@ -57,7 +61,7 @@ fn bar(kind: Kind, end_time: f64, sets: &[&str]) -> Model {
     };
     let set = |i: usize| (0..n).map(|k| node(i, k)).collect::<Vec<_>>();
     let across = if kind == Kind::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
-    let text = format!(
+    format!(
         "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\n{name} = [{elements}]\n\
          node_sets = {{ root = {:?}, tip = {:?}, all = {:?} }}\n[output]\nfield_interval = -1.0\n\
          [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.0\n\
@@ -67,8 +71,7 @@ fn bar(kind: Kind, end_time: f64, sets: &[&str]) -> Model {
         set(23),
         (1..=n * 24).collect::<Vec<_>>(),
         FORCE,
-    );
-    written(&text, sets)
+    )
 }
 
 fn written(text: &str, sets: &[&str]) -> Model {
@@ -109,6 +112,15 @@ fn a_pulled_bar_goes_as_the_wave_says() {
         }
         assert!(every.clock.cycle.abs_diff(some.clock.cycle) <= 4, "{kind:?}: the same steps");
     }
+}
+
+/// A rigid body passes fast motion on without delay: the layer lies behind it.
+#[test]
+fn layers_lie_behind_rigid_bodies() {
+    let text = bar_text(Kind::Shells, 0.1).replace("[10, 1,", "[10, 2,").replace("[15, 1,", "[15, 2,");
+    let rigid = "[[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 5.0\n[[rigid]]\nname = \"both\"\nparts = [2]\n";
+    let model = written(&(text + rigid), &["time.subcycles=4"]);
+    assert_eq!(slow(&model), 15, "of 17, those that touch a body beside the short ones are not");
 }
 
 /// Largest error of the balance of energy when outer steps begin, over the work done at the most, in some outer steps.
@@ -177,7 +189,10 @@ fn workers_and_renewals_change_no_bit() {
          [[gravity]]\nacceleration = [0.0, 0.0, -1.0]\n\
          [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [4.0, 1.0, -30.0]\nspin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n"
     );
-    let model = written(&text, &["time.subcycles=3"]);
+    let [model, kept] =
+        [true, false].map(|all| written(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
+    assert_eq!(slow(&kept), 0, "all parts are in contact");
+    assert!(kept.warnings.iter().any(|w| w.message.contains("in no contact")), "{:?}", kept.warnings);
     assert!(slow(&model) > 60, "{}", slow(&model));
     let cycles = 1601;
     let serial = run_side_by_side(&model, 1, cycles, 0);

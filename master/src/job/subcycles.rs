@@ -48,36 +48,43 @@ impl Classes {
 struct Neighbours {
     /// Of each element.
     elements: Vec<[u32; 8]>,
-    /// That a tie joins.
-    ties: Vec<Vec<u32>>,
+    /// That a tie or a rigid body joins: fast motion passes through.
+    joined: Vec<Vec<u32>>,
     nodes: usize,
+    /// Elements that are computed in each cycle whatever their step: contact answers to their forces in the cycle in which they come.
+    kept: Vec<bool>,
 }
 
 impl Neighbours {
-    fn of(mesh: &Mesh, settings: &Settings) -> Self {
+    fn of(time: &Time, mesh: &Mesh, settings: &Settings) -> Self {
         let place: HashMap<NodeId, u32> = mesh.nodes.iter().zip(0..).map(|(n, i)| (n.id, i)).collect();
-        let joined = |tie: &Tie| {
-            let nodes = std::iter::once(&tie.node).chain(tie.carriers.iter().map(|c| &c.0));
-            nodes.filter_map(|n| place.get(n).copied()).collect()
+        let places = |nodes: &mut dyn Iterator<Item = NodeId>| -> Vec<u32> {
+            nodes.filter_map(|n| place.get(&n).copied()).collect()
         };
+        let tied = |tie: &Tie| places(&mut std::iter::once(tie.node).chain(tie.carriers.iter().map(|c| c.0)));
+        let bodies = settings.rigid.iter().map(|body| places(&mut body.nodes.iter().copied()));
+        let touching = settings.contact.as_ref().filter(|_| !time.subcycle_contact);
+        let touches = |part: u32| touching.is_some_and(|c| c.parts.is_empty() || c.parts.contains(&part));
         Self {
             elements: mesh.elements.iter().map(|e| e.nodes.map(|n| place[&n])).collect(),
-            ties: settings.ties.iter().map(joined).collect(),
+            joined: settings.ties.iter().map(tied).chain(bodies).collect(),
             nodes: mesh.nodes.len(),
+            kept: mesh.elements.iter().map(|e| touches(e.part)).collect(),
         }
     }
 
     /// The elements that are slow with so many subcycles, and so many layers of others between them and the small ones.
     fn slow(&self, subcycles: u64, layers: u64, stable_dt: &[f64]) -> Vec<bool> {
         let outer = subcycles as f64 * smallest(stable_dt) * (1.0 - SLACK);
-        let mut slow: Vec<bool> = stable_dt.iter().map(|&dt| dt.is_finite() && dt >= outer).collect();
+        let bears = |(&dt, &kept): (&f64, &bool)| dt.is_finite() && dt >= outer && !kept;
+        let mut slow: Vec<bool> = stable_dt.iter().zip(&self.kept).map(bears).collect();
         let mut near = vec![false; self.nodes];
         for _ in 0..layers {
             let fast = slow.iter().zip(stable_dt).map(|(slow, dt)| !slow && dt.is_finite());
             for (nodes, _) in self.elements.iter().zip(fast).filter(|e| e.1) {
                 nodes.iter().for_each(|&n| near[n as usize] = true);
             }
-            for joined in &self.ties {
+            for joined in &self.joined {
                 if joined.iter().any(|&n| near[n as usize]) {
                     joined.iter().for_each(|&n| near[n as usize] = true);
                 }
@@ -100,23 +107,28 @@ pub fn divide(time: &Time, mesh: &Mesh, settings: &mut Settings, elements: &mut 
     if settings.subcycles <= 1 {
         return;
     }
-    let neighbours = Neighbours::of(mesh, settings);
+    let neighbours = Neighbours::of(time, mesh, settings);
     elements.slow = neighbours.slow(settings.subcycles, time.subcycle_layers, &elements.stable_dt);
     if !elements.slow.contains(&true) {
         let message = format!(
-            "subcycles = {} leaves no slow element, that bears so many of the smallest step and is not next to a small one: all \
-             are computed in each cycle",
+            "subcycles = {} leaves no slow element, that bears so many of the smallest step, is not next to a small one and in no \
+             contact: all are computed in each cycle",
             settings.subcycles
         );
-        findings.add(Problem::warning("time.subcycles", message, "take fewer, or take the key out"));
+        let help = "take fewer, name the parts that touch in contact.parts, or take the key out";
+        findings.add(Problem::warning("time.subcycles", message, help));
         settings.subcycles = 1;
         elements.slow.clear();
+    } else if time.subcycle_contact && settings.contact.is_some() {
+        let message = "elements of parts in contact act once in so many cycles: friction and the balance of energy suffer where \
+                       something rests or slides under load";
+        findings.add(Problem::warning("time.subcycle_contact", message, "compare with a run without it"));
     }
 }
 
 /// The number of subcycles that saves most of the computations of elements, and what it leaves of them, if that is worth a
 /// word.
-pub fn best(layers: u64, mesh: &Mesh, settings: &Settings, elements: &ElementStart) -> Option<(u64, f64)> {
+pub fn best(time: &Time, mesh: &Mesh, settings: &Settings, elements: &ElementStart) -> Option<(u64, f64)> {
     let stable_dt = &elements.stable_dt;
     let least = smallest(stable_dt);
     let deformable = stable_dt.iter().filter(|dt| dt.is_finite()).count();
@@ -128,8 +140,8 @@ pub fn best(layers: u64, mesh: &Mesh, settings: &Settings, elements: &ElementSta
     if choices.is_empty() {
         return None;
     }
-    let neighbours = Neighbours::of(mesh, settings);
-    let slow = |m: u64| neighbours.slow(m, layers, stable_dt).into_iter().filter(|&slow| slow).count();
+    let neighbours = Neighbours::of(time, mesh, settings);
+    let slow = |m: u64| neighbours.slow(m, time.subcycle_layers, stable_dt).into_iter().filter(|&slow| slow).count();
     let left = choices.into_iter().map(|m| (m, work(slow(m), m)));
     left.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|best| best.1 <= 1.0 - WORTH)
 }

@@ -148,21 +148,6 @@ fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
     if size > ALONG { unit(across) } else { None }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn directions_become_unit_vectors() {
-        let normal = unit([3e-200, 0.0, 4e-200]).unwrap();
-        assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
-        assert_eq!((unit([0.0; 3]), unit([f64::INFINITY, 0.0, 0.0])), (None, None));
-        let wall = WallSpec { edge: Some([1.0, 2.0, 5.0]), ..WallSpec::default() };
-        let edge = square(&wall, &[0.0, 0.0, 1.0]).unwrap();
-        assert!(edge[2].abs() < 1e-15 && (edge[1] - 2.0 * edge[0]).abs() < 1e-15);
-    }
-}
-
 /// Tells of nodes that start behind planes without end, which push them out in the first step of length `dt`. What would come out
 /// faster than a tenth of the `wave` in the materials is an error.
 pub fn behind(settings: &Settings, mesh: &Mesh, start: &NodeStart, dt: f64, wave: f64, findings: &mut Findings) {
@@ -194,5 +179,20 @@ pub fn behind(settings: &Settings, mesh: &Mesh, start: &NodeStart, dt: f64, wave
             true => Problem::error(path, message, help),
             false => Problem::warning(path, message, help),
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_become_unit_vectors() {
+        let normal = unit([3e-200, 0.0, 4e-200]).unwrap();
+        assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
+        assert_eq!((unit([0.0; 3]), unit([f64::INFINITY, 0.0, 0.0])), (None, None));
+        let wall = WallSpec { edge: Some([1.0, 2.0, 5.0]), ..WallSpec::default() };
+        let edge = square(&wall, &[0.0, 0.0, 1.0]).unwrap();
+        assert!(edge[2].abs() < 1e-15 && (edge[1] - 2.0 * edge[0]).abs() < 1e-15);
     }
 }
