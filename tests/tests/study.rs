@@ -54,7 +54,7 @@ fn a_study_runs_once_and_keeps_failures_as_points() {
 fn mistakes_are_named_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
-        ("scene.elements =", "scene.elemnts =", "the same at 3 other points"),
+        ("scene.elements", "scene.elemnts", "the same at 3 other points"),
         ("field = \"velocity\"", "field = \"velocty\"", "measure `speed`: there is no field `velocty`"),
         ("field = \"velocity\", component = \"x\", part = 2", "history = \"kinetik\"", "did you mean `kinetic`?"),
         ("field = \"velocity\", component = \"x\", part = 2", "summary = \"energy.eror\"", "did you mean `error`?"),
@@ -64,7 +64,7 @@ fn mistakes_are_named_before_anything_runs() {
         ("component = \"x\"", "stat = \"max\"", "belong to history"),
     ];
     for (right, wrong, said) in cases {
-        let words = study(folder.path(), &STUDY.replacen(right, wrong, 1), 2);
+        let words = study(folder.path(), &STUDY.replace(right, wrong), 2);
         assert!(words.contains(said), "{said}: {words}");
     }
     assert!(!folder.path().join("out/runs").exists());

@@ -60,10 +60,13 @@ impl Plan {
                 let sets: Vec<String> = fixed.iter().chain(&varied).map(|(k, v)| format!("{k}={v}")).collect();
                 match keys.of(&study.job, &sets) {
                     Ok(key) => points.push(Point { series: Some(number), varied, sets, key }),
-                    Err(why) => match refused.iter_mut().find(|r| r.why == why) {
-                        Some(same) => same.others += 1,
-                        None => refused.push(Refused { sets: sets.join(" "), why, others: 0 }),
-                    },
+                    Err(why) => {
+                        let plain = without_values(&why, &sets);
+                        match refused.iter_mut().find(|r| r.plain == plain) {
+                            Some(same) => same.others += 1,
+                            None => refused.push(Refused { sets: sets.join(" "), why, plain, others: 0 }),
+                        }
+                    }
                 }
             }
         }
@@ -156,7 +159,13 @@ struct Refused {
     /// Settings of the first.
     sets: String,
     why: String,
+    /// `why` without the values of the settings, by which points may differ.
+    plain: String,
     others: usize,
+}
+
+fn without_values(why: &str, sets: &[String]) -> String {
+    sets.iter().fold(why.to_string(), |text, set| text.replace(set, set.split('=').next().unwrap_or_default()))
 }
 
 impl Refused {
