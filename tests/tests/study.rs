@@ -54,7 +54,7 @@ fn a_study_runs_once_and_keeps_failures_as_points() {
 fn mistakes_are_named_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
-        ("scene.elements", "scene.elemnts", "the same at 3 other points"),
+        ("scene.elements", "scene.elemnts", "the same at another point"),
         ("field = \"velocity\"", "field = \"velocty\"", "measure `speed`: there is no field `velocty`"),
         ("field = \"velocity\", component = \"x\", part = 2", "history = \"kinetik\"", "did you mean `kinetic`?"),
         ("field = \"velocity\", component = \"x\", part = 2", "summary = \"energy.eror\"", "did you mean `error`?"),
