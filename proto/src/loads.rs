@@ -53,6 +53,14 @@ pub struct Pressure {
     pub curve: Option<usize>,
 }
 
+impl Pressure {
+    /// Loaded faces of an element, as indices into [`crate::mesh::Shape::faces`].
+    pub fn faces_of(&self, element: ElemId) -> impl Iterator<Item = u8> {
+        let first = self.faces.partition_point(|f| f.0 < element);
+        self.faces[first..].iter().take_while(move |f| f.0 == element).map(|f| f.1)
+    }
+}
+
 /// A prescribed motion. Its degrees of freedom are among those that the records of its nodes have as not free.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {

@@ -188,8 +188,8 @@ impl Blocks {
     }
 
     /// Lays down in which order each held node gathers corners, and when; received corners take the slots after the own ones.
-    /// With `wait` all nodes gather at the end, since something is added to the corners until then.
-    pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner], wait: bool) {
+    /// Nodes of loaded elements gather at the end, since something is added to the corners until then.
+    pub fn lay_gather(&mut self, held: usize, foreign: &[ForeignCorner], is_loaded: impl Fn(ElemId) -> bool) {
         let (own, count) = (self.own_slots(), self.elements.len());
         // Own elements, then received corners, by element id: nodes take them in this order.
         let mut order: Vec<(ElemId, u32)> = self.elements.iter().zip(0..).map(|(e, i)| (e.record.id, i)).collect();
@@ -200,14 +200,14 @@ impl Blocks {
             Some(e) => Corners { nodes: &e.nodes[..e.record.shape.corners()], first: slots[i] },
             None => Corners { nodes: std::slice::from_ref(&foreign[i - count].node), first: own + i - count },
         };
+        let loaded = self.elements.iter().zip(&slots).filter(|(e, _)| is_loaded(e.record.id));
+        let loaded: Vec<_> = loaded.map(|(e, &first)| first..first + e.record.shape.corners()).collect();
         let is_slow = |i: usize| self.elements.get(i).map_or_else(|| foreign[i - count].slow, |e| e.record.slow);
         let of = |all: bool| {
             let picked = order.iter().map(|o| o.1 as usize).filter(|&i| all || !is_slow(i));
             let mut plan = Plan::new(held, picked.map(corners));
             let batches = [true, false].map(|front| self.batches(front, all));
-            plan.lay_batches(batches, if wait { 0 } else { own }, |batch| {
-                self.blocks[batch.block].slots_of(&batch.groups)
-            });
+            plan.lay_batches(batches, own, &loaded, |batch| self.blocks[batch.block].slots_of(&batch.groups));
             plan
         };
         self.plans = [of(true), if self.subcycles > 1 { of(false) } else { Plan::default() }];

@@ -60,11 +60,13 @@ impl Plan {
     }
 
     /// Lays down when nodes gather: with the last of the batches that complete them, `front` ones before the rest, and at the
-    /// end with a slot from `received` on. `slots_of` are the corner slots that a batch fills.
+    /// end with a slot from `received` on or in `loaded`, to which something is added until then. `slots_of` are the corner
+    /// slots that a batch fills.
     pub fn lay_batches(
         &mut self,
         batches: [Vec<Batch>; 2],
         received: usize,
+        loaded: &[Range<usize>],
         slots_of: impl Fn(&Batch) -> Range<usize>,
     ) {
         self.batches = batches;
@@ -72,7 +74,10 @@ impl Plan {
         let mut when = vec![0u32; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
             let slots = slots_of(batch);
-            when.iter_mut().take(slots.end).skip(slots.start).for_each(|w| *w = number as u32);
+            when[slots].fill(number as u32);
+        }
+        for slots in loaded {
+            when[slots.clone()].fill(u32::MAX);
         }
         let count = self.batches[0].len() + self.batches[1].len();
         let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];

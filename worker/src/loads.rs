@@ -89,9 +89,7 @@ impl Loads {
             for i in 0..b.count {
                 let (e, slot) = (&blocks.elements[b.first + i], slots[b.first + i]);
                 for (p, pressure) in self.pressures.iter().enumerate() {
-                    let first = pressure.faces.partition_point(|f| f.0 < e.record.id);
-                    let loaded = pressure.faces[first..].iter().take_while(|f| f.0 == e.record.id);
-                    self.faces.extend(loaded.map(|&(_, face)| {
+                    self.faces.extend(pressure.faces_of(e.record.id).map(|face| {
                         let corners = e.record.shape.faces()[usize::from(face)];
                         LoadedFace {
                             pressure: p,

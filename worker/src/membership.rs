@@ -195,7 +195,9 @@ fn link_corners(
     if let Some(s) = surface {
         widths.into_iter().for_each(|(n, half, scale)| s.widen(n, half, scale));
     }
-    blocks.lay_gather(nodes.held, &foreign, !settings.loads.pressures.is_empty());
+    blocks.lay_gather(nodes.held, &foreign, |id| {
+        settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
+    });
     links.retain(|l| l.worker != me);
     Ok(Halo { links, ..Halo::default() })
 }

@@ -30,7 +30,7 @@ pub fn run(once: bool) {
         let mut plain = engine("tube-crush", &[&set]);
         assert_eq!(ordered.blocks.elements.len(), count);
         // All nodes wait, so that kernels are alone.
-        plain.blocks.lay_gather(plain.nodes.held, &[], true);
+        plain.blocks.lay_gather(plain.nodes.held, &[], |_| true);
         let nodes = plain.blocks.elements.iter().map(|e| [e.nodes[0], e.nodes[1], e.nodes[2], e.nodes[3]]);
         let scatter: Scatter = nodes.zip(plain.blocks.first_slots()).collect();
         let mut spent = [const { Vec::new() }; 3];

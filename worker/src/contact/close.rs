@@ -3,7 +3,7 @@
 //! only what the local search would turn away in every step until then.
 
 use crate::contact::geometry::{V3, is_beside, is_farther};
-use crate::contact::local::reach;
+use crate::contact::local::{is_known, reach};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
@@ -29,12 +29,19 @@ pub struct Candidate {
 pub struct Close {
     start: Vec<u32>,
     list: Vec<Candidate>,
+    /// Slaves that remembered nothing then, by place.
+    lone: Vec<bool>,
     /// Relative motion of two nodes that it holds for, and of a step that begins then [length].
     pub skin: f64,
     pub step: f64,
 }
 
 impl Close {
+    /// Whether the slave at `place` remembered nothing when the list was made: then it leaves out what one with memories may meet.
+    pub fn is_lone(&self, place: usize) -> bool {
+        self.lone[place]
+    }
+
     /// Candidates of the slave at `place` of the surface's slaves, segments ascending.
     pub fn of(&self, place: usize) -> &[Candidate] {
         &self.list[self.start[place] as usize..self.start[place + 1] as usize]
@@ -42,7 +49,7 @@ impl Close {
 
     /// Bytes in use, spare room left out.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.start[..]) + size_of_val(&self.list[..])
+        size_of_val(&self.start[..]) + size_of_val(&self.list[..]) + size_of_val(&self.lone[..])
     }
 
     /// Takes from what a search with skin `skin` found for each slave what is near, and all that the slave remembers.
@@ -59,31 +66,45 @@ impl Close {
         self.step = (2.0 * step).max(STEP * surface.thinnest);
         self.start.clear();
         self.list.clear();
-        let mut ring: Vec<u32> = Vec::new();
-        for (place, &slave) in surface.slaves.iter().enumerate() {
+        self.lone.clear();
+        let mut ring = Vec::new();
+        for place in 0..surface.slaves.len() {
             self.start.push(self.list.len() as u32);
-            let found = found(place);
-            if found.is_empty() {
-                continue;
-            }
-            ring.clear();
-            ring.extend(surface.around(place).flat_map(|s| s.nodes));
-            let at = V3::from(xyz(&nodes.x[slave as usize]));
-            for &g in found {
-                let segment = &surface.segments[g as usize];
-                let q = segment.corners(&nodes.x);
-                let remembered = memory(place).iter().any(|m| m.is_of(segment.id));
-                let limit = reach(surface, slave, segment, self.step) + self.skin;
-                if !remembered && is_farther(&at, &q, limit) {
-                    continue;
-                }
-                let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
-                let ring = (0..4).map(shared).sum();
-                if remembered || ring == 0 || !is_beside(&at, &q, self.skin) {
-                    self.list.push(Candidate { segment: g, ring });
-                }
-            }
+            self.lone.push(memory(place).is_empty());
+            let (of, moves) = ((place, found(place), memory(place)), (self.skin, self.step));
+            pick(nodes, surface, of, moves, &mut ring, &mut self.list);
         }
         self.start.push(self.list.len() as u32);
+    }
+}
+
+/// Appends to `near` what the slave at `place` may meet of what was `found` for it, while two nodes move by `skin` against each other
+/// and in a step by `step` [length].
+pub fn pick(
+    nodes: &Nodes,
+    surface: &Surface,
+    (place, found, memory): (usize, &[u32], &[Memory]),
+    (skin, step): (f64, f64),
+    ring: &mut Vec<u32>,
+    near: &mut Vec<Candidate>,
+) {
+    if found.is_empty() {
+        return;
+    }
+    ring.clear();
+    ring.extend(surface.around(place).flat_map(|s| s.nodes));
+    let slave = surface.slaves[place];
+    let at = V3::from(xyz(&nodes.x[slave as usize]));
+    for &g in found {
+        let segment = &surface.segments[g as usize];
+        let q = segment.corners(&nodes.x);
+        if is_farther(&at, &q, reach(surface, slave, segment, memory, step) + skin) {
+            continue;
+        }
+        let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
+        let ring = (0..4).map(shared).sum();
+        if ring == 0 || is_known(segment, memory) || !is_beside(&at, &q, skin) {
+            near.push(Candidate { segment: g, ring });
+        }
     }
 }

@@ -39,12 +39,26 @@ const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
 const RELAX: f64 = 1e-4;
 
-/// Distance beyond which a slave and a segment that it does not remember are no pair in a step in which they move by `step`
-/// against each other [length]: no gap of a shell closes from farther away. Behind a solid's face there is no such limit.
-pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
+/// Distance beyond which a slave with these memories and a segment are no pair in a step in which they move by `step` against each
+/// other [length]: no gap closes from farther away, and nothing new is as far behind a solid's face.
+pub fn reach(surface: &Surface, slave: u32, segment: &Segment, memory: &[Memory], step: f64) -> f64 {
+    /// A solid's face is met where it is when the step ends, warped and turned.
+    const TURNED: f64 = 1.25;
     let (half, scale) = (surface.node_half[slave as usize], surface.node_scale[slave as usize] + segment.scale);
-    let near = if segment.is_solid() { f64::INFINITY } else { half + segment.half + ACTIVE * scale + step };
+    if is_known(segment, memory) {
+        return REACH * scale;
+    }
+    let before = half + segment.half + ACTIVE * scale + step;
+    let near = match segment.is_solid() {
+        true => TURNED * (before.max(BEHIND * scale) + BESIDE * scale + step),
+        false => before,
+    };
     near.min(REACH * scale)
+}
+
+/// Whether a segment is not new to a slave with these memories. What it remembers goes over to faces of solids beside.
+pub fn is_known(segment: &Segment, memory: &[Memory]) -> bool {
+    if segment.is_solid() { !memory.is_empty() } else { memory.iter().any(|m| m.is_of(segment.id)) }
 }
 
 /// A pair as the local search sees it, before selection.
@@ -133,15 +147,15 @@ impl<'a> Meeting<'a> {
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
 /// one that has to fold over to be met?
 fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, scale, dt, .. } = *meeting;
-    let mut limit = REACH * scale;
-    if !segment.is_solid() && !memory.iter().any(|m| m.is_of(segment.id)) {
-        // No gap closes from farther away than the two come closer in the step.
+    let Meeting { segment, slave, ring, dt, .. } = *meeting;
+    let mut step = 0.0;
+    if !is_known(segment, memory) {
         let v = v3(&nodes.next_v[slave as usize]);
         let fastest =
             segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
-        limit = reach(surface, slave, segment, dt * fastest.sqrt());
+        step = dt * fastest.sqrt();
     }
+    let limit = reach(surface, slave, segment, memory, step);
     let q = segment.corners(&nodes.x);
     let in_box = (0..3).all(|c| {
         let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));

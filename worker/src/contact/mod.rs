@@ -28,7 +28,7 @@ use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use crate::ties::Joined;
 use crate::wall::Walls;
-use close::Close;
+use close::{Close, pick};
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
@@ -264,10 +264,17 @@ impl Contact {
     pub fn find_pairs(&mut self, nodes: &Nodes, steps: Steps) {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
+        let (mut ring, mut picked) = (Vec::new(), Vec::new());
         for i in 0..self.surface.slaves.len() {
-            let candidates = self.close.of(i);
+            let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+            let mut candidates = self.close.of(i);
+            if self.close.is_lone(i) && !memory.is_empty() {
+                let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+                picked.clear();
+                pick(nodes, &self.surface, (i, found, memory), (0.0, self.close.step), &mut ring, &mut picked);
+                candidates = &picked;
+            }
             if !candidates.is_empty() {
-                let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
                 local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
             }
         }
