@@ -147,22 +147,14 @@ impl<'a> Meeting<'a> {
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
 /// one that has to fold over to be met?
 fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, dt, .. } = *meeting;
-    let mut step = 0.0;
-    if !is_known(segment, memory) {
-        let v = v3(&nodes.next_v[slave as usize]);
-        let fastest =
-            segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
-        step = dt * fastest.sqrt();
-    }
-    let limit = reach(surface, slave, segment, memory, step);
+    let Meeting { segment, slave, ring, scale, dt, .. } = *meeting;
     let q = segment.corners(&nodes.x);
-    let in_box = (0..3).all(|c| {
-        let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));
-        at[c] >= lo - limit && at[c] <= hi + limit
-    });
-    in_box
-        && {
+    let is_within = |limit: f64| {
+        let in_box = (0..3).all(|c| {
+            let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));
+            at[c] >= lo - limit && at[c] <= hi + limit
+        });
+        in_box && {
             // All of the segment lies as near to the plane through its first node as its other corners do.
             let [a, b, c, d] = q;
             let normal = (c - a).cross(&(d - b));
@@ -171,7 +163,13 @@ fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, m
             let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
             (low - limit * size..=high + limit * size).contains(&off(at))
         }
-        && !(ring != 0 && is_beside(at, &q, 0.0))
+    };
+    let v = v3(&nodes.next_v[slave as usize]);
+    let fastest = segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
+    let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+    let is_old = || is_within(REACH * scale) && memory.iter().any(|m| m.is_of(segment.id) || goes_over(m));
+    let reaches = is_within(reach(surface, slave, segment, &[], dt * fastest.sqrt())) || !memory.is_empty() && is_old();
+    reaches && !(ring != 0 && is_beside(at, &q, 0.0))
 }
 
 /// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
