@@ -20,8 +20,8 @@ pub struct Threads {
     spins: u32,
 }
 
-/// Spins where every worker has a core: some tens of microseconds.
-const SPINS: u32 = 2000;
+/// Spins where every worker has a core: about a millisecond, more than most waits. To be woken takes tens of microseconds.
+const SPINS: u32 = 40000;
 /// Most buffers kept for further use.
 const POOL: usize = 64;
 
