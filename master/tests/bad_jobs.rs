@@ -140,7 +140,7 @@ fn a_good_job_becomes_a_model() {
     assert_eq!(model.settings.walls[0].direction, [0.0, 1.0, 0.0]);
     assert_eq!(model.settings.field_times, [0.0, 0.02, 0.05, 0.1]);
     // Sides: ten everywhere but the triangle's diagonal.
-    assert_eq!((model.settings.buffer, model.settings.contact.as_ref().unwrap().skin), (5.0, 2.5));
+    assert_eq!((model.settings.buffer, model.settings.contact.as_ref().unwrap().skin), (10.0, 2.5));
     let area = 100.0;
     let mass = 7.85e-6 * area * (1.0 + 1.0 + 2.0 + 0.5 * 2.0);
     assert!((model.structure_mass() - mass).abs() < 1e-12 * mass, "round-off of four sums");

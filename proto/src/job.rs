@@ -222,7 +222,7 @@ pub enum Precision {
 pub struct Parallel {
     /// Workers when run as threads; one per core if left out. `--workers` and mpirun go before it.
     pub workers: usize,
-    /// Width b of the buffer that straddles each box face [length]; 0 for the median side of the elements.
+    /// Width b of the buffer that straddles each box face [length]; 0 for the median side of the elements, four times the smallest at most.
     pub buffer: f64,
     /// Boxes are recomputed when max/mean step cost stays above this.
     pub imbalance: f64,

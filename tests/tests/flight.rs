@@ -5,6 +5,9 @@
 
 use crumple_tests::program::{Ended, crumple_with, numbers, run};
 
+/// Half the smallest side [mm].
+const BUFFER: &str = "parallel.buffer=7.042";
+
 fn flight(workers: &str) -> Ended {
     // Boxes are recomputed for the load only, which depends on the clock; here motion alone is to ask.
     let args = [
@@ -17,7 +20,7 @@ fn flight(workers: &str) -> Ended {
         "--set",
         "parallel.imbalance=100",
         "--set",
-        "parallel.buffer=7.042",
+        BUFFER,
     ];
     run(crumple_with(&args)).with_code(0)
 }
@@ -38,7 +41,7 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
 
     let s = four.summary();
     let [low, high] = ["low", "high"].map(|k| s["redecompositions"][k].as_u64().unwrap());
-    let buffer = 7.042; // half the smallest side
+    let buffer: f64 = BUFFER.split_once('=').unwrap().1.parse().unwrap();
     // Against fixed boxes the frame would use up the buffer every 0.7 b / |v| = 0.5 ms.
     let fixed = 20.0 * numbers(&s["momentum"]["start"])[0].abs() / 103.9 / (0.7 * buffer);
     // Against boxes that only translate, by the spin's motion relative to the centre of a worker's quarter

@@ -229,7 +229,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         .map(|mesh| ties::resolve(&job, mesh, findings))
         .unwrap_or_default();
     let figures = mesh.as_ref().and_then(quality);
-    let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| q.median_side));
+    let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
     settings.axes = axes.unwrap_or_default();
     settings.ties = ties;
     let used = match &mesh {

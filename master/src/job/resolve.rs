@@ -63,7 +63,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
         let help = "give at least 1, or leave `workers` out for one per core";
         numbers.findings.add(Problem::error("parallel.workers", "0 workers cannot run anything", help));
     }
-    numbers.need(parallel.buffer >= 0.0, "parallel.buffer", parallel.buffer, "0 (for the median side) or above");
+    numbers.need(parallel.buffer >= 0.0, "parallel.buffer", parallel.buffer, "0 (for the default) or above");
     numbers.need(parallel.imbalance >= 1.0, "parallel.imbalance", parallel.imbalance, "at least 1; 1.1 is usual");
 
     parts_and_materials(job, numbers.findings);
@@ -203,10 +203,12 @@ impl Numbers<'_> {
     }
 }
 
-/// The settings that all workers get, defaults filled in; lengths come from the median side of the mesh's elements.
+/// The settings that all workers get, defaults filled in; lengths come from the smallest and the median side of the mesh's elements.
 /// Walls, loads and rigid bodies need the mesh and come later. Beside them, for each of their parts its place in the job.
-pub fn settings(job: &Job, median_side: Option<f64>) -> (Settings, Vec<usize>) {
-    let median = median_side.unwrap_or(0.0);
+pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
+    /// A buffer of more of the smallest sides would make workers copy much of a fine zone in a coarse mesh.
+    const COARSE: f64 = 4.0;
+    let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
     order.sort_by_key(|&i| job.part[i].id);
     let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
@@ -238,7 +240,7 @@ pub fn settings(job: &Job, median_side: Option<f64>) -> (Settings, Vec<usize>) {
         subcycles: job.time.subcycles.max(1),
         contact,
         rotations: true,
-        buffer: or(job.parallel.buffer, median),
+        buffer: or(job.parallel.buffer, median.min(COARSE * smallest)),
         force_every: job.parallel.force_every,
     };
     (settings, order)

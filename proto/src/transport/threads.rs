@@ -3,7 +3,7 @@
 use super::{Lost, Tag, Traffic, Transport, thread_cpu};
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 type Parcel = (Tag, Vec<u64>);
 
@@ -16,12 +16,13 @@ pub struct Threads {
     pool: Vec<Vec<u64>>,
     wait_cpu: Duration,
     traffic: Traffic,
-    /// Looks at an empty channel before a waiting rank goes to sleep.
-    spins: u32,
+    /// How long a waiting rank looks at an empty channel before it goes to sleep.
+    patience: Duration,
 }
 
-/// Spins where every worker has a core: about a millisecond, more than most waits. To be woken takes tens of microseconds.
-const SPINS: u32 = 40000;
+/// How long a rank looks before it sleeps where every worker has a core, and how often it looks between two looks at the clock.
+const PATIENCE: Duration = Duration::from_millis(1);
+const LOOKS: u32 = 64;
 /// Most buffers kept for further use.
 const POOL: usize = 64;
 
@@ -38,7 +39,7 @@ pub fn connect(size: usize) -> Vec<Threads> {
     }
     // Waking a sleeper costs more than a short wait; but where workers share cores, the sender needs this one.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let spins = if size <= cores + 1 { SPINS } else { 0 };
+    let patience = if size <= cores + 1 { PATIENCE } else { Duration::ZERO };
     let ends = senders.into_iter().zip(receivers).enumerate();
     ends.map(|(rank, (to, from))| Threads {
         rank,
@@ -48,7 +49,7 @@ pub fn connect(size: usize) -> Vec<Threads> {
         pool: Vec::new(),
         wait_cpu: Duration::ZERO,
         traffic: Traffic::default(),
-        spins,
+        patience,
     })
     .collect()
 }
@@ -104,11 +105,14 @@ impl Transport for Threads {
             return Ok(());
         }
         let before = thread_cpu();
-        for _ in 0..self.spins {
-            std::hint::spin_loop();
-            if self.try_recv(from, tag, words)? {
-                self.wait_cpu += thread_cpu().saturating_sub(before);
-                return Ok(());
+        let start = Instant::now();
+        while start.elapsed() < self.patience {
+            for _ in 0..LOOKS {
+                std::hint::spin_loop();
+                if self.try_recv(from, tag, words)? {
+                    self.wait_cpu += thread_cpu().saturating_sub(before);
+                    return Ok(());
+                }
             }
         }
         let parcel = loop {

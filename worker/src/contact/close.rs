@@ -1,9 +1,9 @@
 //! Which candidates are near enough to be looked at in every step. Most of what a search finds is not: its skin is there
 //! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
-//! only what the local search would turn away in every step until then.
+//! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
 
 use crate::contact::geometry::{V3, is_beside, is_farther};
-use crate::contact::local::{is_known, reach};
+use crate::contact::local::reach;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
@@ -52,7 +52,7 @@ impl Close {
         size_of_val(&self.start[..]) + size_of_val(&self.list[..]) + size_of_val(&self.lone[..])
     }
 
-    /// Takes from what a search with skin `skin` found for each slave what is near, and all that the slave remembers.
+    /// Takes from what a search with skin `skin` found for each slave what is near, and farther for what the slave remembers.
     /// In the step that begins two nodes move by `step` against each other.
     pub fn renew<'a>(
         &mut self,
@@ -103,7 +103,7 @@ pub fn pick(
         }
         let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
         let ring = (0..4).map(shared).sum();
-        if ring == 0 || is_known(segment, memory) || !is_beside(&at, &q, skin) {
+        if ring == 0 || !is_beside(&at, &q, skin) {
             near.push(Candidate { segment: g, ring });
         }
     }

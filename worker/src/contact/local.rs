@@ -94,7 +94,7 @@ pub fn find_pairs(
     let mut finds: Vec<Find> = Vec::new();
     for c in candidates {
         let segment = &surface.segments[c.segment as usize];
-        let meeting = Meeting::new(surface, segment, c.ring, place, dt);
+        let meeting = Meeting::new(nodes, surface, segment, c.ring, place, dt);
         if may_touch(nodes, surface, &meeting, &at, memory) {
             let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
             finds.extend(look(nodes, surface, &meeting, &at, memory, opposed));
@@ -133,21 +133,26 @@ struct Meeting<'a> {
     /// Whether the node's surface comes before the segment's.
     first: bool,
     dt: f64,
+    /// The most that the node and one of the segment's move against each other in the step, contact not yet felt [length].
+    step: f64,
 }
 
 impl<'a> Meeting<'a> {
-    fn new(surface: &Surface, segment: &'a Segment, ring: u8, place: usize, dt: f64) -> Self {
+    fn new(nodes: &Nodes, surface: &Surface, segment: &'a Segment, ring: u8, place: usize, dt: f64) -> Self {
         let slave = surface.slaves[place];
         let (n, first) = (slave as usize, surface.first[place] < (segment.part, segment.id));
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        Self { segment, slave, ring, thickness, scale, first, dt }
+        let v = v3(&nodes.next_v[n]);
+        let apart = |&k: &u32| (v3(&nodes.next_v[k as usize]) - v).norm_squared();
+        let step = dt * segment.nodes.iter().map(apart).fold(0.0, f64::max).sqrt();
+        Self { segment, slave, ring, thickness, scale, first, dt, step }
     }
 }
 
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
 /// one that has to fold over to be met?
 fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, scale, dt, .. } = *meeting;
+    let Meeting { segment, slave, ring, scale, step, .. } = *meeting;
     let q = segment.corners(&nodes.x);
     let is_within = |limit: f64| {
         let in_box = (0..3).all(|c| {
@@ -164,11 +169,9 @@ fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, m
             (low - limit * size..=high + limit * size).contains(&off(at))
         }
     };
-    let v = v3(&nodes.next_v[slave as usize]);
-    let fastest = segment.nodes.iter().map(|&n| (v3(&nodes.next_v[n as usize]) - v).norm_squared()).fold(0.0, f64::max);
     let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
     let is_old = || is_within(REACH * scale) && memory.iter().any(|m| m.is_of(segment.id) || goes_over(m));
-    let reaches = is_within(reach(surface, slave, segment, &[], dt * fastest.sqrt())) || !memory.is_empty() && is_old();
+    let reaches = is_within(reach(surface, slave, segment, &[], step)) || !memory.is_empty() && is_old();
     reaches && !(ring != 0 && is_beside(at, &q, 0.0))
 }
 
@@ -267,7 +270,7 @@ fn look(
     memory: &[Memory],
     opposed: impl Fn(&V3) -> bool,
 ) -> Option<Find> {
-    let Meeting { segment, slave, thickness, scale, dt, .. } = *meeting;
+    let Meeting { segment, slave, thickness, scale, dt, step, .. } = *meeting;
     let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
@@ -283,6 +286,10 @@ fn look(
     let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| slid_here(m, normal)));
     let Place { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
+        // However the face is warped and turns: the list of near candidates goes no farther.
+        if is_new && offset.norm() > reach(surface, slave, segment, &[], step) {
+            return None;
+        }
         before_solid(nodes, meeting, at, &near, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
         beside_shell(meeting, &near, &offset, known)

@@ -193,7 +193,7 @@ impl Contact {
         self.table.pairs.iter().filter(|p| p.own)
     }
 
-    /// Slaves with the number of their candidates that are near, once these have been searched for.
+    /// Slaves with the number of their candidates that are near, but for those newly in touch, once these have been searched for.
     pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let searched = self.surface.slaves.len() * usize::from(!self.candidate_start.is_empty());
         self.surface.slaves[..searched].iter().enumerate().map(|(i, &s)| (s, self.close.of(i).len()))
