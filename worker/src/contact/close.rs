@@ -11,7 +11,7 @@ use crate::nodes::{Nodes, xyz};
 /// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment: a surface whose
 /// segments are smaller than its thickness tells by little more whether it is folded over.
 const SKIN: f64 = 0.5;
-const THIN: f64 = 0.5;
+const THIN: f64 = 0.25;
 /// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be made over for nothing.
 const STEP: f64 = 0.02;
 
