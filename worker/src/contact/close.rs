@@ -3,7 +3,7 @@
 //! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
 
 use crate::contact::geometry::{V3, is_beside, is_farther};
-use crate::contact::local::reach;
+use crate::contact::local::{is_known, reach, reach_of_old};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
@@ -98,7 +98,11 @@ pub fn pick(
     for &g in found {
         let segment = &surface.segments[g as usize];
         let q = segment.corners(&nodes.x);
-        if is_farther(&at, &q, reach(surface, slave, segment, memory, step) + skin) {
+        let limit = match is_known(segment, memory) {
+            true => reach_of_old(surface, slave, segment),
+            false => reach(surface, slave, segment, step),
+        };
+        if is_farther(&at, &q, limit + skin) {
             continue;
         }
         let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;

@@ -39,21 +39,23 @@ const MOST: usize = 4;
 /// Share of a tolerated penetration that is given back to the gap per step.
 const RELAX: f64 = 1e-4;
 
-/// Distance beyond which a slave with these memories and a segment are no pair in a step in which they move by `step` against each
+/// Distance beyond which a slave and a segment that is new to it are no pair in a step in which they move by `step` against each
 /// other [length]: no gap closes from farther away, and nothing new is as far behind a solid's face.
-pub fn reach(surface: &Surface, slave: u32, segment: &Segment, memory: &[Memory], step: f64) -> f64 {
+pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
     /// A solid's face is met where it is when the step ends, warped and turned.
     const TURNED: f64 = 1.25;
     let (half, scale) = (surface.node_half[slave as usize], surface.node_scale[slave as usize] + segment.scale);
-    if is_known(segment, memory) {
-        return REACH * scale;
-    }
     let before = half + segment.half + ACTIVE * scale + step;
     let near = match segment.is_solid() {
         true => TURNED * (before.max(BEHIND * scale) + BESIDE * scale + step),
         false => before,
     };
     near.min(REACH * scale)
+}
+
+/// The same of a segment that is not new to it [length].
+pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
+    REACH * (surface.node_scale[slave as usize] + segment.scale)
 }
 
 /// Whether a segment is not new to a slave with these memories. What it remembers goes over to faces of solids beside.
@@ -152,7 +154,7 @@ impl<'a> Meeting<'a> {
 /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
 /// one that has to fold over to be met?
 fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, scale, step, .. } = *meeting;
+    let Meeting { segment, slave, ring, step, .. } = *meeting;
     let q = segment.corners(&nodes.x);
     let is_within = |limit: f64| {
         let in_box = (0..3).all(|c| {
@@ -170,8 +172,10 @@ fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, m
         }
     };
     let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
-    let is_old = || is_within(REACH * scale) && memory.iter().any(|m| m.is_of(segment.id) || goes_over(m));
-    let reaches = is_within(reach(surface, slave, segment, &[], step)) || !memory.is_empty() && is_old();
+    let is_old = || {
+        is_within(reach_of_old(surface, slave, segment)) && memory.iter().any(|m| m.is_of(segment.id) || goes_over(m))
+    };
+    let reaches = is_within(reach(surface, slave, segment, step)) || !memory.is_empty() && is_old();
     reaches && !(ring != 0 && is_beside(at, &q, 0.0))
 }
 
@@ -287,7 +291,7 @@ fn look(
     let Place { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
         // However the face is warped and turns: the list of near candidates goes no farther.
-        if is_new && offset.norm() > reach(surface, slave, segment, &[], step) {
+        if is_new && offset.norm() > reach(surface, slave, segment, step) {
             return None;
         }
         before_solid(nodes, meeting, at, &near, !is_new).filter(|_| !is_new || opposed(&near.normal))?
