@@ -2,7 +2,7 @@
 //! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
 //! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
 
-use crate::contact::geometry::{V3, is_beside, is_farther};
+use crate::contact::geometry::{V3, is_apart, is_beside};
 use crate::contact::local::{is_known, reach, reach_of_old};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
@@ -102,7 +102,7 @@ pub fn pick(
             true => reach_of_old(surface, slave, segment),
             false => reach(surface, slave, segment, step),
         };
-        if is_farther(&at, &q, limit + skin) {
+        if is_apart(&at, &q, segment.is_triangle(), limit + skin) {
             continue;
         }
         let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;

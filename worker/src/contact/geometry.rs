@@ -35,6 +35,16 @@ pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
     (at - centre).norm_squared() > (reach + radius) * (reach + radius)
 }
 
+/// The same, told by the direction from the segment's nearest point too: nearer ones count as farther than by their size alone.
+pub fn is_apart(at: &V3, q: &[V3; 4], triangle: bool, reach: f64) -> bool {
+    is_farther(at, q, reach)
+        || nearest(at, q, triangle).is_some_and(|near| {
+            // All of the hull lies beyond the plane through the corner that is nearest along this direction.
+            let away = at - near.point;
+            q.iter().all(|p| (at - p).dot(&away) > reach * away.norm())
+        })
+}
+
 /// Whether the point of a convex segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
 /// than `skin` against each other: the point is beyond an edge, seen in the mean plane. A segment without area has no such.
 pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
@@ -250,7 +260,7 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            if is_farther(&at, &q, reach + skin) {
+            if is_apart(&at, &q, triangle, reach + skin) {
                 prop_assert!((then - near.point).norm() > reach);
             }
             if is_beside(&at, &q, skin) {
