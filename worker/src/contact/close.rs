@@ -2,16 +2,17 @@
 //! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
 //! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
 
-use crate::contact::geometry::{V3, is_apart, is_beside};
+use crate::contact::geometry::{V3, is_apart, is_beside, is_farther};
 use crate::contact::local::{is_known, reach, reach_of_old};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
 
-/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment: a surface whose
-/// segments are smaller than its thickness tells by little more whether it is folded over.
+/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment and of the shortest edge:
+/// more would not let small segments be told to lie beside each other.
 const SKIN: f64 = 0.5;
-const THIN: f64 = 0.25;
+const THIN: f64 = 0.5;
+const SHORT: f64 = 0.125;
 /// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be made over for nothing.
 const STEP: f64 = 0.02;
 
@@ -24,32 +25,48 @@ pub struct Candidate {
     pub ring: u8,
 }
 
-/// Candidates of each slave that are near.
+/// A slave and what it may touch, segments ascending.
+pub struct Near<'a> {
+    /// Its place in the surface's slaves.
+    pub place: usize,
+    /// Whether it remembered nothing when the list was made, which then leaves out what one with memories may meet.
+    pub is_lone: bool,
+    /// What it may touch.
+    pub candidates: &'a [Candidate],
+}
+
+/// A slave's run in the list, which begins where the one before ends.
+#[derive(Debug)]
+struct Run {
+    place: u32,
+    end: u32,
+    is_lone: bool,
+}
+
+/// Candidates that are near, by slave.
 #[derive(Debug, Default)]
 pub struct Close {
-    start: Vec<u32>,
+    runs: Vec<Run>,
     list: Vec<Candidate>,
-    /// Slaves that remembered nothing then, by place.
-    lone: Vec<bool>,
     /// Relative motion of two nodes that it holds for, and of a step that begins then [length].
     pub skin: f64,
     pub step: f64,
 }
 
 impl Close {
-    /// Whether the slave at `place` remembered nothing when the list was made: then it leaves out what one with memories may meet.
-    pub fn is_lone(&self, place: usize) -> bool {
-        self.lone[place]
-    }
-
-    /// Candidates of the slave at `place` of the surface's slaves, segments ascending.
-    pub fn of(&self, place: usize) -> &[Candidate] {
-        &self.list[self.start[place] as usize..self.start[place + 1] as usize]
+    /// Slaves that have candidates, ascending.
+    pub fn near(&self) -> impl Iterator<Item = Near<'_>> {
+        let mut start = 0;
+        self.runs.iter().map(move |run| {
+            let candidates = &self.list[start..run.end as usize];
+            start = run.end as usize;
+            Near { place: run.place as usize, is_lone: run.is_lone, candidates }
+        })
     }
 
     /// Bytes in use, spare room left out.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.start[..]) + size_of_val(&self.list[..]) + size_of_val(&self.lone[..])
+        size_of_val(&self.runs[..]) + size_of_val(&self.list[..])
     }
 
     /// Takes from what a search with skin `skin` found for each slave what is near, and farther for what the slave remembers.
@@ -62,19 +79,19 @@ impl Close {
         found: impl Fn(usize) -> &'a [u32],
         memory: impl Fn(usize) -> &'a [Memory],
     ) {
-        self.skin = (SKIN * skin).min(THIN * surface.thinnest);
+        self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.shortest);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
-        self.start.clear();
+        self.runs.clear();
         self.list.clear();
-        self.lone.clear();
         let mut ring = Vec::new();
         for place in 0..surface.slaves.len() {
-            self.start.push(self.list.len() as u32);
-            self.lone.push(memory(place).is_empty());
-            let (of, moves) = ((place, found(place), memory(place)), (self.skin, self.step));
-            pick(nodes, surface, of, moves, &mut ring, &mut self.list);
+            let (memory, before) = (memory(place), self.list.len());
+            pick(nodes, surface, (place, found(place), memory), (self.skin, self.step), &mut ring, &mut self.list);
+            if self.list.len() > before {
+                let (place, end) = (place as u32, self.list.len() as u32);
+                self.runs.push(Run { place, end, is_lone: memory.is_empty() });
+            }
         }
-        self.start.push(self.list.len() as u32);
     }
 }
 
@@ -102,12 +119,13 @@ pub fn pick(
             true => reach_of_old(surface, slave, segment),
             false => reach(surface, slave, segment, step),
         };
-        if is_apart(&at, &q, segment.is_triangle(), limit + skin) {
+        if is_farther(&at, &q, limit + skin) {
             continue;
         }
         let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
         let ring = (0..4).map(shared).sum();
-        if ring == 0 || !is_beside(&at, &q, skin) {
+        let is_turned_away = ring != 0 && is_beside(&at, &q, skin) || is_apart(&at, &q, limit + skin);
+        if !is_turned_away {
             near.push(Candidate { segment: g, ring });
         }
     }

@@ -35,14 +35,18 @@ pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
     (at - centre).norm_squared() > (reach + radius) * (reach + radius)
 }
 
-/// The same, told by the direction from the segment's nearest point too: nearer ones count as farther than by their size alone.
-pub fn is_apart(at: &V3, q: &[V3; 4], triangle: bool, reach: f64) -> bool {
-    is_farther(at, q, reach)
-        || nearest(at, q, triangle).is_some_and(|near| {
-            // All of the hull lies beyond the plane through the corner that is nearest along this direction.
-            let away = at - near.point;
-            q.iter().all(|p| (at - p).dot(&away) > reach * away.norm())
-        })
+/// The same, told by the direction from about the nearest point, where [`is_farther`] goes by the segment's size.
+pub fn is_apart(at: &V3, q: &[V3; 4], reach: f64) -> bool {
+    // The nearest point of the parallelogram through the middles of the edges; without area no number, which is not apart.
+    let from = at - (q[0] + q[1] + q[2] + q[3]) * 0.25;
+    let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * 0.25, (q[2] + q[3] - q[0] - q[1]) * 0.25);
+    let (aa, bb, ab, fa, fb) = (a.dot(&a), b.dot(&b), a.dot(&b), from.dot(&a), from.dot(&b));
+    let det = aa * bb - ab * ab;
+    let within = |place: f64| place.clamp(-1.0, 1.0);
+    let away = from - a * within((fa * bb - fb * ab) / det) - b * within((fb * aa - fa * ab) / det);
+    // All of the hull lies beyond the plane through the corner that is nearest along any direction.
+    let enough = reach * away.norm();
+    q.iter().all(|p| (at - p).dot(&away) > enough)
 }
 
 /// Whether the point of a convex segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
@@ -260,7 +264,7 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            if is_apart(&at, &q, triangle, reach + skin) {
+            if is_farther(&at, &q, reach + skin) || is_apart(&at, &q, reach + skin) {
                 prop_assert!((then - near.point).norm() > reach);
             }
             if is_beside(&at, &q, skin) {

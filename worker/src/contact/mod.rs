@@ -193,10 +193,10 @@ impl Contact {
         self.table.pairs.iter().filter(|p| p.own)
     }
 
-    /// Slaves with the number of their candidates that are near, but for those newly in touch, once these have been searched for.
+    /// Slaves that have candidates, with the number of those that are near, once these have been searched for.
     pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        let searched = self.surface.slaves.len() * usize::from(!self.candidate_start.is_empty());
-        self.surface.slaves[..searched].iter().enumerate().map(|(i, &s)| (s, self.close.of(i).len()))
+        let searched = !self.candidate_start.is_empty();
+        self.close.near().filter(move |_| searched).map(|n| (self.surface.slaves[n.place], n.candidates.len()))
     }
 
     /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are
@@ -265,18 +265,16 @@ impl Contact {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         let (mut ring, mut picked) = (Vec::new(), Vec::new());
-        for i in 0..self.surface.slaves.len() {
+        for near in self.close.near() {
+            let (i, mut candidates) = (near.place, near.candidates);
             let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
-            let mut candidates = self.close.of(i);
-            if self.close.is_lone(i) && !memory.is_empty() {
+            if near.is_lone && !memory.is_empty() {
                 let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
                 picked.clear();
                 pick(nodes, &self.surface, (i, found, memory), (0.0, self.close.step), &mut ring, &mut picked);
                 candidates = &picked;
             }
-            if !candidates.is_empty() {
-                local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
-            }
+            local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
         }
         if !self.stiffness.is_empty() {
             for p in &mut pairs {

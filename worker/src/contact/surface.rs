@@ -47,6 +47,8 @@ pub struct Surface {
     pub node_scale: Vec<f64>,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
+    /// Shortest edge of an own element with segments, at the start [length].
+    pub shortest: f64,
     /// Per slave the start of its run in `faces`; see [`Surface::link_faces`].
     pub face_start: Vec<u32>,
     /// Indices of the segments around each slave, ascending.
@@ -148,12 +150,21 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 impl Surface {
     /// Segments of elements and what they make of the held nodes.
     pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
+        let mut shortest = f64::INFINITY;
+        let segments_of = |e: &LocalElement| {
+            let segments = segments_of(e, nodes, parts);
+            if !segments.is_empty() {
+                shortest = shortest.min(shortest_edge(e, nodes));
+            }
+            segments
+        };
         let mut s = Self {
-            segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
+            segments: elements.iter().flat_map(segments_of).collect(),
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.held],
             node_scale: vec![0.0; nodes.held],
             thinnest: f64::INFINITY,
+            shortest,
             ..Self::default()
         };
         for i in 0..s.segments.len() {

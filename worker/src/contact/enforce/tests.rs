@@ -87,6 +87,7 @@ impl Scene {
             node_half: vec![HALF; points.len()],
             node_scale: vec![HALF; points.len()],
             thinnest: HALF,
+            shortest: f64::INFINITY,
             ..Surface::default()
         };
         let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS] });
