@@ -1,5 +1,7 @@
 //! Nearest point of a segment: a bilinear quad or a triangle; where two edges pass each other.
 
+use crate::contact::kernels::{self, Projection, is_in, project};
+use crate::lanes::Real;
 use nalgebra::Vector3;
 
 /// A point or vector.
@@ -18,14 +20,22 @@ pub struct Nearest {
     pub rim: bool,
 }
 
-/// Newton steps of the projection; a warped quad needs three to four.
-const NEWTON: usize = 8;
-/// Where two steps in a row end farther out than this, the nearest point is on the rim.
-const FAR: f64 = 1.5;
+impl Nearest {
+    /// That of a lane; `None` for a segment without area.
+    pub fn of<R: Real>(found: &Projection<R>, lane: usize) -> Option<Self> {
+        let vector = |of: kernels::Vector<R>| V3::from(of.0.map(|c| c.lane(lane)));
+        is_in::<R>(found.found, lane).then(|| Self {
+            shape: found.shape.map(|n| n.lane(lane)),
+            point: vector(found.point),
+            normal: vector(found.normal),
+            rim: is_in::<R>(found.rim, lane),
+        })
+    }
+}
 
 /// Nearest point of segment `q` (its third node repeated for a triangle) to `p`. `None` for a segment without area.
 pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
-    if triangle { nearest_on_triangle(p, q) } else { nearest_on_quad(p, q) }
+    Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
 /// Whether a point is farther than `reach` from a segment for certain, which lies within the hull of its corners.
@@ -49,109 +59,9 @@ pub fn is_apart(at: &V3, q: &[V3; 4], reach: f64) -> bool {
     q.iter().all(|p| (at - p).dot(&away) > enough)
 }
 
-/// Whether the point of a convex segment that is nearest to `at` lies on its rim for certain, and will until the two move by more
-/// than `skin` against each other: the point is beyond an edge, seen in the mean plane. A segment without area has no such.
+/// See [`kernels::is_beside`].
 pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
-    let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
-    let cross = d1.cross(&d2);
-    let size = cross.norm();
-    let edges = [0, 1, 2, 3].map(|k| q[(k + 1) % 4] - q[k]);
-    let shortest = edges.iter().map(|e| e.norm_squared()).filter(|&l| l > 0.0).fold(f64::INFINITY, f64::min).sqrt();
-    let warp = ((q[0] + q[2] - q[1] - q[3]).dot(&cross) / size).abs();
-    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp, which may grow by
-    // twice the skin meanwhile. An edge turns with its ends.
-    let turn = 1.1 * skin * (d1.norm() + d2.norm()) / size + (warp + 3.0 * skin) / (shortest - skin).max(0.0);
-    (0..4).any(|k| {
-        let (out, from) = (edges[k].cross(&cross), at - q[k]);
-        let lever = from.norm_squared().min((at - q[(k + 1) % 4]).norm_squared()).sqrt();
-        from.dot(&out) > (skin + lever * turn) * out.norm()
-    })
-}
-
-fn bilinear(xi: f64, eta: f64) -> [f64; 4] {
-    let (a, b, c, d) = (1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta);
-    [0.25 * a * c, 0.25 * b * c, 0.25 * b * d, 0.25 * a * d]
-}
-
-fn blend(shape: &[f64; 4], q: &[V3; 4]) -> V3 {
-    q[0] * shape[0] + q[1] * shape[1] + q[2] * shape[2] + q[3] * shape[3]
-}
-
-fn tangents(xi: f64, eta: f64, q: &[V3; 4]) -> (V3, V3) {
-    let t_xi = ((q[1] - q[0]) * (1.0 - eta) + (q[2] - q[3]) * (1.0 + eta)) * 0.25;
-    let t_eta = ((q[3] - q[0]) * (1.0 - xi) + (q[2] - q[1]) * (1.0 + xi)) * 0.25;
-    (t_xi, t_eta)
-}
-
-fn nearest_on_quad(p: &V3, q: &[V3; 4]) -> Option<Nearest> {
-    let twist = (q[0] - q[1] + q[2] - q[3]) * 0.25;
-    let (mut xi, mut eta) = (0.0f64, 0.0f64);
-    for _ in 0..NEWTON {
-        let (a, b) = tangents(xi, eta, q);
-        let r = blend(&bilinear(xi, eta), q) - p;
-        // Stationary |r|^2 / 2: gradient (a.r, b.r), Hessian with the twist's second-order term.
-        let (g1, g2) = (a.dot(&r), b.dot(&r));
-        let (h11, h22, h12) = (a.dot(&a), b.dot(&b), a.dot(&b));
-        let exact = h12 + twist.dot(&r);
-        let mixed = if h11 * h22 > 1.0001 * exact * exact { exact } else { h12 };
-        let det = h11 * h22 - mixed * mixed;
-        if det <= 1e-12 * (h11 + h22) * (h11 + h22) {
-            return None;
-        }
-        let (d1, d2) = ((g1 * h22 - g2 * mixed) / det, (g2 * h11 - g1 * mixed) / det);
-        // Far outside the rim decides anyway; a leash keeps warped quads from wandering.
-        let before = xi.abs().max(eta.abs());
-        (xi, eta) = ((xi - d1).clamp(-3.0, 3.0), (eta - d2).clamp(-3.0, 3.0));
-        if d1.abs().max(d2.abs()) < 1e-12 || before > FAR && xi.abs().max(eta.abs()) > FAR {
-            break;
-        }
-    }
-    if xi.abs() <= 1.0 && eta.abs() <= 1.0 {
-        let shape = bilinear(xi, eta);
-        let (a, b) = tangents(xi, eta, q);
-        return Some(Nearest { shape, point: blend(&shape, q), normal: a.cross(&b).try_normalize(0.0)?, rim: false });
-    }
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    let (k, s) = nearest_edge(p, q, 4)?;
-    let ((xi0, eta0), (xi1, eta1)) = (corners[k], corners[(k + 1) % 4]);
-    let (a, b) = tangents(xi0 + s * (xi1 - xi0), eta0 + s * (eta1 - eta0), q);
-    let shape = edge_shape(k, (k + 1) % 4, s);
-    Some(Nearest { shape, point: blend(&shape, q), normal: a.cross(&b).try_normalize(0.0)?, rim: true })
-}
-
-fn nearest_on_triangle(p: &V3, q: &[V3; 4]) -> Option<Nearest> {
-    let (a, b) = (q[1] - q[0], q[2] - q[0]);
-    let cross = a.cross(&b);
-    let area2 = cross.norm_squared();
-    let normal = cross.try_normalize(0.0)?;
-    let r = p - q[0];
-    let n1 = r.cross(&b).dot(&cross) / area2;
-    let n2 = a.cross(&r).dot(&cross) / area2;
-    let inside = [1.0 - n1 - n2, n1, n2, 0.0];
-    if inside.iter().all(|&n| n >= 0.0) {
-        return Some(Nearest { shape: inside, point: blend(&inside, q), normal, rim: false });
-    }
-    let (k, s) = nearest_edge(p, q, 3)?;
-    let shape = edge_shape(k, (k + 1) % 3, s);
-    Some(Nearest { shape, point: blend(&shape, q), normal, rim: true })
-}
-
-fn edge_shape(from: usize, to: usize, s: f64) -> [f64; 4] {
-    let mut shape = [0.0; 4];
-    shape[from] = 1.0 - s;
-    shape[to] += s;
-    shape
-}
-
-/// The edge nearest to `p` and the place on it, 0 to 1.
-fn nearest_edge(p: &V3, q: &[V3; 4], corners: usize) -> Option<(usize, f64)> {
-    let edge = |k: usize| {
-        let (from, along) = (q[k], q[(k + 1) % corners] - q[k]);
-        let length2 = along.norm_squared();
-        let s = if length2 > 0.0 { ((p - from).dot(&along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-        ((from + along * s - p).norm_squared(), k, s)
-    };
-    (0..corners).map(edge).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k, s)| (k, s))
+    kernels::is_beside((*at).into(), &q.map(Into::into), skin)
 }
 
 /// Two edges whose sines of the angle between them is below this count as parallel: where they are nearest to each other
@@ -214,6 +124,12 @@ mod tests {
         assert!(passing(&p, &[V3::z(), V3::z()]).is_none(), "no length");
     }
 
+    /// A point of a quad by its place.
+    fn at(q: &[V3; 4], xi: f64, eta: f64) -> V3 {
+        let side = |a: usize, b: usize| q[a] * (1.0 - xi) + q[b] * (1.0 + xi);
+        (side(0, 1) * (1.0 - eta) + side(3, 2) * (1.0 + eta)) * 0.25
+    }
+
     fn warped() -> [V3; 4] {
         [V3::new(0.0, 0.0, 0.2), V3::new(2.0, 0.1, -0.2), V3::new(2.2, 1.9, 0.3), V3::new(-0.1, 2.0, -0.1)]
     }
@@ -224,7 +140,7 @@ mod tests {
         for p in [V3::new(1.0, 1.2, 0.8), V3::new(2.6, 1.0, 0.4), V3::new(-0.5, -0.7, 0.3), V3::new(0.3, 1.9, -0.9)] {
             let found = nearest(&p, &q, false).unwrap();
             let grid = (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0)));
-            let best = grid.map(|(xi, eta)| (blend(&bilinear(xi, eta), &q) - p).norm()).fold(f64::INFINITY, f64::min);
+            let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
             let d = (found.point - p).norm();
             assert!(d <= best + 1e-12 && d > best - 1e-4, "{d} against {best} on a grid of 0.005");
             assert!((found.shape.iter().sum::<f64>() - 1.0).abs() < 1e-12);

@@ -9,8 +9,8 @@
 //! is over the segment. A new contact also wants opposed surfaces: a block that slides over another one does not meet the
 //! nodes of that one's top with its side faces, at whose lower rims they pass.
 
-use crate::contact::close::Candidate;
-use crate::contact::geometry::{Nearest, V3, is_beside, nearest};
+use crate::contact::geometry::{Nearest, V3, nearest};
+use crate::contact::meet::Meeting;
 use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
@@ -80,53 +80,48 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of the slave at place `place` of the surface's slaves among `candidates` (segments ascending), appended to `out` in
+/// Active pairs of the slave at place `place` of the surface's slaves among its `meetings` (segments ascending), appended to `out` in
 /// ascending segment id. `memory` is what the node remembers of its pairs of the last step.
 pub fn find_pairs(
     nodes: &Nodes,
     surface: &Surface,
     place: usize,
-    candidates: &[Candidate],
+    meetings: &[Meeting],
     memory: &[Memory],
     dt: f64,
     out: &mut Vec<Pair>,
 ) {
-    let slave = surface.slaves[place];
-    let at = v3(&nodes.x[slave as usize]);
-    let mut finds: Vec<Find> = Vec::new();
-    for c in candidates {
-        let segment = &surface.segments[c.segment as usize];
-        let meeting = Meeting::new(nodes, surface, segment, c.ring, place, dt);
-        if may_touch(nodes, surface, &meeting, &at, memory) {
-            let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
-            finds.extend(look(nodes, surface, &meeting, &at, memory, opposed));
-        }
-    }
+    let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
+    let found = |m: &Meeting| look(nodes, surface, &Visit::new(surface, place, m, dt), memory, opposed);
+    let mut finds: Vec<Find> = meetings.iter().filter_map(found).collect();
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
     finds.sort_by(|a, b| {
         let by_time = a.impact.total_cmp(&b.impact);
         let by_gap = if a.impact == 0.0 { a.gap.total_cmp(&b.gap) } else { a.opening.total_cmp(&b.opening) };
         by_time.then(by_gap).then(a.pair.segment.cmp(&b.pair.segment))
     });
-    let mut accepted: Vec<Find> = Vec::new();
-    for f in finds {
+    let mut accepted = 0;
+    for i in 0..finds.len() {
         // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off this segment;
         // on a concave one it does not.
+        let f = &finds[i];
         let covered =
             |a: &Find| f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) - PLANE * f.pair.thickness;
-        if accepted.len() < MOST && !accepted.iter().any(covered) {
-            accepted.push(f);
+        if accepted < MOST && !finds[..accepted].iter().any(covered) {
+            finds.swap(accepted, i);
+            accepted += 1;
         }
     }
-    accepted.sort_by_key(|f| f.pair.segment);
-    out.extend(accepted.into_iter().map(|f| f.pair));
+    finds.truncate(accepted);
+    finds.sort_unstable_by_key(|f| f.pair.segment);
+    out.extend(finds.into_iter().map(|f| f.pair));
 }
 
-/// A node and a segment that may touch.
-struct Meeting<'a> {
+/// A meeting, and what is known of its node and segment.
+struct Visit<'a> {
     segment: &'a Segment,
     slave: u32,
-    /// See [`Candidate::ring`].
+    /// See [`Candidate::ring`](crate::contact::close::Candidate::ring).
     ring: u8,
     /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
     thickness: f64,
@@ -135,48 +130,20 @@ struct Meeting<'a> {
     /// Whether the node's surface comes before the segment's.
     first: bool,
     dt: f64,
-    /// The most that the node and one of the segment's move against each other in the step, contact not yet felt [length].
+    /// See [`Meeting::step`].
     step: f64,
+    near: &'a Nearest,
 }
 
-impl<'a> Meeting<'a> {
-    fn new(nodes: &Nodes, surface: &Surface, segment: &'a Segment, ring: u8, place: usize, dt: f64) -> Self {
-        let slave = surface.slaves[place];
-        let (n, first) = (slave as usize, surface.first[place] < (segment.part, segment.id));
+impl<'a> Visit<'a> {
+    fn new(surface: &'a Surface, place: usize, meeting: &'a Meeting, dt: f64) -> Self {
+        let Meeting { of, step, near } = meeting;
+        let (slave, segment) = (surface.slaves[place], &surface.segments[of.candidate.segment as usize]);
+        let n = slave as usize;
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        let v = v3(&nodes.next_v[n]);
-        let apart = |&k: &u32| (v3(&nodes.next_v[k as usize]) - v).norm_squared();
-        let step = dt * segment.nodes.iter().map(apart).fold(0.0, f64::max).sqrt();
-        Self { segment, slave, ring, thickness, scale, first, dt, step }
+        let first = surface.first[place] < (segment.part, segment.id);
+        Self { segment, slave, ring: of.candidate.ring, thickness, scale, first, dt, step: *step, near }
     }
-}
-
-/// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
-/// one that has to fold over to be met?
-fn may_touch(nodes: &Nodes, surface: &Surface, meeting: &Meeting<'_>, at: &V3, memory: &[Memory]) -> bool {
-    let Meeting { segment, slave, ring, step, .. } = *meeting;
-    let q = segment.corners(&nodes.x);
-    let is_within = |limit: f64| {
-        let in_box = (0..3).all(|c| {
-            let (lo, hi) = q.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |b, p| (b.0.min(p[c]), b.1.max(p[c])));
-            at[c] >= lo - limit && at[c] <= hi + limit
-        });
-        in_box && {
-            // All of the segment lies as near to the plane through its first node as its other corners do.
-            let [a, b, c, d] = q;
-            let normal = (c - a).cross(&(d - b));
-            let size = normal.norm();
-            let off = |p: &V3| (p - a).dot(&normal);
-            let (low, high) = [b, c, d].iter().map(off).fold((0.0f64, 0.0f64), |s, o| (s.0.min(o), s.1.max(o)));
-            (low - limit * size..=high + limit * size).contains(&off(at))
-        }
-    };
-    let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
-    let is_old = || {
-        is_within(reach_of_old(surface, slave, segment)) && memory.iter().any(|m| m.is_of(segment.id) || goes_over(m))
-    };
-    let reaches = is_within(reach(surface, slave, segment, step)) || !memory.is_empty() && is_old();
-    reaches && !(ring != 0 && is_beside(at, &q, 0.0))
 }
 
 /// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
@@ -205,19 +172,20 @@ struct Place {
 
 /// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node passes from one
 /// segment to the next or slides off. Deep inside, the remembered side decides.
-fn beside_shell(meeting: &Meeting<'_>, near: &Nearest, offset: &V3, known: Option<&Memory>) -> Place {
+fn beside_shell(visit: &Visit<'_>, offset: &V3, known: Option<&Memory>) -> Place {
+    let near = visit.near;
     let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
     let side = known.filter(|_| !near.rim).map_or(here, |m| m.side);
-    let deep = height * side < 0.0 || distance < 0.05 * meeting.thickness;
+    let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
     let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
     Place { normal, side, reached }
 }
 
 /// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face: it belongs to the
 /// same element, is deeper inside than it could have come, or is not over the face when the step ends.
-fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, old: bool) -> Option<Place> {
-    let Meeting { segment, slave, scale, dt, .. } = meeting;
+fn before_solid(nodes: &Nodes, visit: &Visit<'_>, at: &V3, old: bool) -> Option<Place> {
+    let Visit { segment, slave, scale, dt, near, .. } = visit;
     let height = (at - near.point).dot(&near.normal);
     if segment.behind.contains(slave) || !old && height < -BEHIND * scale {
         return None;
@@ -233,13 +201,13 @@ fn before_solid(nodes: &Nodes, meeting: &Meeting<'_>, at: &V3, near: &Nearest, o
 /// Whether the surface has folded over between a slave and a shell next to its own ones, so that the slave stands above
 /// the shell's inside. The shell's rim is that of the slave's segments too, or of what comes next; were it met, a mesh finer
 /// than its thickness would touch itself in its plane and at every corner.
-fn has_folded_over(nodes: &Nodes, meeting: &Meeting<'_>, near: &Nearest, offset: &V3) -> bool {
-    let in_ring = |k: &usize| meeting.ring >> k & 1 == 1;
-    let mean = |of: &[usize]| {
-        of.iter().map(|&k| v3(&nodes.x[meeting.segment.nodes[k] as usize])).sum::<V3>() / of.len() as f64
-    };
-    let corners = if meeting.segment.is_triangle() { 3 } else { 4 };
+fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
+    let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
+    let mean =
+        |of: &[usize]| of.iter().map(|&k| v3(&nodes.x[visit.segment.nodes[k] as usize])).sum::<V3>() / of.len() as f64;
+    let corners = if visit.segment.is_triangle() { 3 } else { 4 };
     let (ring, others): (Vec<usize>, Vec<usize>) = (0..corners).partition(in_ring);
+    let near = visit.near;
     if near.rim || others.is_empty() {
         return false;
     }
@@ -269,18 +237,17 @@ pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, 
 fn look(
     nodes: &Nodes,
     surface: &Surface,
-    meeting: &Meeting<'_>,
-    at: &V3,
+    visit: &Visit<'_>,
     memory: &[Memory],
     opposed: impl Fn(&V3) -> bool,
 ) -> Option<Find> {
-    let Meeting { segment, slave, thickness, scale, dt, step, .. } = *meeting;
-    let near = nearest(at, &segment.corners(&nodes.x), segment.is_triangle())?;
+    let Visit { segment, slave, thickness, scale, dt, step, near, .. } = *visit;
+    let at = v3(&nodes.x[slave as usize]);
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
         return None;
     }
-    if meeting.ring != 0 && !has_folded_over(nodes, meeting, &near, &offset) {
+    if visit.ring != 0 && !has_folded_over(nodes, visit, &offset) {
         return None;
     }
     let known = memory.iter().find(|m| m.is_of(segment.id));
@@ -294,16 +261,20 @@ fn look(
         if is_new && offset.norm() > reach(surface, slave, segment, step) {
             return None;
         }
-        before_solid(nodes, meeting, at, &near, !is_new).filter(|_| !is_new || opposed(&near.normal))?
+        before_solid(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
-        beside_shell(meeting, &near, &offset, known)
+        beside_shell(visit, &offset, known)
     };
-    let old = kept(&normal);
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
     let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
+    // What is tolerated is no gap: it can only make the pair less near.
+    if predicted >= ACTIVE * scale {
+        return None;
+    }
+    let old = kept(&normal);
     let tolerated = tolerated(old, gap, moved(nodes, segment.nodes.into_iter(), slave, dt, scale));
     if predicted - tolerated >= ACTIVE * scale {
         return None;
@@ -319,7 +290,7 @@ fn look(
         normal,
         side,
         thickness: scale,
-        first: meeting.first,
+        first: visit.first,
         own: true,
         ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };

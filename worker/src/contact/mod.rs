@@ -13,7 +13,9 @@ pub mod edges;
 pub mod enforce;
 pub mod geometry;
 pub mod initial;
+pub mod kernels;
 pub mod local;
+mod meet;
 pub mod pairs;
 pub mod record;
 mod resultants;
@@ -36,6 +38,7 @@ use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
 use geometry::{V3, is_farther};
+use meet::{Meetings, Neighbours};
 use pairs::{Memory, Pair, PairTable, push};
 use record::Record;
 use search::{SEARCHES, Search};
@@ -57,6 +60,9 @@ pub struct Contact {
     candidates: Vec<u32>,
     /// Those of them that are near.
     close: Close,
+    /// What of these is looked at in a step, and what of that may touch.
+    neighbours: Vec<Neighbours>,
+    meetings: Meetings,
     /// Motion since `close` was made, and what relative motion there was between the search and that [length].
     since_close: Motion,
     moved: f64,
@@ -107,6 +113,8 @@ impl Contact {
             candidate_start: Vec::new(),
             candidates: Vec::new(),
             close: Close::default(),
+            neighbours: Vec::new(),
+            meetings: Meetings::default(),
             since_close: Motion::since(&[]),
             moved: 0.0,
             stiffness: Vec::new(),
@@ -265,16 +273,22 @@ impl Contact {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         let (mut ring, mut picked) = (Vec::new(), Vec::new());
+        let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        self.neighbours.clear();
         for near in self.close.near() {
-            let (i, mut candidates) = (near.place, near.candidates);
-            let memory = &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+            let (i, mut candidates, memory) = (near.place, near.candidates, memory(near.place));
             if near.is_lone && !memory.is_empty() {
                 let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
                 picked.clear();
                 pick(nodes, &self.surface, (i, found, memory), (0.0, self.close.step), &mut ring, &mut picked);
                 candidates = &picked;
             }
-            local::find_pairs(nodes, &self.surface, i, candidates, memory, steps.dt, &mut pairs);
+            self.neighbours.extend(candidates.iter().map(|&candidate| Neighbours { place: i as u32, candidate }));
+        }
+        self.meetings.find(nodes, &self.surface, &self.neighbours, |i| memory(i as usize), steps.dt);
+        for meetings in self.meetings.all.chunk_by(|a, b| a.of.place == b.of.place) {
+            let i = meetings[0].of.place as usize;
+            local::find_pairs(nodes, &self.surface, i, meetings, memory(i), steps.dt, &mut pairs);
         }
         if !self.stiffness.is_empty() {
             for p in &mut pairs {

@@ -1,0 +1,392 @@
+//! Where points and segments are to each other: one pair, or several side by side, written once over [`Real`].
+//!
+//! Products are not fused, and sums go in the order of components: the bits are those of the same formulas in [`V3`].
+
+use crate::contact::geometry::V3;
+use crate::lanes::Real;
+use std::ops::{Add, Mul, Sub};
+
+/// A point or vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Vector<R>(pub [R; 3]);
+
+impl<R: Real> Add for Vector<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let (Self([a, b, c]), Self([d, e, f])) = (self, other);
+        Self([a + d, b + e, c + f])
+    }
+}
+
+impl<R: Real> Sub for Vector<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let (Self([a, b, c]), Self([d, e, f])) = (self, other);
+        Self([a - d, b - e, c - f])
+    }
+}
+
+impl<R: Real> Mul<R> for Vector<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: R) -> Self {
+        let Self([a, b, c]) = self;
+        Self([a * factor, b * factor, c * factor])
+    }
+}
+
+impl From<V3> for Vector<f64> {
+    fn from(v: V3) -> Self {
+        Self([v.x, v.y, v.z])
+    }
+}
+
+impl From<Vector<f64>> for V3 {
+    fn from(v: Vector<f64>) -> Self {
+        v.0.into()
+    }
+}
+
+impl<R: Real> Vector<R> {
+    #[inline(always)]
+    fn dot(self, other: Self) -> R {
+        let (Self([a, b, c]), Self([d, e, f])) = (self, other);
+        a * d + b * e + c * f
+    }
+    #[inline(always)]
+    fn cross(self, other: Self) -> Self {
+        let (Self([a, b, c]), Self([d, e, f])) = (self, other);
+        Self([b * f - c * e, c * d - a * f, a * e - b * d])
+    }
+    /// Its square.
+    #[inline(always)]
+    pub fn square(self) -> R {
+        self.dot(self)
+    }
+    #[inline(always)]
+    fn norm(self) -> R {
+        self.square().sqrt()
+    }
+    #[inline(always)]
+    fn over(self, divisor: R) -> Self {
+        let Self([a, b, c]) = self;
+        Self([a / divisor, b / divisor, c / divisor])
+    }
+    #[inline(always)]
+    fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let (Self([a, b, c]), Self([d, e, f])) = (yes, no);
+        Self([R::select(mask, a, d), R::select(mask, b, e), R::select(mask, c, f)])
+    }
+}
+
+/// The points of segments that are nearest to given ones; see [`super::geometry::Nearest`].
+#[derive(Clone, Copy, Debug)]
+pub struct Projection<R: Real> {
+    /// Shape values at the segment's four nodes.
+    pub shape: [R; 4],
+    /// The point [length].
+    pub point: Vector<R>,
+    /// Unit normal there.
+    pub normal: Vector<R>,
+    /// Whether the point is on the rim.
+    pub rim: R::Mask,
+    /// Whether there is such a point: not on a segment without area.
+    pub found: R::Mask,
+}
+
+/// Newton steps of the projection; a warped quad needs three to four.
+const NEWTON: usize = 8;
+/// Where two steps in a row end farther out than this, the nearest point is on the rim.
+const FAR: f64 = 1.5;
+/// Places of a quad's corners in its plane.
+const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
+#[inline(always)]
+fn number<R: Real>(mask: R::Mask) -> R {
+    R::select(mask, R::splat(1.0), R::zero())
+}
+
+#[inline(always)]
+fn not<R: Real>(mask: R::Mask) -> R::Mask {
+    number::<R>(mask).le(R::zero())
+}
+
+/// Whether a lane is in a mask.
+#[inline(always)]
+pub fn is_in<R: Real>(mask: R::Mask, lane: usize) -> bool {
+    number::<R>(mask).lane(lane) > 0.0
+}
+
+/// Nearest points of segments `q` (the third node repeated for triangles) to `p`.
+#[inline(always)]
+pub fn project<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], triangle: R::Mask) -> Projection<R> {
+    if !R::any(triangle) {
+        return on_quad(p, q);
+    }
+    let three = on_triangle(p, q);
+    if !R::any(not::<R>(triangle)) {
+        return three;
+    }
+    let four = on_quad(p, q);
+    let pick = |a: R::Mask, b: R::Mask| number::<R>(R::either(R::both(triangle, a), R::both(not::<R>(triangle), b)));
+    Projection {
+        shape: std::array::from_fn(|k| R::select(triangle, three.shape[k], four.shape[k])),
+        point: Vector::select(triangle, three.point, four.point),
+        normal: Vector::select(triangle, three.normal, four.normal),
+        rim: pick(three.rim, four.rim).gt(R::zero()),
+        found: pick(three.found, four.found).gt(R::zero()),
+    }
+}
+
+#[inline(always)]
+fn bilinear<R: Real>(xi: R, eta: R) -> [R; 4] {
+    let (one, quarter) = (R::splat(1.0), R::splat(0.25));
+    let (a, b, c, d) = (one - xi, one + xi, one - eta, one + eta);
+    [quarter * a * c, quarter * b * c, quarter * b * d, quarter * a * d]
+}
+
+#[inline(always)]
+fn blend<R: Real>(shape: &[R; 4], q: &[Vector<R>; 4]) -> Vector<R> {
+    q[0] * shape[0] + q[1] * shape[1] + q[2] * shape[2] + q[3] * shape[3]
+}
+
+#[inline(always)]
+fn tangents<R: Real>(xi: R, eta: R, q: &[Vector<R>; 4]) -> (Vector<R>, Vector<R>) {
+    let (one, quarter) = (R::splat(1.0), R::splat(0.25));
+    let t_xi = ((q[1] - q[0]) * (one - eta) + (q[2] - q[3]) * (one + eta)) * quarter;
+    let t_eta = ((q[3] - q[0]) * (one - xi) + (q[2] - q[1]) * (one + xi)) * quarter;
+    (t_xi, t_eta)
+}
+
+#[inline(always)]
+fn clamp<R: Real>(a: R, low: f64, high: f64) -> R {
+    a.max(R::splat(low)).min(R::splat(high))
+}
+
+#[inline(always)]
+fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
+    let twist = (q[0] - q[1] + q[2] - q[3]) * R::splat(0.25);
+    let (mut xi, mut eta) = (R::zero(), R::zero());
+    // What has come to its end stays as it is.
+    let (mut going, mut flat) = (R::splat(1.0), R::zero());
+    for _ in 0..NEWTON {
+        let (a, b) = tangents(xi, eta, q);
+        let r = blend(&bilinear(xi, eta), q) - p;
+        // Stationary |r|^2 / 2: gradient (a.r, b.r), Hessian with the twist's second-order term.
+        let (g1, g2) = (a.dot(r), b.dot(r));
+        let (h11, h22, h12) = (a.dot(a), b.dot(b), a.dot(b));
+        let exact = h12 + twist.dot(r);
+        let mixed = R::select((h11 * h22).gt(R::splat(1.0001) * exact * exact), exact, h12);
+        let (det, size) = (h11 * h22 - mixed * mixed, h11 + h22);
+        flat = flat.max(R::select(det.le(R::splat(1e-12) * size * size), going, R::zero()));
+        let (d1, d2) = ((g1 * h22 - g2 * mixed) / det, (g2 * h11 - g1 * mixed) / det);
+        // Far outside the rim decides anyway; a leash keeps warped quads from wandering.
+        let before = xi.abs().max(eta.abs());
+        let goes = going.gt(R::zero());
+        xi = R::select(goes, clamp(xi - d1, -3.0, 3.0), xi);
+        eta = R::select(goes, clamp(eta - d2, -3.0, 3.0), eta);
+        let far = R::both(before.gt(R::splat(FAR)), xi.abs().max(eta.abs()).gt(R::splat(FAR)));
+        let there = R::either(d1.abs().max(d2.abs()).lt(R::splat(1e-12)), far);
+        going = R::select(R::either(there, flat.gt(R::zero())), R::zero(), going);
+        if !R::any(going.gt(R::zero())) {
+            break;
+        }
+    }
+    let one = R::splat(1.0);
+    let rim = not::<R>(R::both(xi.abs().le(one), eta.abs().le(one)));
+    let mut shape = bilinear(xi, eta);
+    if R::any(rim) {
+        let edge = nearest_edge::<R, 4>(p, q);
+        for k in 0..4 {
+            shape[k] = R::select(rim, edge.shape[k], shape[k]);
+        }
+        xi = R::select(rim, edge.place[0], xi);
+        eta = R::select(rim, edge.place[1], eta);
+    }
+    let (a, b) = tangents(xi, eta, q);
+    let cross = a.cross(b);
+    let size = cross.norm();
+    let found = R::both(size.gt(R::zero()), flat.le(R::zero()));
+    Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found }
+}
+
+#[inline(always)]
+fn on_triangle<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
+    let (a, b) = (q[1] - q[0], q[2] - q[0]);
+    let cross = a.cross(b);
+    let (area2, size) = (cross.square(), cross.norm());
+    let r = p - q[0];
+    let n1 = r.cross(b).dot(cross) / area2;
+    let n2 = a.cross(r).dot(cross) / area2;
+    let (zero, n0) = (R::zero(), R::splat(1.0) - n1 - n2);
+    let rim = not::<R>(R::both(n0.ge(zero), R::both(n1.ge(zero), n2.ge(zero))));
+    let mut shape = [n0, n1, n2, zero];
+    if R::any(rim) {
+        let edge = nearest_edge::<R, 3>(p, q);
+        for k in 0..4 {
+            shape[k] = R::select(rim, edge.shape[k], shape[k]);
+        }
+    }
+    Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found: size.gt(zero) }
+}
+
+/// The nearest point of the edges.
+struct Edge<R> {
+    /// Squared distance [length^2].
+    far: R,
+    shape: [R; 4],
+    /// Where it is in a quad's plane.
+    place: [R; 2],
+}
+
+/// Nearest point of the first `N` edges, of two as near that of the first.
+#[inline(always)]
+fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Edge<R> {
+    let edge = |k: usize| {
+        let (from, along) = (q[k], q[(k + 1) % N] - q[k]);
+        let length2 = along.square();
+        let s = clamp((p - from).dot(along) / length2, 0.0, 1.0);
+        let s = R::select(length2.gt(R::zero()), s, R::zero());
+        let ([x0, y0], [x1, y1]) = (CORNERS[k], CORNERS[(k + 1) % 4]);
+        let mut shape = [R::zero(); 4];
+        (shape[k], shape[(k + 1) % N]) = (R::splat(1.0) - s, s);
+        let place = [R::splat(x0) + s * R::splat(x1 - x0), R::splat(y0) + s * R::splat(y1 - y0)];
+        Edge { far: (from + along * s - p).square(), shape, place }
+    };
+    let mut best = edge(0);
+    for k in 1..N {
+        let other = edge(k);
+        let nearer = other.far.lt(best.far);
+        best.far = R::select(nearer, other.far, best.far);
+        for c in 0..4 {
+            best.shape[c] = R::select(nearer, other.shape[c], best.shape[c]);
+        }
+        for c in 0..2 {
+            best.place[c] = R::select(nearer, other.place[c], best.place[c]);
+        }
+    }
+    best
+}
+
+/// Whether the points of convex segments that are nearest to `at` lie on their rims for certain, and will until the two move by
+/// more than `skin` against each other: the point is beyond an edge, seen in the mean plane. Segments without area have no such.
+#[inline(always)]
+pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Mask {
+    let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
+    let cross = d1.cross(d2);
+    let (size, skin) = (cross.norm(), R::splat(skin));
+    let mut shortest = R::splat(f64::INFINITY);
+    for k in 0..4 {
+        let length = (q[(k + 1) % 4] - q[k]).square();
+        shortest = R::select(length.gt(R::zero()), length.min(shortest), shortest);
+    }
+    let shortest = shortest.sqrt();
+    let warp = ((q[0] + q[2] - q[1] - q[3]).dot(cross) / size).abs();
+    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp, which may grow by
+    // twice the skin meanwhile. An edge turns with its ends.
+    let turn = R::splat(1.1) * skin * (d1.norm() + d2.norm()) / size
+        + (warp + R::splat(3.0) * skin) / (shortest - skin).max(R::zero());
+    let mut most = R::zero();
+    for k in 0..4 {
+        let (out, from) = ((q[(k + 1) % 4] - q[k]).cross(cross), at - q[k]);
+        let lever = from.square().min((at - q[(k + 1) % 4]).square()).sqrt();
+        let is_beyond = from.dot(out).gt((skin + lever * turn) * out.norm());
+        most = R::select(is_beyond, R::splat(1.0), most);
+    }
+    most.gt(R::zero())
+}
+
+/// What [`is_within`] asks of points and segments.
+pub struct Slab<R> {
+    /// Distances by which the point is outside of the box around the corners along the axes; negative within [length].
+    beyond: R,
+    /// The same by the mean plane and what is farthest from it, times `size`.
+    off: R,
+    size: R,
+}
+
+/// A cheap look at how far points are from segments at least.
+#[inline(always)]
+pub fn slab<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> Slab<R> {
+    let [a, b, c, d] = *q;
+    let mut beyond = R::splat(f64::NEG_INFINITY);
+    for i in 0..3 {
+        let (low, high) = (a.0[i].min(b.0[i]).min(c.0[i].min(d.0[i])), a.0[i].max(b.0[i]).max(c.0[i].max(d.0[i])));
+        beyond = beyond.max((low - at.0[i]).max(at.0[i] - high));
+    }
+    // All of the segment lies as near to the plane through its first node as its other corners do.
+    let normal = (c - a).cross(d - b);
+    let off = |p: Vector<R>| (p - a).dot(normal);
+    let (mut low, mut high) = (R::zero(), R::zero());
+    for p in [b, c, d] {
+        (low, high) = (low.min(off(p)), high.max(off(p)));
+    }
+    let here = off(at);
+    Slab { beyond, off: (low - here).max(here - high), size: normal.norm() }
+}
+
+/// Whether the point may be within `limit` of the segment [length].
+#[inline(always)]
+pub fn is_within<R: Real>(slab: &Slab<R>, limit: R) -> R::Mask {
+    R::both(slab.beyond.le(limit), slab.off.le(limit * slab.size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{LANES, Lane};
+    use proptest::prelude::*;
+
+    fn side_by_side(of: [Vector<f64>; LANES]) -> Vector<Lane> {
+        Vector(std::array::from_fn(|c| Lane::new(of.map(|v| v.0[c]))))
+    }
+
+    fn vector() -> impl Strategy<Value = Vector<f64>> {
+        prop::array::uniform3(-2.0..2.0f64).prop_map(Vector)
+    }
+
+    proptest! {
+        #[test]
+        fn several_pairs_side_by_side_get_the_bits_of_each(
+            corners in prop::array::uniform4(prop::array::uniform4(vector())),
+            at in prop::array::uniform4(vector()),
+            triangle in prop::array::uniform4(any::<bool>()),
+            flat in prop::array::uniform4(0..10),
+            skin in 0.0..0.3f64,
+            limit in 0.0..2.0f64,
+        ) {
+            // By segment, of which some are triangles, some have no area.
+            let mut q = corners;
+            for lane in 0..LANES {
+                if flat[lane] == 0 {
+                    q[lane] = [q[lane][0]; 4];
+                }
+                if triangle[lane] {
+                    q[lane][3] = q[lane][2];
+                }
+            }
+            let wide: [Vector<Lane>; 4] = std::array::from_fn(|k| side_by_side(q.map(|q| q[k])));
+            let three = Lane::new(triangle.map(|t| if t { 1.0 } else { 0.0 })).gt(Lane::splat(0.5));
+            let all = project(side_by_side(at), &wide, three);
+            let beside = is_beside(side_by_side(at), &wide, skin);
+            let within = is_within(&slab(side_by_side(at), &wide), Lane::splat(limit));
+            for lane in 0..LANES {
+                let one = project(at[lane], &q[lane], triangle[lane]);
+                prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
+                prop_assert_eq!(is_in::<Lane>(beside, lane), is_beside(at[lane], &q[lane], skin));
+                prop_assert_eq!(is_in::<Lane>(within, lane), is_within(&slab(at[lane], &q[lane]), limit));
+                if one.found {
+                    prop_assert_eq!(is_in::<Lane>(all.rim, lane), one.rim);
+                    let numbers = |shape: [f64; 4], point: [f64; 3], normal: [f64; 3]| {
+                        shape.into_iter().chain(point).chain(normal).map(f64::to_bits).collect::<Vec<_>>()
+                    };
+                    let of = |v: Vector<Lane>| v.0.map(|c| c.lane(lane));
+                    let ours = numbers(all.shape.map(|n| n.lane(lane)), of(all.point), of(all.normal));
+                    prop_assert_eq!(ours, numbers(one.shape, one.point.0, one.normal.0));
+                }
+            }
+        }
+    }
+}

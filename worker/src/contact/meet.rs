@@ -1,0 +1,124 @@
+//! Which near segments come into reach of their slaves in the step, and where they are nearest: several at once, whoever their
+//! slaves are.
+
+use crate::contact::close::Candidate;
+use crate::contact::geometry::Nearest;
+use crate::contact::kernels::{Vector, is_beside, is_in, is_within, project, slab};
+use crate::contact::local::{reach, reach_of_old};
+use crate::contact::pairs::Memory;
+use crate::contact::surface::{Segment, Surface};
+use crate::lanes::{LANES, Lane, Lanes, Real};
+use crate::nodes::{Nodes, Row};
+
+/// A slave, by its place in the surface's slaves, and a segment near to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Neighbours {
+    pub place: u32,
+    pub candidate: Candidate,
+}
+
+/// Neighbours that may touch in the step.
+#[derive(Debug)]
+pub struct Meeting {
+    pub of: Neighbours,
+    /// The most that the slave and a node of the segment move against each other, contact not yet felt [length].
+    pub step: f64,
+    /// Where the segment is nearest.
+    pub near: Nearest,
+}
+
+/// Meetings of a step.
+#[derive(Debug, Default)]
+pub struct Meetings {
+    /// Neighbours in reach, with what they move against each other.
+    reached: Vec<(Neighbours, f64)>,
+    /// In the order in which they were asked for.
+    pub all: Vec<Meeting>,
+}
+
+impl Meetings {
+    /// Those among `asked`; `memory` is what a slave remembers, by place.
+    pub fn find<'a>(
+        &mut self,
+        nodes: &Nodes,
+        surface: &Surface,
+        asked: &[Neighbours],
+        memory: impl Fn(u32) -> &'a [Memory],
+        dt: f64,
+    ) {
+        self.reached.clear();
+        for some in asked.chunks(LANES) {
+            self.reach(nodes, surface, some, &memory, dt);
+        }
+        self.all.clear();
+        for some in self.reached.chunks(LANES) {
+            let four = Four::of(surface, |lane| some[lane.min(some.len() - 1)].0);
+            let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
+            for (lane, &(of, step)) in some.iter().enumerate() {
+                self.all.extend(Nearest::of(&found, lane).map(|near| Meeting { of, step, near }));
+            }
+        }
+    }
+
+    /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
+    /// one that has to fold over to be met?
+    fn reach<'a>(
+        &mut self,
+        nodes: &Nodes,
+        surface: &Surface,
+        some: &[Neighbours],
+        memory: impl Fn(u32) -> &'a [Memory],
+        dt: f64,
+    ) {
+        let four = Four::of(surface, |lane| some[lane.min(some.len() - 1)]);
+        let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
+        let v = four.slaves(&nodes.next_v);
+        let apart = four.corners(&nodes.next_v).map(|of| (of - v).square());
+        let step = (apart[0].max(apart[1]).max(apart[2].max(apart[3])).sqrt() * Lane::splat(dt)).to_array();
+        let [new, old]: [[f64; LANES]; 2] = [
+            std::array::from_fn(|lane| reach(surface, four.slave[lane], four.segment[lane], step[lane])),
+            std::array::from_fn(|lane| reach_of_old(surface, four.slave[lane], four.segment[lane])),
+        ];
+        let slab = slab(at, &q);
+        let is_new = is_within(&slab, Lane::new(new));
+        let is_old = is_within(&slab, Lane::new(old));
+        let ring = some.iter().any(|n| n.candidate.ring != 0);
+        let is_turned_away = if ring { is_beside(at, &q, 0.0) } else { Lane::splat(0.0) };
+        for (lane, &of) in some.iter().enumerate() {
+            let segment = four.segment[lane];
+            let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+            let is_kept = || memory(of.place).iter().any(|m| m.is_of(segment.id) || goes_over(m));
+            let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
+            if reaches && !(of.candidate.ring != 0 && is_in::<Lane>(is_turned_away, lane)) {
+                self.reached.push((of, step[lane]));
+            }
+        }
+    }
+}
+
+/// Slaves and segments side by side.
+struct Four<'a> {
+    slave: [u32; LANES],
+    segment: [&'a Segment; LANES],
+}
+
+impl<'a> Four<'a> {
+    fn of(surface: &'a Surface, lanes: impl Fn(usize) -> Neighbours) -> Self {
+        Self {
+            slave: std::array::from_fn(|lane| surface.slaves[lanes(lane).place as usize]),
+            segment: std::array::from_fn(|lane| &surface.segments[lanes(lane).candidate.segment as usize]),
+        }
+    }
+
+    fn slaves(&self, of: &[Row]) -> Vector<Lane> {
+        Vector(Lane::from_rows(self.slave.map(|n| Lane::new(of[n as usize]))))
+    }
+
+    fn corners(&self, of: &[Row]) -> [Vector<Lane>; 4] {
+        [0, 1, 2, 3].map(|k| Vector(Lane::from_rows(self.segment.map(|s| Lane::new(of[s.nodes[k] as usize])))))
+    }
+
+    fn triangles(&self) -> Lane {
+        Lane::new(self.segment.map(|s| f64::from(u8::from(s.is_triangle())))).gt(Lane::splat(0.5))
+    }
+}
