@@ -37,3 +37,16 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
         assert_same(&serial, &forced, &format!("{workers} workers, boxes renewed every 7 cycles"));
     }
 }
+
+/// A skin is there to save time: what a search collects beyond what touches changes nothing.
+#[test]
+fn how_far_candidates_are_collected_changes_no_bit() {
+    for (name, cycles, skins) in [("tumble", CYCLES, ["0.1", "10"]), ("can-crush", 300, ["0.05", "20"])] {
+        let run = |sets: &[&str]| run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
+        let default = run(&[]);
+        assert!(default.pairs.iter().any(|p| !p.is_empty()), "{name}: nothing touches");
+        for skin in skins {
+            assert_same(&default, &run(&[&format!("contact.skin={skin}")]), &format!("{name}, skin {skin}"));
+        }
+    }
+}

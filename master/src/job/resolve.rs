@@ -301,4 +301,12 @@ mod tests {
         assert_eq!(field_times(&job("")).len(), 21);
         assert_eq!(field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")), [0.3]);
     }
+
+    #[test]
+    fn buffers_are_of_the_median_side_and_of_four_of_the_smallest_at_most() {
+        let buffer = |text: &str, sides| settings(&job(text), Some(sides)).0.buffer;
+        assert_eq!(buffer("", (1.0, 3.0)), 3.0);
+        assert_eq!(buffer("", (1.0, 10.0)), 4.0, "a fine zone in a coarse mesh");
+        assert_eq!(buffer("[parallel]\nbuffer = 7.0", (1.0, 10.0)), 7.0, "as given");
+    }
 }

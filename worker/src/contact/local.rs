@@ -300,7 +300,12 @@ fn look(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::close::{Candidate, pick};
+    use crate::contact::meet::Neighbours;
+    use crate::contact::surface::NOT_LOCAL;
     use crumple_proto::ids::{NodeId, SegmentId};
+    use crumple_proto::partition::NodeRecord;
+    use proptest::prelude::*;
 
     #[test]
     fn a_depth_that_no_motion_explains_is_let_be() {
@@ -312,5 +317,85 @@ mod tests {
         assert_eq!(tolerated(Some(&memory), 0.5, 0.125), 0.0, "open");
         let given_back = tolerated(Some(&Memory { tolerated: -0.25, ..memory }), -0.25, 0.0);
         assert!((-0.25..-0.2499).contains(&given_back), "slowly");
+    }
+
+    /// A square face of a solid with its corners moved, and a slave.
+    fn face_and_slave(corners: [[f64; 3]; 4], at: [f64; 3]) -> (Nodes, Surface) {
+        const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let point = |(i, x): (usize, [f64; 3])| NodeRecord {
+            id: NodeId(i as u64 + 1),
+            x,
+            x0: x,
+            fixed: 0,
+            v: [0.0; 3],
+            w: [0.0; 3],
+            mass: 1.0,
+            inertia: 0.0,
+        };
+        let corner = |k: usize| [SQUARE[k][0] + corners[k][0], SQUARE[k][1] + corners[k][1], corners[k][2]];
+        let points = [corner(0), corner(1), corner(2), corner(3), at];
+        let nodes = Nodes::new(&points.into_iter().enumerate().map(point).collect::<Vec<_>>(), 0, true);
+        let face = Segment {
+            id: SegmentId(8),
+            nodes: [0, 1, 2, 3],
+            behind: [NOT_LOCAL; 4],
+            half: 0.0,
+            scale: SCALE,
+            part: 0,
+            own: true,
+        };
+        let mut surface = Surface {
+            segments: vec![face],
+            slaves: vec![4],
+            node_half: vec![0.0; 5],
+            node_scale: vec![SCALE; 5],
+            thinnest: SCALE,
+            shortest: 1.0,
+            ..Surface::default()
+        };
+        surface.link_faces(5);
+        (nodes, surface)
+    }
+
+    const SCALE: f64 = 0.25;
+
+    #[test]
+    fn a_slave_with_a_past_is_given_faces_that_it_may_go_over_to() {
+        let (nodes, surface) = face_and_slave([[0.0; 3]; 4], [0.5, 0.5, 0.3]);
+        let pair = Pair::unknown(Name::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
+        let picked = |memory: &[Memory]| {
+            let mut near = Vec::new();
+            pick(&nodes, &surface, (0, &[0], memory), (0.0, 0.0), &mut Vec::new(), &mut near);
+            near.len()
+        };
+        assert_eq!(picked(&[]), 0, "new to it, and too far for a step without motion");
+        assert_eq!(picked(&[pair.memory()]), 1, "within 1.5 of the scales");
+    }
+
+    proptest! {
+        /// However a face is warped and moves, what it would meet in the step is within the bound of what is looked at.
+        #[test]
+        fn nothing_new_is_met_from_beyond_reach(
+            corners in prop::array::uniform4(prop::array::uniform3(-0.15..0.15f64)),
+            at in prop::array::uniform3(-0.4..1.4f64),
+            moves in prop::array::uniform5(prop::array::uniform3(-0.1..0.1f64)),
+        ) {
+            let (mut nodes, surface) = face_and_slave(corners, at);
+            nodes.next_v.iter_mut().zip(moves).for_each(|(v, m)| *v = [m[0], m[1], m[2], 0.0]);
+            let segment = &surface.segments[0];
+            let v = |n: u32| v3(&nodes.next_v[n as usize]);
+            let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
+            let (at, scale) = (V3::from(at), 2.0 * SCALE);
+            let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
+            let of = Neighbours { place: 0, candidate: Candidate { segment: 0, ring: 0 } };
+            let meeting = Meeting { of, step, near };
+            let visit = Visit::new(&surface, 0, &meeting, 1.0);
+            let Some(place) = before_solid(&nodes, &visit, &at, false) else { return Ok(()) };
+            let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
+            if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {
+                let (far, reach) = ((at - near.point).norm(), reach(&surface, 4, segment, step));
+                prop_assert!(far <= reach, "met at {far}, looked for within {reach}");
+            }
+        }
     }
 }
