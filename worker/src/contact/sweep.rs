@@ -78,8 +78,12 @@ impl Sweeps<'_> {
                 Iteration::Correct { partition } => self.correct(t, partition, wire)?,
             };
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
-            self.feel(t);
+            // One by one, all that is known here has been felt already.
+            if iteration != Iteration::GaussSeidel || t.is_common() {
+                self.feel(t);
+            }
             if self.coupled {
+                t.look_at_all();
                 // All workers hear of each other, and end together.
                 if !self.move_bodies(t, wire, changed)? {
                     break;

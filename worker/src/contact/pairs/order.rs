@@ -24,6 +24,20 @@ pub struct Order {
     own: Vec<u32>,
     /// Number of phases of the pairs that are known here.
     phases: u32,
+    /// Number of forces that have changed so far, and one.
+    turn: u64,
+    /// When the node at each place of `touched` last felt a new force, and when each pair was last looked at.
+    felt: Vec<u64>,
+    looked: Vec<u64>,
+}
+
+impl Order {
+    /// Whether a pair may find something to do: a node of it has felt a new force since it was looked at. So work goes on where
+    /// pairs hang together with such as still change, and ends elsewhere.
+    fn is_due(&self, i: u32, pair: &Pair) -> bool {
+        let mut roles = self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
+        roles.any(|(&t, _)| t == NOWHERE || self.felt[t as usize] > self.looked[i as usize])
+    }
 }
 
 impl PairTable {
@@ -59,6 +73,11 @@ impl PairTable {
         order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].own));
         order.own.sort_by_key(|&i| order.phase[i as usize]);
         order.phases = order.phase.iter().map(|p| p + 1).max().unwrap_or(0);
+        order.turn = 1;
+        order.felt.clear();
+        order.felt.resize(self.touched.len(), order.turn);
+        order.looked.clear();
+        order.looked.resize(self.pairs.len(), 0);
         self.order = order;
         Ok(())
     }
@@ -98,7 +117,12 @@ impl PairTable {
         Ok(())
     }
 
-    /// One sweep in order. `update` gives a pair's new force, if it has one; `feel` takes a place in `touched`,
+    /// Lets all pairs be looked at in the next sweep: nodes have moved otherwise than by their forces.
+    pub fn look_at_all(&mut self) {
+        self.order.looked.fill(0);
+    }
+
+    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new force, if it has one; `feel` takes a place in `touched`,
     /// the node there and the total force that it is to feel. Whether a force of an own pair has changed.
     ///
     /// # Errors
@@ -110,14 +134,19 @@ impl PairTable {
         update: impl Fn(&Pair, &S) -> Option<V3>,
         feel: impl Fn(&mut S, u32, u32, &V3),
     ) -> Result<bool, Lost> {
-        let order = std::mem::take(&mut self.order);
-        let mut own = order.own.iter().peekable();
+        let mut order = std::mem::take(&mut self.order);
+        let mut next = 0;
         let mut changed = false;
         for phase in 0..order.phases {
-            while let Some(&i) = own.next_if(|&&i| order.phase[i as usize] == phase) {
+            while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase) {
+                next += 1;
+                if !order.is_due(i, &self.pairs[i as usize]) {
+                    continue;
+                }
+                order.looked[i as usize] = order.turn;
                 if let Some(force) = update(&self.pairs[i as usize], state) {
                     changed = true;
-                    self.put(i, force, &order, state, &feel);
+                    self.put(i, force, &mut order, state, &feel);
                 }
             }
             for c in &self.common {
@@ -140,7 +169,7 @@ impl PairTable {
                 for (i, f) in expected.into_iter().zip(words.chunks_exact(3)) {
                     let force = V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
                     if force != self.pairs[i as usize].force {
-                        self.put(i, force, &order, state, &feel);
+                        self.put(i, force, &mut order, state, &feel);
                     }
                 }
                 self.words = words;
@@ -151,9 +180,11 @@ impl PairTable {
     }
 
     /// Gives a pair a new force and lets its nodes feel it.
-    fn put<S>(&mut self, i: u32, force: V3, order: &Order, state: &mut S, feel: &impl Fn(&mut S, u32, u32, &V3)) {
+    fn put<S>(&mut self, i: u32, force: V3, order: &mut Order, state: &mut S, feel: &impl Fn(&mut S, u32, u32, &V3)) {
         self.pairs[i as usize].force = force;
+        order.turn += 1;
         for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
+            order.felt[t as usize] = order.turn;
             let total = self.force_at(t as usize);
             self.total[t as usize] = total;
             feel(state, t, self.touched[t as usize], &total);
