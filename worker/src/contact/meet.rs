@@ -37,6 +37,11 @@ pub struct Meetings {
 }
 
 impl Meetings {
+    /// Bytes in use, spare room left out.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
+    }
+
     /// Those among `asked`; `memory` is what a slave remembers, by place.
     pub fn find<'a>(
         &mut self,
@@ -48,7 +53,7 @@ impl Meetings {
     ) {
         self.reached.clear();
         for some in asked.chunks(LANES) {
-            self.reach(nodes, surface, some, &memory, dt);
+            self.keep_reached(nodes, surface, some, &memory, dt);
         }
         self.all.clear();
         for some in self.reached.chunks(LANES) {
@@ -62,7 +67,7 @@ impl Meetings {
 
     /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
     /// one that has to fold over to be met?
-    fn reach<'a>(
+    fn keep_reached<'a>(
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
@@ -120,5 +125,82 @@ impl<'a> Four<'a> {
 
     fn triangles(&self) -> Lane {
         Lane::new(self.segment.map(|s| f64::from(u8::from(s.is_triangle())))).gt(Lane::splat(0.5))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::pairs::{Name, Pair};
+    use crate::contact::surface::NOT_LOCAL;
+    use crumple_proto::ids::{NodeId, SegmentId};
+    use crumple_proto::partition::NodeRecord;
+
+    /// Six nodes on a bent strip of a quad, a triangle and a solid's face, four slaves above, and where they go.
+    fn scene() -> (Nodes, Surface) {
+        let strip =
+            [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.1, 1.0, 0.1], [0.0, 1.0, 0.0], [2.0, 0.0, -0.2], [2.1, 1.0, 0.0]];
+        let above = [[0.4, 0.4, 0.1], [0.95, 0.5, 0.12], [1.6, 0.3, 0.05], [0.2, 1.1, 0.1]];
+        let point = |(i, x): (usize, [f64; 3])| NodeRecord {
+            id: NodeId(i as u64 + 1),
+            fixed: 0,
+            x0: x,
+            x,
+            v: [0.0; 3],
+            w: [0.0; 3],
+            mass: 1.0,
+            inertia: 0.0,
+        };
+        let points: Vec<NodeRecord> = strip.into_iter().chain(above).enumerate().map(point).collect();
+        let mut nodes = Nodes::new(&points, 0, true);
+        nodes.next_v[6..].iter_mut().zip(1..).for_each(|(v, k)| *v = [0.1, 0.0, -0.05 * f64::from(k), 0.0]);
+        let segment = |(i, (nodes, half)): (usize, ([u32; 4], f64))| Segment {
+            id: SegmentId(8 * (i as u64 + 1)),
+            nodes,
+            behind: [NOT_LOCAL; 4],
+            half,
+            scale: 0.1,
+            part: 0,
+            own: true,
+        };
+        let faces = [([0, 1, 2, 3], 0.1), ([1, 4, 2, 2], 0.1), ([2, 4, 5, 1], 0.0)];
+        let mut surface = Surface {
+            segments: faces.into_iter().enumerate().map(segment).collect(),
+            slaves: (6..10).collect(),
+            node_half: vec![0.1; 10],
+            node_scale: vec![0.1; 10],
+            ..Surface::default()
+        };
+        surface.link_faces(10);
+        (nodes, surface)
+    }
+
+    /// Whoever stands beside a pair, and however many there are, it meets where it meets alone.
+    #[test]
+    fn a_pair_meets_in_company_where_it_meets_alone() {
+        let (nodes, surface) = scene();
+        let past = Pair::unknown(Name::of_node(NodeId(8), SegmentId(16)), SegmentId(16), [7, 1, 4, 2, 2]).memory();
+        let remembered = [past];
+        let memory = |place: u32| if place == 1 { &remembered[..] } else { &[] };
+        let asked: Vec<Neighbours> = (0..4)
+            .flat_map(|place| (0..3).map(move |segment| (place, segment)))
+            .map(|(place, segment)| Neighbours { place, candidate: Candidate { segment, ring: (place == 3) as u8 } })
+            .collect();
+        let meet = |asked: &[Neighbours]| {
+            let mut meetings = Meetings::default();
+            meetings.find(&nodes, &surface, asked, memory, 1.0);
+            let told = |m: &Meeting| {
+                let numbers = m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
+                let bits: Vec<u64> = numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
+                (m.of.place, m.of.candidate.segment, m.near.rim, bits)
+            };
+            meetings.all.iter().map(told).collect::<Vec<_>>()
+        };
+        let alone: Vec<_> = asked.iter().flat_map(|n| meet(std::slice::from_ref(n))).collect();
+        assert!((4..asked.len()).contains(&alone.len()), "some meet, some do not: {}", alone.len());
+        for company in [1, 3, 5, 7, 12] {
+            let together: Vec<_> = asked.chunks(company).flat_map(&meet).collect();
+            assert_eq!(together, alone, "in groups of {company}");
+        }
     }
 }

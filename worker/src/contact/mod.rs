@@ -141,6 +141,7 @@ impl Contact {
         self.memories.clear();
         self.memory_start.clear();
         self.candidate_start.clear();
+        self.close.clear();
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
             self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| !m.name.is_edge()));
@@ -159,6 +160,8 @@ impl Contact {
             + size_of_val(&self.stiffness[..])
             + self.since_close.bytes()
             + self.close.bytes()
+            + size_of_val(&self.neighbours[..])
+            + self.meetings.bytes()
             + self.record.bytes()
             + self.edges.bytes()
     }
@@ -203,8 +206,7 @@ impl Contact {
 
     /// Slaves that have candidates, with the number of those that are near, once these have been searched for.
     pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        let searched = !self.candidate_start.is_empty();
-        self.close.near().filter(move |_| searched).map(|n| (self.surface.slaves[n.place], n.candidates.len()))
+        self.close.near().map(|n| (self.surface.slaves[n.place], n.candidates.len()))
     }
 
     /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are

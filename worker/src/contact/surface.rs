@@ -47,8 +47,8 @@ pub struct Surface {
     pub node_scale: Vec<f64>,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
-    /// Shortest edge of an own element with segments, at the start [length].
-    pub shortest: f64,
+    /// Edge than which one segment in ten has a shorter one, the least of all workers' [length].
+    pub short: f64,
     /// Per slave the start of its run in `faces`; see [`Surface::link_faces`].
     pub face_start: Vec<u32>,
     /// Indices of the segments around each slave, ascending.
@@ -150,21 +150,13 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 impl Surface {
     /// Segments of elements and what they make of the held nodes.
     pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
-        let mut shortest = f64::INFINITY;
-        let segments_of = |e: &LocalElement| {
-            let segments = segments_of(e, nodes, parts);
-            if !segments.is_empty() {
-                shortest = shortest.min(shortest_edge(e, nodes));
-            }
-            segments
-        };
         let mut s = Self {
-            segments: elements.iter().flat_map(segments_of).collect(),
+            segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
             node_half: vec![0.0; nodes.held],
             node_scale: vec![0.0; nodes.held],
             thinnest: f64::INFINITY,
-            shortest,
+            short: f64::INFINITY,
             ..Self::default()
         };
         for i in 0..s.segments.len() {
@@ -220,6 +212,18 @@ impl Surface {
             + size_of_val(&self.first[..])
             + size_of_val(&self.node_half[..])
             + size_of_val(&self.node_scale[..])
+    }
+
+    /// Edge than which a segment in ten here has a shorter one; a few slivers do not count [length].
+    pub fn short_edge(&self, nodes: &Nodes) -> f64 {
+        let shortest = |s: &Segment| {
+            let q = s.corners(&nodes.x);
+            let edges = (0..4).map(|k| (q[(k + 1) % 4] - q[k]).norm()).filter(|&l| l > 0.0); // a triangle repeats a node
+            edges.fold(f64::INFINITY, f64::min)
+        };
+        let mut edges: Vec<f64> = self.segments.iter().map(shortest).collect();
+        let tenth = edges.len() / 10;
+        if edges.is_empty() { f64::INFINITY } else { *edges.select_nth_unstable_by(tenth, f64::total_cmp).1 }
     }
 
     /// Largest scale of a held node [length].

@@ -78,8 +78,8 @@ impl Sweeps<'_> {
                 Iteration::Correct { partition } => self.correct(t, partition, wire)?,
             };
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
-            // One by one, all that is known here has been felt already.
-            if iteration != Iteration::GaussSeidel || t.is_common() {
+            // One by one, what own and others' pairs have come to has been felt within the sweep.
+            if iteration != Iteration::GaussSeidel {
                 self.feel(t);
             }
             if self.coupled {

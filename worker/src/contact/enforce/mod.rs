@@ -86,7 +86,8 @@ pub trait ContactLaw: Send + Sync {
         V3::zeros()
     }
     /// New force of a pair whose node moves with `velocity` relative to the contact point at the next mid-step,
-    /// all present forces felt; `None` if the present force is good enough.
+    /// all present forces felt; `None` if the present force is good enough. It depends on nothing else: a pair is not asked
+    /// again before one of its nodes moves otherwise.
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
     /// Tangential distance from the stick point after the step.
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3;

@@ -3,7 +3,7 @@
 //! The order is that of the pairs' names, on any number of workers. Two pairs without a common node do not feel each
 //! other, so only pairs that touch wait for one another: a pair comes in a later *phase* than the pairs of other workers
 //! that it touches and that come before it, and not before own ones. Within a phase every worker goes through its own
-//! pairs in ascending order, then forces travel. What is computed is what one worker alone computes, to the last bit;
+//! pairs in ascending order, but for those that would answer as when they were last asked, then forces travel. What is computed is what one worker alone computes, to the last bit;
 //! phases are a timetable and nothing of them is left in the result.
 
 use super::{Pair, PairTable};
@@ -24,9 +24,10 @@ pub struct Order {
     own: Vec<u32>,
     /// Number of phases of the pairs that are known here.
     phases: u32,
-    /// Number of forces that have changed so far, and one.
+    /// Number of forces that have changed so far, from 1.
     turn: u64,
-    /// When the node at each place of `touched` last felt a new force, and when each pair was last looked at.
+    /// The turn in which the node at each place of `touched` last felt a new force, and that in which each pair was last looked at, 0
+    /// for never.
     felt: Vec<u64>,
     looked: Vec<u64>,
 }
@@ -122,8 +123,9 @@ impl PairTable {
         self.order.looked.fill(0);
     }
 
-    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new force, if it has one; `feel` takes a place in `touched`,
-    /// the node there and the total force that it is to feel. Whether a force of an own pair has changed.
+    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new force, if it has one;
+    /// `feel` takes a place in `touched`, the node there and the total force that it is to feel. Whether a force of an own
+    /// pair has changed.
     ///
     /// # Errors
     /// A worker is gone.
