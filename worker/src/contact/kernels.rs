@@ -76,8 +76,7 @@ impl<R: Real> Vector<R> {
     }
     #[inline(always)]
     fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
-        let (Self([a, b, c]), Self([d, e, f])) = (yes, no);
-        Self([R::select(mask, a, d), R::select(mask, b, e), R::select(mask, c, f)])
+        Self(choose(mask, yes.0, no.0))
     }
 }
 
@@ -108,6 +107,12 @@ fn number<R: Real>(mask: R::Mask) -> R {
     R::select(mask, R::splat(1.0), R::zero())
 }
 
+/// Numbers of `yes` in the lanes of `mask`, of `no` elsewhere.
+#[inline(always)]
+fn choose<R: Real, const N: usize>(mask: R::Mask, yes: [R; N], no: [R; N]) -> [R; N] {
+    std::array::from_fn(|k| R::select(mask, yes[k], no[k]))
+}
+
 #[inline(always)]
 fn not<R: Real>(mask: R::Mask) -> R::Mask {
     number::<R>(mask).le(R::zero())
@@ -132,7 +137,7 @@ pub fn project<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], triangle: R::Mask) -> 
     let four = on_quad(p, q);
     let pick = |a: R::Mask, b: R::Mask| number::<R>(R::either(R::both(triangle, a), R::both(not::<R>(triangle), b)));
     Projection {
-        shape: std::array::from_fn(|k| R::select(triangle, three.shape[k], four.shape[k])),
+        shape: choose(triangle, three.shape, four.shape),
         point: Vector::select(triangle, three.point, four.point),
         normal: Vector::select(triangle, three.normal, four.normal),
         rim: pick(three.rim, four.rim).gt(R::zero()),
@@ -199,9 +204,7 @@ fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     let mut shape = bilinear(xi, eta);
     if R::any(rim) {
         let edge = nearest_edge::<R, 4>(p, q);
-        for k in 0..4 {
-            shape[k] = R::select(rim, edge.shape[k], shape[k]);
-        }
+        shape = choose(rim, edge.shape, shape);
         xi = R::select(rim, edge.place[0], xi);
         eta = R::select(rim, edge.place[1], eta);
     }
@@ -225,9 +228,7 @@ fn on_triangle<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     let mut shape = [n0, n1, n2, zero];
     if R::any(rim) {
         let edge = nearest_edge::<R, 3>(p, q);
-        for k in 0..4 {
-            shape[k] = R::select(rim, edge.shape[k], shape[k]);
-        }
+        shape = choose(rim, edge.shape, shape);
     }
     Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found: size.gt(zero) }
 }
@@ -260,12 +261,8 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
         let other = edge(k);
         let nearer = other.far.lt(best.far);
         best.far = R::select(nearer, other.far, best.far);
-        for c in 0..4 {
-            best.shape[c] = R::select(nearer, other.shape[c], best.shape[c]);
-        }
-        for c in 0..2 {
-            best.place[c] = R::select(nearer, other.place[c], best.place[c]);
-        }
+        best.shape = choose(nearer, other.shape, best.shape);
+        best.place = choose(nearer, other.place, best.place);
     }
     best
 }
