@@ -1,6 +1,15 @@
 //! Small scenes for tests of this crate.
 
-use crumple_proto::partition::Settings;
+use crate::nodes::Nodes;
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::{NodeRecord, Settings};
+
+/// Nodes of mass 1 at rest at these places [length], with ids from 1.
+pub fn nodes_at(places: &[[f64; 3]]) -> Nodes {
+    let record =
+        |(&x, id): (&[f64; 3], u64)| NodeRecord { id: NodeId(id), x0: x, x, mass: 1.0, ..NodeRecord::default() };
+    Nodes::new(&places.iter().zip(1..).map(record).collect::<Vec<_>>(), 0, true)
+}
 
 /// Settings without parts that run to time 1.
 pub fn settings() -> Settings {

@@ -26,7 +26,7 @@ pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
 const RIPPLE: &str = "below the stable limit the front disperses: the ripple that stays in the bars goes with N^(-2/3), the loss in \
                       contact with 1/N; two chains of masses and springs have order 0.79 at 0.9 of the limit, 0.71 at a third of it, \
                       and 1.01 at the limit (tests/references/bars.py)";
-const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: between what they lose by where in a step they meet, and 5 %";
+const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: between what they lose by where in a step they meet, and 5 % (good)";
 const AT_LIMIT: &str = "at 0.999 of the limit twenty cubes lose a twelfth less than any chain; why has not been found";
 const LENGTH: f64 = 1.0;
 const V: f64 = 10.0;
@@ -135,7 +135,8 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                         let [most, least] = chain.map(|e| 1.0 - e);
                         let (mid, spread) = (0.5 * (most + least), (most - least) / (most + least));
                         let row = Row::new("1 - restitution", variant, "", 1.0 - e).near(mid, spread + 0.05, CHAIN);
-                        all.push(if safety > 0.99 { row.known(AT_LIMIT) } else { row });
+                        let is_odd = n == 20 && across == 1 && safety > 0.99;
+                        all.push(if is_odd { row.known(AT_LIMIT) } else { row });
                     }
                     off.push((1.0 - e).abs());
                 }

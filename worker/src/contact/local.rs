@@ -303,8 +303,8 @@ mod tests {
     use crate::contact::close::{Candidate, pick};
     use crate::contact::meet::Neighbours;
     use crate::contact::surface::NOT_LOCAL;
+    use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
-    use crumple_proto::partition::NodeRecord;
     use proptest::prelude::*;
 
     #[test]
@@ -322,19 +322,8 @@ mod tests {
     /// A square face of a solid with its corners moved, and a slave.
     fn face_and_slave(corners: [[f64; 3]; 4], at: [f64; 3]) -> (Nodes, Surface) {
         const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let point = |(i, x): (usize, [f64; 3])| NodeRecord {
-            id: NodeId(i as u64 + 1),
-            x,
-            x0: x,
-            fixed: 0,
-            v: [0.0; 3],
-            w: [0.0; 3],
-            mass: 1.0,
-            inertia: 0.0,
-        };
         let corner = |k: usize| [SQUARE[k][0] + corners[k][0], SQUARE[k][1] + corners[k][1], corners[k][2]];
-        let points = [corner(0), corner(1), corner(2), corner(3), at];
-        let nodes = Nodes::new(&points.into_iter().enumerate().map(point).collect::<Vec<_>>(), 0, true);
+        let nodes = nodes_at(&[corner(0), corner(1), corner(2), corner(3), at]);
         let face = Segment {
             id: SegmentId(8),
             nodes: [0, 1, 2, 3],

@@ -13,13 +13,16 @@ use crate::nodes::{Nodes, Row};
 /// A slave, by its place in the surface's slaves, and a segment near to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Neighbours {
+    /// Place of the slave.
     pub place: u32,
+    /// The segment.
     pub candidate: Candidate,
 }
 
 /// Neighbours that may touch in the step.
 #[derive(Debug)]
 pub struct Meeting {
+    /// Who meets.
     pub of: Neighbours,
     /// The most that the slave and a node of the segment move against each other, contact not yet felt [length].
     pub step: f64,
@@ -133,26 +136,15 @@ mod tests {
     use super::*;
     use crate::contact::pairs::{Name, Pair};
     use crate::contact::surface::NOT_LOCAL;
+    use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
-    use crumple_proto::partition::NodeRecord;
 
     /// Six nodes on a bent strip of a quad, a triangle and a solid's face, four slaves above, and where they go.
     fn scene() -> (Nodes, Surface) {
         let strip =
             [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.1, 1.0, 0.1], [0.0, 1.0, 0.0], [2.0, 0.0, -0.2], [2.1, 1.0, 0.0]];
         let above = [[0.4, 0.4, 0.1], [0.95, 0.5, 0.12], [1.6, 0.3, 0.05], [0.2, 1.1, 0.1]];
-        let point = |(i, x): (usize, [f64; 3])| NodeRecord {
-            id: NodeId(i as u64 + 1),
-            fixed: 0,
-            x0: x,
-            x,
-            v: [0.0; 3],
-            w: [0.0; 3],
-            mass: 1.0,
-            inertia: 0.0,
-        };
-        let points: Vec<NodeRecord> = strip.into_iter().chain(above).enumerate().map(point).collect();
-        let mut nodes = Nodes::new(&points, 0, true);
+        let mut nodes = nodes_at(&[&strip[..], &above[..]].concat());
         nodes.next_v[6..].iter_mut().zip(1..).for_each(|(v, k)| *v = [0.1, 0.0, -0.05 * f64::from(k), 0.0]);
         let segment = |(i, (nodes, half)): (usize, ([u32; 4], f64))| Segment {
             id: SegmentId(8 * (i as u64 + 1)),

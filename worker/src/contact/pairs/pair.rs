@@ -1,0 +1,330 @@
+//! A pair, what it is called, what its slave remembers of it, and what others are told.
+
+use crate::contact::geometry::V3;
+use crate::contact::surface::NOT_LOCAL;
+use crate::nodes::{Nodes, Row, xyz};
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::ids::{NodeId, SegmentId};
+
+/// A node that is held fixed counts as this many times the mass of the segment that it meets.
+pub const HELD: f64 = 1e6;
+
+/// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of workers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(C)]
+pub struct Name {
+    /// The node, or the node of the slave edge with the lower id.
+    pub slave: NodeId,
+    /// The other node of the slave edge; 0 where the slave is a node, as no edge has.
+    pub far: NodeId,
+    /// The segment and 0, or the nodes of the edge that is met, ascending.
+    pub met: [u64; 2],
+}
+
+impl Name {
+    /// A node on a segment.
+    pub fn of_node(slave: NodeId, segment: SegmentId) -> Self {
+        Self { slave, far: NodeId(0), met: [segment.0, 0] }
+    }
+
+    /// An edge on an edge, both by their nodes in ascending order.
+    pub fn of_edges(slave: [NodeId; 2], other: [NodeId; 2]) -> Self {
+        Self { slave: slave[0], far: slave[1], met: other.map(|n| n.0) }
+    }
+
+    /// The nodes of the slave edge and of the other one.
+    pub fn edge_nodes(&self) -> [NodeId; 4] {
+        [self.slave, self.far, NodeId(self.met[0]), NodeId(self.met[1])]
+    }
+
+    /// Whether the slave is an edge.
+    pub fn is_edge(&self) -> bool {
+        self.far != NodeId(0)
+    }
+}
+
+/// A node on a segment, or a point of an edge (the slave edge) on a point of another one.
+///
+/// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A slave edge has roles 0 and 1,
+/// the other edge 2 and 3, and role 4 is empty. The force acts on the slave's roles by their shares, and with the opposite
+/// sign on the others.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// Which pair it is.
+    pub name: Name,
+    /// The segment, or the lowest one that has the edge which is met.
+    pub segment: SegmentId,
+    /// Local numbers of the nodes by role, or [`NOT_LOCAL`].
+    pub nodes: [u32; 5],
+    /// Shape values N_k of the contact point by role; they sum to 1 on either side.
+    pub shape: [f64; 5],
+    /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
+    pub weight: [f64; 5],
+    /// Unit normal that points to the slave's side.
+    pub normal: V3,
+    /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1 or -1.
+    pub side: f64,
+    /// Gap that the law is to close, tolerated penetration taken off [length].
+    pub gap: f64,
+    /// Penetration of the surfaces, negative when open [length].
+    pub depth: f64,
+    /// Penetration that is let be, 0 or negative [length].
+    pub tolerated: f64,
+    /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
+    /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
+    pub thickness: f64,
+    /// Force on the slave [force].
+    pub force: V3,
+    /// Tangential distance of the slave from its stick point [length].
+    pub slip: V3,
+    /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
+    pub compliance: [f64; 2],
+    /// Sum of the shares of all pairs that touch each of the five nodes, 0 where this one has none.
+    pub crowd: [f64; 5],
+    /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
+    /// gets, for laws that predict and correct [force].
+    pub guess: V3,
+    /// See `guess`.
+    pub turn: f64,
+    /// Mass of the slave along the normal, with what holds it [mass].
+    pub mass: f64,
+    /// Stiffness of the segment, for laws that have one for it [force/length].
+    pub stiffness: f64,
+    /// Whether the node's surface comes before the segment's, by part and then by segment.
+    pub first: bool,
+    /// Whether this worker owns the pair.
+    pub own: bool,
+}
+
+/// What a slave remembers of a pair of the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory {
+    /// See [`Pair::name`].
+    pub name: Name,
+    /// See [`Pair::side`].
+    pub side: f64,
+    /// See [`Pair::tolerated`].
+    pub tolerated: f64,
+    /// See [`Pair::depth`].
+    pub depth: f64,
+    /// See [`Pair::normal`].
+    pub normal: V3,
+    /// See [`Pair::force`].
+    pub force: V3,
+    /// See [`Pair::slip`].
+    pub slip: V3,
+}
+
+impl Memory {
+    /// Words of a memory in a message.
+    pub const WORDS: usize = 16;
+
+    /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
+    pub fn force_along(&self, normal: &V3) -> V3 {
+        let pressed = self.force.dot(&self.normal);
+        let sheared = self.force - self.normal * pressed;
+        normal * pressed.max(0.0) + (sheared - normal * normal.dot(&sheared))
+    }
+
+    /// The remembered slip within a new tangent plane.
+    pub fn slip_along(&self, normal: &V3) -> V3 {
+        self.slip - normal * normal.dot(&self.slip)
+    }
+
+    /// As words.
+    pub fn to_words(&self) -> [u64; Self::WORDS] {
+        let mut w = [0; Self::WORDS];
+        w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
+        let numbers = [self.side, self.tolerated, self.depth].into_iter();
+        let vectors = [self.normal, self.force, self.slip];
+        let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
+        w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
+        w
+    }
+
+    /// The segment that a node met.
+    pub fn segment(&self) -> SegmentId {
+        SegmentId(self.name.met[0])
+    }
+
+    /// Whether it is of the slave's pair with a segment.
+    pub fn is_of(&self, segment: SegmentId) -> bool {
+        self.name.met == [segment.0, 0]
+    }
+
+    /// From [`Memory::to_words`].
+    pub fn from_words(w: &[u64]) -> Self {
+        let (name, rest) = w.split_at(NAME_WORDS);
+        let at = |i: usize| f64::from_bits(rest[i]);
+        let vector = |i: usize| V3::new(at(i), at(i + 1), at(i + 2));
+        Self {
+            name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
+            side: at(0),
+            tolerated: at(1),
+            depth: at(2),
+            normal: vector(3),
+            force: vector(6),
+            slip: vector(9),
+        }
+    }
+}
+
+/// A pair as others need it.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct WirePair {
+    name: Name,
+    segment: SegmentId,
+    nodes: [NodeId; 5],
+    weight: [f64; 5],
+    normal: [f64; 3],
+    tolerated: f64,
+    depth: f64,
+    force: [f64; 3],
+    mass: f64,
+}
+const NAME_WORDS: usize = size_of::<Name>() / 8;
+/// Words of a pair in a message to others.
+pub const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
+
+impl Pair {
+    /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
+    /// point, turned to its normal, and the penetration that is let be, 0 or negative [length].
+    pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
+        Self {
+            gap: gap - tolerated,
+            depth: -gap,
+            tolerated,
+            force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
+            slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
+            ..self
+        }
+    }
+
+    /// A pair of which no more is known.
+    pub fn unknown(name: Name, segment: SegmentId, nodes: [u32; 5]) -> Self {
+        Self {
+            name,
+            segment,
+            nodes,
+            shape: [0.0; 5],
+            weight: [0.0; 5],
+            normal: V3::zeros(),
+            side: 0.0,
+            gap: 0.0,
+            depth: 0.0,
+            tolerated: 0.0,
+            thickness: 0.0,
+            force: V3::zeros(),
+            slip: V3::zeros(),
+            compliance: [0.0; 2],
+            crowd: [0.0; 5],
+            guess: V3::zeros(),
+            turn: 1.0,
+            mass: 0.0,
+            stiffness: 0.0,
+            first: false,
+            own: false,
+        }
+    }
+
+    /// Number of roles on the slave's side.
+    pub(super) fn ahead(&self) -> usize {
+        if self.name.is_edge() { 2 } else { 1 }
+    }
+
+    /// Whether role `r` is on the slave's side.
+    pub(super) fn is_ahead(&self, r: u8) -> bool {
+        usize::from(r) < self.ahead()
+    }
+
+    /// Share of the pair's force that the node in role `r` takes.
+    pub(super) fn share(&self, r: usize) -> f64 {
+        self.weight[r]
+    }
+
+    /// How far the point on its side follows the node in role `r`.
+    pub(super) fn follows(&self, r: usize) -> f64 {
+        self.shape[r]
+    }
+
+    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
+    /// rest for the other.
+    pub fn turn_of(&self, partition: f64) -> f64 {
+        if self.first { partition } else { 1.0 - partition }
+    }
+
+    /// Notes the slave's mass along the normal; own pairs only.
+    pub fn weigh_slave(&mut self, nodes: &Nodes) {
+        let met = self.nodes[self.ahead()..].iter().filter(|&&n| n != NOT_LOCAL);
+        let segment: f64 = met.map(|&n| nodes.contact_mass(n as usize)).sum();
+        let n = &self.normal;
+        let moves = |r: usize| {
+            let inv = &nodes.inv_mass[self.nodes[r] as usize];
+            self.share(r) * self.follows(r) * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
+        };
+        let moves: f64 = (0..self.ahead()).map(moves).sum();
+        self.mass = if moves * HELD * segment > 1.0 { 1.0 / moves } else { HELD * segment };
+    }
+
+    /// Local nodes that the pair's force acts on.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.nodes.iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
+    }
+
+    /// Velocity of the slave, own pairs only [length/time].
+    pub fn slave_velocity(&self, v: &[Row]) -> V3 {
+        let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
+        if self.name.is_edge() { at(0) * self.shape[0] + at(1) * self.shape[1] } else { at(0) }
+    }
+
+    /// Velocity of the slave relative to the contact point, own pairs only [length/time].
+    pub fn relative_velocity(&self, v: &[Row]) -> V3 {
+        let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
+        let point = if self.name.is_edge() { part(2) + part(3) } else { part(1) + part(2) + part(3) + part(4) };
+        self.slave_velocity(v) - point
+    }
+
+    /// What the slave remembers of this pair.
+    pub fn memory(&self) -> Memory {
+        Memory {
+            name: self.name,
+            side: self.side,
+            tolerated: self.tolerated,
+            depth: self.depth,
+            normal: self.normal,
+            force: self.force,
+            slip: self.slip,
+        }
+    }
+}
+
+impl WirePair {
+    pub(super) fn of(p: &Pair, nodes: &Nodes) -> Self {
+        let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
+        Self {
+            name: p.name,
+            segment: p.segment,
+            nodes: p.nodes.map(id),
+            weight: p.weight,
+            normal: p.normal.into(),
+            tolerated: p.tolerated,
+            depth: p.depth,
+            force: p.force.into(),
+            mass: p.mass,
+        }
+    }
+
+    pub(super) fn pair(&self, nodes: &Nodes) -> Pair {
+        let local = |id: NodeId| nodes.number(id).unwrap_or(NOT_LOCAL);
+        Pair {
+            weight: self.weight,
+            normal: self.normal.into(),
+            tolerated: self.tolerated,
+            depth: self.depth,
+            force: self.force.into(),
+            mass: self.mass,
+            ..Pair::unknown(self.name, self.segment, self.nodes.map(local))
+        }
+    }
+}
