@@ -7,6 +7,27 @@ use std::collections::BTreeMap;
 /// Growth of [`graded`] from one step to the next.
 const GROWTH: f64 = 1.2;
 
+/// The same mesh with its ids dealt out anew at random, as `seed` has it.
+pub fn shuffled(mut mesh: Mesh, seed: u64) -> Mesh {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut nodes: Vec<NodeId> = mesh.nodes.iter().map(|n| n.id).collect();
+    let mut elements: Vec<ElemId> = mesh.elements.iter().map(|e| e.id).collect();
+    random.shuffle(&mut nodes);
+    random.shuffle(&mut elements);
+    let of: BTreeMap<NodeId, NodeId> = mesh.nodes.iter().map(|n| n.id).zip(nodes).collect();
+    mesh.nodes.iter_mut().for_each(|n| n.id = of[&n.id]);
+    mesh.nodes.sort_by_key(|n| n.id);
+    for (e, id) in mesh.elements.iter_mut().zip(elements) {
+        (e.id, e.nodes) = (id, e.nodes.map(|n| of[&n]));
+    }
+    mesh.elements.sort_by_key(|e| e.id);
+    for set in mesh.node_sets.values_mut() {
+        set.iter_mut().for_each(|n| *n = of[n]);
+        set.sort_unstable();
+    }
+    mesh
+}
+
 /// A mesh in the making; nodes are indices into `points` until [`Builder::finish`] gives them ids.
 #[derive(Default)]
 pub struct Builder {

@@ -3,7 +3,7 @@
 //!
 //! Node sets: `tube` and `head` (the ring at the top).
 
-use crate::builder::Builder;
+use crate::builder::{Builder, shuffled};
 use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
@@ -19,6 +19,7 @@ pub const GENERATOR: Generator = Generator {
         ("trigger", 0.3, "depth of the trigger [mm]"),
         ("trigger_from", 3.0, "where the trigger begins, from the lower end [mm]"),
         ("trigger_to", 20.0, "where it ends [mm]"),
+        ("shuffle", 0.0, "seed of ids at random, 1 to 1000; 0 numbers along the tube"),
     ],
     build,
 };
@@ -31,6 +32,7 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let depth = options.real("trigger", 0.0..=1e3, &mut wrong);
     let from = options.real("trigger_from", 0.0..=1e6, &mut wrong);
     let to = options.real("trigger_to", 0.0..=1e6, &mut wrong);
+    let seed = options.count("shuffle", 0..=1000, &mut wrong);
     if !wrong.is_empty() {
         return Err(wrong);
     }
@@ -60,5 +62,6 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     rings.windows(2).for_each(|pair| mesh.strip(1, &pair[1], &pair[0], true));
     mesh.set("tube", rings.iter().flatten().copied());
     mesh.set("head", rings[along].iter().copied());
-    Ok(mesh.finish(quad))
+    let mesh = mesh.finish(quad);
+    Ok(if seed == 0 { mesh } else { shuffled(mesh, seed as u64) })
 }

@@ -259,10 +259,10 @@ pub struct Summary {
     pub state_digest: String,
 }
 
-/// blake3 (hex) of the little-endian f64 bits of, per node in ascending id, position, velocity and rotational velocity.
+/// blake3 (hex) of the little-endian f64 bits of, per node in ascending label, position, velocity and rotational velocity.
 /// A node without rotational inertia has no rotational velocity.
 pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
-    nodes.sort_unstable_by_key(|n| n.id);
+    nodes.sort_unstable_by_key(|n| n.id.label());
     let mut hasher = blake3::Hasher::new();
     for n in nodes {
         let turning: &[f64] = if n.inertia > 0.0 { &n.w } else { &[] };

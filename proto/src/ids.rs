@@ -1,4 +1,8 @@
 //! Global ids. A node id where an element id is meant does not compile.
+//!
+//! Everything of which the order matters (columns, sums, pairs) goes by ascending id. A user's mesh may be numbered so that
+//! neighbours lie far apart in memory; its ids then get a *place* in front of the number that the user gave, their *label*,
+//! and go by place. Only labels are shown.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -10,23 +14,48 @@ macro_rules! id {
         #[repr(transparent)]
         #[serde(transparent)]
         pub struct $name(pub u64);
+    };
+}
+
+/// Ids that a user's mesh has.
+macro_rules! labelled {
+    ($name:ident) => {
+        impl $name {
+            /// The id of what comes at `place` and is called `label`; `None` if either is too large.
+            pub fn placed(place: u64, label: u64) -> Option<Self> {
+                let fits = place < 1 << PLACE_BITS && label < 1 << LABEL_BITS;
+                fits.then_some(Self(PLACED | place << LABEL_BITS | label))
+            }
+
+            /// What the user's mesh calls it.
+            pub fn label(self) -> u64 {
+                if self.0 & PLACED == 0 { self.0 } else { self.0 & ((1 << LABEL_BITS) - 1) }
+            }
+        }
 
         impl std::fmt::Display for $name {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                self.0.fmt(f)
+                self.label().fmt(f)
             }
         }
     };
 }
 
+const LABEL_BITS: u32 = 32;
+const PLACE_BITS: u32 = 28;
+/// Set in ids with a place; those without are far below it.
+const PLACED: u64 = 1 << (LABEL_BITS + PLACE_BITS);
+
 id!(
-    /// Global id of a node, as the user's mesh numbers it.
+    /// Global id of a node, as the user's mesh numbers it or with a place in front.
     NodeId
 );
+labelled!(NodeId);
 id!(
-    /// Global id of an element, as the user's mesh numbers it.
+    /// Global id of an element, as the user's mesh numbers it or with a place in front.
     ElemId
 );
+labelled!(ElemId);
 
 id!(
     /// A face of an element: its id times 8 and the number of the face ([`crate::mesh::Shape::faces`]).
@@ -46,6 +75,23 @@ impl SegmentId {
 }
 
 impl ElemId {
-    /// Largest id of an element: workers agree on ids as exact f64, which end at 2^53.
+    /// Largest label of an element that is taken from a mesh.
     pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_placed_id_goes_by_its_place_and_shows_its_label() {
+        let last = (1 << PLACE_BITS) - 1;
+        let (a, b) = (ElemId::placed(0, 900).unwrap(), ElemId::placed(last, u64::from(u32::MAX)).unwrap());
+        assert!(a < b && ElemId::LARGEST < a);
+        assert_eq!((a.label(), b.label(), ElemId::LARGEST.label()), (900, 0xffff_ffff, ElemId::LARGEST.0));
+        assert_eq!(b.to_string(), "4294967295");
+        assert_eq!(SegmentId::new(b, 5).elem(), b);
+        assert_eq!(NodeId::placed(0, 1 << LABEL_BITS), None);
+        assert_eq!(NodeId::placed(1 << PLACE_BITS, 1), None);
+    }
 }

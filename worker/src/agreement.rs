@@ -58,8 +58,9 @@ pub struct Agreement {
 /// Step, trouble, order, urgency, failure, check-in, and the range of the velocities of what can touch.
 pub const WORDS: usize = 12;
 
-/// Ids count downwards from here, so that the lowest wins a maximum.
-const TOP: f64 = ElemId::LARGEST.0 as f64 + 1.0;
+/// Ids count downwards from here, so that the lowest wins a maximum. They travel as the bits of a float: those of positive
+/// ones are in the order of their values.
+const TOP: u64 = 1 << 62;
 
 impl Agreement {
     /// Nothing agreed yet.
@@ -85,7 +86,7 @@ impl Agreement {
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
         let culprit = known.totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
-        let trouble = culprit.map_or(0.0, |id| TOP - id.0 as f64);
+        let trouble = culprit.map_or(0.0, |id| f64::from_bits(TOP - id.0));
         let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
         let mut words = [0.0; WORDS];
         let eroded = f64::from(known.eroded);
@@ -100,7 +101,7 @@ impl Agreement {
     /// A worker is gone.
     pub fn finish(&mut self, wire: &mut dyn Transport, thinnest: f64) -> Result<Agreed, Lost> {
         let max = self.reduction.finish(wire)?;
-        let trouble = (max[1] > 0.0).then(|| ElemId((TOP - max[1]) as u64));
+        let trouble = (max[1] > 0.0).then(|| ElemId(TOP - max[1].to_bits()));
         let spread = spread(&max[6..]);
         Ok(Agreed {
             stable_dt: (-max[0]).min(contact_dt(spread, thinnest)),

@@ -4,6 +4,7 @@ use crate::engine::Engine;
 use crate::nodes::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
 use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::ElemId;
 use crumple_proto::report::PartRecord;
 use std::collections::BTreeMap;
 use std::io;
@@ -112,7 +113,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
             // interface wherever its own corners are.
             let interior = !e.shared && inner.holds_box(&Aabb::around(x));
             c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
-            c.name(engine, e.record.part, e.record.id.0);
+            c.name(engine, e.record.part, e.record.id);
         }
     }
     c
@@ -130,16 +131,16 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.stress.push([0.0; 6]);
         c.thickness.push(2.0 * s.half as f32);
         c.class.push(vtu::EXTERIOR);
-        c.name(engine, s.part, s.id.elem().0);
+        c.name(engine, s.part, s.id.elem());
     }
     c
 }
 
 impl CellColumns {
-    fn name(&mut self, engine: &Engine, part: u32, id: u64) {
+    fn name(&mut self, engine: &Engine, part: u32, id: ElemId) {
         self.part.push(engine.settings.parts[part as usize].id);
         self.worker.push(engine.nodes.me);
-        self.element_id.push(id as i64);
+        self.element_id.push(id.label() as i64);
     }
 }
 
@@ -150,7 +151,7 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     let moved: Vec<[f32; 3]> = (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
     let velocity = rows(&n.v);
     let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
-    let ids: Vec<i64> = n.id[..points].iter().map(|i| i.0 as i64).collect();
+    let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();
     let piece = Piece {
         time: engine.clock.time,
         points: &rows(&n.x),

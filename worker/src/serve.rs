@@ -172,8 +172,8 @@ impl Worker {
              each other; a finer mesh where an edge cuts into a face helps, and so does contact.edges = true if it is off",
             e.clock.cycle,
             e.clock.time,
-            first.edge.0,
-            first.surface.0,
+            first.edge,
+            first.surface,
             found.len()
         );
         post(wire, 0, Tag::Report, &ToMaster::Warning(warning))

@@ -32,6 +32,7 @@ pub const SCENES: &[Scene] = &[
     Scene { cycles: [12_000, 1000], ..scene("tube-folded", "tube-crush") },
     Scene { goal_ns: 130.0, ..fine("tube-65k", "tube-crush", &[FINE]) },
     Scene { contact: false, ..fine("tube-65k-free", "tube-crush", &[FINE]) },
+    fine("tube-65k-shuffled", "tube-crush", &[FINE, "scene.shuffle=1"]),
     fine("tube-65k-stabilised", "tube-crush", &[FINE, STABILISED]),
     Scene { workers: 2, ..fine("tube-65k-2-workers", "tube-crush", &[FINE]) },
     scene("jeep-frame", "jeep-frame"),

@@ -362,7 +362,7 @@ fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
         deck.text(&line(name));
         deck.card(&[Id(id)]);
         let there = |n: &&crumple_proto::ids::NodeId| model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok();
-        let nodes: Vec<Field> = nodes.iter().filter(there).map(|n| Id(n.0)).collect();
+        let nodes: Vec<Field> = nodes.iter().filter(there).map(|n| Id(n.label())).collect();
         nodes.chunks(8).for_each(|eight| deck.card(eight));
         ids.insert(name.as_str(), id);
     }
@@ -412,7 +412,7 @@ fn contact(deck: &mut Deck, job: &Job) {
 fn mesh(deck: &mut Deck, model: &Model) {
     deck.keyword("NODE");
     for node in &model.mesh.nodes {
-        deck.card(&[Id(node.id.0), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
+        deck.card(&[Id(node.id.label()), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
     }
     springs::elements(deck, model.mesh.elements.iter());
     for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
@@ -422,10 +422,10 @@ fn mesh(deck: &mut Deck, model: &Model) {
         }
         deck.keyword(keyword);
         for element in model.mesh.elements.iter().filter(|e| of(e.shape)) {
-            let mut fields = vec![Id(element.id.0), Id(u64::from(element.part))];
-            fields.extend(element.corners().iter().map(|n| Id(n.0)));
+            let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
+            fields.extend(element.corners().iter().map(|n| Id(n.label())));
             if element.shape == Shape::Tri3 {
-                fields.extend(element.corners().last().map(|n| Id(n.0)));
+                fields.extend(element.corners().last().map(|n| Id(n.label())));
             }
             deck.card(&fields);
         }

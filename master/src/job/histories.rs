@@ -3,11 +3,12 @@
 use super::state::NodeSets;
 use super::validate::{Findings, nearest};
 use crumple_proto::histories::{Asked, NodeGroup, Section, Surface, Transducer};
-use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use std::collections::HashSet;
 
 /// What is to be recorded.
 pub fn resolve(job: &Job, mesh: &Mesh, settings: &Settings, sets: &NodeSets<'_>, findings: &mut Findings) -> Asked {
@@ -47,13 +48,14 @@ fn group(asked: &NodeHistory, i: usize, sets: &NodeSets<'_>, findings: &mut Find
         }
     }
     for (k, &id) in asked.ids.iter().enumerate() {
-        if sets.place(NodeId(id)).is_none() {
+        let Some(node) = sets.labelled(id) else {
             let message = format!("a history of node {id}, which no element has");
             let help = "list ids of nodes that elements have, or take this one out";
             findings.add(Problem::error(format!("{path}.ids.{k}"), message, help));
             whole = false;
-        }
-        nodes.push(NodeId(id));
+            continue;
+        };
+        nodes.push(node);
     }
     nodes.sort_unstable();
     nodes.dedup();
@@ -128,8 +130,9 @@ fn section(
     let path = format!("output.section.{i}");
     let nodes = sets.ids(&asked.nodes, format!("{path}.nodes"), findings);
     let mut known = are_parts(&asked.parts, &format!("{path}.parts"), "a section", job, findings);
-    for (k, id) in asked.elements.iter().enumerate() {
-        if mesh.elements.binary_search_by_key(&ElemId(*id), |e| e.id).is_err() {
+    if !asked.elements.is_empty() {
+        let there: HashSet<u64> = mesh.elements.iter().map(|e| e.id.label()).collect();
+        for (k, id) in asked.elements.iter().enumerate().filter(|(_, id)| !there.contains(id)) {
             let message = format!("a section: there is no element {id}");
             findings.add(Problem::error(format!("{path}.elements.{k}"), message, "list ids of elements of the mesh"));
             known = false;
@@ -163,7 +166,7 @@ fn section(
     let listed = |e: &MeshElement| {
         asked.parts.is_empty() && asked.elements.is_empty()
             || asked.parts.contains(&e.part)
-            || asked.elements.contains(&e.id.0)
+            || asked.elements.contains(&e.id.label())
     };
     let ends = |e: &MeshElement| e.corners().iter().any(|n| nodes.binary_search(n).is_ok());
     let found: Vec<&MeshElement> = mesh.elements.iter().filter(|e| listed(e) && ends(e) && of_side(e)).collect();

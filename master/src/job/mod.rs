@@ -3,7 +3,7 @@
 //! 1. `tree.rs`: TOML with the place of every value, over that of a deck if the job has one (`deck`); `sets.rs` puts in
 //!    what the command line says
 //! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of [`crumple_proto::job::Job`]
-//! 3. `mesh.rs`: the mesh and its faults
+//! 3. `mesh.rs`: the mesh and its faults; `numbering.rs`: places for meshes that are numbered poorly
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements; `units.rs`
 //! 5. `state.rs`: what nodes and elements start with, `springs.rs`: and springs; `loads.rs`, `walls.rs`: what acts on them;
 //!    `histories.rs`: what is recorded of them
@@ -15,6 +15,7 @@ mod histories;
 mod laws;
 mod loads;
 mod mesh;
+mod numbering;
 pub mod report;
 mod resolve;
 mod rigid;
@@ -30,6 +31,7 @@ mod validate;
 mod walls;
 
 pub use laws::Blocks;
+pub use numbering::Renumbered;
 pub use report::{Located, Report, Sources, Spot};
 pub use state::{ElementStart, NodeStart};
 pub use units::fit as units_fit;
@@ -65,6 +67,8 @@ pub struct Model {
     pub elements: ElementStart,
     /// Shape of the elements.
     pub quality: Quality,
+    /// If nodes and elements go by places, not by the user's ids.
+    pub renumbered: Option<Renumbered>,
     /// The formulations of all parts.
     pub blocks: Blocks,
     /// What the user should know of; [`Model::show`] adds the line in the job. The run may add its own.
@@ -132,6 +136,7 @@ fn read_tree(path: PathBuf, job: Source, sets: &[String], mut findings: Findings
                 nodes: built.nodes,
                 elements: built.elements,
                 quality: built.quality,
+                renumbered: built.renumbered,
                 blocks: built.blocks,
                 warnings,
                 mapping: built.mapping,
@@ -156,6 +161,7 @@ struct Built {
     nodes: NodeStart,
     elements: ElementStart,
     quality: Quality,
+    renumbered: Option<Renumbered>,
     blocks: Blocks,
     warnings: Vec<Problem>,
     mapping: Vec<deck::Mapping>,
@@ -222,7 +228,10 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
 
     let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let parts_known = !findings.any_faulty_below("part");
-    let (mut mesh, axes) = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings)).unzip();
+    let mut mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let sound = mesh.as_mut().filter(|_| !findings.any_error());
+    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes));
+    let (mut mesh, axes) = mesh.unzip();
     let ties = mesh
         .as_mut()
         .filter(|_| !findings.any_error())
@@ -263,7 +272,19 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
     let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
-    Some(Built { quality: figures?, job, mesh, settings, nodes, elements, blocks, warnings, mapping, unsupported })
+    Some(Built {
+        quality: figures?,
+        renumbered,
+        job,
+        mesh,
+        settings,
+        nodes,
+        elements,
+        blocks,
+        warnings,
+        mapping,
+        unsupported,
+    })
 }
 
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.

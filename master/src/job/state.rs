@@ -60,13 +60,14 @@ pub struct ElementStart {
 /// The mesh's node sets, for those who look them up by name.
 pub struct NodeSets<'m> {
     mesh: &'m Mesh,
-    index: HashMap<NodeId, usize>,
+    /// Places by label.
+    index: HashMap<u64, usize>,
 }
 
 impl<'m> NodeSets<'m> {
     /// The sets of a mesh.
     pub fn of(mesh: &'m Mesh) -> Self {
-        Self { mesh, index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect() }
+        Self { mesh, index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id.label(), i)).collect() }
     }
 
     /// Places in the mesh of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a set.
@@ -76,7 +77,7 @@ impl<'m> NodeSets<'m> {
             findings.add(Problem::error(path, format!("there is no node set `{name}`"), nearest(name, &known)));
             return None;
         };
-        let nodes: Vec<usize> = ids.iter().filter_map(|id| self.index.get(id).copied()).collect();
+        let nodes: Vec<usize> = ids.iter().filter_map(|&id| self.place(id)).collect();
         if nodes.is_empty() {
             let message = match ids.len() {
                 0 => format!("node set `{name}` is empty"),
@@ -90,7 +91,12 @@ impl<'m> NodeSets<'m> {
 
     /// Place in the mesh of a node that an element uses.
     pub fn place(&self, id: NodeId) -> Option<usize> {
-        self.index.get(&id).copied()
+        self.index.get(&id.label()).copied()
+    }
+
+    /// Id of the node that the user's mesh calls so, if an element uses it.
+    pub fn labelled(&self, label: u64) -> Option<NodeId> {
+        self.index.get(&label).map(|&n| self.mesh.nodes[n].id)
     }
 
     /// Ids of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a set.

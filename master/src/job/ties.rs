@@ -132,7 +132,8 @@ fn of_entry(spec: &TieSpec, entry: usize, ground: &Ground<'_>, findings: &mut Fi
         ));
     }
     if let Some(node) = spec.node {
-        return to_node(spec, NodeId(node), entry, nodes.unwrap_or_default(), mesh, findings);
+        let carrier = sets.labelled(node).unwrap_or(NodeId(node));
+        return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
     }
     if spec.parts.is_empty() && spec.faces.is_none() {
         let help = "name `parts`, a node set as `faces`, or both; or a `node`";

@@ -48,6 +48,6 @@ pub fn elements<'m>(deck: &mut Deck, elements: impl Iterator<Item = &'m MeshElem
         deck.keyword("ELEMENT_DISCRETE");
     }
     for e in springs {
-        deck.card(&[Id(e.id.0), Id(u64::from(e.part)), Id(e.nodes[0].0), Id(e.nodes[1].0), Blank]);
+        deck.card(&[Id(e.id.label()), Id(u64::from(e.part)), Id(e.nodes[0].label()), Id(e.nodes[1].label()), Blank]);
     }
 }
