@@ -2,10 +2,13 @@
 //! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
 //! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
 
-use crate::contact::geometry::{V3, is_apart, is_beside, is_farther};
+use crate::contact::geometry::{Sphere, V3};
+use crate::contact::kernels::{is_apart, is_beside, is_in};
 use crate::contact::local::{is_known, reach, reach_of_old};
+use crate::contact::neighbours::{Four, Neighbours};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
+use crate::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
 /// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment and of a short edge: more would
@@ -15,123 +18,108 @@ const THIN: f64 = 0.5;
 const SHORT: f64 = 0.125;
 /// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be made over for nothing.
 const STEP: f64 = 0.02;
+/// Candidates that a picker holds before it looks at them side by side.
+const HELD: usize = 256;
 
-/// A segment that a slave may touch.
-#[derive(Clone, Copy, Debug)]
-pub struct Candidate {
-    /// Place in the surface's segments.
-    pub segment: u32,
-    /// Its nodes that a segment has on which the slave lies, bit by bit: of a shell next but one to the slave.
-    pub ring: u8,
-}
-
-/// A slave and what it may touch, segments ascending.
-pub struct Near<'a> {
-    /// Its place in the surface's slaves.
-    pub place: usize,
-    /// Whether it remembered nothing when the list was made, which then leaves out what one with memories may meet.
-    pub is_lone: bool,
-    /// What it may touch.
-    pub candidates: &'a [Candidate],
-}
-
-/// A slave's run in the list, which begins where the one before ends.
-#[derive(Debug)]
-struct Run {
-    place: u32,
-    end: u32,
-    is_lone: bool,
-}
-
-/// Candidates that are near, by slave.
+/// Candidates that are near.
 #[derive(Debug, Default)]
 pub struct Close {
-    runs: Vec<Run>,
-    list: Vec<Candidate>,
+    /// By slave, ascending, and of a slave by segment.
+    pub list: Vec<Neighbours>,
     /// Relative motion of two nodes that it holds for, and of a step that begins then [length].
     pub skin: f64,
     pub step: f64,
 }
 
 impl Close {
-    /// Forgets all of it.
-    pub fn clear(&mut self) {
-        self.runs.clear();
-        self.list.clear();
-    }
-
-    /// Slaves that have candidates, ascending.
-    pub fn near(&self) -> impl Iterator<Item = Near<'_>> {
-        let mut start = 0;
-        self.runs.iter().map(move |run| {
-            let candidates = &self.list[start..run.end as usize];
-            start = run.end as usize;
-            Near { place: run.place as usize, is_lone: run.is_lone, candidates }
-        })
-    }
-
     /// Bytes in use, spare room left out.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.runs[..]) + size_of_val(&self.list[..])
+        size_of_val(&self.list[..])
     }
 
     /// Takes from what a search with skin `skin` found for each slave what is near, and farther for what the slave remembers.
-    /// In the step that begins two nodes move by `step` against each other.
+    /// In the step that begins two nodes move by `step` against each other. `spheres` are around the segments.
     pub fn renew<'a>(
         &mut self,
-        nodes: &Nodes,
-        surface: &Surface,
+        (nodes, surface, spheres): (&Nodes, &Surface, &[Sphere]),
         (skin, step): (f64, f64),
         found: impl Fn(usize) -> &'a [u32],
         memory: impl Fn(usize) -> &'a [Memory],
     ) {
         self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.short);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
-        self.clear();
-        let mut ring = Vec::new();
+        self.list.clear();
+        let mut picker = Picker::new(nodes, surface, (self.skin, self.step), |g| spheres[g]);
         for place in 0..surface.slaves.len() {
-            let (memory, before) = (memory(place), self.list.len());
-            pick(nodes, surface, (place, found(place), memory), (self.skin, self.step), &mut ring, &mut self.list);
-            if self.list.len() > before {
-                let (place, end) = (place as u32, self.list.len() as u32);
-                self.runs.push(Run { place, end, is_lone: memory.is_empty() });
-            }
+            picker.look(place, found(place), memory(place), &mut self.list);
         }
+        picker.finish(&mut self.list);
     }
 }
 
-/// Appends to `near` what the slave at `place` may meet of what was `found` for it, while two nodes move by `skin` against each other
-/// and in a step by `step` [length].
-pub fn pick(
-    nodes: &Nodes,
-    surface: &Surface,
-    (place, found, memory): (usize, &[u32], &[Memory]),
-    (skin, step): (f64, f64),
-    ring: &mut Vec<u32>,
-    near: &mut Vec<Candidate>,
-) {
-    if found.is_empty() {
-        return;
+/// Picks what slaves may meet of what was found for them, while two nodes move by `skin` against each other and in a step by `step`
+/// [length].
+pub struct Picker<'a, F> {
+    nodes: &'a Nodes,
+    surface: &'a Surface,
+    skin: f64,
+    step: f64,
+    /// The sphere around a segment.
+    sphere: F,
+    /// Nodes of the segments on which a slave lies.
+    ring: Vec<u32>,
+    /// What is not yet looked at side by side, with the reach, skin and all [length].
+    held: Vec<(Neighbours, f64)>,
+}
+
+impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
+    /// Nothing is looked at yet.
+    pub fn new(nodes: &'a Nodes, surface: &'a Surface, (skin, step): (f64, f64), sphere: F) -> Self {
+        Self { nodes, surface, skin, step, sphere, ring: Vec::new(), held: Vec::new() }
     }
-    ring.clear();
-    ring.extend(surface.around(place).flat_map(|s| s.nodes));
-    let slave = surface.slaves[place];
-    let at = V3::from(xyz(&nodes.x[slave as usize]));
-    for &g in found {
-        let segment = &surface.segments[g as usize];
-        let q = segment.corners(&nodes.x);
-        let limit = match is_known(segment, memory) {
-            true => reach_of_old(surface, slave, segment),
-            false => reach(surface, slave, segment, step),
-        };
-        if is_farther(&at, &q, limit + skin) {
-            continue;
+
+    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or later.
+    pub fn look(&mut self, place: usize, found: &[u32], memory: &[Memory], near: &mut Vec<Neighbours>) {
+        if found.is_empty() {
+            return;
         }
-        let shared = |k: usize| u8::from(!segment.is_solid() && ring.contains(&segment.nodes[k])) << k;
-        let ring = (0..4).map(shared).sum();
-        let is_turned_away = ring != 0 && is_beside(&at, &q, skin) || is_apart(&at, &q, limit + skin);
-        if !is_turned_away {
-            near.push(Candidate { segment: g, ring });
+        let surface = self.surface;
+        self.ring.clear();
+        self.ring.extend(surface.around(place).flat_map(|s| s.nodes));
+        let slave = surface.slaves[place];
+        let at = V3::from(xyz(&self.nodes.x[slave as usize]));
+        for &g in found {
+            let segment = &surface.segments[g as usize];
+            let reach = match is_known(segment, memory) {
+                true => reach_of_old(surface, slave, segment),
+                false => reach(surface, slave, segment, self.step),
+            };
+            if (self.sphere)(g as usize).is_farther(&at, reach + self.skin) {
+                continue;
+            }
+            let shared = |k: usize| u8::from(!segment.is_solid() && self.ring.contains(&segment.nodes[k])) << k;
+            let ring = (0..4).map(shared).sum();
+            let of = Neighbours { place: place as u32, segment: g, ring, is_lone: memory.is_empty() };
+            self.held.push((of, reach + self.skin));
         }
+        if self.held.len() >= HELD {
+            self.finish(near);
+        }
+    }
+
+    /// Looks at all that is left.
+    pub fn finish(&mut self, near: &mut Vec<Neighbours>) {
+        for some in self.held.chunks(LANES) {
+            let four = Four::of(self.surface, some, |s| s.0);
+            let (at, q) = (four.slaves(&self.nodes.x), four.corners(&self.nodes.x));
+            let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
+            let (apart, beside) = (is_apart(at, &q, reach), is_beside(at, &q, self.skin));
+            for (lane, &(of, _)) in some.iter().enumerate() {
+                if !is_in::<Lane>(apart, lane) && !(of.ring != 0 && is_in::<Lane>(beside, lane)) {
+                    near.push(of);
+                }
+            }
+        }
+        self.held.clear();
     }
 }

@@ -38,31 +38,25 @@ pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
-/// Whether a point is farther than `reach` from a segment for certain, which lies within the hull of its corners.
-pub fn is_farther(at: &V3, q: &[V3; 4], reach: f64) -> bool {
-    let centre = (q[0] + q[1] + q[2] + q[3]) * 0.25;
-    let radius = q.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max).sqrt();
-    (at - centre).norm_squared() > (reach + radius) * (reach + radius)
+/// A sphere around a segment, which lies within the hull of its corners.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    centre: V3,
+    radius: f64,
 }
 
-/// The same, told by the direction from about the nearest point, where [`is_farther`] goes by the segment's size.
-pub fn is_apart(at: &V3, q: &[V3; 4], reach: f64) -> bool {
-    // The nearest point of the parallelogram through the middles of the edges. Any direction tells; none, or one that is no number,
-    // tells nothing, and the point is not apart.
-    let from = at - (q[0] + q[1] + q[2] + q[3]) * 0.25;
-    let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * 0.25, (q[2] + q[3] - q[0] - q[1]) * 0.25);
-    let (aa, bb, ab, fa, fb) = (a.dot(&a), b.dot(&b), a.dot(&b), from.dot(&a), from.dot(&b));
-    let det = aa * bb - ab * ab;
-    let within = |place: f64| place.clamp(-1.0, 1.0);
-    let away = from - a * within((fa * bb - fb * ab) / det) - b * within((fb * aa - fa * ab) / det);
-    // All of the hull lies beyond the plane through the corner that is nearest along any direction.
-    let enough = reach * away.norm();
-    q.iter().all(|p| (at - p).dot(&away) > enough)
-}
+impl Sphere {
+    /// That of a segment with corners `q`.
+    pub fn around(q: &[V3; 4]) -> Self {
+        let centre = (q[0] + q[1] + q[2] + q[3]) * 0.25;
+        let radius = q.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max).sqrt();
+        Self { centre, radius }
+    }
 
-/// See [`kernels::is_beside`].
-pub fn is_beside(at: &V3, q: &[V3; 4], skin: f64) -> bool {
-    kernels::is_beside((*at).into(), &q.map(Into::into), skin)
+    /// Whether a point is farther than `reach` from the segment for certain.
+    pub fn is_farther(&self, at: &V3, reach: f64) -> bool {
+        (at - self.centre).norm_squared() > (reach + self.radius) * (reach + self.radius)
+    }
 }
 
 /// Two edges whose sines of the angle between them is below this count as parallel: where they are nearest to each other
@@ -202,16 +196,18 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            if is_farther(&at, &q, reach + skin) || is_apart(&at, &q, reach + skin) {
+            let beside = |at: V3, q: &[V3; 4], skin| kernels::is_beside(at.into(), &q.map(Into::into), skin);
+            let is_apart = kernels::is_apart(at.into(), &q.map(Into::into), reach + skin);
+            if Sphere::around(&q).is_farther(&at, reach + skin) || is_apart {
                 prop_assert!((then - near.point).norm() > reach);
             }
-            if is_beside(&at, &q, skin) {
+            if beside(at, &q, skin) {
                 // The local search turns away either.
-                prop_assert!(is_beside(&then, &later, 0.0) || near.rim);
+                prop_assert!(beside(then, &later, 0.0) || near.rim);
             }
             // A plane segment that is convex: beside it is beside its rim. Of what is bent in its plane or warped that much nothing is said.
             let flat = q.map(|p| V3::new(p.x, p.y, 0.0));
-            if is_beside(&at, &flat, 0.0) {
+            if beside(at, &flat, 0.0) {
                 prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));
             }
         }

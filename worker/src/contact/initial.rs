@@ -77,6 +77,7 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
             found.push(Penetration { node: nodes.id[slave as usize], elem: s.id.elem(), depth, unseen: false });
         }
     }
+    found.sort_by_key(|p| (p.elem, p.node));
     found
 }
 

@@ -267,6 +267,24 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
     best
 }
 
+/// Whether points are farther than `reach` from segments for certain, told by the direction from about the nearest point.
+#[inline(always)]
+pub fn is_apart<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
+    // The nearest point of the parallelogram through the middles of the edges. Any direction tells; none, or one that is no number,
+    // tells nothing, and the point is not apart.
+    let quarter = R::splat(0.25);
+    let from = at - (q[0] + q[1] + q[2] + q[3]) * quarter;
+    let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * quarter, (q[2] + q[3] - q[0] - q[1]) * quarter);
+    let (aa, bb, ab, fa, fb) = (a.square(), b.square(), a.dot(b), from.dot(a), from.dot(b));
+    let det = aa * bb - ab * ab;
+    let within = |place: R| clamp(place, -1.0, 1.0);
+    let away = from - a * within((fa * bb - fb * ab) / det) - b * within((fb * aa - fa * ab) / det);
+    // All of the hull lies beyond the plane through the corner that is nearest along any direction.
+    let enough = reach * away.norm();
+    let [one, two, three, four] = q.map(|p| (at - p).dot(away).gt(enough));
+    R::both(R::both(one, two), R::both(three, four))
+}
+
 /// Whether the points of convex segments that are nearest to `at` lie on their rims for certain, and will until the two move by
 /// more than `skin` against each other: the point is beyond an edge, seen in the mean plane. Segments without area have no such.
 #[inline(always)]
@@ -371,10 +389,12 @@ mod tests {
             let all = project(side_by_side(at), &wide, three);
             let beside = is_beside(side_by_side(at), &wide, skin);
             let within = is_within(&slab(side_by_side(at), &wide), Lane::splat(limit));
+            let apart = is_apart(side_by_side(at), &wide, Lane::splat(limit));
             for lane in 0..LANES {
                 let one = project(at[lane], &q[lane], triangle[lane]);
                 prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
                 prop_assert_eq!(is_in::<Lane>(beside, lane), is_beside(at[lane], &q[lane], skin));
+                prop_assert_eq!(is_in::<Lane>(apart, lane), is_apart(at[lane], &q[lane], limit));
                 prop_assert_eq!(is_in::<Lane>(within, lane), is_within(&slab(at[lane], &q[lane]), limit));
                 if one.found {
                     prop_assert_eq!(is_in::<Lane>(all.rim, lane), one.rim);

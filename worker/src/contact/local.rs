@@ -121,7 +121,7 @@ pub fn find_pairs(
 struct Visit<'a> {
     segment: &'a Segment,
     slave: u32,
-    /// See [`Candidate::ring`](crate::contact::close::Candidate::ring).
+    /// See [`Neighbours::ring`](crate::contact::neighbours::Neighbours::ring).
     ring: u8,
     /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
     thickness: f64,
@@ -138,11 +138,11 @@ struct Visit<'a> {
 impl<'a> Visit<'a> {
     fn new(surface: &'a Surface, place: usize, meeting: &'a Meeting, dt: f64) -> Self {
         let Meeting { of, step, near } = meeting;
-        let (slave, segment) = (surface.slaves[place], &surface.segments[of.candidate.segment as usize]);
+        let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
         let n = slave as usize;
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
         let first = surface.first[place] < (segment.part, segment.id);
-        Self { segment, slave, ring: of.candidate.ring, thickness, scale, first, dt, step: *step, near }
+        Self { segment, slave, ring: of.ring, thickness, scale, first, dt, step: *step, near }
     }
 }
 
@@ -300,8 +300,9 @@ fn look(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::close::{Candidate, pick};
-    use crate::contact::meet::Neighbours;
+    use crate::contact::close::Picker;
+    use crate::contact::geometry::Sphere;
+    use crate::contact::neighbours::Neighbours;
     use crate::contact::surface::NOT_LOCAL;
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
@@ -354,7 +355,10 @@ mod tests {
         let pair = Pair::unknown(Name::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
         let picked = |memory: &[Memory]| {
             let mut near = Vec::new();
-            pick(&nodes, &surface, (0, &[0], memory), (0.0, 0.0), &mut Vec::new(), &mut near);
+            let mut picker =
+                Picker::new(&nodes, &surface, (0.0, 0.0), |g| Sphere::around(&surface.segments[g].corners(&nodes.x)));
+            picker.look(0, &[0], memory, &mut near);
+            picker.finish(&mut near);
             near.len()
         };
         assert_eq!(picked(&[]), 0, "new to it, and too far for a step without motion");
@@ -376,7 +380,7 @@ mod tests {
             let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
             let (at, scale) = (V3::from(at), 2.0 * SCALE);
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
-            let of = Neighbours { place: 0, candidate: Candidate { segment: 0, ring: 0 } };
+            let of = Neighbours { place: 0, segment: 0, ring: 0, is_lone: true };
             let meeting = Meeting { of, step, near };
             let visit = Visit::new(&surface, 0, &meeting, 1.0);
             let Some(place) = before_solid(&nodes, &visit, &at, false) else { return Ok(()) };

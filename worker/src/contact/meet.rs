@@ -1,23 +1,14 @@
 //! Which near segments come into reach of their slaves in the step, and where they are nearest: several at once, whoever their
 //! slaves are.
 
-use crate::contact::close::Candidate;
 use crate::contact::geometry::Nearest;
-use crate::contact::kernels::{Vector, is_beside, is_in, is_within, project, slab};
+use crate::contact::kernels::{is_beside, is_in, is_within, project, slab};
 use crate::contact::local::{reach, reach_of_old};
+use crate::contact::neighbours::{Four, Neighbours};
 use crate::contact::pairs::Memory;
-use crate::contact::surface::{Segment, Surface};
-use crate::lanes::{LANES, Lane, Lanes, Real};
-use crate::nodes::{Nodes, Row};
-
-/// A slave, by its place in the surface's slaves, and a segment near to it.
-#[derive(Clone, Copy, Debug)]
-pub struct Neighbours {
-    /// Place of the slave.
-    pub place: u32,
-    /// The segment.
-    pub candidate: Candidate,
-}
+use crate::contact::surface::Surface;
+use crate::lanes::{LANES, Lane};
+use crate::nodes::Nodes;
 
 /// Neighbours that may touch in the step.
 #[derive(Debug)]
@@ -60,7 +51,7 @@ impl Meetings {
         }
         self.all.clear();
         for some in self.reached.chunks(LANES) {
-            let four = Four::of(surface, |lane| some[lane.min(some.len() - 1)].0);
+            let four = Four::of(surface, some, |s| s.0);
             let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
             for (lane, &(of, step)) in some.iter().enumerate() {
                 self.all.extend(Nearest::of(&found, lane).map(|near| Meeting { of, step, near }));
@@ -78,7 +69,7 @@ impl Meetings {
         memory: impl Fn(u32) -> &'a [Memory],
         dt: f64,
     ) {
-        let four = Four::of(surface, |lane| some[lane.min(some.len() - 1)]);
+        let four = Four::of(surface, some, |&s| s);
         let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
         let v = four.slaves(&nodes.next_v);
         let apart = four.corners(&nodes.next_v).map(|of| (of - v).square());
@@ -90,44 +81,17 @@ impl Meetings {
         let slab = slab(at, &q);
         let is_new = is_within(&slab, Lane::new(new));
         let is_old = is_within(&slab, Lane::new(old));
-        let ring = some.iter().any(|n| n.candidate.ring != 0);
+        let ring = some.iter().any(|n| n.ring != 0);
         let is_turned_away = if ring { is_beside(at, &q, 0.0) } else { Lane::splat(0.0) };
         for (lane, &of) in some.iter().enumerate() {
             let segment = four.segment[lane];
             let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
             let is_kept = || memory(of.place).iter().any(|m| m.is_of(segment.id) || goes_over(m));
             let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
-            if reaches && !(of.candidate.ring != 0 && is_in::<Lane>(is_turned_away, lane)) {
+            if reaches && !(of.ring != 0 && is_in::<Lane>(is_turned_away, lane)) {
                 self.reached.push((of, step[lane]));
             }
         }
-    }
-}
-
-/// Slaves and segments side by side.
-struct Four<'a> {
-    slave: [u32; LANES],
-    segment: [&'a Segment; LANES],
-}
-
-impl<'a> Four<'a> {
-    fn of(surface: &'a Surface, lanes: impl Fn(usize) -> Neighbours) -> Self {
-        Self {
-            slave: std::array::from_fn(|lane| surface.slaves[lanes(lane).place as usize]),
-            segment: std::array::from_fn(|lane| &surface.segments[lanes(lane).candidate.segment as usize]),
-        }
-    }
-
-    fn slaves(&self, of: &[Row]) -> Vector<Lane> {
-        Vector(Lane::from_rows(self.slave.map(|n| Lane::new(of[n as usize]))))
-    }
-
-    fn corners(&self, of: &[Row]) -> [Vector<Lane>; 4] {
-        [0, 1, 2, 3].map(|k| Vector(Lane::from_rows(self.segment.map(|s| Lane::new(of[s.nodes[k] as usize])))))
-    }
-
-    fn triangles(&self) -> Lane {
-        Lane::new(self.segment.map(|s| f64::from(u8::from(s.is_triangle())))).gt(Lane::splat(0.5))
     }
 }
 
@@ -135,7 +99,7 @@ impl<'a> Four<'a> {
 mod tests {
     use super::*;
     use crate::contact::pairs::{Name, Pair};
-    use crate::contact::surface::NOT_LOCAL;
+    use crate::contact::surface::{NOT_LOCAL, Segment};
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
 
@@ -176,7 +140,7 @@ mod tests {
         let memory = |place: u32| if place == 1 { &remembered[..] } else { &[] };
         let asked: Vec<Neighbours> = (0..4)
             .flat_map(|place| (0..3).map(move |segment| (place, segment)))
-            .map(|(place, segment)| Neighbours { place, candidate: Candidate { segment, ring: (place == 3) as u8 } })
+            .map(|(place, segment)| Neighbours { place, segment, ring: (place == 3) as u8, is_lone: false })
             .collect();
         let meet = |asked: &[Neighbours]| {
             let mut meetings = Meetings::default();
@@ -184,7 +148,7 @@ mod tests {
             let told = |m: &Meeting| {
                 let numbers = m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
                 let bits: Vec<u64> = numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
-                (m.of.place, m.of.candidate.segment, m.near.rim, bits)
+                (m.of.place, m.of.segment, m.near.rim, bits)
             };
             meetings.all.iter().map(told).collect::<Vec<_>>()
         };

@@ -16,6 +16,7 @@ pub mod initial;
 pub mod kernels;
 pub mod local;
 mod meet;
+mod neighbours;
 pub mod pairs;
 pub mod record;
 mod resultants;
@@ -30,15 +31,16 @@ use crate::nodes::{Nodes, Row, row, xyz};
 use crate::rigid::Bodies;
 use crate::ties::Joined;
 use crate::wall::Walls;
-use close::{Close, pick};
+use close::{Close, Picker};
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
 use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
-use geometry::{V3, is_farther};
-use meet::{Meetings, Neighbours};
+use geometry::{Sphere, V3};
+use meet::Meetings;
+use neighbours::Neighbours;
 use pairs::{Memory, Pair, PairTable, push};
 use record::Record;
 use search::{SEARCHES, Search};
@@ -60,8 +62,9 @@ pub struct Contact {
     candidates: Vec<u32>,
     /// Those of them that are near.
     close: Close,
-    /// What of these is looked at in a step, and what of that may touch.
+    /// The same where some were picked anew, for slaves with a past since.
     neighbours: Vec<Neighbours>,
+    /// What of these may touch in a step.
     meetings: Meetings,
     /// Motion since `close` was made, and what relative motion there was between the search and that [length].
     since_close: Motion,
@@ -141,7 +144,7 @@ impl Contact {
         self.memories.clear();
         self.memory_start.clear();
         self.candidate_start.clear();
-        self.close.clear();
+        self.close.list.clear();
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
             self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| !m.name.is_edge()));
@@ -206,7 +209,8 @@ impl Contact {
 
     /// Slaves that have candidates, with the number of those that are near, once these have been searched for.
     pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        self.close.near().map(|n| (self.surface.slaves[n.place], n.candidates.len()))
+        let runs = self.close.list.chunk_by(|a, b| a.place == b.place);
+        runs.map(|run| (self.surface.slaves[run[0].place as usize], run.len()))
     }
 
     /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are
@@ -225,17 +229,18 @@ impl Contact {
         }
         self.since_close.restart(&nodes.x, Vec::new());
         self.moved += moved;
+        let spheres: Vec<Sphere> = self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
         if !fresh || self.moved + self.close.skin > self.skin {
-            self.search(nodes, joined);
+            self.search(nodes, &spheres, joined);
             self.moved = 0.0;
         }
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
-        self.close.renew(nodes, &self.surface, (self.skin, step), found, memory);
+        self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
     }
 
     /// Which segments each slave could meet before it moves by more than the skin.
-    fn search(&mut self, nodes: &Nodes, joined: Joined<'_>) {
+    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: Joined<'_>) {
         self.searches += 1;
         let s = &self.surface;
         let largest = s.largest_scale();
@@ -247,9 +252,7 @@ impl Contact {
             let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
             let reach = local::REACH * (s.segments[g as usize].scale + s.node_scale[slave as usize]) + self.skin;
             let at = V3::from(xyz(&nodes.x[slave as usize]));
-            !corners.contains(&slave)
-                && !is_farther(&at, &s.segments[g as usize].corners(&nodes.x), reach)
-                && !joined.are_one(slave, corners)
+            !spheres[g as usize].is_farther(&at, reach) && !corners.contains(&slave) && !joined.are_one(slave, corners)
         });
         found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
         self.edges.search(s, nodes, joined, self.find, self.skin);
@@ -274,20 +277,28 @@ impl Contact {
     pub fn find_pairs(&mut self, nodes: &Nodes, steps: Steps) {
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
-        let (mut ring, mut picked) = (Vec::new(), Vec::new());
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
-        self.neighbours.clear();
-        for near in self.close.near() {
-            let (i, mut candidates, memory) = (near.place, near.candidates, memory(near.place));
-            if near.is_lone && !memory.is_empty() {
-                let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
-                picked.clear();
-                pick(nodes, &self.surface, (i, found, memory), (0.0, self.close.step), &mut ring, &mut picked);
-                candidates = &picked;
+        let has_new_past = |n: &Neighbours| n.is_lone && !memory(n.place as usize).is_empty();
+        let near = match self.close.list.iter().any(has_new_past) {
+            false => &self.close.list,
+            true => {
+                self.neighbours.clear();
+                let sphere = |g: usize| Sphere::around(&self.surface.segments[g].corners(&nodes.x));
+                let mut picker = Picker::new(nodes, &self.surface, (0.0, self.close.step), sphere);
+                for run in self.close.list.chunk_by(|a, b| a.place == b.place) {
+                    let i = run[0].place as usize;
+                    if has_new_past(&run[0]) {
+                        let found = self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize;
+                        picker.look(i, &self.candidates[found], memory(i), &mut self.neighbours);
+                        picker.finish(&mut self.neighbours);
+                    } else {
+                        self.neighbours.extend(run);
+                    }
+                }
+                &self.neighbours
             }
-            self.neighbours.extend(candidates.iter().map(|&candidate| Neighbours { place: i as u32, candidate }));
-        }
-        self.meetings.find(nodes, &self.surface, &self.neighbours, |i| memory(i as usize), steps.dt);
+        };
+        self.meetings.find(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
         for meetings in self.meetings.all.chunk_by(|a, b| a.of.place == b.of.place) {
             let i = meetings[0].of.place as usize;
             local::find_pairs(nodes, &self.surface, i, meetings, memory(i), steps.dt, &mut pairs);

@@ -5,7 +5,7 @@
 
 use crumple_proto::boxes::Aabb;
 
-/// A global search: gives all (box, point) with the point in the closed box, in ascending order.
+/// A global search: gives all (box, point) with the point in the closed box, boxes ascending.
 pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)>;
 
 /// A method by its name in the job.
@@ -35,7 +35,6 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
             continue;
         }
         let (lo, hi) = (grid.place(common.min), grid.place(common.max));
-        let from = found.len();
         for k in lo[2]..=hi[2] {
             for j in lo[1]..=hi[1] {
                 let line = (k * grid.count[1] + j) * grid.count[0];
@@ -44,7 +43,6 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
                 found.extend(inside.map(|&p| (b as u32, p)));
             }
         }
-        found[from..].sort_unstable();
     }
     found
 }
@@ -61,7 +59,7 @@ impl Grid {
         let cell = boxes.iter().map(size).sum::<f64>() / boxes.len() as f64;
         let mut grid = Self { origin: bounds.min, per_length: [0.0; 3], count: [1; 3] };
         // Not many more cells than points, however thin the boxes are.
-        let mut cell = cell.max(f64::MIN_POSITIVE);
+        let mut cell = (0.5 * cell).max(f64::MIN_POSITIVE);
         loop {
             for c in 0..3 {
                 grid.count[c] = (((bounds.max[c] - bounds.min[c]) / cell).min(1e6) as usize) + 1;
@@ -117,10 +115,8 @@ pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
         };
         let ranges: [_; 3] = std::array::from_fn(within);
         let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
-        let from = found.len();
         let inside = sorted[fewest][ranges[fewest].clone()].iter().filter(|p| bx.holds(points[p.1 as usize]));
         found.extend(inside.map(|p| (b as u32, p.1)));
-        found[from..].sort_unstable();
     }
     found
 }
@@ -146,7 +142,10 @@ mod tests {
             let boxes: Vec<Aabb> = boxes.into_iter().map(|(a, d)| Aabb { min: a, max: std::array::from_fn(|c| a[c] + d[c]) }).collect();
             let expected = brute(&boxes, &points);
             for method in SEARCHES {
-                prop_assert_eq!(&(method.find)(&boxes, &points), &expected, "{}", method.name);
+                let mut found = (method.find)(&boxes, &points);
+                prop_assert!(found.is_sorted_by_key(|f| f.0), "{}", method.name);
+                found.sort_unstable();
+                prop_assert_eq!(&found, &expected, "{}", method.name);
             }
         }
     }
