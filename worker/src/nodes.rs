@@ -46,7 +46,7 @@ pub struct Nodes {
     /// Worker that owns the node: the lowest that holds it.
     pub owner: Vec<u32>,
     /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
-    pub fixed: Vec<u64>,
+    pub fixed: Vec<u8>,
     /// Initial coordinates [length].
     pub x0: Vec<Row>,
     /// Coordinates [length].
@@ -93,7 +93,7 @@ impl Nodes {
     pub fn push(&mut self, r: &NodeRecord, owner: u32) {
         self.id.push(r.id);
         self.owner.push(owner);
-        self.fixed.push(r.fixed);
+        self.fixed.push(r.fixed as u8);
         self.x0.push(row(r.x0));
         self.x.push(row(r.x));
         self.v.push(row(r.v));
@@ -124,7 +124,7 @@ impl Nodes {
     pub fn record(&self, i: usize) -> NodeRecord {
         NodeRecord {
             id: self.id[i],
-            fixed: self.fixed[i],
+            fixed: self.fixed[i].into(),
             x0: xyz(&self.x0[i]),
             x: xyz(&self.x[i]),
             v: xyz(&self.v[i]),

@@ -1,5 +1,6 @@
 //! One worker: takes orders, runs the engine, reports.
 
+use crate::blocks::Blocks;
 use crate::engine::{Agreed, Engine, Phase};
 use crate::membership::Share;
 use crate::{output, step::step};
@@ -313,6 +314,8 @@ impl Worker {
             stopped: self.stopped,
             parts: output::part_records(e),
         };
+        self.engine.blocks = Blocks::default(); // states take for a moment what elements took, which nobody asks for any more
+        let e = &self.engine;
         let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
         post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
     }

@@ -47,13 +47,13 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
         passed.any(|p| p.height.abs() <= THROUGH * surface.segments[g as usize].scale)
     };
     let mut found: Vec<Crossing> = Vec::new();
-    for (g, i) in find(&boxes, &middles) {
+    find(&boxes, &middles, &mut |g, i| {
         let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(g, e) {
             found.push(Crossing { edge: surface.segments[e.segments[0] as usize].id.elem(), surface: s.id.elem() });
         }
-    }
+    });
     found.sort_unstable();
     found.dedup();
     found

@@ -198,7 +198,7 @@ impl Edges {
         let middles: Vec<[f64; 3]> = numbers.map(|i| middle(own(i))).collect();
         let reach = |e: &Edge| REACH * (scale(e) + largest) + skin;
         let boxes: Vec<Aabb> = self.all.iter().map(|e| e.bounds(&nodes.x).grown(reach(e) + longest)).collect();
-        for (other, i) in find(&boxes, &middles) {
+        find(&boxes, &middles, &mut |other, i| {
             let (slave, met) = (own(i), &self.all[other as usize]);
             let [j, k] = met.nodes;
             let may_meet = slave.ids(nodes) < met.ids(nodes)
@@ -210,7 +210,7 @@ impl Edges {
             if may_meet {
                 self.candidates.push([self.own[i as usize], other]);
             }
-        }
+        });
         let all = &self.all;
         self.candidates.sort_unstable_by_key(|c| c.map(|i| all[i as usize].ids(nodes)));
     }

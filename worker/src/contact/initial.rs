@@ -65,18 +65,18 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
     let shells: Vec<&Segment> = surface.segments.iter().filter(|s| !s.is_solid()).collect();
     let boxes: Vec<_> = shells.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();
     let mut found = Vec::new();
-    for (g, p) in linked_cells(&boxes, &points(nodes, surface)) {
+    linked_cells(&boxes, &points(nodes, surface), &mut |g, p| {
         let (s, slave) = (shells[g as usize], surface.slaves[p as usize]);
         if s.nodes.contains(&slave) || is_tied(slave, &s.nodes) {
-            continue;
+            return;
         }
         let at = V3::from(xyz(&nodes.x[slave as usize]));
-        let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { continue };
+        let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { return };
         let depth = s.half + surface.node_half[slave as usize] - (at - near.point).norm();
         if depth > ROUND_OFF * (s.scale + surface.node_scale[slave as usize]) {
             found.push(Penetration { node: nodes.id[slave as usize], elem: s.id.elem(), depth, unseen: false });
         }
-    }
+    });
     found.sort_by_key(|p| (p.elem, p.node));
     found
 }
@@ -99,14 +99,14 @@ fn in_solids(
         .collect();
     let place = |&n: &u32| xyz(&nodes.x[n as usize]);
     let boxes: Vec<Aabb> = solids.iter().map(|c| Aabb::around(c.iter().map(place))).collect();
-    let inside = |(e, p): &(u32, u32)| {
-        let (corners, slave) = (&solids[*e as usize], surface.slaves[*p as usize]);
+    let inside = |e: u32, p: u32| {
+        let (corners, slave) = (&solids[e as usize], surface.slaves[p as usize]);
         !corners.contains(&slave)
             && !is_tied(slave, corners)
             && is_inside(&V3::from(xyz(&nodes.x[slave as usize])), &corners.map(|n| V3::from(place(&n))))
     };
-    let mut slaves: Vec<u32> =
-        linked_cells(&boxes, &points(nodes, surface)).into_iter().filter(inside).map(|found| found.1).collect();
+    let mut slaves: Vec<u32> = Vec::new();
+    linked_cells(&boxes, &points(nodes, surface), &mut |e, p| slaves.extend(inside(e, p).then_some(p)));
     slaves.sort_unstable();
     slaves.dedup();
     let depth_in = |s: &Segment, p: u32| {
@@ -148,14 +148,14 @@ fn nearest_faces(
         let boxes: Vec<Aabb> = all.iter().map(|b| b.grown(reach)).collect();
         let points: Vec<[f64; 3]> = slaves.iter().map(|&p| place(p)).collect();
         let mut least: Vec<Option<(u32, f64, f64)>> = vec![None; slaves.len()];
-        for (f, i) in linked_cells(&boxes, &points) {
-            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else { continue };
+        linked_cells(&boxes, &points, &mut |f, i| {
+            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else { return };
             let best = &mut least[i as usize];
             let nearer = |&(g, least, _): &(u32, f64, f64)| depth.total_cmp(&least).then(f.cmp(&g)).is_lt();
             if best.as_ref().is_none_or(nearer) {
                 *best = Some((f, depth, scale));
             }
-        }
+        });
         // What is deeper than the reach may be less deep in a face outside of it.
         let last = reach > 2.0 * largest;
         let mut left = Vec::new();

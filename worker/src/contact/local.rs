@@ -141,7 +141,7 @@ impl<'a> Visit<'a> {
         let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
         let n = slave as usize;
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        let first = surface.first[place] < (segment.part, segment.id);
+        let first = surface.first(place) < (segment.part, segment.id);
         Self { segment, slave, ring: of.ring, thickness, scale, first, dt, step: *step, near }
     }
 }

@@ -44,7 +44,7 @@ use neighbours::Neighbours;
 use pairs::{Memory, Pair, PairTable, push};
 use record::Record;
 use search::{SEARCHES, Search};
-use surface::Surface;
+use surface::{Segment, Surface};
 pub use sweep::Exchange;
 use sweep::Sweeps;
 
@@ -242,32 +242,39 @@ impl Contact {
     /// Which segments each slave could meet before it moves by more than the skin.
     fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: Joined<'_>) {
         self.searches += 1;
+        self.candidates = Vec::new(); // what this takes for a moment is the most a worker needs
         let s = &self.surface;
-        let largest = s.largest_scale();
-        let boxes: Vec<_> =
-            s.segments.iter().map(|g| g.bounds(&nodes.x, reach(g.scale, largest) + self.skin)).collect();
-        let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
-        let mut found = (self.find)(&boxes, &points);
-        found.retain(|&(g, p)| {
-            let (corners, slave) = (&s.segments[g as usize].nodes, s.slaves[p as usize]);
-            let reach = local::REACH * (s.segments[g as usize].scale + s.node_scale[slave as usize]) + self.skin;
-            let at = V3::from(xyz(&nodes.x[slave as usize]));
-            !spheres[g as usize].is_farther(&at, reach) && !corners.contains(&slave) && !joined.are_one(slave, corners)
-        });
-        found.iter().for_each(|&(g, p)| self.record.near(s.slaves[p as usize], &s.segments[g as usize]));
+        // Slaves by segment.
+        let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
+        {
+            let largest = s.largest_scale();
+            let bounds = |g: &Segment| g.bounds(&nodes.x, reach(g.scale, largest) + self.skin);
+            let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
+            let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
+            (self.find)(&boxes, &points, &mut |g, p| {
+                let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
+                let reach = local::REACH * (segment.scale + s.node_scale[slave as usize]) + self.skin;
+                let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
+                if !is_far && !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes) {
+                    found.push(p);
+                    count[g as usize] += 1;
+                    self.record.near(slave, segment);
+                }
+            });
+        }
         self.edges.search(s, nodes, joined, self.find, self.skin);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
-        found.iter().for_each(|&(_, p)| self.candidate_start[p as usize + 1] += 1);
+        found.iter().for_each(|&p| self.candidate_start[p as usize + 1] += 1);
         for i in 0..s.slaves.len() {
             self.candidate_start[i + 1] += self.candidate_start[i];
         }
         let mut next = self.candidate_start.clone();
-        self.candidates.clear();
         self.candidates.resize(found.len(), 0);
-        for (g, p) in found {
+        let segments = (0u32..).zip(&count).flat_map(|(g, &n)| std::iter::repeat_n(g, n as usize));
+        for (g, p) in segments.zip(found) {
             self.candidates[next[p as usize] as usize] = g;
             next[p as usize] += 1;
         }

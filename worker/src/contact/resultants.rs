@@ -53,7 +53,7 @@ impl Contact {
         let slave = if pair.name.is_edge() {
             s.segments[self.edges.segment_of([pair.nodes[0], pair.nodes[1]])? as usize].part
         } else {
-            s.first[s.slaves.binary_search(&pair.nodes[0]).ok()?].0
+            s.first(s.slaves.binary_search(&pair.nodes[0]).ok()?).0
         };
         Some([slave, met])
     }

@@ -5,8 +5,8 @@
 
 use crumple_proto::boxes::Aabb;
 
-/// A global search: gives all (box, point) with the point in the closed box, boxes ascending.
-pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)>;
+/// A global search: calls `found` with all box and point of which the point is in the closed box, boxes ascending.
+pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32));
 
 /// A method by its name in the job.
 pub struct Method {
@@ -21,14 +21,13 @@ pub const SEARCHES: &[Method] =
     &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
 
 /// Points go to the cells of a grid whose cells are as large as the average box; each box looks into the cells it covers.
-pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
+pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let bounds = Aabb::around(points.iter().copied());
     if boxes.is_empty() || bounds.is_empty() {
-        return Vec::new();
+        return;
     }
     let grid = Grid::new(&bounds, boxes, points.len());
     let (start, members) = grid.fill(points);
-    let mut found = Vec::new();
     for (b, bx) in boxes.iter().enumerate() {
         let common = bx.common(&bounds);
         if common.is_empty() {
@@ -40,11 +39,10 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
                 let line = (k * grid.count[1] + j) * grid.count[0];
                 let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
                 let inside = members[cells].iter().filter(|&&p| bx.holds(points[p as usize]));
-                found.extend(inside.map(|&p| (b as u32, p)));
+                inside.for_each(|&p| found(b as u32, p));
             }
         }
     }
-    found
 }
 
 struct Grid {
@@ -101,13 +99,12 @@ impl Grid {
 }
 
 /// Points are sorted along each axis; a box takes the axis on which the fewest lie within it and tests the other two.
-pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
+pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let sorted: [Vec<(f64, u32)>; 3] = std::array::from_fn(|c| {
         let mut list: Vec<(f64, u32)> = points.iter().enumerate().map(|(i, p)| (p[c], i as u32)).collect();
         list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         list
     });
-    let mut found = Vec::new();
     for (b, bx) in boxes.iter().enumerate() {
         let within = |c: usize| {
             let from = sorted[c].partition_point(|p| p.0 < bx.min[c]);
@@ -116,9 +113,8 @@ pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
         let ranges: [_; 3] = std::array::from_fn(within);
         let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
         let inside = sorted[fewest][ranges[fewest].clone()].iter().filter(|p| bx.holds(points[p.1 as usize]));
-        found.extend(inside.map(|p| (b as u32, p.1)));
+        inside.for_each(|p| found(b as u32, p.1));
     }
-    found
 }
 
 #[cfg(test)]
@@ -142,7 +138,8 @@ mod tests {
             let boxes: Vec<Aabb> = boxes.into_iter().map(|(a, d)| Aabb { min: a, max: std::array::from_fn(|c| a[c] + d[c]) }).collect();
             let expected = brute(&boxes, &points);
             for method in SEARCHES {
-                let mut found = (method.find)(&boxes, &points);
+                let mut found = Vec::new();
+                (method.find)(&boxes, &points, &mut |b, p| found.push((b, p)));
                 prop_assert!(found.is_sorted_by_key(|f| f.0), "{}", method.name);
                 found.sort_unstable();
                 prop_assert_eq!(&found, &expected, "{}", method.name);

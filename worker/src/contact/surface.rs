@@ -53,8 +53,8 @@ pub struct Surface {
     pub face_start: Vec<u32>,
     /// Indices of the segments around each slave, ascending.
     pub faces: Vec<u32>,
-    /// Lowest part and segment around each slave.
-    pub first: Vec<(u32, SegmentId)>,
+    /// Of these the one of the lowest part, and of that the lowest; `u32::MAX` without any.
+    pub first: Vec<u32>,
 }
 
 impl Segment {
@@ -178,10 +178,8 @@ impl Surface {
         let mut place = vec![u32::MAX; held];
         self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let mut around: Vec<(u32, u32)> = Vec::new();
-        self.first = vec![(u32::MAX, SegmentId(u64::MAX)); self.slaves.len()];
         for (g, s) in self.segments.iter().enumerate() {
             for &i in s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX) {
-                self.first[i as usize] = self.first[i as usize].min((s.part, s.id));
                 around.push((i, g as u32));
             }
         }
@@ -190,12 +188,21 @@ impl Surface {
         self.face_start =
             (0..=self.slaves.len()).map(|i| around.partition_point(|a| (a.0 as usize) < i) as u32).collect();
         self.faces = around.into_iter().map(|a| a.1).collect();
+        let rank = |&g: &u32| (self.segments[g as usize].part, self.segments[g as usize].id);
+        let runs = self.face_start.windows(2).map(|run| &self.faces[run[0] as usize..run[1] as usize]);
+        self.first = runs.map(|run| run.iter().copied().min_by_key(rank).unwrap_or(u32::MAX)).collect();
     }
 
     /// Whether a segment has a node with another one, by its id, in common.
     pub fn is_beside(&self, id: SegmentId, segment: &Segment) -> bool {
         let other = self.segments.binary_search_by_key(&id, |s| s.id).map(|i| &self.segments[i]);
         other.is_ok_and(|other| other.nodes.iter().any(|n| segment.nodes.contains(n)))
+    }
+
+    /// The lowest part, and of that the lowest segment, around the slave at place `i` of `slaves`.
+    pub fn first(&self, i: usize) -> (u32, SegmentId) {
+        let first = self.segments.get(self.first[i] as usize);
+        first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
     }
 
     /// The segments around the slave at place `i` of `slaves`.
@@ -206,10 +213,9 @@ impl Surface {
 
     /// Bytes in use, spare room of lists left out.
     pub fn bytes(&self) -> usize {
-        let lists = [&self.slaves, &self.face_start, &self.faces];
+        let lists = [&self.slaves, &self.face_start, &self.faces, &self.first];
         size_of_val(&self.segments[..])
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
-            + size_of_val(&self.first[..])
             + size_of_val(&self.node_half[..])
             + size_of_val(&self.node_scale[..])
     }

@@ -45,10 +45,10 @@ pub fn feet(
     let grown = |(f, face): (usize, &Face)| Aabb::around(face.iter().copied()).grown(widest(f));
     let boxes: Vec<Aabb> = faces.iter().enumerate().map(grown).collect();
     let mut feet: Vec<Option<Foot>> = vec![None; points.len()];
-    for (f, p) in linked_cells(&boxes, points) {
+    linked_cells(&boxes, points, &mut |f, p| {
         let (f, p) = (f as usize, p as usize);
         let (corners, at) = (faces[f].map(V3::from), V3::from(points[p]));
-        let Some(near) = nearest(&at, &corners, faces[f][2] == faces[f][3]) else { continue };
+        let Some(near) = nearest(&at, &corners, faces[f][2] == faces[f][3]) else { return };
         let off = at - near.point;
         let beside = off - near.normal * near.normal.dot(&off);
         let distance = off.norm();
@@ -56,7 +56,7 @@ pub fn feet(
         if reached && feet[p].is_none_or(|old| distance < old.distance) {
             feet[p] = Some(Foot { face: f, shape: near.shape, point: near.point.into(), distance });
         }
-    }
+    });
     feet
 }
 
