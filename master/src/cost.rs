@@ -17,8 +17,9 @@ use crumple_worker::step::step;
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// Elements of a part that are tried, alone and in contact: there a sample's own free edges are not to count for much.
+/// Elements of a part that are tried alone.
 const SAMPLE: usize = 512;
+/// Elements of a part that are tried in contact, where a sample's own free edges are not to count for much.
 const TOUCHING: usize = 4096;
 /// Steps that are timed.
 const STEPS: usize = 20;
@@ -88,7 +89,7 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
     }
     writeln!(
         out,
-        "\ncost a cycle, bytes exact, times by {STEPS} steps of up to {SAMPLE} elements of each part, {TOUCHING} in contact"
+        "\ncost a cycle: bytes exact, times by {STEPS} steps of up to {SAMPLE} elements of each part; contact, bytes too, by up to {TOUCHING}"
     )?;
     writeln!(out, "  part                  elements   history  forces  moments  connectivity  ns/cycle")?;
     out.push_str(&rows);

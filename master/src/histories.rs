@@ -107,7 +107,7 @@ impl Histories {
         Ok(Self {
             parts: settings.parts.iter().map(|p| (p.id, p.name.clone())).collect(),
             walls: history::wall_names(&settings.walls),
-            groups: asked.nodes.iter().map(|g| (g.name.clone(), g.nodes.clone())).collect(),
+            groups: asked.nodes.iter().map(|g| (g.name.clone(), by_label(&g.nodes))).collect(),
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             of_parts: of_parts.transpose()?,
@@ -191,6 +191,13 @@ impl Histories {
         }
         Ok(())
     }
+}
+
+/// Nodes in the order of the user's ids.
+fn by_label(nodes: &[NodeId]) -> Vec<NodeId> {
+    let mut nodes = nodes.to_vec();
+    nodes.sort_unstable_by_key(|n| n.label());
+    nodes
 }
 
 fn number(a: f64) -> String {

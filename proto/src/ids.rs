@@ -3,6 +3,8 @@
 //! Everything of which the order matters (columns, sums, pairs) goes by ascending id. A user's mesh may be numbered so that
 //! neighbours lie far apart in memory; its ids then get a *place* in front of the number that the user gave, their *label*,
 //! and go by place. Only labels are shown.
+//!
+//! An id of a mesh is at most `LARGEST`, which its check sees to; with a place it is larger.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,9 @@ macro_rules! id {
 macro_rules! labelled {
     ($name:ident) => {
         impl $name {
+            /// Largest id that is taken from a mesh.
+            pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
+
             /// The id of what comes at `place` and is called `label`; `None` if either is too large.
             pub fn placed(place: u64, label: u64) -> Option<Self> {
                 let fits = place < 1 << PLACE_BITS && label < 1 << LABEL_BITS;
@@ -72,11 +77,6 @@ impl SegmentId {
     pub fn elem(self) -> ElemId {
         ElemId(self.0 / 8)
     }
-}
-
-impl ElemId {
-    /// Largest label of an element that is taken from a mesh.
-    pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
 }
 
 #[cfg(test)]

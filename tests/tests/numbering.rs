@@ -2,8 +2,9 @@
 //! and the user's ids in all that is asked for and written. Units mm, ms, kg.
 
 use crumple::field_file::{Piece, pieces_of_folder};
-use crumple_proto::mesh::Mesh;
-use crumple_tests::program::{crumple_with, run};
+use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::{Mesh, MeshElement};
+use crumple_tests::program::{Ended, crumple_with, run};
 use crumple_tests::{case, read, run_side_by_side};
 use std::collections::HashMap;
 use std::fs;
@@ -40,39 +41,82 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     assert!(moved > 1.0, "{moved} mm");
 }
 
+/// Within a millionth of the largest.
+fn assert_near(a: &[f64], b: &[f64], what: &str) {
+    let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    assert_eq!(a.len(), b.len(), "{what}");
+    for (a, b) in a.iter().zip(b) {
+        assert!((a - b).abs() <= 1e-6 * largest, "{what}: {a} and {b} of {largest}");
+    }
+}
+
 /// The mesh as a user has it, with its own ids.
-fn given() -> Mesh {
-    let scene =
-        "side = 60\nlength = 300\nelements = 24\ntrigger = 0.5\ntrigger_from = 10\ntrigger_to = 40\nshuffle = 7";
+fn given(shuffle: u32) -> Mesh {
+    let scene = format!(
+        "side = 60\nlength = 300\nelements = 24\ntrigger = 0.5\ntrigger_from = 10\ntrigger_to = 40\nshuffle = {shuffle}"
+    );
     crumple_cases::generate("tube", &scene.parse().unwrap()).unwrap()
+}
+
+/// A run of some cycles that asks for histories of nodes and of elements by their ids.
+fn asked_for(shuffle: u32, nodes: &[u64], elements: &[u64]) -> Ended {
+    let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
+    let more =
+        format!("\n[[output.node]]\nids = {nodes:?}\n[[output.section]]\nnodes = \"head\"\nelements = {elements:?}\n");
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("job.toml");
+    fs::write(&path, text + &more).unwrap();
+    let (path, shuffle) = (path.to_str().unwrap(), format!("scene.shuffle={shuffle}"));
+    let sets = ["--set", FINE, "--set", &shuffle, "--set", "time.max_cycles=300", "--workers", "2"];
+    run(crumple_with(&[&["run", path, "--quiet"], &sets[..]].concat())).with_code(0)
+}
+
+/// Rows of a history: words, then numbers.
+fn rows(ended: &Ended, name: &str, words: usize) -> Vec<(Vec<String>, Vec<f64>)> {
+    let text = fs::read_to_string(ended.out().join(name)).unwrap();
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let numbers = fields[words..].iter().map(|f| f.parse().unwrap()).collect();
+        (fields[1..words].iter().map(|f| f.to_string()).collect(), numbers)
+    };
+    text.lines().skip(1).map(row).collect()
 }
 
 #[test]
 fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
-    let mesh = given();
+    // The same nodes and elements by the ids that they have in either mesh.
+    let (in_rows, mesh) = (given(0), given(7));
+    let place = |mesh: &Mesh, id: NodeId| mesh.nodes[id.0 as usize - 1].x.map(f64::to_bits);
+    let shuffled: HashMap<[u64; 3], u64> = mesh.nodes.iter().map(|n| (n.x.map(f64::to_bits), n.id.0)).collect();
+    let of_nodes: HashMap<Vec<u64>, u64> =
+        mesh.elements.iter().map(|e| (e.corners().iter().map(|n| n.0).collect(), e.id.0)).collect();
+    let nodes = [4321, 17, 9000, 500];
+    let there = nodes.map(|n| shuffled[&place(&in_rows, NodeId(n))]);
+    let head = &in_rows.node_sets["head"];
+    let at_head = in_rows.elements.iter().filter(|e| e.corners().iter().any(|n| head.contains(n)));
+    let elements: Vec<&MeshElement> = at_head.step_by(3).collect();
+    let ids: Vec<u64> = elements.iter().map(|e| e.id.0).collect();
+    let corners = |e: &&MeshElement| e.corners().iter().map(|&n| shuffled[&place(&in_rows, n)]).collect::<Vec<_>>();
+    let shuffled_ids: Vec<u64> = elements.iter().map(|e| of_nodes[&corners(e)]).collect();
+    let (one, ended) = (asked_for(0, &nodes, &ids), asked_for(7, &there, &shuffled_ids));
+
+    let mut sorted = there;
+    sorted.sort_unstable();
+    let told = rows(&ended, "nodes.csv", 3);
+    let told_ids: Vec<u64> = told[..4].iter().map(|r| r.0[1].parse().unwrap()).collect();
+    assert_eq!(told_ids, sorted, "by ascending id");
+    let histories = |ended: &Ended, ids: [u64; 4]| {
+        let all = rows(ended, "nodes.csv", 3);
+        ids.map(|id| all.iter().filter(|r| r.0[1] == id.to_string()).map(|r| r.1[..6].to_vec()).collect::<Vec<_>>())
+    };
+    let numbers = |of: [Vec<Vec<f64>>; 4]| of.into_iter().flatten().flatten().collect::<Vec<f64>>();
+    assert_near(&numbers(histories(&one, nodes)), &numbers(histories(&ended, there)), "nodes");
+    let section = |ended: &Ended| rows(ended, "sections.csv", 2).into_iter().flat_map(|r| r.1[..3].to_vec()).collect();
+    let (ours, theirs): (Vec<f64>, Vec<f64>) = (section(&one), section(&ended));
+    assert!(ours.iter().any(|f| f.abs() > 1.0), "the section bears some kN");
+    assert_near(&ours, &theirs, "section");
+
     let at: HashMap<i64, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id.0 as i64, n.x)).collect();
-    let head = &mesh.node_sets["head"];
-    let last = mesh.elements.iter().rfind(|e| e.corners().iter().any(|n| head.contains(n))).unwrap();
-    let asked = mesh.nodes[4321].id.0;
-    let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
-    let more = format!(
-        "\n[[output.node]]\nids = [{asked}]\n[[output.section]]\nnodes = \"head\"\nelements = [{}]\n",
-        last.id.0
-    );
-    let there = tempfile::tempdir().unwrap();
-    let path = there.path().join("job.toml");
-    fs::write(&path, text + &more).unwrap();
-    let path = path.to_str().unwrap();
-    let sets = ["--set", FINE, "--set", SHUFFLED, "--set", "time.max_cycles=5", "--workers", "2"];
-    let ended = run(crumple_with(&[&["run", path, "--quiet"], &sets[..]].concat())).with_code(0);
-
-    let rows = fs::read_to_string(ended.out().join("nodes.csv")).unwrap();
-    let first: Vec<&str> = rows.lines().nth(1).expect("a row").split(',').collect();
-    let column = |name: &str| rows.lines().next().unwrap().split(',').position(|h| h.starts_with(name)).unwrap();
-    assert_eq!(first[column("id")], asked.to_string());
-    let x: f64 = first[column("x")].parse().unwrap();
-    assert!((x - at[&(asked as i64)][0]).abs() < 1e-8, "{x}");
-
     let mut corners: HashMap<i64, Vec<i64>> = HashMap::new();
     let step = ended.out().join("fields/step_000000");
     for file in pieces_of_folder(&step) {
@@ -106,4 +150,29 @@ fn check_says_so_and_an_exported_deck_has_the_ids_of_the_mesh() {
     let (of_deck, of_job) = (read(&deck, &[]), read(&case("tube-crush"), &[FINE, SHUFFLED]));
     assert_eq!(of_deck.mesh.elements, of_job.mesh.elements);
     assert_eq!(of_deck.mesh.nodes, of_job.mesh.nodes);
+}
+
+#[test]
+fn an_element_in_trouble_and_ids_that_are_not_there_are_told_as_the_mesh_has_them() {
+    let sets = ["--set", FINE, "--set", SHUFFLED, "--workers", "2", "--quiet"];
+    let said = run(crumple_with(&[&["run", "cases/tube-crush", "--set", "time.safety=3"], &sets[..]].concat())).said();
+    let id = said.split("element ").nth(1).and_then(|rest| rest.split(' ').next()).expect("an element is named");
+    assert!((1..=11520).contains(&id.parse::<u64>().unwrap()), "{said}");
+    let there = tempfile::tempdir().unwrap();
+    let path = there.path().join("job.toml");
+    let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
+    fs::write(&path, text + "\n[[output.node]]\nids = [20000]\n").unwrap();
+    let said = run(crumple_with(&[&["run", path.to_str().unwrap()], &sets[..]].concat())).with_code(2).said();
+    assert!(said.contains("a history of node 20000, which no element has"), "{said}");
+}
+
+#[test]
+fn ids_of_nodes_have_an_end() {
+    let there = tempfile::tempdir().unwrap();
+    let deck = there.path().join("large.k");
+    let text = "*KEYWORD\n*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n1152921508901814276,0,1,0\n*ELEMENT_SHELL\n1,1,1,2,3,1152921508901814276\n\
+                *PART\np\n1,1,1\n*SECTION_SHELL\n1,2\n1,1,1,1\n*MAT_ELASTIC\n1,7.85e-6,210,0.3\n*CONTROL_TERMINATION\n1\n*END\n";
+    fs::write(&deck, text).unwrap();
+    let said = run(crumple_with(&["check", deck.to_str().unwrap()])).with_code(2).said();
+    assert!(said.contains("node id 1152921508901814276 is too large"), "{said}");
 }

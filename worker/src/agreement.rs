@@ -17,7 +17,7 @@ use crumple_proto::transport::{Lost, MaxReduction, Transport};
 pub struct Agreed {
     /// Smallest stable step of all elements, or less if contact surfaces would pass through each other in it [time].
     pub stable_dt: f64,
-    /// Element that is in trouble, the lowest id if there are several.
+    /// Element that is in trouble, the first by id if there are several; by place in a mesh that was numbered anew.
     pub trouble: Option<ElemId>,
     /// Last order that some worker has seen.
     pub order: u64,
@@ -62,6 +62,14 @@ pub const WORDS: usize = 12;
 /// ones are in the order of their values.
 const TOP: u64 = 1 << 62;
 
+fn as_float(id: ElemId) -> f64 {
+    f64::from_bits(TOP - id.0)
+}
+
+fn of_float(float: f64) -> ElemId {
+    ElemId(TOP - float.to_bits())
+}
+
 impl Agreement {
     /// Nothing agreed yet.
     pub fn new() -> Self {
@@ -86,7 +94,7 @@ impl Agreement {
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
         let culprit = known.totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
-        let trouble = culprit.map_or(0.0, |id| f64::from_bits(TOP - id.0));
+        let trouble = culprit.map_or(0.0, as_float);
         let step = if stable_dt.is_nan() { 0.0 } else { stable_dt };
         let mut words = [0.0; WORDS];
         let eroded = f64::from(known.eroded);
@@ -101,7 +109,7 @@ impl Agreement {
     /// A worker is gone.
     pub fn finish(&mut self, wire: &mut dyn Transport, thinnest: f64) -> Result<Agreed, Lost> {
         let max = self.reduction.finish(wire)?;
-        let trouble = (max[1] > 0.0).then(|| ElemId(TOP - max[1].to_bits()));
+        let trouble = (max[1] > 0.0).then(|| of_float(max[1]));
         let spread = spread(&max[6..]);
         Ok(Agreed {
             stable_dt: (-max[0]).min(contact_dt(spread, thinnest)),
@@ -149,5 +157,22 @@ fn spread(velocities: &[f64]) -> f64 {
 impl Default for Agreement {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_ids_as_floats_the_first_is_the_largest() {
+        let last = ElemId::placed((1 << 28) - 1, u64::from(u32::MAX)).unwrap();
+        let ids =
+            [ElemId(0), ElemId(1), ElemId::LARGEST, ElemId::placed(0, 5).unwrap(), ElemId::placed(1, 2).unwrap(), last];
+        for pair in ids.windows(2) {
+            let floats = [as_float(pair[0]), as_float(pair[1])];
+            assert!(floats[0] > floats[1] && floats[1] > 0.0 && floats[0].is_finite(), "{pair:?}: {floats:?}");
+        }
+        assert_eq!(ids.map(|id| of_float(as_float(id))), ids);
     }
 }

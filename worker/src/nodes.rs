@@ -93,7 +93,7 @@ impl Nodes {
     pub fn push(&mut self, r: &NodeRecord, owner: u32) {
         self.id.push(r.id);
         self.owner.push(owner);
-        self.fixed.push(r.fixed as u8);
+        self.fixed.push(u8::try_from(r.fixed).expect("six bits"));
         self.x0.push(row(r.x0));
         self.x.push(row(r.x));
         self.v.push(row(r.v));

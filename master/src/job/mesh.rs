@@ -165,8 +165,8 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
         let unknown: Vec<NodeId> = ids.iter().copied().filter(|id| !at.contains_key(id)).collect();
         if let Some(first) = unknown.first() {
             let message = match unknown.len() {
-                1 => format!("node set `{name}`: there is no node {first}"),
-                n => format!("node set `{name}`: {n} of its nodes do not exist, the first is node {first}"),
+                1 => format!("node set `{name}`: there is no node {}", first.0),
+                n => format!("node set `{name}`: {n} of its nodes do not exist, the first is node {}", first.0),
             };
             few.error("set", read.set_path(name), message, "add the node or take it out of the set");
         }
@@ -214,6 +214,10 @@ pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mes
 fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
     let mut at = HashMap::with_capacity(read.mesh.nodes.len());
     for (index, node) in read.mesh.nodes.iter().enumerate() {
+        if node.id > NodeId::LARGEST {
+            let message = format!("node id {} is too large", node.id.0);
+            few.error("node id", read.node_path(index), message, "number nodes below 9e15");
+        }
         if !node.x.iter().all(|c| c.is_finite()) {
             let message = format!("node {} is at {:?}", node.id, node.x);
             few.error("not finite", read.node_path(index), message, "coordinates have to be finite numbers");
@@ -243,7 +247,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
     for (index, element) in mesh.elements.iter().enumerate() {
         let (id, path) = (element.id, || read.element_path(index));
         if id > ElemId::LARGEST {
-            few.error("element id", path(), format!("element id {id} is too large"), "number elements below 9e15");
+            few.error("element id", path(), format!("element id {} is too large", id.0), "number elements below 9e15");
         }
         if !seen.insert(id) {
             few.error(
@@ -274,7 +278,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
             match at.get(node) {
                 Some(&position) => x.push(position),
                 None => {
-                    let message = format!("element {id}: there is no node {node}");
+                    let message = format!("element {id}: there is no node {}", node.0);
                     few.error("no node", path(), message, "add the node or correct the element");
                 }
             }
@@ -293,7 +297,7 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
                     few.error("third node", path(), message, "give one that shows where the second axis points");
                 }
                 None => {
-                    let message = format!("element {id}: there is no node {}", element.nodes[2]);
+                    let message = format!("element {id}: there is no node {}", element.nodes[2].0);
                     few.error("no node", path(), message, "add the node or correct the element");
                 }
             }

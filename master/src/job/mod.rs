@@ -230,7 +230,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     let parts_known = !findings.any_faulty_below("part");
     let mut mesh = mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
     let sound = mesh.as_mut().filter(|_| !findings.any_error());
-    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes));
+    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes, findings));
     let (mut mesh, axes) = mesh.unzip();
     let ties = mesh
         .as_mut()

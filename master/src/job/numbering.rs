@@ -8,14 +8,17 @@
 //! sparse symmetric matrices, 1969; the end as in Gibbs, Poole & Stockmeyer, SIAM J. Numer. Anal. 13, 1976), which gives
 //! rows of elements where a mesh has rows; elements follow their first node.
 
+use super::validate::Findings;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, MeshNode};
+use crumple_proto::problem::Problem;
 use std::collections::HashMap;
 
 /// Nodes whose numbers fill a line of the cache.
 const LINE: usize = 8;
-/// Lines of each nodal column that a core has at hand beside everything else: 2048 nodes in nine columns take 0.15 MB.
-const LINES: usize = 256;
+/// Lines of each nodal column that a core has at hand beside everything else: 2048 nodes, of which elements
+/// look up coordinates, velocities and spins, nine numbers, take 0.15 MB.
+const LINES: u32 = 256;
 /// A mesh is in order when its elements fetch this many lines each, at most. Rows fetch 0.1 to 0.3, a shuffled mesh 4.
 const IN_ORDER: f64 = 0.75;
 /// New numbers have to fetch this much less.
@@ -31,8 +34,8 @@ pub struct Renumbered {
 }
 
 /// Puts places in front of the ids of a mesh if that brings its nodes together. `mesh` is sorted by id, before and after, and
-/// so is `axes`.
-pub fn renumber(mesh: &mut Mesh, axes: &mut [(ElemId, [f64; 3])]) -> Option<Renumbered> {
+/// so is `axes`. Warns where ids leave no room for places.
+pub fn renumber(mesh: &mut Mesh, axes: &mut [(ElemId, [f64; 3])], findings: &mut Findings) -> Option<Renumbered> {
     let corners = corners(mesh);
     let mut order: Vec<u32> = (0..mesh.elements.len() as u32).collect();
     order.sort_by_key(|&e| mesh.elements[e as usize].part);
@@ -50,17 +53,25 @@ pub fn renumber(mesh: &mut Mesh, axes: &mut [(ElemId, [f64; 3])]) -> Option<Renu
     if after > WORTH * before {
         return None;
     }
-    let placed = |(node, &at): (&crumple_proto::mesh::MeshNode, &u32)| {
-        Some((node.id, NodeId::placed(u64::from(at), node.id.label())?))
+    let Some((nodes, elements)) = placed(mesh, &place, &order) else {
+        let message = format!("nodes of an element are numbered far apart ({before:.1} cache lines fetched for it)");
+        let help = "it costs time only; with ids up to 4294967295 Crumple numbers such a mesh anew inside";
+        findings.add(Problem::warning("mesh", message, help));
+        return None;
     };
-    let nodes: HashMap<NodeId, NodeId> = mesh.nodes.iter().zip(&place).map(placed).collect::<Option<_>>()?;
-    let placed = |(&e, at): (&u32, u64)| {
+    rename(mesh, axes, &nodes, &elements);
+    Some(Renumbered { before, after })
+}
+
+/// New ids by old ones; `None` if one is too large to take a place.
+fn placed(mesh: &Mesh, place: &[u32], order: &[u32]) -> Option<(HashMap<NodeId, NodeId>, HashMap<ElemId, ElemId>)> {
+    let node = |(node, &at): (&MeshNode, &u32)| Some((node.id, NodeId::placed(u64::from(at), node.id.label())?));
+    let element = |(&e, at): (&u32, u64)| {
         let id = mesh.elements[e as usize].id;
         Some((id, ElemId::placed(at, id.label())?))
     };
-    let elements: HashMap<ElemId, ElemId> = order.iter().zip(0..).map(placed).collect::<Option<_>>()?;
-    rename(mesh, axes, &nodes, &elements);
-    Some(Renumbered { before, after })
+    let nodes = mesh.nodes.iter().zip(place).map(node).collect::<Option<_>>()?;
+    Some((nodes, order.iter().zip(0..).map(element).collect::<Option<_>>()?))
 }
 
 fn rename(
@@ -130,18 +141,19 @@ fn around(corners: &Lists, nodes: usize) -> Lists {
     Lists { starts, items }
 }
 
-/// Lines of nodes that an element fetches on average, one after the other in `order`, their nodes at `place`; a cache in which
-/// each line has one place it can be in.
+/// Lines of nodes that an element fetches on average, one after the other in `order`, their nodes at `place`. A line is there
+/// until as many others have been fetched since it was last used as the cache holds.
 fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
-    let mut cache = [usize::MAX; LINES];
-    let mut misses = 0usize;
+    let mut used: Vec<Option<u32>> = vec![None; place.len().div_ceil(LINE)];
+    let mut fetched = 0u32;
     for &node in order.iter().flat_map(|&e| corners.of(e)) {
         let line = place[node as usize] as usize / LINE;
-        if std::mem::replace(&mut cache[line % LINES], line) != line {
-            misses += 1;
+        if used[line].is_none_or(|last| fetched - last >= LINES) {
+            fetched += 1;
         }
+        used[line] = Some(fetched);
     }
-    misses as f64 / order.len().max(1) as f64
+    f64::from(fetched) / order.len().max(1) as f64
 }
 
 /// Who has come by a node: nobody, a walk by its number, or the one that numbers.
@@ -205,7 +217,7 @@ impl Walks<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_proto::mesh::{MeshElement, MeshNode, Shape};
+    use crumple_proto::mesh::{MeshElement, Shape};
     use std::collections::BTreeMap;
 
     const SIDE: u64 = 120;
@@ -249,15 +261,41 @@ mod tests {
     #[test]
     fn a_mesh_in_rows_stays_as_it_is() {
         let (mut mesh, mut axes) = (square(1), vec![]);
-        assert_eq!(renumber(&mut mesh, &mut axes), None);
+        assert_eq!(renumber(&mut mesh, &mut axes, &mut Findings::default()), None);
         assert_eq!(mesh, square(1));
+    }
+
+    /// Rows and layers as large as the cache, or a power of two, are in order too.
+    #[test]
+    fn long_rows_and_large_layers_stay_as_they_are() {
+        for count in [[2047, 6, 0], [2046, 5, 0], [63, 63, 4], [44, 90, 3], [1, 511, 12]] {
+            let given = boxes(count);
+            let mut mesh = given.clone();
+            assert_eq!(renumber(&mut mesh, &mut [], &mut Findings::default()), None, "{count:?}");
+            assert_eq!(mesh, given);
+        }
+    }
+
+    /// Quads or solids in rows, nodes numbered along the first count, then the second.
+    fn boxes([a, b, c]: [u64; 3]) -> Mesh {
+        let id = |i: u64, j: u64, k: u64| NodeId((k * (b + 1) + j) * (a + 1) + i);
+        let face = |i, j, k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
+        let element = |n: u64| {
+            let (i, j, k) = (n % a, n / a % b, n / (a * b));
+            match c {
+                0 => MeshElement::new(ElemId(n), 1, Shape::Quad4, &face(i, j, 0)),
+                _ => MeshElement::new(ElemId(n), 1, Shape::Hex8, &[face(i, j, k), face(i, j, k + 1)].concat()),
+            }
+        };
+        let nodes = (0..(a + 1) * (b + 1) * (c + 1)).map(|n| MeshNode { id: NodeId(n), x: [0.0; 3] });
+        Mesh { nodes: nodes.collect(), elements: (0..a * b * c.max(1)).map(element).collect(), ..Mesh::default() }
     }
 
     #[test]
     fn a_scattered_mesh_gets_places_as_good_as_rows_and_keeps_its_labels() {
         let (given, mut axes) = (square(6007), vec![(ElemId(3), [1.0; 3]), (ElemId(70), [2.0; 3])]);
         let mut mesh = given.clone();
-        let done = renumber(&mut mesh, &mut axes).expect("neighbours are thousands apart");
+        let done = renumber(&mut mesh, &mut axes, &mut Findings::default()).expect("neighbours are thousands apart");
         assert!(done.before > 1.0 && done.after < 0.2, "{done:?}");
         assert_eq!(labels(&mesh), labels(&given));
         assert!(mesh.nodes.is_sorted_by_key(|n| n.id) && mesh.elements.is_sorted_by_key(|e| e.id));
@@ -276,13 +314,15 @@ mod tests {
     }
 
     #[test]
-    fn labels_that_leave_no_room_for_a_place_stay_in_front() {
+    fn ids_that_leave_no_room_for_a_place_stay_as_they_are() {
         let mut mesh = square(6007);
         mesh.nodes.last_mut().unwrap().id = NodeId(1 << 33);
         let lost = mesh.nodes[mesh.nodes.len() - 2].id.0 + 1;
         mesh.elements.iter_mut().flat_map(|e| &mut e.nodes).filter(|n| n.0 == lost).for_each(|n| *n = NodeId(1 << 33));
         let given = mesh.clone();
-        assert_eq!(renumber(&mut mesh, &mut []), None);
+        let mut findings = Findings::default();
+        assert_eq!(renumber(&mut mesh, &mut [], &mut findings), None);
         assert_eq!(mesh, given);
+        assert_eq!(findings.list.len(), 1, "and the user is told");
     }
 }

@@ -18,7 +18,7 @@ const THIN: f64 = 0.5;
 const SHORT: f64 = 0.125;
 /// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be made over for nothing.
 const STEP: f64 = 0.02;
-/// Candidates that a picker holds before it looks at them side by side.
+/// With as many candidates a picker looks at them side by side.
 const HELD: usize = 256;
 
 /// Candidates that are near.
@@ -78,7 +78,7 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
         Self { nodes, surface, skin, step, sphere, ring: Vec::new(), held: Vec::new() }
     }
 
-    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or later.
+    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or in [`Self::finish`], which has to follow the last.
     pub fn look(&mut self, place: usize, found: &[u32], memory: &[Memory], near: &mut Vec<Neighbours>) {
         if found.is_empty() {
             return;

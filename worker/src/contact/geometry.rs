@@ -38,7 +38,7 @@ pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
-/// A sphere around a segment, which lies within the hull of its corners.
+/// A sphere around a segment, which lies within the hull of its corners; centre and radius in [length].
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
     centre: V3,
