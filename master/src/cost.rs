@@ -210,6 +210,7 @@ fn try_out(
     let mut ends = threads::connect(2);
     let (mut wire, _master) = (ends.remove(1), ends.remove(0)); // reports pile up unread
     let mut engine = Engine::new(&mut wire, settings.clone(), CutTree::single(), share)?;
+    engine.blocks.compute_all();
     let mut least = [f64::INFINITY; 4];
     let mut search_s = 0.0;
     for number in 0..STEPS {

@@ -156,7 +156,8 @@ pub struct Timing {
 }
 
 /// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the start; membership is
-/// renewed when exterior copies run out.
+/// renewed when exterior copies run out. Elements that nothing has strained yet are computed like the others, since runs go on
+/// long after that.
 ///
 /// # Errors
 /// A worker was lost, or the run ended before.
@@ -166,6 +167,7 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
     let shares = deal(model, &centres, &tree, workers);
     let timed = |wire: &mut dyn Transport, share| -> Result<Timing, String> {
         let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share).map_err(|l| l.to_string())?;
+        engine.blocks.compute_all();
         let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
         let mut before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
         while engine.clock.cycle < skip + cycles {
@@ -182,6 +184,7 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
             }
             if agreed.urgency > RENEW_AT {
                 engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
+                engine.blocks.compute_all();
             }
         }
         let (cpu_before, start, seconds, sent) = before;

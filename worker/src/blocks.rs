@@ -46,6 +46,8 @@ pub struct Block {
     groups: Vec<u32>,
     /// History columns.
     history: Columns,
+    /// Groups that nothing has strained yet: their forces are nought while their nodes move alike.
+    unstrained: Vec<bool>,
 }
 
 /// All own elements.
@@ -164,9 +166,14 @@ impl Blocks {
         })
     }
 
+    /// From here on forces of elements that nothing has strained yet are computed too: for those who time the kernels.
+    pub fn compute_all(&mut self) {
+        self.blocks.iter_mut().for_each(|b| b.unstrained.fill(false));
+    }
+
     /// Bytes in use, spare room of lists left out.
     pub fn bytes(&self) -> BlockBytes {
-        let groups = |b: &Block| size_of_val(&b.groups[..]);
+        let groups = |b: &Block| size_of_val(&b.groups[..]) + size_of_val(&b.unstrained[..]);
         let lists = self.plans.iter().map(Plan::bytes).sum::<usize>();
         let records = size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
@@ -419,6 +426,7 @@ impl Block {
             slots,
             groups: vec![0; groups * slots * lanes],
             history,
+            unstrained: vec![false; groups],
             front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
             count: run.len(),
             idle: is_idle(settings, run[0].record.part),
@@ -441,6 +449,9 @@ impl Block {
             } else {
                 b.history.set(place, &histories[i]);
             }
+        }
+        for (group, unstrained) in b.unstrained.iter_mut().enumerate() {
+            *unstrained = (group * lanes..(group + 1) * lanes).all(|i| b.element.unstrained(b.history.of(i)));
         }
         b
     }
@@ -466,7 +477,7 @@ impl Block {
     }
 
     fn forces(&mut self, range: Range<usize>, nodes: NodeView<'_>, dt: f64, out: CornerForces<'_>) -> PassTotals {
-        let (groups, history) = (&self.groups[..], self.history.as_mut());
-        self.element.forces(Pass { range, count: self.count, groups, history, nodes, dt, out })
+        let (groups, history, unstrained) = (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
+        self.element.forces(Pass { range, count: self.count, groups, history, unstrained, nodes, dt, out })
     }
 }

@@ -89,6 +89,11 @@ impl State<'_> {
         }
     }
 
+    /// Whether there is nought in all but this one.
+    pub fn is_nought_but(&self, column: usize) -> bool {
+        (0..self.columns.each).all(|c| c == column || self.at(c) == 0.0)
+    }
+
     /// All of them.
     pub fn to_vec(&self) -> Vec<f64> {
         (0..self.columns.each).map(|column| self.at(column)).collect()

@@ -28,6 +28,7 @@ pub fn run(once: bool) {
         let set = format!("scene.elements={side}");
         let mut ordered = engine("tube-crush", &[&set]);
         let mut plain = engine("tube-crush", &[&set]);
+        [&mut ordered, &mut plain].into_iter().for_each(|e| e.blocks.compute_all());
         assert_eq!(ordered.blocks.elements.len(), count);
         // All nodes wait, so that kernels are alone.
         plain.blocks.lay_gather(plain.nodes.held, &[], |_| true);

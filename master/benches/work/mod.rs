@@ -45,7 +45,7 @@ pub const KERNELS: &[Kernel] = &[
 const STABILISED: &[&str] = &["part.tube.element=stabilised_quad"];
 /// Words of a message: the corner forces of some 80 shared nodes.
 pub const MESSAGE: usize = 1000;
-/// Cycles before the first: elements are strained and turn then.
+/// Cycles before the first: some elements are strained and turn then.
 const CYCLES: u64 = 20;
 
 /// An engine some cycles into a job that is in the program.
@@ -60,6 +60,7 @@ fn engine(job: &str, sets: &[&str]) -> Engine {
 
 fn elements(job: &str, sets: &[&str]) -> Work {
     let mut e = engine(job, sets);
+    e.blocks.compute_all();
     Box::new(move || {
         black_box(e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, false));
     })

@@ -249,13 +249,14 @@ mod tests {
         mesh
     }
 
-    /// What a mesh says, apart from the places.
-    fn labels(mesh: &Mesh) -> (BTreeMap<u64, [u64; 3]>, BTreeMap<u64, (u32, [u64; 8])>, BTreeMap<u64, ()>) {
-        (
-            mesh.nodes.iter().map(|n| (n.id.label(), n.x.map(f64::to_bits))).collect(),
-            mesh.elements.iter().map(|e| (e.id.label(), (e.part, e.nodes.map(NodeId::label)))).collect(),
-            mesh.node_sets["edge"].iter().map(|n| (n.label(), ())).collect(),
-        )
+    /// What a mesh says, apart from the places: of nodes, of elements, and of its set.
+    fn labels(mesh: &Mesh) -> [BTreeMap<u64, Vec<u64>>; 3] {
+        let of = |e: &MeshElement| [&[u64::from(e.part)][..], &e.nodes.map(NodeId::label)].concat();
+        [
+            mesh.nodes.iter().map(|n| (n.id.label(), n.x.map(f64::to_bits).to_vec())).collect(),
+            mesh.elements.iter().map(|e| (e.id.label(), of(e))).collect(),
+            mesh.node_sets["edge"].iter().map(|n| (n.label(), Vec::new())).collect(),
+        ]
     }
 
     #[test]

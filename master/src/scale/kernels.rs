@@ -58,8 +58,10 @@ pub struct Kernels {
 }
 
 impl Watch {
-    /// Begins with the engine's next step.
+    /// Begins with the engine's next step. Elements that nothing has strained yet are computed from then on, as those are that
+    /// the parts are tried with.
     pub fn new(engine: &mut Engine) -> Self {
+        engine.blocks.compute_all();
         engine.timer.restart();
         let before = State::of(engine);
         Self { before, seconds: Vec::new(), searching: Vec::new(), sweeps: 0 }

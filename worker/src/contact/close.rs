@@ -115,7 +115,7 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
             let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
             let (apart, beside) = (is_apart(at, &q, reach), is_beside(at, &q, self.skin));
             for (lane, &(of, _)) in some.iter().enumerate() {
-                if !is_in::<Lane>(apart, lane) && !(of.ring != 0 && is_in::<Lane>(beside, lane)) {
+                if !(is_in::<Lane>(apart, lane) || of.ring != 0 && is_in::<Lane>(beside, lane)) {
                     near.push(of);
                 }
             }

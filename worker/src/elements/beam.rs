@@ -359,7 +359,7 @@ impl Element for Beam {
 
     /// One by one: a scene has few.
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out } = pass.double();
+        let Pass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let (mut totals, columns) = (PassTotals::NONE, self.columns());
         let mut state = vec![0.0; columns];

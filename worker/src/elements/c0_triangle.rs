@@ -31,7 +31,7 @@ use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
 use super::{Build, Built, ElementRow, GroupCorners, GroupNodes, NodeView, Totals, let_go};
 use crate::lanes::{Lane, Lanes, Real, cross, dot};
-use crate::materials::{PlaneStress, PointReal};
+use crate::materials::{Elastic, PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
@@ -134,6 +134,18 @@ impl<R: Real> Geometry<R> {
         let [a, b] = self.x;
         // |x31 - x21|^2 + |x21|^2 + |x31|^2, halved.
         plane_dot(a, a) + plane_dot(b, b) - plane_dot(a, b)
+    }
+
+    /// Stable step [time].
+    #[inline(always)]
+    fn stable_dt(&self, elastic: &Elastic) -> R {
+        self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
+    }
+
+    /// Lanes whose corners do not lie on a line.
+    #[inline(always)]
+    fn sound(&self) -> R::Mask {
+        self.area.gt(R::zero())
     }
 
     /// Stable step times the plate wave speed [length].
@@ -250,10 +262,9 @@ impl C0Triangle {
             total += force[0][c].abs() + force[1][c].abs();
             total += moment[0][c].abs() + moment[1][c].abs() + moment[2][c].abs();
         }
-        let sound = R::both(R::both(sound, g.area.gt(R::zero())), total.le(R::splat(R::LARGEST)));
-        let elastic = &self.section.elastic;
+        let sound = R::both(R::both(sound, g.sound()), total.le(R::splat(R::LARGEST)));
         let totals = Totals {
-            stable_dt: g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed()),
+            stable_dt: g.stable_dt(&self.section.elastic),
             internal: resultants.work * g.area,
             hourglass: half * energy,
             sound,
@@ -347,6 +358,17 @@ impl Formulation for C0Triangle {
         let response = self.respond::<L, N>(&gather(group, nodes), history, dt);
         scatter(&response, force, moment);
         response.totals
+    }
+
+    #[inline(never)]
+    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+        let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
+        for lane in 0..W {
+            let [a, b, c] = std::array::from_fn(|c| Lane::new(nodes.x[group[c][lane] as usize]));
+            [rows[0][lane], rows[1][lane]] = [b - a, c - a].map(L::row);
+        }
+        let geometry = Geometry::new(rows.map(L::from_rows));
+        Totals::forceless(geometry.stable_dt(&self.section.elastic), geometry.sound())
     }
 }
 

@@ -109,6 +109,20 @@ fn build(part: &Part, law: Box<dyn Solid>) -> Built {
     }))
 }
 
+/// Shape of an element at the end of a step.
+struct End<R> {
+    gradient: Gradient<R>,
+    /// One over 64 V [1/length^3].
+    inverse64: R,
+    /// [mass/length^3].
+    density: R,
+    /// Of [`Gradient::gram`] [1/length^2].
+    gram: [R; 6],
+    /// 1/c_d, and the stable step without viscosity times c_d [time/length], [length].
+    slowness: R,
+    length: R,
+}
+
 /// What one pass over a group gives, in global axes.
 struct Response<R: Real> {
     /// Forces of the modes: corner forces are their sums with the modes' signs [force].
@@ -133,7 +147,7 @@ impl Hexahedron {
         let ([first_volume, viscosity], hourglass) = own.split_first_chunk_mut().expect("columns() of them");
         // Nothing has moved before the first step: no time, no rate.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
-        let [one, half] = [1.0, 0.5].map(R::splat);
+        let half = R::splat(0.5);
 
         // 1. Kinematics in the middle of the step.
         let back = R::splat(0.5 * dt);
@@ -143,19 +157,9 @@ impl Hexahedron {
         let eps = [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
         let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
 
-        // 2. Shape at the end of the step, and its stable step; before stress, so that the rotation's root and quotient are
-        // there when they are wanted.
-        let gradient = Gradient::new(x);
-        let inverse64 = one / gradient.volume64;
-        let volume = gradient.volume();
-        *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
-        let density = R::splat(64.0 * self.elastic.density) * *first_volume * inverse64;
-        let gram = gradient.gram(inverse64);
-        // L = c_d step, and 1/c_d.
-        let modulus = R::splat(self.modulus());
-        let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
-        let length = self.length(&gram);
-        let step = length * slowness;
+        // 2. Shape at the end of the step; before stress, so that the rotation's root and quotient are there when they are
+        // wanted.
+        let End { gradient, inverse64, density, gram, slowness, length } = self.end(x, first_volume);
 
         // 3. Stress.
         let before = rotated(&turn, state);
@@ -170,9 +174,8 @@ impl Hexahedron {
         let [b1, b2] = self.bulk_viscosity.map(R::splat);
         let rate = length * rate;
         let quadratic = b2 * rate;
-        let q = rate * density.mul_add(quadratic, b1 * modulus * slowness);
-        let fraction = (quadratic + quadratic).mul_add(slowness, b1);
-        let stable_dt = step * (fraction.mul_add(fraction, one).sqrt() - fraction);
+        let q = rate * density.mul_add(quadratic, b1 * R::splat(self.modulus()) * slowness);
+        let stable_dt = viscous(length * slowness, (quadratic + quadratic).mul_add(slowness, b1));
 
         // 5. Hourglass.
         let of_mode = |a: usize| {
@@ -234,7 +237,7 @@ impl Hexahedron {
         for mode in &force {
             total += mode[0] + mode[1] + mode[2];
         }
-        let whole = R::both(gradient.volume64.gt(R::zero()), gradient.centre.gt(R::zero()));
+        let whole = gradient.whole();
         let calm = R::both(largest.le(R::splat(STRAIN_LIMIT)), total.abs().le(R::splat(R::LARGEST)));
         let sound = R::both(whole, calm);
         let internal = work * mid_gradient.volume();
@@ -245,6 +248,25 @@ impl Hexahedron {
             let_go(failed, hourglass);
         }
         response
+    }
+
+    /// Shape at these coordinates. The first volume is found where there is none yet.
+    #[inline(always)]
+    fn end<R: Real>(&self, x: &Modes<R>, first_volume: &mut R) -> End<R> {
+        let gradient = Gradient::new(x);
+        let inverse64 = R::splat(1.0) / gradient.volume64;
+        let volume = gradient.volume();
+        *first_volume = R::select(first_volume.gt(R::zero()), *first_volume, volume);
+        let density = R::splat(64.0 * self.elastic.density) * *first_volume * inverse64;
+        let gram = gradient.gram(inverse64);
+        let slowness = (density * R::splat(1.0 / self.modulus())).sqrt();
+        let length = self.length(&gram);
+        End { gradient, inverse64, density, gram, slowness, length }
+    }
+
+    /// Column of the volume at the start.
+    fn first_volume(&self) -> usize {
+        self.state
     }
 
     /// lambda + 2 mu [force/length^2].
@@ -266,6 +288,12 @@ impl Hexahedron {
         // 2 c_d/omega with omega^2 = 8 stiffness/density.
         (R::splat(0.5 * self.modulus()) / stiffness).sqrt()
     }
+}
+
+/// A stable step with damping: z is the fraction of critical damping.
+#[inline(always)]
+fn viscous<R: Real>(step: R, z: R) -> R {
+    step * (z.mul_add(z, R::splat(1.0)).sqrt() - z)
 }
 
 /// Rotation of half the step from twice the axis of skew K, with one division.
@@ -321,6 +349,19 @@ impl SolidGroups for Hexahedron {
         scatter(&response.force, force);
         response.totals
     }
+
+    #[inline(never)]
+    fn unstrained<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+    ) -> Totals<L> {
+        let [x, _] = gather(group, [nodes.x, nodes.v]);
+        let End { gradient, slowness, length, .. } = self.end(&x, &mut history[self.first_volume()]);
+        let [b1, _] = self.bulk_viscosity;
+        Totals::forceless(viscous(length * slowness, L::splat(b1)), gradient.whole())
+    }
 }
 
 impl Element for Hexahedron {
@@ -343,12 +384,16 @@ impl Element for Hexahedron {
     /// With the density at the start: shorter than what [`Self::forces`] tells once the element is compressed.
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         let gradient = Gradient::new(&modes_of_corners(eight(x)));
-        if !(gradient.volume64 > 0.0 && gradient.centre > 0.0) {
+        if !gradient.whole() {
             return f64::NAN;
         }
         let [b1, _] = self.bulk_viscosity;
         let speed = self.elastic.dilatational_wave_speed();
         self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
+    }
+
+    fn unstrained(&self, history: State<'_>) -> bool {
+        history.is_nought_but(self.first_volume())
     }
 
     fn failed(&self, history: State<'_>) -> bool {

@@ -26,6 +26,8 @@ mod stabilised_quad;
 mod statics;
 #[cfg(test)]
 pub(crate) mod testing;
+#[cfg(test)]
+mod unstrained_tests;
 
 use crate::columns::{ColumnsMut, Numbers, State};
 use crate::lanes::{LANES, LANES32, Lane, Lanes, Real};
@@ -98,6 +100,8 @@ pub struct Pass<'a, H = ColumnsMut<'a>> {
     pub groups: &'a [u32],
     /// History of the whole block.
     pub history: H,
+    /// Groups of the whole block that nothing has strained yet, as [`Element::unstrained`] has it.
+    pub unstrained: &'a mut [bool],
     /// Nodal columns.
     pub nodes: NodeView<'a>,
     /// Last step [time].
@@ -143,6 +147,12 @@ pub trait Element: Send + Sync {
 
     /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the mid-step velocities.
     fn forces(&self, pass: Pass<'_>) -> PassTotals;
+
+    /// Whether an element with this history gives no force, and keeps its history, as long as its nodes move alike: at rest or
+    /// in uniform flight.
+    fn unstrained(&self, _history: State<'_>) -> bool {
+        false
+    }
 
     /// Stable step of one element, before the safety factor [time]; NaN if it is inverted or not finite.
     /// `x` are the coordinates of its slots.
@@ -321,6 +331,12 @@ struct Totals<R: Real> {
 }
 
 impl<R: Real> Totals<R> {
+    /// Of elements without forces.
+    #[inline(always)]
+    fn forceless(stable_dt: R, sound: R::Mask) -> Self {
+        Self { stable_dt, internal: R::zero(), hourglass: R::zero(), sound }
+    }
+
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
     fn let_go(&mut self, failed: R::Mask) {
@@ -329,6 +345,18 @@ impl<R: Real> Totals<R> {
         self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
         self.sound = R::either(self.sound, failed);
     }
+}
+
+/// Whether the nodes of each element of a group have the same velocity.
+#[inline(never)]
+fn move_alike<const C: usize, const W: usize>(group: &GroupNodes<C, W>, v: &[[f64; 4]]) -> bool {
+    group[1..].iter().all(|nodes| nodes.iter().zip(&group[0]).all(|(&i, &first)| v[i as usize] == v[first as usize]))
+}
+
+/// Whether the nodes of a group do not turn.
+#[inline(never)]
+fn do_not_turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
+    group.iter().flatten().all(|&i| w[i as usize] == [0.0; 4])
 }
 
 /// Groups of shells, in lanes of any kind.
@@ -342,6 +370,9 @@ trait ShellGroups {
         dt: f64,
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L>;
+
+    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are nought.
+    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
 }
 
 /// Groups of eight-node solids, in lanes of any kind.
@@ -355,19 +386,27 @@ trait SolidGroups {
         dt: f64,
         force: &mut GroupCorners<8, W>,
     ) -> Totals<L>;
+
+    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are nought.
+    fn unstrained<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+    ) -> Totals<L>;
 }
 
 impl<'a> Pass<'a> {
     /// Calls `kernel` for each group of shells with this many columns an element, and adds up.
     #[inline(always)]
     fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
-        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         match history {
             Numbers::Double(history) => {
-                Pass { range, count, groups, history, nodes, dt, out }.shells_in::<LANES>(columns, kernel)
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }.shells_in::<LANES>(columns, kernel)
             }
             Numbers::Single(history) => {
-                Pass { range, count, groups, history, nodes, dt, out }.shells_in::<LANES32>(columns, kernel)
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }.shells_in::<LANES32>(columns, kernel)
             }
         }
     }
@@ -375,13 +414,13 @@ impl<'a> Pass<'a> {
     /// The same for eight-node solids.
     #[inline(always)]
     fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
-        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         match history {
             Numbers::Double(history) => {
-                Pass { range, count, groups, history, nodes, dt, out }.solids_in::<LANES>(columns, kernel)
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }.solids_in::<LANES>(columns, kernel)
             }
             Numbers::Single(history) => {
-                Pass { range, count, groups, history, nodes, dt, out }.solids_in::<LANES32>(columns, kernel)
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }.solids_in::<LANES32>(columns, kernel)
             }
         }
     }
@@ -391,9 +430,9 @@ impl<'a> Pass<'a> {
     /// # Panics
     /// When a block has laid its columns otherwise.
     fn double(self) -> Pass<'a, &'a mut [Lane]> {
-        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let Numbers::Double(history) = history else { panic!("an element is in double precision unless it says so") };
-        Pass { range, count, groups, history, nodes, dt, out }
+        Pass { range, count, groups, history, unstrained, nodes, dt, out }
     }
 }
 
@@ -403,14 +442,23 @@ impl<L> Pass<'_, &mut [L]> {
     where
         L: Lanes<W>,
     {
-        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let corners = range.start * W..range.end * W;
         let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
         let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
         let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
-        let each = groups.iter().zip(states).zip(force.iter_mut().zip(moment));
-        let respond = |((group, state), (force, moment))| kernel.group(group, &nodes, state, dt, [force, moment]);
+        let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force.iter_mut().zip(moment));
+        let respond = |(((group, state), unstrained), (force, moment)): (((&_, _), &mut bool), (&mut _, &mut _))| {
+            if *unstrained {
+                *unstrained = move_alike(group, nodes.v) && do_not_turn(group, nodes.w);
+            }
+            if *unstrained {
+                (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
+                return kernel.unstrained(group, &nodes);
+            }
+            kernel.group(group, &nodes, state, dt, [force, moment])
+        };
         total(range, count, each.map(respond))
     }
 
@@ -419,12 +467,22 @@ impl<L> Pass<'_, &mut [L]> {
     where
         L: Lanes<W>,
     {
-        let Self { range, count, groups, history, nodes, dt, out } = self;
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let force = out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
         let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
-        let each = groups.iter().zip(states).zip(force);
-        total(range, count, each.map(|((group, state), force)| kernel.group(group, &nodes, state, dt, force)))
+        let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
+        let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
+            if *unstrained {
+                *unstrained = move_alike(group, nodes.v);
+            }
+            if *unstrained {
+                *force = [[[0.0; 4]; 8]; W];
+                return kernel.unstrained(group, &nodes, state);
+            }
+            kernel.group(group, &nodes, state, dt, force)
+        };
+        total(range, count, each.map(respond))
     }
 }
 

@@ -291,7 +291,8 @@ fn padding_adds_nothing_and_ranges_add_up() {
             let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
             let out = CornerForces { force: &mut patch.force, moment: &mut patch.moment };
             let (groups, history) = (&patch.groups[..], patch.history.as_mut());
-            let pass = Pass { range, count: 10, groups, history, nodes, dt: 1.0, out };
+            let pass =
+                Pass { range, count: 10, groups, history, unstrained: &mut patch.unstrained, nodes, dt: 1.0, out };
             internal += patch.element.forces(pass).internal;
         }
         assert_close(whole.internal, internal, 1e-14 * internal, "round-off of two sums");

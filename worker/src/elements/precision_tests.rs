@@ -8,7 +8,7 @@ use crumple_proto::partition::{Material, Param};
 const E: f64 = 210.0;
 const NU: f64 = 0.3;
 const YIELD: f64 = 0.25;
-const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
+pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
 
 fn steel(law: &str, more: &[(&str, Param)]) -> Material {
     let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
@@ -17,7 +17,7 @@ fn steel(law: &str, more: &[(&str, Param)]) -> Material {
 }
 
 /// Every law, with all that takes powers, logarithms and exponentials.
-fn laws() -> [Material; 4] {
+pub fn laws() -> [Material; 4] {
     let number = Param::Number;
     let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
     let rate = Param::List(vec![0.04, 5.0]);
@@ -43,7 +43,7 @@ fn laws() -> [Material; 4] {
 }
 
 /// Shells of every formulation.
-fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3] {
+pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3] {
     let (nodes, quads) = grid(5, 3, 5.0, 3.0);
     let mut noise = Noise(5);
     let moved = |x: &[f64; 3]| std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next());
@@ -137,7 +137,7 @@ fn large_coordinates_and_speeds_cost_nothing() {
     }
 }
 
-fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> Solids {
+pub fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> Solids {
     let mut noise = Noise(17);
     let (mut nodes, mut cells) = (Vec::new(), Vec::new());
     let id = |i: u32, j: u32, k: u32| (k * 4 + j) * 4 + i;

@@ -150,6 +150,13 @@ impl<R: Real> Geometry<R> {
         }
     }
 
+    /// Stable step [time].
+    #[inline(always)]
+    fn stable_dt(&self, section: &Section) -> R {
+        let elastic = &section.elastic;
+        self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
+    }
+
     /// Stable step times the plate wave speed [length].
     #[inline(always)]
     pub fn stable_length(&self, poisson: f64) -> R {
@@ -322,9 +329,7 @@ impl<R: Real> Response<R> {
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
         let sound = R::both(R::both(sound, g.convex), total.le(R::splat(R::LARGEST)));
-        let elastic = &section.elastic;
-        let stable_dt = g.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed());
-        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound } }
+        Self { force, moment, totals: Totals { stable_dt: g.stable_dt(section), internal, hourglass, sound } }
     }
 }
 
@@ -367,8 +372,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         if !geometry.convex {
             return f64::NAN;
         }
-        let elastic = &self.section().elastic;
-        geometry.stable_length(elastic.poisson) * (1.0 / elastic.plate_wave_speed())
+        geometry.stable_dt(self.section())
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
@@ -389,6 +393,12 @@ impl<K: Kernel> Formulation for Quad<K> {
         scatter(&response, force, moment);
         response.totals
     }
+
+    #[inline(never)]
+    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+        let geometry = Geometry::new(&gather_coordinates(group, nodes.x));
+        Totals::forceless(geometry.stable_dt(self.section()), geometry.convex)
+    }
 }
 
 /// Corner values of a group as modes. Differences are taken row by row, before the rows become lanes.
@@ -400,13 +410,12 @@ fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeVie
     let zero = L::row(Lane::splat(0.0));
     let (mut mx, mut mv, mut mw) = ([[zero; W]; 3], [[zero; W]; 3], [[zero; W]; 4]);
     for lane in 0..W {
-        let corner: [usize; 4] = std::array::from_fn(|c| group[c][lane] as usize);
+        let corner = group.map(|corner| corner[lane] as usize);
         let modes = |column: &[[f64; 4]]| {
             let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
             [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
         };
-        let rows = modes(x);
-        (mx[0][lane], mx[1][lane], mx[2][lane]) = (rows[0], rows[1], L::row(h_from_sides(x, corner)));
+        [mx[0][lane], mx[1][lane], mx[2][lane]] = rows_of_coordinates(x, corner).map(L::row);
         let rows = modes(v);
         (mv[0][lane], mv[1][lane], mv[2][lane]) = (rows[0], rows[1], rows[2]);
         let rows = modes(w);
@@ -415,11 +424,22 @@ fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeVie
     Modes { x: mx.map(L::from_rows), v: mv.map(L::from_rows), w: mw.map(L::from_rows) }
 }
 
-/// Mode h of coordinates from differences of neighbours, which are small: `(1 - 2) + (3 - 4)`.
+/// Corner coordinates of a group as modes.
 #[inline(always)]
-fn h_from_sides(x: &[[f64; 4]], corner: [usize; 4]) -> Lane {
+fn gather_coordinates<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, x: &[[f64; 4]]) -> [[L; 3]; 3] {
+    let mut modes = [[L::row(Lane::splat(0.0)); W]; 3];
+    for lane in 0..W {
+        let rows = rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row);
+        [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
+    }
+    modes.map(L::from_rows)
+}
+
+/// Modes of the coordinates of an element; h from differences of neighbours, which are small: `(1 - 2) + (3 - 4)`.
+#[inline(always)]
+fn rows_of_coordinates(x: &[[f64; 4]], corner: [usize; 4]) -> [Lane; 3] {
     let [a, b, c, d] = corner.map(|node| Lane::new(x[node]));
-    (a - b) + (c - d)
+    [a - c, b - d, (a - b) + (c - d)]
 }
 
 /// Modes to corners, lanes to rows.

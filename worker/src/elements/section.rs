@@ -154,6 +154,11 @@ impl Section {
         history[THICKNESS]
     }
 
+    /// Whether all but the thickness is nought.
+    pub fn unstrained(&self, history: State<'_>) -> bool {
+        history.is_nought_but(THICKNESS)
+    }
+
     /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
     /// membrane waves govern the step and not rotation (Hughes, Cohen & Haroun 1978).
     pub fn inertia_per_mass(&self, floor: f64) -> f64 {

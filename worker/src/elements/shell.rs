@@ -34,6 +34,9 @@ pub trait Formulation: Send + Sync {
         dt: f64,
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L>;
+
+    /// As [`ShellGroups::unstrained`].
+    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
 }
 
 /// A formulation with N points through the thickness.
@@ -50,6 +53,11 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         self.0.group::<L, W, N>(group, nodes, history, dt, out)
+    }
+
+    #[inline(always)]
+    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+        self.0.unstrained(group, nodes)
     }
 }
 
@@ -82,6 +90,10 @@ impl<F: Formulation> Element for Shell<F> {
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
         let columns = self.columns();
         with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
+    }
+
+    fn unstrained(&self, history: State<'_>) -> bool {
+        self.section().unstrained(history)
     }
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {

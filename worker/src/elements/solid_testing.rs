@@ -20,6 +20,7 @@ pub struct Solids {
     pub cells: Vec<[u32; 8]>,
     pub groups: Vec<u32>,
     pub history: Columns,
+    pub unstrained: Vec<bool>,
     pub force: Vec<[f64; 4]>,
 }
 
@@ -42,6 +43,7 @@ impl Solids {
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
             v: vec![[0.0; 4]; nodes.len()],
             cells: cells.to_vec(),
+            unstrained: vec![false; groups.len() / (8 * history.lanes())],
             history,
             force: vec![[0.0; 4]; groups.len()],
             groups,
@@ -59,6 +61,7 @@ impl Solids {
             count: self.cells.len(),
             groups: &self.groups,
             history: self.history.as_mut(),
+            unstrained: &mut self.unstrained,
             nodes,
             dt,
             out,

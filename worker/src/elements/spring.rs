@@ -147,7 +147,7 @@ impl Element for Spring {
 
     /// One by one: a scene has few.
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out } = pass.double();
+        let Pass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let mut totals = PassTotals::NONE;
         for i in range.start * LANES..(range.end * LANES).min(count) {

@@ -87,6 +87,7 @@ pub struct Patch {
     pub quads: Vec<[u32; 4]>,
     pub groups: Vec<u32>,
     pub history: Columns,
+    pub unstrained: Vec<bool>,
     pub force: Vec<[f64; 4]>,
     pub moment: Vec<[f64; 4]>,
 }
@@ -123,6 +124,7 @@ impl Patch {
         let still = vec![[0.0; 4]; nodes.len()];
         let corners = vec![[0.0; 4]; groups.len()];
         Self {
+            unstrained: vec![false; groups.len() / (4 * history.lanes())],
             element,
             x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
             v: still.clone(),
@@ -152,6 +154,7 @@ impl Patch {
             count: self.quads.len(),
             groups: &self.groups,
             history: self.history.as_mut(),
+            unstrained: &mut self.unstrained,
             nodes,
             dt,
             out,

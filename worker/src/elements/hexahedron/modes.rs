@@ -49,6 +49,12 @@ impl<R: Real> Gradient<R> {
         Self { b, volume64, centre: dot(x1, centre) }
     }
 
+    /// Lanes whose volume and whose Jacobian at the centre are above nought.
+    #[inline(always)]
+    pub fn whole(&self) -> R::Mask {
+        R::both(self.volume64.gt(R::zero()), self.centre.gt(R::zero()))
+    }
+
     /// Volume [length^3].
     #[inline(always)]
     pub fn volume(&self) -> R {
