@@ -2,7 +2,7 @@
 //!
 //! Both are taken from engines that hold some hundred neighbouring elements of each part, some thousand for contact, set up
 //! from the job as a worker sets them up. Bytes are those of the columns that are then there. Times are the shortest of a few steps,
-//! of the mesh as it is given: in motion, with a cold cache or on a busy machine a step takes longer.
+//! of the mesh as it is given, with unstrained elements computed like all others: in motion, with a cold cache or on a busy machine a step takes longer.
 
 use crate::job::Model;
 use crumple_proto::boxes::CutTree;

@@ -156,8 +156,8 @@ pub struct Timing {
 }
 
 /// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the start; membership is
-/// renewed when exterior copies run out. Elements that nothing has strained yet are computed like the others, since runs go on
-/// long after that.
+/// renewed when exterior copies run out. Unstrained elements are computed like the others, since runs go on long
+/// after that.
 ///
 /// # Errors
 /// A worker was lost, or the run ended before.
@@ -184,7 +184,6 @@ pub fn time_side_by_side(model: &Model, workers: usize, skip: u64, cycles: u64) 
             }
             if agreed.urgency > RENEW_AT {
                 engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
-                engine.blocks.compute_all();
             }
         }
         let (cpu_before, start, seconds, sent) = before;

@@ -1,7 +1,12 @@
 //! Bits do not depend on workers: the union of workers' pairs is the serial run's at every step, and the state is the
 //! same to the last bit, however often and wherever boxes are cut.
 
+use crumple::embedded::run_alone;
+use crumple_proto::boxes::CutTree;
+use crumple_proto::transport::threads;
 use crumple_tests::{Trace, case, read, run_side_by_side};
+use crumple_worker::engine::Engine;
+use std::ops::ControlFlow;
 
 /// Four tubes and three plates that fly at each other, tumbling.
 fn tumble(workers: usize, cycles: u64, force_every: u64) -> Trace {
@@ -49,4 +54,53 @@ fn how_far_candidates_are_collected_changes_no_bit() {
             assert_same(&default, &run(&[&format!("contact.skin={skin}")]), &format!("{name}, skin {skin}"));
         }
     }
+}
+
+/// A job's engine after some cycles.
+fn engine(name: &str, sets: &[&str], cycles: u64, compute_all: bool) -> Engine {
+    let look = |e: &mut Engine| {
+        if compute_all {
+            e.blocks.compute_all();
+        }
+        if e.clock.cycle < cycles { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    };
+    let ended = run_alone(&read(&case(name), sets), look).expect("one worker");
+    assert_eq!((ended.trouble, ended.engine.clock.cycle), (None, cycles), "{name}");
+    ended.engine
+}
+
+/// Rims that are held, pressure, contact, a wall, solids.
+#[test]
+fn leaving_out_elements_that_nothing_has_strained_changes_no_bit() {
+    let tube = ["scene.elements=5"];
+    for (name, sets, cycles) in
+        [("plate", &[][..], 60), ("beam", &[], 40), ("tube-crush", &tube, 60), ("brick-wall", &[], 30)]
+    {
+        let [some, all] = [false, true].map(|compute_all| engine(name, sets, cycles, compute_all));
+        let bits = |rows: &[[f64; 4]]| rows.as_flattened().iter().map(|c| (c + 0.0).to_bits()).collect::<Vec<_>>();
+        let columns = |e: &Engine| [&e.nodes.x, &e.nodes.v, &e.nodes.w, &e.nodes.force].map(|column| bits(column));
+        assert!(columns(&some) == columns(&all), "{name}");
+        assert!(some.clock.dt > 0.0 && some.clock.dt == all.clock.dt, "{name}");
+    }
+}
+
+/// After a renewal, which looks anew which elements are unstrained, in groups with others too.
+#[test]
+fn strained_elements_that_stand_still_keep_their_forces() {
+    let mut e = engine("plate", &["initial_velocity.0.velocity=[0, 0, 0.5]"], 5, false);
+    e.nodes.v.fill([0.0; 4]);
+    e.nodes.w.fill([0.0; 4]);
+    let forces = |e: &mut Engine| {
+        for front in [true, false] {
+            e.blocks.add_internal_forces(&mut e.nodes, e.clock.dt, true, front);
+        }
+        e.blocks.assemble(&mut e.nodes, true);
+        e.nodes.force.clone()
+    };
+    let before = forces(&mut e);
+    let forced = before.iter().filter(|f| **f != [0.0; 4]).count();
+    assert!(forced > 0 && forced < before.len(), "{forced} of {} nodes have forces", before.len());
+    let mut ends = threads::connect(2);
+    e.renew(&mut ends[1], CutTree::single()).expect("one worker");
+    assert_eq!(forces(&mut e), before);
 }

@@ -68,6 +68,8 @@ pub struct Blocks {
     /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless histories ask for it
     /// [energy].
     pub by_part: Vec<[f64; 2]>,
+    /// Whether [`Self::compute_all`] was asked for.
+    pub all_computed: bool,
     /// Cycles of an outer step.
     subcycles: u64,
     /// Step that slow own elements left when they were last computed [time].
@@ -90,7 +92,7 @@ pub struct BlockBytes {
     pub force: usize,
     /// Corner moments.
     pub moment: usize,
-    /// Records, connectivity in groups, and the lists that nodes gather by.
+    /// Records, connectivity and marks in groups, and the lists that nodes gather by.
     pub connectivity: usize,
 }
 
@@ -145,6 +147,7 @@ impl Blocks {
             elements,
             blocks,
             by_part: Vec::new(),
+            all_computed: false,
             force: Vec::new(),
             moment: Vec::new(),
             subcycles: settings.subcycles,
@@ -166,8 +169,9 @@ impl Blocks {
         })
     }
 
-    /// From here on forces of elements that nothing has strained yet are computed too: for those who time the kernels.
+    /// From here on forces of unstrained elements are computed too: for those who time kernels that are to stand for strained ones.
     pub fn compute_all(&mut self) {
+        self.all_computed = true;
         self.blocks.iter_mut().for_each(|b| b.unstrained.fill(false));
     }
 
@@ -451,7 +455,7 @@ impl Block {
             }
         }
         for (group, unstrained) in b.unstrained.iter_mut().enumerate() {
-            *unstrained = (group * lanes..(group + 1) * lanes).all(|i| b.element.unstrained(b.history.of(i)));
+            *unstrained = (group * lanes..(group + 1) * lanes).all(|i| b.element.is_unstrained(b.history.of(i)));
         }
         b
     }

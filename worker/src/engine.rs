@@ -192,6 +192,7 @@ impl Engine {
         self.tree = tree;
         let by_part = std::mem::take(&mut self.blocks.by_part); // what was done here stays booked here
         let slow_dt = self.blocks.slow_dt; // and what all agree on
+        let all_computed = self.blocks.all_computed;
         let local = Local {
             nodes: std::mem::take(&mut self.nodes),
             blocks: std::mem::take(&mut self.blocks),
@@ -205,6 +206,9 @@ impl Engine {
         let local = settle(wire, &self.settings, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
+        if all_computed {
+            self.blocks.compute_all();
+        }
         if self.settings.subcycles > 1 {
             self.nodes.keep_means(&means);
         }

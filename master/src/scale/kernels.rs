@@ -58,8 +58,8 @@ pub struct Kernels {
 }
 
 impl Watch {
-    /// Begins with the engine's next step. Elements that nothing has strained yet are computed from then on, as those are that
-    /// the parts are tried with.
+    /// Begins with the engine's next step. Unstrained elements are computed from then on, as those are that the parts are tried
+    /// with.
     pub fn new(engine: &mut Engine) -> Self {
         engine.blocks.compute_all();
         engine.timer.restart();

@@ -335,7 +335,7 @@ impl Formulation for C0Triangle {
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
         let geometry = Geometry::new(sides(x));
-        if !Real::gt(geometry.area, 0.0) {
+        if !geometry.sound() {
             return f64::NAN;
         }
         geometry.stable_length(self.section.elastic.poisson) / self.section.elastic.plate_wave_speed()
@@ -361,7 +361,7 @@ impl Formulation for C0Triangle {
     }
 
     #[inline(never)]
-    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
         let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
         for lane in 0..W {
             let [a, b, c] = std::array::from_fn(|c| Lane::new(nodes.x[group[c][lane] as usize]));

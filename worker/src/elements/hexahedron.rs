@@ -351,7 +351,7 @@ impl SolidGroups for Hexahedron {
     }
 
     #[inline(never)]
-    fn unstrained<L: Lanes<W>, const W: usize>(
+    fn forceless<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,
@@ -392,7 +392,7 @@ impl Element for Hexahedron {
         self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
-    fn unstrained(&self, history: State<'_>) -> bool {
+    fn is_unstrained(&self, history: State<'_>) -> bool {
         history.is_nought_but(self.first_volume())
     }
 

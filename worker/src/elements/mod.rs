@@ -100,7 +100,8 @@ pub struct Pass<'a, H = ColumnsMut<'a>> {
     pub groups: &'a [u32],
     /// History of the whole block.
     pub history: H,
-    /// Groups of the whole block that nothing has strained yet, as [`Element::unstrained`] has it.
+    /// Groups of the whole block whose elements are unstrained, see [`Element::is_unstrained`]. Taken back where their nodes no
+    /// longer move alike.
     pub unstrained: &'a mut [bool],
     /// Nodal columns.
     pub nodes: NodeView<'a>,
@@ -148,9 +149,9 @@ pub trait Element: Send + Sync {
     /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the mid-step velocities.
     fn forces(&self, pass: Pass<'_>) -> PassTotals;
 
-    /// Whether an element with this history gives no force, and keeps its history, as long as its nodes move alike: at rest or
-    /// in uniform flight.
-    fn unstrained(&self, _history: State<'_>) -> bool {
+    /// Whether an element with this history gives no force and keeps bearing nothing as long as its nodes have one velocity and do
+    /// not turn: at rest, or in uniform flight. Elements that never say so are always computed.
+    fn is_unstrained(&self, _history: State<'_>) -> bool {
         false
     }
 
@@ -347,16 +348,31 @@ impl<R: Real> Totals<R> {
     }
 }
 
-/// Whether the nodes of each element of a group have the same velocity.
+/// Whether a group is unstrained and stays so in this step; takes its mark back if not.
+#[inline(always)]
+fn stays_unstrained<const C: usize, const W: usize>(
+    unstrained: &mut bool,
+    group: &GroupNodes<C, W>,
+    nodes: &NodeView<'_>,
+    turning: bool,
+) -> bool {
+    if *unstrained {
+        *unstrained = move_alike(group, nodes.v) && !(turning && turn(group, nodes.w));
+    }
+    *unstrained
+}
+
+/// Whether the nodes of each element of a group have the same velocity. Not inlined, as all that strained groups need not: the
+/// kernel beside it wants the registers.
 #[inline(never)]
 fn move_alike<const C: usize, const W: usize>(group: &GroupNodes<C, W>, v: &[[f64; 4]]) -> bool {
     group[1..].iter().all(|nodes| nodes.iter().zip(&group[0]).all(|(&i, &first)| v[i as usize] == v[first as usize]))
 }
 
-/// Whether the nodes of a group do not turn.
+/// Whether a node of a group turns.
 #[inline(never)]
-fn do_not_turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
-    group.iter().flatten().all(|&i| w[i as usize] == [0.0; 4])
+fn turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
+    group.iter().flatten().any(|&i| w[i as usize] != [0.0; 4])
 }
 
 /// Groups of shells, in lanes of any kind.
@@ -372,7 +388,7 @@ trait ShellGroups {
     ) -> Totals<L>;
 
     /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are nought.
-    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
+    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
 }
 
 /// Groups of eight-node solids, in lanes of any kind.
@@ -388,7 +404,7 @@ trait SolidGroups {
     ) -> Totals<L>;
 
     /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are nought.
-    fn unstrained<L: Lanes<W>, const W: usize>(
+    fn forceless<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
         nodes: &NodeView<'_>,
@@ -450,12 +466,9 @@ impl<L> Pass<'_, &mut [L]> {
         let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
         let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force.iter_mut().zip(moment));
         let respond = |(((group, state), unstrained), (force, moment)): (((&_, _), &mut bool), (&mut _, &mut _))| {
-            if *unstrained {
-                *unstrained = move_alike(group, nodes.v) && do_not_turn(group, nodes.w);
-            }
-            if *unstrained {
+            if stays_unstrained(unstrained, group, &nodes, true) {
                 (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
-                return kernel.unstrained(group, &nodes);
+                return kernel.forceless(group, &nodes);
             }
             kernel.group(group, &nodes, state, dt, [force, moment])
         };
@@ -473,12 +486,9 @@ impl<L> Pass<'_, &mut [L]> {
         let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
         let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
         let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
-            if *unstrained {
-                *unstrained = move_alike(group, nodes.v);
-            }
-            if *unstrained {
+            if stays_unstrained(unstrained, group, &nodes, false) {
                 *force = [[[0.0; 4]; 8]; W];
-                return kernel.unstrained(group, &nodes, state);
+                return kernel.forceless(group, &nodes, state);
             }
             kernel.group(group, &nodes, state, dt, force)
         };

@@ -1,61 +1,9 @@
 //! Single precision against double: forces, energies, steps, laws, and what may not be lost.
 
-use super::solid_testing::Solids;
-use super::testing::{Noise, Patch, grid, material, part, triangles};
+use super::solid_testing::{Solids, solids};
+use super::testing::{BOTH, E, Noise, Patch, YIELD, laws, material, part, shells, steel};
 use crumple_proto::job::{HourglassForm, Part, Precision};
-use crumple_proto::partition::{Material, Param};
-
-const E: f64 = 210.0;
-const NU: f64 = 0.3;
-const YIELD: f64 = 0.25;
-pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
-
-fn steel(law: &str, more: &[(&str, Param)]) -> Material {
-    let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
-    m.parameters.extend(more.iter().map(|(key, value)| (key.to_string(), value.clone())));
-    m
-}
-
-/// Every law, with all that takes powers, logarithms and exponentials.
-pub fn laws() -> [Material; 4] {
-    let number = Param::Number;
-    let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
-    let rate = Param::List(vec![0.04, 5.0]);
-    let damage = Param::List(vec![0.05, 3.44, -2.12, 0.002, 0.61]);
-    let johnson_cook = [
-        ("a", number(0.79)),
-        ("b", number(0.51)),
-        ("n", number(0.26)),
-        ("c", number(0.014)),
-        ("reference_rate", number(1e-3)),
-        ("m", number(1.03)),
-        ("melting_temperature", number(1793.0)),
-        ("reference_temperature", number(293.0)),
-        ("specific_heat", number(477.0)),
-        ("damage", damage),
-    ];
-    [
-        steel("elastic", &[]),
-        steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
-        steel("j2", &[("hardening", table), ("cowper_symonds", rate), ("failure_strain", number(0.3))]),
-        steel("johnson_cook", &johnson_cook),
-    ]
-}
-
-/// Shells of every formulation.
-pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3] {
-    let (nodes, quads) = grid(5, 3, 5.0, 3.0);
-    let mut noise = Noise(5);
-    let moved = |x: &[f64; 3]| std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next());
-    let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
-    let base = Part { thinning: true, warping: true, ..part(0.3) };
-    let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
-    [
-        Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),
-        Patch::in_precision(precision, of("stabilised_quad"), steel.clone(), &nodes, &quads),
-        Patch::in_precision(precision, base.clone(), steel.clone(), &nodes, &triangles(&quads)),
-    ]
-}
+use crumple_proto::partition::Param;
 
 /// Shaken the same way in both precisions: strains of a few per cent in all, most of them plastic. Round-off of a step is
 /// 6e-8 of the stress, and of the strain's 1e-3 there; forces agree to a few 1e-6, energies too.
@@ -104,8 +52,8 @@ fn shells_give_nearly_the_forces_of_double_precision() {
 /// Corners are sums of modes in double precision: what an element does to itself vanishes as it does there.
 #[test]
 fn forces_of_an_element_add_up_to_nought() {
-    let [law, ..] = laws();
-    for mut patch in shells(Precision::Single, &law, [0.0; 3]) {
+    let law = &laws()[0];
+    for mut patch in shells(Precision::Single, law, [0.0; 3]) {
         let mut noise = Noise(3);
         patch.v.iter_mut().for_each(|v| (0..3).for_each(|i| v[i] = noise.next()));
         patch.step(0.01);
@@ -119,9 +67,9 @@ fn forces_of_an_element_add_up_to_nought() {
 /// the last digits of coordinates, 1e7 of which have 2e-9 of a side's length.
 #[test]
 fn large_coordinates_and_speeds_cost_nothing() {
-    let [law, ..] = laws();
+    let law = &laws()[0];
     let runs = [([0.0; 3], 0.0), ([1e7, -2e7, 3e6], 1e4)].map(|(at, speed)| {
-        shells(Precision::Single, &law, at).map(|mut patch| {
+        shells(Precision::Single, law, at).map(|mut patch| {
             let mut noise = Noise(3);
             patch.v.iter_mut().for_each(|v| (0..3).for_each(|i| v[i] = speed + noise.next()));
             patch.step(0.01);
@@ -135,25 +83,6 @@ fn large_coordinates_and_speeds_cost_nothing() {
             assert!((a - b).abs() < 1e-6 * force, "{a} {b} of {force}");
         }
     }
-}
-
-pub fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> Solids {
-    let mut noise = Noise(17);
-    let (mut nodes, mut cells) = (Vec::new(), Vec::new());
-    let id = |i: u32, j: u32, k: u32| (k * 4 + j) * 4 + i;
-    for k in 0..4 {
-        for j in 0..4 {
-            for i in 0..4 {
-                nodes.push([i, j, k].map(|c| f64::from(c) + 0.1 * noise.next()));
-                if i.max(j).max(k) < 3 {
-                    let low = [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
-                    let [a, b, c, d] = low;
-                    cells.push([a, b, c, d, a + 16, b + 16, c + 16, d + 16]);
-                }
-            }
-        }
-    }
-    Solids::in_precision(precision, Part { hourglass: Some(form), ..part(0.0) }, steel.clone(), &nodes, &cells)
 }
 
 #[test]

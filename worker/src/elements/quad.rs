@@ -395,7 +395,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     #[inline(never)]
-    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
         let geometry = Geometry::new(&gather_coordinates(group, nodes.x));
         Totals::forceless(geometry.stable_dt(self.section()), geometry.convex)
     }

@@ -155,7 +155,7 @@ impl Section {
     }
 
     /// Whether all but the thickness is nought.
-    pub fn unstrained(&self, history: State<'_>) -> bool {
+    pub fn is_unstrained(&self, history: State<'_>) -> bool {
         history.is_nought_but(THICKNESS)
     }
 

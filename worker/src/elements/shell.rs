@@ -35,8 +35,8 @@ pub trait Formulation: Send + Sync {
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L>;
 
-    /// As [`ShellGroups::unstrained`].
-    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
+    /// As [`ShellGroups::forceless`].
+    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
 }
 
 /// A formulation with N points through the thickness.
@@ -56,8 +56,8 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     }
 
     #[inline(always)]
-    fn unstrained<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
-        self.0.unstrained(group, nodes)
+    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+        self.0.forceless(group, nodes)
     }
 }
 
@@ -92,8 +92,8 @@ impl<F: Formulation> Element for Shell<F> {
         with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
     }
 
-    fn unstrained(&self, history: State<'_>) -> bool {
-        self.section().unstrained(history)
+    fn is_unstrained(&self, history: State<'_>) -> bool {
+        self.section().is_unstrained(history)
     }
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {

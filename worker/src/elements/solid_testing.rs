@@ -1,6 +1,6 @@
 //! What tests of solids share: a mesh of hexahedra with its columns, meshes, a bare explicit solver.
 
-use super::testing::{lay, part, settings};
+use super::testing::{Noise, lay, part, settings};
 use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
 use crate::columns::Columns;
 use crumple_proto::job::{HourglassForm, Part, Precision};
@@ -180,4 +180,24 @@ pub fn block(n: [usize; 3], size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 8]>) {
         }
     }
     (nodes, cells)
+}
+
+/// Distorted solids, 3 by 3 by 3, with one of the hourglass controls.
+pub fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> Solids {
+    let mut noise = Noise(17);
+    let (mut nodes, mut cells) = (Vec::new(), Vec::new());
+    let id = |i: u32, j: u32, k: u32| (k * 4 + j) * 4 + i;
+    for k in 0..4 {
+        for j in 0..4 {
+            for i in 0..4 {
+                nodes.push([i, j, k].map(|c| f64::from(c) + 0.1 * noise.next()));
+                if i.max(j).max(k) < 3 {
+                    let low = [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
+                    let [a, b, c, d] = low;
+                    cells.push([a, b, c, d, a + 16, b + 16, c + 16, d + 16]);
+                }
+            }
+        }
+    }
+    Solids::in_precision(precision, Part { hourglass: Some(form), ..part(0.0) }, steel.clone(), &nodes, &cells)
 }

@@ -2,6 +2,7 @@
 
 use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
 use crate::columns::Columns;
+use crate::materials::LAWS;
 use crumple_proto::job::{Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
@@ -27,6 +28,13 @@ pub fn part(thickness: f64) -> Part {
     }
 }
 
+/// Elastic constants and yield stress of [`steel`] [force/length^2].
+pub const E: f64 = 210.0;
+pub const NU: f64 = 0.3;
+pub const YIELD: f64 = 0.25;
+/// Both precisions.
+pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
+
 /// Formulations, and whether they are of triangles.
 pub const FORMULATIONS: [(&str, bool); 3] =
     [("belytschko_tsay", false), ("stabilised_quad", false), ("c0_triangle", true)];
@@ -43,6 +51,41 @@ pub fn part_of(element: &str, thickness: f64) -> Part {
 pub fn material(law: &str, density: f64, numbers: &[(&str, f64)]) -> Material {
     let parameters = numbers.iter().map(|&(key, value)| (key.to_string(), Param::Number(value))).collect();
     Material { name: "sheet".into(), law: law.into(), density, parameters }
+}
+
+/// Sheet steel of a law, with these parameters beside the elastic ones.
+pub fn steel(law: &str, more: &[(&str, Param)]) -> Material {
+    let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
+    m.parameters.extend(more.iter().map(|(key, value)| (key.to_string(), value.clone())));
+    m
+}
+
+/// Every law, with all that takes powers, logarithms and exponentials.
+pub fn laws() -> Vec<Material> {
+    let number = Param::Number;
+    let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
+    let rate = Param::List(vec![0.04, 5.0]);
+    let damage = Param::List(vec![0.05, 3.44, -2.12, 0.002, 0.61]);
+    let johnson_cook = [
+        ("a", number(0.79)),
+        ("b", number(0.51)),
+        ("n", number(0.26)),
+        ("c", number(0.014)),
+        ("reference_rate", number(1e-3)),
+        ("m", number(1.03)),
+        ("melting_temperature", number(1793.0)),
+        ("reference_temperature", number(293.0)),
+        ("specific_heat", number(477.0)),
+        ("damage", damage),
+    ];
+    let all = vec![
+        steel("elastic", &[]),
+        steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
+        steel("j2", &[("hardening", table), ("cowper_symonds", rate), ("failure_strain", number(0.3))]),
+        steel("johnson_cook", &johnson_cook),
+    ];
+    assert!(LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)), "a law is missing here");
+    all
 }
 
 /// An elastic material.
@@ -282,6 +325,21 @@ pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
         if index % 2 == 0 { [[a, b, c, c], [a, c, d, d]] } else { [[a, b, d, d], [b, c, d, d]] }
     };
     quads.iter().enumerate().flat_map(cut).collect()
+}
+
+/// Shells of every formulation.
+pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3] {
+    let (nodes, quads) = grid(5, 3, 5.0, 3.0);
+    let mut noise = Noise(5);
+    let moved = |x: &[f64; 3]| std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next());
+    let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
+    let base = Part { thinning: true, warping: true, ..part(0.3) };
+    let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
+    [
+        Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("stabilised_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, base.clone(), steel.clone(), &nodes, &triangles(&quads)),
+    ]
 }
 
 /// Numbers between -1 and 1, the same in every run.

@@ -79,7 +79,8 @@ pub struct Points<'a, R> {
     pub thickness_strain: &'a mut [R],
 }
 
-/// A law in plane stress. Must give each lane what it would give it alone, bit for bit.
+/// A law in plane stress. Must give each lane what it would give it alone, bit for bit. Where state and strain are nought it must leave the
+/// state so, whatever the time: elements that nothing has strained are not asked.
 pub trait PlaneStress: Send + Sync {
     /// History columns per point, by name. All start at nought.
     fn history(&self) -> &'static [&'static str];
@@ -105,7 +106,8 @@ pub struct SolidPoint<'a, R> {
     pub strain: &'a [R; 6],
 }
 
-/// A law in three dimensions. Must give each lane what it would give it alone, bit for bit.
+/// A law in three dimensions. Must give each lane what it would give it alone, bit for bit. Where state and strain are nought it must leave the
+/// state so, whatever the time: elements that nothing has strained are not asked.
 pub trait Solid: Send + Sync {
     /// History columns, by name. All start at nought.
     fn history(&self) -> &'static [&'static str];
