@@ -4,6 +4,7 @@
 use crumple::field_file::{Piece, pieces_of_folder};
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement};
+use crumple_proto::partition::NodeRecord;
 use crumple_tests::program::{Ended, crumple_with, run};
 use crumple_tests::{case, read, run_side_by_side};
 use std::collections::HashMap;
@@ -30,7 +31,7 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     // Sums go in another order: nodes differ by round-off, of a way of 1.4 mm and sides of 2.5 mm.
     let of_rows = run_side_by_side(&rows, 1, CYCLES, 0);
     let there: HashMap<[u64; 3], [f64; 3]> = of_rows.nodes.iter().map(|n| (n.x0.map(f64::to_bits), n.x)).collect();
-    let apart = |n: &crumple_proto::partition::NodeRecord| {
+    let apart = |n: &NodeRecord| {
         let x = there[&n.x0.map(f64::to_bits)];
         (0..3).fold(0.0f64, |most, c| most.max((n.x[c] - x[c]).abs()))
     };
@@ -39,6 +40,93 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     assert!(most < 1e-9, "{most} mm");
     let moved = one.nodes.iter().map(|n| (n.x[2] - n.x0[2]).abs()).fold(0.0, f64::max);
     assert!(moved > 1.0, "{moved} mm");
+}
+
+/// Plates that meet, a fin tied to one of them by its foot and to one node by its top, and a rigid plate on a spring. Places in the
+/// mesh are in rows; `id` makes ids of those of nodes, `number` of those of shells.
+fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> String {
+    let (mut nodes, mut shells) = (Vec::new(), Vec::new());
+    // Part, quads along both sides, and where node (i, j) is.
+    type At = fn(f64, f64) -> [f64; 3];
+    let plates: [(usize, [usize; 2], At); 4] = [
+        (1, [80, 80], |i, j| [1.25 * i, 1.25 * j, 0.0]),
+        (2, [20, 20], |i, j| [2.0 * i + 45.37, 2.0 * j + 45.61, 1.3 + 0.02 * i + 0.013 * j]),
+        (3, [10, 5], |i, j| [2.0 * i + 11.0, 20.5, 2.0 * j]),
+        (4, [5, 5], |i, j| [2.0 * i + 110.0, 2.0 * j, 0.0]),
+    ];
+    let firsts = plates.map(|(part, [a, b], at)| {
+        let first = nodes.len();
+        let node = |i: usize, j: usize| id(first + j * (a + 1) + i);
+        nodes.extend(
+            (0..=b).flat_map(|j| (0..=a).map(move |i| (i, j))).map(|(i, j)| (node(i, j), at(i as f64, j as f64))),
+        );
+        for (i, j) in (0..b).flat_map(|j| (0..a).map(move |i| (i, j))) {
+            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)].map(|n| n.to_string());
+            shells.push(format!("[{}, {part}, {}]", number(shells.len()), corners.join(", ")));
+        }
+        first
+    });
+    let of = |range: std::ops::Range<usize>| range.map(&id).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
+    let nodes: Vec<String> = nodes.iter().map(|(n, [x, y, z])| format!("[{n}, {x:?}, {y:?}, {z:?}]")).collect();
+    let part = |n: usize| format!("[[part]]\nid = {n}\nmaterial = \"steel\"\nthickness = 1.0\n");
+    format!(
+        "end_time = 1.0\nunits = \"mm, ms, kg\"\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [[9999, 5, {}, {}]]\n\
+         node_sets = {{ held = [{}], foot = [{}], top = [{}], falling = [{}], end = [{}] }}\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
+         {}{}{}{}[[part]]\nid = 5\n[part.spring]\nstiffness = 0.5\n[[rigid]]\nname = \"end\"\nparts = [4]\n[[tie]]\nnodes = \"foot\"\nparts = [1]\n\
+         [[tie]]\nnodes = \"top\"\nnode = {}\n[[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\"]\n\
+         [[initial_velocity]]\nnodes = \"falling\"\nvelocity = [0.0, 0.0, -20.0]\n\
+         [[initial_velocity]]\nnodes = \"end\"\nvelocity = [30.0, 5.0, 0.0]\n",
+        nodes.join(",\n"),
+        shells.join(",\n"),
+        id(80),
+        id(firsts[3]),
+        of(0..81),
+        of(firsts[2]..firsts[2] + 11),
+        of(firsts[2] + 56..firsts[2] + 66),
+        of(firsts[1]..firsts[2]),
+        of(firsts[3]..nodes.len()),
+        part(1),
+        part(2),
+        part(3),
+        part(4),
+        id(firsts[2] + 55),
+    )
+}
+
+/// Ids all over against ids in rows: nodes differ by round-off, of a way of 1 mm. In contact, who goes first among pairs and which of two
+/// faces a node takes at their edge go by ids; that is 3e-6 mm here.
+#[test]
+fn contact_ties_springs_and_rigid_bodies_go_along() {
+    const COUNT: usize = 81 * 81 + 21 * 21 + 11 * 6 + 6 * 6;
+    const SHELLS: usize = 80 * 80 + 20 * 20 + 10 * 5 + 5 * 5;
+    const CYCLES: u64 = 150;
+    let there = tempfile::tempdir().unwrap();
+    let job = |id: &dyn Fn(usize) -> usize, number: &dyn Fn(usize) -> usize, rest: &str| {
+        let path = there.path().join("job.toml");
+        fs::write(&path, joined(id, number) + rest).unwrap();
+        read(&path, &[])
+    };
+    let (scattered, number) = (|place: usize| 1 + place * 1009 % COUNT, |place: usize| 1 + place * 1847 % SHELLS);
+    for (rest, tolerance) in [("", 1e-9), ("[contact]\nfriction = 0.1\n", 1e-5)] {
+        let models = [job(&|place| 1 + place, &|place| 1 + place, rest), job(&scattered, &number, rest)];
+        assert_eq!(models.each_ref().map(|model| model.renumbered.is_some()), [false, true]);
+        let [of_rows, one] = models.each_ref().map(|model| run_side_by_side(model, 1, CYCLES, 0));
+        let three = run_side_by_side(&models[1], 3, CYCLES, 40);
+        assert_eq!(one.digest(), three.digest(), "{rest}");
+        assert_eq!(one.pairs.iter().any(|pairs| !pairs.is_empty()), !rest.is_empty());
+        let by_id =
+            |nodes: &[NodeRecord]| -> HashMap<u64, NodeRecord> { nodes.iter().map(|n| (n.id.label(), *n)).collect() };
+        let [of_rows, one] = [of_rows, one].map(|trace| by_id(&trace.nodes));
+        assert_eq!([of_rows.len(), one.len()], [COUNT; 2]);
+        let apart = |(place, c): (usize, usize)| {
+            (of_rows[&(1 + place as u64)].x[c] - one[&(scattered(place) as u64)].x[c]).abs()
+        };
+        let most = (0..COUNT).flat_map(|place| [0, 1, 2].map(|c| (place, c))).map(apart).fold(0.0, f64::max);
+        assert!(most < tolerance, "{most} mm, {rest}");
+        let moved = one.values().map(|n| (n.x[2] - n.x0[2]).abs()).fold(0.0, f64::max);
+        assert!(moved > 0.3, "{moved} mm");
+    }
 }
 
 /// Within a millionth of the largest.
