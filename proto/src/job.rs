@@ -300,7 +300,7 @@ pub struct Part {
     #[serde(default)]
     pub hourglass: Option<HourglassForm>,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
-    /// shells and 0.05 for solids. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
+    /// shells and 0.05 for solids. Forces of shells of a plastic law are bounded, whatever the form. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
     /// plastic flow. `assumed_strain` has none. See `cases/studies/README.md`, hourglass and hourglass-solids.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
@@ -319,6 +319,7 @@ pub struct Part {
     #[serde(default)]
     pub thinning: bool,
     /// Drilling stiffness as a fraction of the shear stiffness G h A / 4 (`cases/studies/README.md`, twist and twist-thin).
+    /// In quads of a plastic law its moments are bounded by a hundredth of the plastic moment of a side.
     #[serde(default = "drilling")]
     pub drilling: f64,
 }

@@ -97,6 +97,65 @@ fn hourglass_modes_have_their_stiffness() {
     }
 }
 
+/// Each mode, and the spin of the nodes, driven far beyond yield and back: a plastic part bears its fraction of the plastic
+/// capacity of a square, an elastic one goes on.
+#[test]
+fn stabilising_forces_of_a_plastic_part_are_bounded() {
+    let (t, l, sig, size) = (0.1, 2.0, 0.25, 1e-3);
+    let square = [[0.0, 0.0, 0.0], [l, 0.0, 0.0], [l, l, 0.0], [0.0, l, 0.0]];
+    let membrane = 0.1 * sig * t * l / 4.0;
+    let bending = 0.1 * sig * t * t * l / 16.0;
+    let twist = 0.1 * sig * t * t / (2.0 * 3.0_f64.sqrt());
+    let drilling = 0.01 * sig * t * t * l / 16.0;
+    let bounds = [membrane, membrane, twist, bending, bending, drilling];
+    let law = |law: &str, more: &[(&str, f64)]| {
+        let mut numbers = vec![("youngs_modulus", E), ("poisson", NU)];
+        numbers.extend(more);
+        material(law, 1.0, &numbers)
+    };
+    let after = |form, material: &Material, mode: usize, steps: &[f64]| {
+        let mut patch = quad(Part { hourglass: Some(form), ..part(t) }, material.clone(), square);
+        for &sense in steps {
+            for (node, h) in [1.0, -1.0, 1.0, -1.0].into_iter().enumerate() {
+                match mode {
+                    0..3 => patch.v[node][mode] = sense * size * h,
+                    3 | 4 => patch.w[node][mode - 3] = sense * size * h,
+                    _ => patch.w[node][2] = sense * size,
+                }
+            }
+            // Fast enough that the viscous form, too, is at its bound.
+            patch.forces(1e-3);
+        }
+        let (force, moment) = patch.corner(0, 0);
+        if mode < 3 { force[mode] } else { moment[(mode - 3).min(2)] }
+    };
+    let steel = law("j2", &[("yield_stress", sig)]);
+    let (there, back) = ([1.0; 800], [[1.0; 800], [-1.0; 800]].concat());
+    for (mode, bound) in bounds.into_iter().enumerate() {
+        for form in [HourglassForm::Stiffness, HourglassForm::Viscous] {
+            assert_close(after(form, &steel, mode, &there), bound, 1e-12 * bound, "round-off");
+            assert_close(after(form, &steel, mode, &back), -bound, 1e-12 * bound, "round-off");
+        }
+        let elastic = after(HourglassForm::Stiffness, &law("elastic", &[]), mode, &there);
+        assert!(elastic > 1.5 * bound, "mode {mode}: {elastic} is not far beyond {bound}");
+    }
+}
+
+/// One point needs the area between the diagonals only: a concave quad has its strain from any linear field.
+#[test]
+fn concave_quads_are_sound_and_collapsed_ones_are_trouble() {
+    let dart = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
+    let mut patch = quad(part(0.1), elastic(E, NU, 1.0), dart);
+    for (x, v) in patch.x.iter().zip(patch.v.iter_mut()) {
+        *v = [1e-6 * x[0], 0.0, 0.0, 0.0];
+    }
+    assert!(patch.forces(1.0).trouble.is_none());
+    let stress = patch.fields(0).stress;
+    assert_close(stress[0], 1e-6 * E / (1.0 - NU * NU), 1e-11 * E, "strains of 1e-6 squared");
+    let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 1e-9, 0.0], [3.0, 0.0, 0.0]];
+    assert!(quad(part(0.1), elastic(E, NU, 1.0), line).forces(1.0).trouble.is_some());
+}
+
 /// The one kernel, run on single numbers and on lanes.
 #[test]
 fn lanes_are_the_scalar_kernel() {

@@ -18,7 +18,20 @@
 //!   1981). They leave out what a finite rotation of a warped element does to its corners off the plane, and the
 //!   forces carry the couple that belongs to it; without it a warped element resists rigid rotation and feeds it
 //!   angular momentum.
-//! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element.
+//! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element. In plastic parts its
+//!   moments are bounded: at a fold the spin of one face is the bending of the other, and a stiffness that never yields
+//!   would carry more than the plastic hinge there, all the more in coarse meshes.
+//!
+//! Bounds of plastic parts. A square of side a, of flow stress sig, is plastic through and through in the modes of the
+//! stabilising forces at
+//! ```text
+//! membrane Q_m = sig t a/4,   bending Q_b = Q_m t/4,   drilling of a node Q_d = sig t^2 a/16
+//! ```
+//! (stress of one sign on either side of the middle; Q_d is a quarter of the plastic moment of a side). Formulations say
+//! which fractions of these they bear at most.
+//!
+//! Concave quads are sound: one point needs the area between the diagonals, and nothing at the corners. Crushed corners of
+//! tubes pass through such shapes, and the established codes go on there.
 //!
 //! Stable step: `L/c`, L = A over the longest side and c the plate wave speed, is that of a wave through many elements.
 //! A lone element may bear less. With mass m/4 at each corner the frequencies of its membrane stiffness are those of
@@ -48,6 +61,11 @@ pub const DRILLING: usize = 4;
 /// stable by 5 %. A value of 1 would be safe at any safety below 1, but slow meshes of squares, which bear L/c, by as much
 /// again.
 const LONE: f64 = 1.05;
+
+/// Drilling moments of a node in a plastic part, at most, as a fraction of [`Capacity::drilling`].
+const DRILLING_BOUND: f64 = 0.01;
+/// Least area over the sum of the squared diagonals: what is below has collapsed to a line.
+const LEAST_AREA: f64 = 1e-6;
 
 /// Corner vectors of an element as modes.
 pub struct Modes<R> {
@@ -94,8 +112,8 @@ pub struct Geometry<R: Real> {
     /// Square of the longest side, and D: half the sum of the squared diagonals [length^2].
     longest: R,
     diagonals: R,
-    /// Lanes with all four corner Jacobians above nought.
-    pub convex: R::Mask,
+    /// Lanes that have not collapsed.
+    pub has_area: R::Mask,
 }
 
 impl<R: Real> Geometry<R> {
@@ -133,8 +151,7 @@ impl<R: Real> Geometry<R> {
         // Sides above are doubled; every side also climbs by half of hz.
         let longest = hz.mul_add(hz, longest);
         let area = half * two_a;
-        // Corner Jacobians are A +- (p x s)/4 +- (q x s)/4.
-        let lopsided = px.mul_add(sy, -(py * sx)).abs() + qx.mul_add(sy, -(qy * sx)).abs();
+        let diagonals = half * (side(x[0], y[0]) + side(x[1], y[1]));
         Self {
             frame: Frame { e1, e2, n },
             area,
@@ -145,8 +162,8 @@ impl<R: Real> Geometry<R> {
             y,
             hz,
             longest: R::splat(0.25) * longest,
-            diagonals: half * (side(x[0], y[0]) + side(x[1], y[1])),
-            convex: area.gt(R::splat(0.25) * lopsided),
+            diagonals,
+            has_area: area.gt(R::splat(LEAST_AREA) * diagonals),
         }
     }
 
@@ -249,14 +266,48 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// Brings the drilling moments up to date; gives twice the energy, on top of `energy`.
+/// What a plastic element bears in the modes of stabilising forces; see the head of this file.
+pub struct Capacity<R> {
+    /// On the rates of gam vx and gam vy [force].
+    pub membrane: R,
+    /// On those of gam tx and gam ty [force length].
+    pub bending: R,
+    /// Of a node about the normal [force length].
+    pub drilling: R,
+}
+
+impl<R: Real> Capacity<R> {
+    /// By flow stress [force/length^2], thickness and area.
+    #[inline(always)]
+    pub fn new(flow_stress: R, thickness: R, area: R) -> Self {
+        let membrane = R::splat(0.25) * flow_stress * thickness * area.sqrt();
+        let bending = R::splat(0.25) * thickness * membrane;
+        Self { membrane, bending, drilling: bending }
+    }
+}
+
+/// The value, or the bound with its sign.
 #[inline(always)]
-pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: [R; DRILLING], energy: R) -> R {
+pub fn bounded<R: Real>(value: R, bound: R) -> R {
+    Real::max(Real::min(value, bound), -bound)
+}
+
+/// Brings the drilling moments up to date, bounded in plastic parts; gives twice the energy, on top of `energy`.
+#[inline(always)]
+pub fn drill<R: Real>(
+    moments: &mut [R],
+    stiff: R,
+    ahead: [R; DRILLING],
+    capacity: Option<&Capacity<R>>,
+    energy: R,
+) -> R {
+    let bound = capacity.map(|capacity| R::splat(DRILLING_BOUND) * capacity.drilling);
     let mut energy = energy;
     for c in 0..DRILLING {
         let old = moments[c];
         // Modes weigh one half and one quarter.
         let new = (if c < 2 { stiff } else { R::splat(0.5) * stiff }).mul_add(ahead[c], old);
+        let new = bound.map_or(new, |bound| bounded(new, bound));
         moments[c] = new;
         energy = (old + new).mul_add(ahead[c], energy);
     }
@@ -328,7 +379,7 @@ impl<R: Real> Response<R> {
             total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
-        let sound = R::both(R::both(sound, g.convex), total.le(R::splat(R::LARGEST)));
+        let sound = R::both(R::both(sound, g.has_area), total.le(R::splat(R::LARGEST)));
         Self { force, moment, totals: Totals { stable_dt: g.stable_dt(section), internal, hourglass, sound } }
     }
 }
@@ -369,7 +420,7 @@ impl<K: Kernel> Formulation for Quad<K> {
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
         let geometry = Geometry::new(&coordinate_modes(x));
-        if !geometry.convex {
+        if !geometry.has_area {
             return f64::NAN;
         }
         geometry.stable_dt(self.section())
@@ -397,7 +448,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     #[inline(never)]
     fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
         let geometry = Geometry::new(&gather_coordinates(group, nodes.x));
-        Totals::forceless(geometry.stable_dt(self.section()), geometry.convex)
+        Totals::forceless(geometry.stable_dt(self.section()), geometry.has_area)
     }
 }
 

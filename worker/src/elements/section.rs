@@ -231,6 +231,20 @@ impl Section {
         Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
     }
 
+    /// Flow stress of the section [force/length^2], for bounds on forces that the points do not see: the root mean
+    /// square of the von Mises stress over the thickness, but at least the yield stress at no plastic strain. `None` if
+    /// the law never flows.
+    #[inline(always)]
+    pub fn flow_stress<R: Real, const N: usize>(&self, history: &[R]) -> Option<R> {
+        self.plastic_strain?;
+        let mut mean_square = R::zero();
+        for k in 0..N {
+            let square = von_mises_squared(&history[POINTS + k * self.stride..]);
+            mean_square = R::splat(0.5 * self.weight[k]).mul_add(square, mean_square);
+        }
+        Some(Real::max(mean_square.sqrt(), R::splat(self.law.initial_yield_stress())))
+    }
+
     /// How far the material is, for [`Self::flow`].
     #[inline(always)]
     pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
@@ -240,8 +254,7 @@ impl Section {
         let (mut plastic_strain, mut squares) = ([R::zero(); 2], [R::zero(); 2]);
         for k in 0..N {
             let point = &history[POINTS + k * self.stride..];
-            let [x, y, t] = [point[0], point[1], point[2]];
-            let square = x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t));
+            let square = von_mises_squared(point);
             let weight = 0.5 * self.weight[k];
             for (c, weight) in [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate() {
                 plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
@@ -333,6 +346,13 @@ impl Section {
 #[inline(always)]
 fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
     sig[0].mul_add(eps[0], sig[1].mul_add(eps[1], sig[2] * eps[2]))
+}
+
+/// Square of the von Mises stress of a point in plane stress [force^2/length^4].
+#[inline(always)]
+fn von_mises_squared<R: Real>(sig: &[R]) -> R {
+    let [x, y, t] = [sig[0], sig[1], sig[2]];
+    x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t))
 }
 
 #[inline(always)]

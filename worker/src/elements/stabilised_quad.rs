@@ -36,7 +36,7 @@
 //! Valid where one layer of elements follows the stress; where the centre stays elastic nothing bounds the
 //! stabilising forces. Of a part's options, `hourglass` and `warping` are not read.
 
-use super::quad::{self, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
+use super::quad::{self, Capacity, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::{Build, Built, ElementRow, let_go};
@@ -206,7 +206,9 @@ impl Kernel for StabilisedQuad {
         let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
         ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
         ahead[3] = g.hz.neg_mul_add(on_13 - on_24, ahead[3]);
-        energy = quad::drill(drill, stiff, ahead, energy);
+        let flow_stress = self.section.flow_stress::<R, N>(section);
+        let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
+        energy = quad::drill(drill, stiff, ahead, capacity.as_ref(), energy);
 
         // 6. Corner forces: what acts on the rates of stages 2 and 3 goes to the modes that these are made of.
         let [on_xi, on_eta] = [stabilising[2], stabilising[3]];

@@ -88,6 +88,11 @@ pub trait PlaneStress: Send + Sync {
     /// Elastic constants and density.
     fn elastic(&self) -> Elastic;
 
+    /// Yield stress at no plastic strain [force/length^2]; infinite where the law never flows.
+    fn initial_yield_stress(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Stress and history over a step `dt` [time] at all points of a group, at most [`MAX_POINTS`] of them.
     fn update(&self, points: Points<'_, Lane>, dt: f64);
 

@@ -9,6 +9,9 @@ use crate::job::tree::Place;
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, HashMap};
 
+/// Coefficient of shells where a deck leaves it open: LS-DYNA's QM.
+const DEFAULT_HOURGLASS: f64 = 0.1;
+
 /// A part of the deck.
 #[derive(Debug)]
 pub struct Part {
@@ -276,7 +279,8 @@ impl Build {
         table: &mut Table,
         solids: bool,
     ) -> (&'static str, &'static str) {
-        let default = if solids { "assumed_strain" } else { "stiffness" };
+        // What LS-DYNA's explicit solver takes for shells where a deck names none.
+        let default = if solids { "assumed_strain" } else { "viscous" };
         let hgid = record.integer("hgid");
         let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
         if hgid != 0 && own.is_none() {
@@ -284,6 +288,10 @@ impl Build {
             self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
         }
         let Some((Hourglass { form, coefficient }, place)) = own.or(sections.defaults.hourglass) else {
+            if !solids {
+                table.put("hourglass", record.place("hgid"), default);
+                table.put("hourglass_coefficient", record.place("hgid"), DEFAULT_HOURGLASS);
+            }
             return (default, " (the deck names none)");
         };
         let name = match (form, solids) {
@@ -294,7 +302,8 @@ impl Build {
             _ => default,
         };
         table.put("hourglass", place, name);
-        if coefficient > 0.0 && name != "assumed_strain" {
+        if name != "assumed_strain" && (coefficient > 0.0 || !solids) {
+            let coefficient = if coefficient > 0.0 { coefficient } else { DEFAULT_HOURGLASS };
             table.put("hourglass_coefficient", place, coefficient);
         }
         let told = match form {

@@ -255,6 +255,10 @@ impl PlaneStress for Plasticity {
     fn history(&self) -> &'static [&'static str] {
         self.names()
     }
+    fn initial_yield_stress(&self) -> f64 {
+        self.yield_stress
+    }
+
     fn elastic(&self) -> Elastic {
         self.elastic
     }
