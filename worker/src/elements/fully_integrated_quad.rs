@@ -1,30 +1,33 @@
 //! Four-node shell with 2 x 2 points in its plane: what the material does at the points is all that holds its shape.
 //!
-//! Of the class of Dvorkin & Bathe 1984 (MITC4) for shear and of Belytschko & Bindeman 1991 for the membrane. Frame, strains
-//! at the centre and corner forces are those of `quad.rs`. Strains vary over the plane to the first order in xi and eta, with
-//! the Jacobian of the centre, as in `stabilised_quad.rs`; here each of the Gauss points `xi, eta = +-1/sqrt 3` has the weight
-//! A/4, its own points through the thickness, its own shear and its own thickness. With X, Y the gradients of xi and eta at the
-//! centre, `f = xi eta`, `q_x = gam vx` and so on,
+//! Of the class of Dvorkin & Bathe 1984 (MITC4) for shear and of Belytschko & Bindeman 1991 for the membrane. Frame,
+//! strains at the centre and corner forces are those of `quad.rs`. Strains vary over the plane to the first order in xi
+//! and eta, with the Jacobian of the centre, as in `stabilised_quad.rs`; here each of the Gauss points `xi, eta =
+//! +-1/sqrt 3` has the weight A/4, its own points through the thickness, its own shear and its own thickness. With X, Y
+//! the gradients of xi and eta at the centre, `f = xi eta`, `q_x = gam vx` and so on,
 //! ```text
 //! eps_x   = eps_x(0)   + (q_x f,x - nu q_y f,y)/4          eps_y   = eps_y(0)   + (q_y f,y - nu q_x f,x)/4
 //! kappa_x = kappa_x(0) + (q_ty f,x + nu q_tx f,y)/4        kappa_y = kappa_y(0) - (q_tx f,y + nu q_ty f,x)/4
-//! gamma   = gamma(0) + X eta gamma_xi + Y xi gamma_eta     f,x = X_x eta + Y_x xi,   f,y = X_y eta + Y_y xi
+//! gamma   = gamma(0) + X eta k_xi gamma_xi + Y xi k_eta gamma_eta,    f,x = X_x eta + Y_x xi,   f,y = X_y eta + Y_y xi
 //! ```
-//! - Membrane and bending: the assumed strain for bending in the plane (QBI), which locks neither in shear nor in volume.
-//!   Its mean over the points is nought, so that a patch under constant stress is exact whatever its shape.
+//! - Membrane and bending: the assumed strain for bending in the plane (QBI), which locks neither in shear nor in
+//!   volume. Its mean over the points is nought, so that a patch under constant stress is exact whatever its shape.
 //! - Transverse shear: covariant and from the sides (Dvorkin & Bathe 1984), gamma_xi and gamma_eta as in
-//!   `stabilised_quad.rs` without its softening. Elastic, and not part of the yield condition.
+//!   `stabilised_quad.rs`, elastic, and not part of the yield condition. `k^2 = 1/(1 + 5/6 G t L^2/(12 D))` of sides of
+//!   length L is what their own bending leaves of it (MacNeal 1978): it is nought in any pure bending, with k or
+//!   without, and without it oblique elements would bear less than half the step.
 //! - Warped elements and drilling as in `stabilised_quad.rs`.
 //!
-//! There is no hourglass control and no coefficient: in plastic flow the modes that vary over the plane bear what the points
-//! bear, and no less. A point whose points through the thickness have all failed bears nothing, shear included; an
-//! element fails as a whole when three of its four have.
+//! There is no hourglass control and no coefficient: in plastic flow the modes that vary over the plane bear what the
+//! points bear, and no less. A point whose points through the thickness have all failed bears nothing, shear included;
+//! an element fails as a whole when three of its four have.
 //!
-//! Stable step as in `quad.rs`: the modes that vary have at most a third of the highest frequency squared of those at the
-//! centre. Of a part's options, `hourglass`, `hourglass_coefficient` and `warping` are not read.
+//! Small elastic strains meet the same stiffness as in `stabilised_quad.rs`, since 2 x 2 points integrate its squares
+//! exactly; so inertia and stable step are those of `quad.rs`. Of a part's options, `hourglass`,
+//! `hourglass_coefficient` and `warping` are not read.
 
 use super::quad::{self, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
-use super::section::{Section, Strains};
+use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
 use super::stabilised_quad::{Slopes, dot2};
 use super::{Build, Built, ElementRow, let_go};
@@ -106,7 +109,15 @@ impl Kernel for FullyIntegratedQuad {
             let (x, y) = (quarter * f[0] * qx, quarter * f[1] * qy);
             [nu.neg_mul_add(y, x), nu.neg_mul_add(x, y)]
         };
-        let (shear_xi, shear_eta) = (gauss * rate_xi, gauss * rate_eta);
+        let each = self.section.each();
+        let mut thickness = R::zero();
+        for columns in section.chunks_exact(each) {
+            thickness = quarter.mul_add(self.section.current_thickness(columns), thickness);
+        }
+        let bends = R::splat(SHEAR_CORRECTION / 8.0 * (1.0 - self.section.elastic.poisson)) / (thickness * thickness);
+        let soft = |along: [R; 2]| gauss / bends.mul_add(dot2(along, along), R::splat(1.0)).sqrt();
+        let (soft_xi, soft_eta) = (soft(s.p), soft(s.q));
+        let (shear_xi, shear_eta) = (soft_xi * rate_xi, soft_eta * rate_eta);
         let varying: [[[R; 2]; 3]; 2] = std::array::from_fn(|pair| {
             let sign = if pair == 0 { shear_eta } else { -shear_eta };
             let gamma = std::array::from_fn(|c| s.to_xi[c].mul_add(shear_xi, s.to_eta[c] * sign));
@@ -118,9 +129,9 @@ impl Kernel for FullyIntegratedQuad {
         let weight = quarter * g.area;
         let (mut n, mut m, mut q) = ([zero; 3], [zero; 3], [zero; 2]);
         let mut across = [[[zero; 2]; 3]; 2];
-        let (mut work, mut thickness) = (zero, zero);
+        let mut work = zero;
         let mut sound = zero.le(zero);
-        for (point, columns) in section.chunks_exact_mut(self.section.each()).enumerate() {
+        for (point, columns) in section.chunks_exact_mut(each).enumerate() {
             let sign = R::splat(if point % 2 == 0 { 1.0 } else { -1.0 });
             let [eps, kappa, gamma] = &varying[point / 2];
             let mut here: Strains<R> = strains;
@@ -144,7 +155,6 @@ impl Kernel for FullyIntegratedQuad {
                 difference[2][c] = signed.mul_add(on.q[c], difference[2][c]);
             }
             work = weight.mul_add(on.work, work);
-            thickness = quarter.mul_add(on.thickness, thickness);
         }
 
         // 5. What acts on the rates of stage 3, and drilling.
@@ -157,8 +167,8 @@ impl Kernel for FullyIntegratedQuad {
         };
         let ([on_x, on_y], [on_ty, minus_on_tx]) = (acts(0), acts(1));
         let [shear_1, shear_2] = [across[0][2], across[1][2]];
-        let on_xi = gauss * (dot2(s.to_xi, shear_1) + dot2(s.to_xi, shear_2));
-        let on_eta = gauss * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
+        let on_xi = soft_xi * (dot2(s.to_xi, shear_1) + dot2(s.to_xi, shear_2));
+        let on_eta = soft_eta * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
 
         let stiff = quad::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         let mut ahead = motion.ahead();

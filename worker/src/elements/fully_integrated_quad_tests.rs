@@ -24,8 +24,8 @@ fn on_hourglass(patch: &Patch, axis: usize) -> f64 {
     (0..4).map(|c| 0.25 * HOURGLASS[c] * patch.corner(0, c).0[axis]).sum()
 }
 
-/// Beam bending of a rectangle in its plane has the energy of the beam, whatever the side ratio and Poisson's ratio, and all of
-/// it is of the points: `u = c x y`, moment `E t h^3 c/12`.
+/// Beam bending of a rectangle in its plane has the energy of the beam, whatever the side ratio and Poisson's ratio,
+/// and all of it is of the points: `u = c x y`, moment `E t h^3 c/12`.
 #[test]
 fn plane_bending_does_not_lock() {
     for nu in [0.0, 0.3, 0.499] {
@@ -60,9 +60,10 @@ fn every_mode_is_resisted() {
     }
 }
 
-/// In steady flow without hardening the hourglass mode bears what the flow rule says, however long it lasts. A unit square is
-/// sheared by g a step and bent in its plane by d = 1e-6 2/sqrt 3 at the points; stress is normal to the rates,
-/// `sig_x = (2 d - nu d) 2 tau/g`, `sig_y = (d - 2 nu d) 2 tau/g`, and the mode bears `t/(2 sqrt 3) (sig_x - nu sig_y)`.
+/// In steady flow without hardening the hourglass mode bears what the flow rule says, however long it lasts. A unit
+/// square is sheared by g a step and bent in its plane by d = 1e-6 2/sqrt 3 at the points; stress is normal to the
+/// rates, `sig_x = (2 d - nu d) 2 tau/g`, `sig_y = (d - 2 nu d) 2 tau/g`, and the mode bears `t/(2 sqrt 3) (sig_x - nu
+/// sig_y)`.
 #[test]
 fn flow_leaves_the_modes_what_the_points_bear() {
     let (yields, t, g) = (0.25, 0.1, 1e-4);
@@ -125,7 +126,8 @@ fn three_failed_points_of_four_are_a_failed_element() {
             (v[1], v[2], w[0]) = (1e-6, 1e-6, 1e-6);
         }
         let totals = patch.step(1.0);
-        let (force, fields) = (patch.largest().0, patch.fields(0));
+        let force = (0..4).flat_map(|c| patch.corner(0, c).0).fold(0.0, |m: f64, f| m.max(f.abs()));
+        let fields = patch.fields(0);
         assert_eq!((fields.failed, force == 0.0), (failed > 2, failed > 2), "{failed} points: {force}");
         assert_eq!(patch.element.failed(patch.history.of(0)), failed > 2);
         if failed > 2 {
@@ -200,8 +202,8 @@ fn spectrum(nodes: &[[f64; 3]; 4], t: f64, nu: f64) -> (Vec<f64>, f64) {
     (all, patch.element.stable_dt(nodes))
 }
 
-/// The step is that of the highest frequency of a lone element, of any shape, or 1.05 of it (see `quad.rs`), and at nu = 0, where
-/// shear takes over, 7 % of the frequency more. All but rigid motions are resisted.
+/// The step is that of the highest frequency of a lone element, of any shape, or 1.05 of it (see `quad.rs`), and at nu
+/// = 0, where shear takes over, 7 % of the frequency more. All but rigid motions are resisted.
 #[test]
 fn the_step_is_bounded_by_the_highest_frequency() {
     let mut noise = Noise(13);
@@ -225,8 +227,8 @@ fn the_step_is_bounded_by_the_highest_frequency() {
                 if over > worst.0 {
                     worst = (over, nodes, nu, t);
                 }
-                assert!(all[6] > 1e-9 * all[23], "a motion is free: {nodes:?}, t {t}: {all:?}");
-                assert!(all[5].abs() < 1e-9 * all[23], "rigid motion is resisted: {nodes:?}: {all:?}");
+                assert!(all[6] > 1e-11 * all[23], "a motion is free: {nodes:?}, t {t}: {all:?}");
+                assert!(all[5].abs() < 1e-13 * all[23], "rigid motion is resisted: {nodes:?}: {all:?}");
             }
         }
     }
