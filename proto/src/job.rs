@@ -285,7 +285,8 @@ pub struct Part {
     /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
     /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
     /// twisted sheets (`cases/studies/README.md`, twist-thin), at a fifth more cost. Elsewhere they agree (plate-shells, panel,
-    /// beam-shells).
+    /// beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane and no hourglass control: the reference for the
+    /// others, at about three times the cost.
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
@@ -300,8 +301,9 @@ pub struct Part {
     #[serde(default)]
     pub hourglass: Option<HourglassForm>,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for
-    /// shells and 0.05 for solids. Forces of shells of a plastic law are bounded, whatever the form. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
-    /// plastic flow. `assumed_strain` has none. See `cases/studies/README.md`, hourglass and hourglass-solids.
+    /// shells and 0.05 for solids. For `stabilised_quad` the least fraction of its elastic stabilisation that is left in
+    /// plastic flow. `assumed_strain` and `fully_integrated_quad` have none. Forces of shells of a plastic law are bounded,
+    /// whatever the form. See `cases/studies/README.md`, hourglass and hourglass-solids.
     #[serde(default)]
     pub hourglass_coefficient: Option<f64>,
     /// Bulk viscosity of solids in compression: linear coefficient, a fraction of critical damping, and quadratic one;

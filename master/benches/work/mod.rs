@@ -35,6 +35,7 @@ pub struct Kernel {
 pub const KERNELS: &[Kernel] = &[
     Kernel { name: "belytschko_tsay", of: ("shells", 7220), ready: || elements("tube-crush", &[]) },
     Kernel { name: "stabilised_quad", of: ("shells", 7220), ready: || elements("tube-crush", STABILISED) },
+    Kernel { name: "fully_integrated_quad", of: ("shells", 7220), ready: || elements("tube-crush", INTEGRATED) },
     Kernel { name: "hexahedron", of: ("solids", 16_384), ready: || elements("bench/hex-bar", &[]) },
     Kernel { name: "search_cells", of: ("points", 7296), ready: || search(0) },
     Kernel { name: "search_boxes", of: ("points", 7296), ready: || search(1) },
@@ -43,6 +44,7 @@ pub const KERNELS: &[Kernel] = &[
 ];
 
 const STABILISED: &[&str] = &["part.tube.element=stabilised_quad"];
+const INTEGRATED: &[&str] = &["part.tube.element=fully_integrated_quad"];
 /// Words of a message: the corner forces of some 80 shared nodes.
 pub const MESSAGE: usize = 1000;
 /// Cycles before the first: some elements are strained and turn then.

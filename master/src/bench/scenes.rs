@@ -19,6 +19,7 @@ pub struct Scene {
 }
 
 const STABILISED: &str = "part.tube.element=stabilised_quad";
+const INTEGRATED: &str = "part.tube.element=fully_integrated_quad";
 const FINE: &str = "scene.elements=57";
 const SINGLE: &str = "elements.precision=single";
 
@@ -28,6 +29,7 @@ pub const SCENES: &[Scene] = &[
     Scene { goal_ns: 105.0, ..scene("tube", "tube-crush") },
     Scene { goal_ns: 95.0, contact: false, ..scene("tube-free", "tube-crush") },
     Scene { goal_ns: 142.0, sets: &[STABILISED], ..scene("tube-stabilised", "tube-crush") },
+    Scene { sets: &[INTEGRATED], ..scene("tube-integrated", "tube-crush") },
     Scene { workers: 2, ..scene("tube-2-workers", "tube-crush") },
     Scene { cycles: [12_000, 1000], ..scene("tube-folded", "tube-crush") },
     Scene { goal_ns: 130.0, ..fine("tube-65k", "tube-crush", &[FINE]) },

@@ -25,14 +25,18 @@ type User = (&'static str, &'static str, fn(&Part, &Used) -> bool);
 
 /// Keys of `[[part]]`, what uses them in words, and whether it is there.
 const OF_PARTS: &[User] = &[
-    ("warping", "shells with element = \"belytschko_tsay\"", |p, u| has(u, Shape::Quad4) && !stabilised(p)),
+    ("warping", "shells with element = \"belytschko_tsay\"", |p, u| has(u, Shape::Quad4) && controlled(p)),
     ("hourglass", "shells with element = \"belytschko_tsay\" and solids", |p, u| {
-        has(u, Shape::Hex8) || has(u, Shape::Quad4) && !stabilised(p)
+        has(u, Shape::Hex8) || has(u, Shape::Quad4) && controlled(p)
     }),
-    ("hourglass_coefficient", "shells, and solids without hourglass = \"assumed_strain\"", |p, u| {
-        let solids = !matches!(p.hourglass, None | Some(HourglassForm::AssumedStrain));
-        shells(u) || has(u, Shape::Hex8) && solids
-    }),
+    (
+        "hourglass_coefficient",
+        "shells with one point in their plane, and solids without hourglass = \"assumed_strain\"",
+        |p, u| {
+            let solids = !matches!(p.hourglass, None | Some(HourglassForm::AssumedStrain));
+            shells(u) && p.element.as_deref() != Some("fully_integrated_quad") || has(u, Shape::Hex8) && solids
+        },
+    ),
     ("points", "shells", |_, u| shells(u)),
     ("thinning", "shells", |_, u| shells(u)),
     ("drilling", "shells", |_, u| shells(u)),
@@ -46,8 +50,9 @@ fn shells(used: &Used) -> bool {
     has(used, Shape::Quad4) || has(used, Shape::Tri3)
 }
 
-fn stabilised(part: &Part) -> bool {
-    part.element.as_deref() == Some("stabilised_quad")
+/// Whether quads of a part have an hourglass control to be chosen.
+fn controlled(part: &Part) -> bool {
+    !matches!(part.element.as_deref(), Some("stabilised_quad" | "fully_integrated_quad"))
 }
 
 /// Tells of them. `used` are the shapes of each part of the job; what a deck says is its own business, and reported there.
@@ -104,5 +109,7 @@ mod tests {
         assert_eq!(warned(&stabilised), ["part.0.hourglass"]);
         let stabilised = ["part.one.element=stabilised_quad", "part.one.warping=true"];
         assert_eq!(warned(&stabilised), ["part.0.warping"]);
+        let full = ["part.one.element=fully_integrated_quad", "part.one.hourglass_coefficient=0.1"];
+        assert_eq!(warned(&full), ["part.0.hourglass_coefficient"]);
     }
 }

@@ -5,6 +5,7 @@
 mod beam;
 mod belytschko_tsay;
 mod c0_triangle;
+mod fully_integrated_quad;
 mod hexahedron;
 mod kinematics;
 #[cfg(test)]
@@ -229,8 +230,15 @@ pub enum Build {
 }
 
 /// Every formulation.
-pub const ELEMENTS: &[ElementRow] =
-    &[belytschko_tsay::ROW, stabilised_quad::ROW, c0_triangle::ROW, hexahedron::ROW, beam::ROW, spring::ROW];
+pub const ELEMENTS: &[ElementRow] = &[
+    belytschko_tsay::ROW,
+    stabilised_quad::ROW,
+    fully_integrated_quad::ROW,
+    c0_triangle::ROW,
+    hexahedron::ROW,
+    beam::ROW,
+    spring::ROW,
+];
 
 /// The element of a part's elements of one shape, or everything that is wrong with the part and its material.
 /// Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.

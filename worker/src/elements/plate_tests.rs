@@ -232,7 +232,7 @@ fn any_lone_element_bears_its_step_with_the_usual_safety() {
         |x| [(x[0] - 0.5) * (1.0 - 0.7 * x[1]), x[1]],
         |x| if x == [1.0, 1.0] { [0.7, 0.6] } else { x },
     ];
-    let mut worst = [("", f64::INFINITY); 3];
+    let mut worst = [("", f64::INFINITY); FORMULATIONS.len()];
     for ratio in [1.0, 2.0, 5.0, 20.0] {
         for shear in &shears {
             for nu in [0.0, 0.3, 0.49] {

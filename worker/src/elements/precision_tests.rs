@@ -1,7 +1,7 @@
 //! Single precision against double: forces, energies, steps, laws, and what may not be lost.
 
 use super::solid_testing::{Solids, solids};
-use super::testing::{BOTH, E, Noise, Patch, YIELD, laws, material, part, shells, steel};
+use super::testing::{BOTH, E, FORMULATIONS, Noise, Patch, YIELD, laws, material, part, shells, steel};
 use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::partition::Param;
 
@@ -10,10 +10,9 @@ use crumple_proto::partition::Param;
 #[test]
 fn shells_give_nearly_the_forces_of_double_precision() {
     for steel in laws() {
-        for kind in 0..3 {
+        for kind in 0..FORMULATIONS.len() {
             let ends = BOTH.map(|precision| {
-                let [a, b, c] = shells(precision, &steel, [0.0; 3]);
-                let mut patch = [a, b, c].into_iter().nth(kind).unwrap();
+                let mut patch = shells(precision, &steel, [0.0; 3]).into_iter().nth(kind).unwrap();
                 let (mut noise, mut energy) = (Noise(11), [0.0; 2]);
                 for _ in 0..60 {
                     for (v, w) in patch.v.iter_mut().zip(&mut patch.w) {

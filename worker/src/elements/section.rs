@@ -14,7 +14,7 @@ use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, failed_column};
+use super::{ElementFields, failed_column, let_go};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -40,6 +40,8 @@ pub struct Section {
     pub thickness: f64,
     /// Points through the thickness.
     pub points: usize,
+    /// Points in the plane of an element; each has columns of its own.
+    planar: usize,
     /// Hourglass coefficient.
     pub hourglass_coefficient: f64,
     zeta: [f64; MAX_POINTS],
@@ -127,6 +129,7 @@ impl Section {
             elastic,
             thickness: part.thickness,
             points: part.points,
+            planar: 1,
             hourglass_coefficient: r,
             zeta,
             weight,
@@ -138,14 +141,24 @@ impl Section {
         })
     }
 
+    /// The same section at so many points in the plane of an element.
+    pub fn at_points(self, planar: usize) -> Self {
+        Self { planar, ..self }
+    }
+
     /// Columns that the section needs of an element's history; an element's own come after them.
     pub fn columns(&self) -> usize {
+        self.planar * self.each()
+    }
+
+    /// Columns of one point in the plane.
+    pub fn each(&self) -> usize {
         POINTS + self.points * self.stride
     }
 
     /// Thickness; all else is nought at the start.
     pub fn start(&self, history: &mut [f64]) {
-        history[THICKNESS] = self.thickness;
+        (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = self.thickness);
     }
 
     /// Current thickness [length].
@@ -156,7 +169,8 @@ impl Section {
 
     /// Whether all but the thickness is nought.
     pub fn is_unstrained(&self, history: State<'_>) -> bool {
-        history.is_nought_but(THICKNESS)
+        let (each, all) = (self.each(), self.columns());
+        history.is_nought_where(|column| column >= all || column % each != THICKNESS)
     }
 
     /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
@@ -232,15 +246,18 @@ impl Section {
     }
 
     /// Flow stress of the section [force/length^2], for bounds on forces that the points do not see: the root mean
-    /// square of the von Mises stress over the thickness, but at least the yield stress at no plastic strain. `None` if
-    /// the law never flows.
+    /// square of the von Mises stress over all points, but at least the yield stress at no plastic strain. `None` if the
+    /// law never flows.
     #[inline(always)]
     pub fn flow_stress<R: Real, const N: usize>(&self, history: &[R]) -> Option<R> {
         self.plastic_strain?;
         let mut mean_square = R::zero();
-        for k in 0..N {
-            let square = von_mises_squared(&history[POINTS + k * self.stride..]);
-            mean_square = R::splat(0.5 * self.weight[k]).mul_add(square, mean_square);
+        let share = 0.5 / self.planar as f64;
+        for section in history[..self.columns()].chunks_exact(self.each()) {
+            for k in 0..N {
+                let square = von_mises_squared(&section[POINTS + k * self.stride..]);
+                mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
+            }
         }
         Some(Real::max(mean_square.sqrt(), R::splat(self.law.initial_yield_stress())))
     }
@@ -292,6 +309,28 @@ impl Section {
         Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
     }
 
+    /// Where the points through the thickness have failed at all but one of the points in the plane, lets the last ones fail too;
+    /// lanes where that is so, `None` if the law never fails. What one point bears holds no shape.
+    #[inline(always)]
+    pub fn fail_with_the_last<R: Real>(&self, history: &mut [R]) -> Option<R::Mask> {
+        let column = self.failed?;
+        let (each, one) = (self.each(), R::splat(1.0));
+        let mut gone = R::zero();
+        for point in history[..self.columns()].chunks_exact(each) {
+            gone += R::select(self.failed_lanes(point)?, one, R::zero());
+        }
+        let failed = gone.gt(R::splat(self.planar as f64 - 1.5));
+        for point in history[..self.columns()].chunks_exact_mut(each) {
+            let_go(failed, &mut point[SHEAR..POINTS]);
+            for k in 0..self.points {
+                let point = &mut point[POINTS + k * self.stride..][..self.stride];
+                let_go(failed, &mut point[..3]);
+                point[column] = R::select(failed, one, point[column]);
+            }
+        }
+        Some(failed)
+    }
+
     /// Whether its law can fail.
     pub fn can_fail(&self) -> bool {
         self.failed.is_some()
@@ -299,8 +338,9 @@ impl Section {
 
     /// Whether all points of one element have failed.
     pub fn has_failed(&self, history: State<'_>) -> bool {
-        let mark = |k: usize, column: usize| history.at(POINTS + k * self.stride + column);
-        self.failed.is_some_and(|column| (0..self.points).all(|k| mark(k, column) > 0.5))
+        let each = self.each();
+        let mark = |p: usize, k: usize, column: usize| history.at(p * each + POINTS + k * self.stride + column);
+        self.failed.is_some_and(|column| (0..self.planar).all(|p| (0..self.points).all(|k| mark(p, k, column) > 0.5)))
     }
 
     /// Whether the strain increments at both faces are those of a healthy step (false if not a number).
@@ -314,20 +354,24 @@ impl Section {
         R::both(direct.le(R::splat(STRAIN_LIMIT)), shear.le(R::splat(STRAIN_LIMIT)))
     }
 
-    /// Fields of one element; `axes` are its e1, e2 and normal.
+    /// Fields of one element, stress and thickness as means of its points in the plane; `axes` are its e1, e2 and normal.
     pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
-        let at = |column: usize| history.at(column);
-        let point = |k: usize, c: usize| at(POINTS + k * self.stride + c);
+        let mean = |column: usize| {
+            let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
+            values.sum::<f64>() / self.planar as f64
+        };
         let (mut von_mises, mut plastic_strain) = (0.0_f64, 0.0_f64);
-        for k in 0..self.points {
-            let [x, y, t] = [0, 1, 2].map(|c| point(k, c));
+        for (p, k) in (0..self.planar).flat_map(|p| (0..self.points).map(move |k| (p, k))) {
+            let point = |c: usize| history.at(p * self.each() + POINTS + k * self.stride + c);
+            let [x, y, t] = [0, 1, 2].map(point);
             von_mises = von_mises.max((x * x + y * y - x * y + 3.0 * t * t).sqrt());
-            plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, |c| point(k, c)));
+            plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, point));
         }
         // The middle point, or the mean of the two beside the middle.
+        let layer = |k: usize, c: usize| mean(POINTS + k * self.stride + c);
         let (below, above) = ((self.points - 1) / 2, self.points / 2);
-        let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (point(below, c) + point(above, c)));
-        let (xz, yz) = (at(SHEAR), at(SHEAR + 1));
+        let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
+        let (xz, yz) = (mean(SHEAR), mean(SHEAR + 1));
         let local = [[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]];
         let global = |i: usize, j: usize| -> f64 {
             (0..3).map(|a| (0..3).map(|b| axes[a][i] * local[a][b] * axes[b][j]).sum::<f64>()).sum()
@@ -336,7 +380,7 @@ impl Section {
             plastic_strain,
             stress: [global(0, 0), global(1, 1), global(2, 2), global(0, 1), global(1, 2), global(2, 0)],
             von_mises,
-            thickness: at(THICKNESS),
+            thickness: mean(THICKNESS),
             failed: self.has_failed(history),
         }
     }

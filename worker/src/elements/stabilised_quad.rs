@@ -73,21 +73,21 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
 }
 
 /// What the stabilisation needs of the shape.
-struct Slopes<R> {
+pub struct Slopes<R> {
     /// -4 dx/dxi and -4 dx/deta [length].
-    p: [R; 2],
-    q: [R; 2],
+    pub p: [R; 2],
+    pub q: [R; 2],
     /// 1/A, and X, Y [1/length].
-    inv_a: R,
-    to_xi: [R; 2],
-    to_eta: [R; 2],
+    pub inv_a: R,
+    pub to_xi: [R; 2],
+    pub to_eta: [R; 2],
     /// 3 A times J: xx, yy, xy [length^2].
-    j: [R; 3],
+    pub j: [R; 3],
 }
 
 impl<R: Real> Slopes<R> {
     #[inline(always)]
-    fn new(g: &Geometry<R>) -> Self {
+    pub fn new(g: &Geometry<R>) -> Self {
         let p = [g.x[0] - g.x[1], g.y[0] - g.y[1]];
         let q = [g.x[0] + g.x[1], g.y[0] + g.y[1]];
         let inv_a = g.inv_2a + g.inv_2a;
@@ -105,7 +105,7 @@ impl<R: Real> Slopes<R> {
 
 /// Scalar product in the plane.
 #[inline(always)]
-fn dot2<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+pub fn dot2<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 

@@ -36,11 +36,11 @@ pub const YIELD: f64 = 0.25;
 pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
 
 /// Formulations, and whether they are of triangles.
-pub const FORMULATIONS: [(&str, bool); 3] =
-    [("belytschko_tsay", false), ("stabilised_quad", false), ("c0_triangle", true)];
+pub const FORMULATIONS: [(&str, bool); 4] =
+    [("belytschko_tsay", false), ("stabilised_quad", false), ("fully_integrated_quad", false), ("c0_triangle", true)];
 
 /// Those of quads.
-pub const QUADS: [&str; 2] = [FORMULATIONS[0].0, FORMULATIONS[1].0];
+pub const QUADS: [&str; 3] = [FORMULATIONS[0].0, FORMULATIONS[1].0, FORMULATIONS[2].0];
 
 /// A part with the usual options of one formulation.
 pub fn part_of(element: &str, thickness: f64) -> Part {
@@ -328,7 +328,7 @@ pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
 }
 
 /// Shells of every formulation.
-pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3] {
+pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4] {
     let (nodes, quads) = grid(5, 3, 5.0, 3.0);
     let mut noise = Noise(5);
     let moved = |x: &[f64; 3]| std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next());
@@ -338,6 +338,7 @@ pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 3
     [
         Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),
         Patch::in_precision(precision, of("stabilised_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("fully_integrated_quad"), steel.clone(), &nodes, &quads),
         Patch::in_precision(precision, base.clone(), steel.clone(), &nodes, &triangles(&quads)),
     ]
 }

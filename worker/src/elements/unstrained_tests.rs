@@ -1,7 +1,7 @@
 //! Elements at rest or in uniform flight, whose forces are not computed: the same bits as if they were.
 
 use super::solid_testing::{Solids, solids};
-use super::testing::{BOTH, Patch, laws, lay, shells};
+use super::testing::{BOTH, FORMULATIONS, Patch, laws, lay, shells};
 use super::{Element, PassTotals};
 use crate::columns::Columns;
 use crumple_proto::job::{HourglassForm, Precision};
@@ -111,7 +111,7 @@ fn follow([mut left_out, mut computed]: [Box<dyn Mesh>; 2], (kick, component): (
 }
 
 fn fresh_shells(precision: Precision, law: &Material, kind: usize) -> Box<dyn Mesh> {
-    Box::new(shells(precision, law, [3.0, 100.0, -7.0]).into_iter().nth(kind).expect("one of three"))
+    Box::new(shells(precision, law, [3.0, 100.0, -7.0]).into_iter().nth(kind).expect("one of them"))
 }
 
 /// Their first volume is still to be found.
@@ -126,7 +126,7 @@ const FORMS: [HourglassForm; 3] = [HourglassForm::Stiffness, HourglassForm::Visc
 #[test]
 fn every_law_in_every_element_keeps_its_bits() {
     for (precision, law) in BOTH.into_iter().flat_map(|precision| laws().into_iter().map(move |law| (precision, law))) {
-        for kind in 0..3 {
+        for kind in 0..FORMULATIONS.len() {
             let meshes = [0; 2].map(|_| fresh_shells(precision, &law, kind));
             follow(meshes, (Kick::Move(0), 1), &format!("{precision:?} {} shell {kind}", law.law));
         }
@@ -142,7 +142,7 @@ fn whatever_any_corner_does_is_seen() {
     let elastic = &laws()[0];
     for component in 0..3 {
         let kicks = (0..4).flat_map(|corner| [Kick::Move(corner), Kick::Turn(corner)]).chain([Kick::TurnAll]);
-        for (kick, kind) in kicks.flat_map(|kick| (0..3).map(move |kind| (kick, kind))) {
+        for (kick, kind) in kicks.flat_map(|kick| (0..FORMULATIONS.len()).map(move |kind| (kick, kind))) {
             let meshes = [0; 2].map(|_| fresh_shells(Precision::Double, elastic, kind));
             follow(meshes, (kick, component), &format!("shell {kind}"));
         }
