@@ -89,8 +89,7 @@ impl Agreement {
         clock: &Clock,
         settings: &Settings,
     ) -> Result<(), Lost> {
-        let scaled = || blocks.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
-        let stable_dt = if blocks.mass_scaled { scaled() } else { known.totals.stable_dt };
+        let stable_dt = blocks.stable_step(nodes, known.totals.stable_dt);
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
         let culprit = known.totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);

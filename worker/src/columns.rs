@@ -2,6 +2,7 @@
 
 use crate::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
 use crumple_proto::job::Precision;
+use std::ops::Range;
 
 /// Columns in lanes of one kind.
 #[derive(Clone)]
@@ -89,9 +90,9 @@ impl State<'_> {
         }
     }
 
-    /// Whether there is nought in all but this one.
-    pub fn is_nought_but(&self, column: usize) -> bool {
-        (0..self.columns.each).all(|c| c == column || self.at(c) == 0.0)
+    /// Whether there is nought in all but these.
+    pub fn is_nought_but(&self, columns: Range<usize>) -> bool {
+        (0..self.columns.each).all(|c| columns.contains(&c) || self.at(c) == 0.0)
     }
 
     /// All of them.
