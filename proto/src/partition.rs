@@ -136,6 +136,8 @@ pub struct ElementRecord {
     pub failed: bool,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
+    /// Fraction of its mass that its stable step counts on: springs and ties that share its nodes count on the rest.
+    pub share: f64,
     /// Whether it is computed in the first cycle of an outer step only, see [`Settings::subcycles`].
     pub slow: bool,
     /// Stable step that the masses of its nodes leave an element that has none, before the safety factor; infinite for

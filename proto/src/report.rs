@@ -114,6 +114,8 @@ pub struct HistoryPart {
     pub controlling_dt: f64,
     /// Element that has it.
     pub controlling: Option<ElemId>,
+    /// Step that contact leaves, for nothing to pass through what it meets, before the safety factor; all workers know it alike [time].
+    pub contact_dt: f64,
     /// What else is recorded.
     pub shares: Shares,
 }

@@ -11,12 +11,15 @@ use crate::time::Clock;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
 use crumple_proto::transport::{Lost, MaxReduction, Transport};
+use std::ops::Range;
 
 /// What workers agree on in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreed {
     /// Smallest stable step of all elements, or less if contact surfaces would pass through each other in it [time].
     pub stable_dt: f64,
+    /// What contact leaves of it, infinite where nothing can pass anything [time].
+    pub contact_dt: f64,
     /// Element that is in trouble, the first by id if there are several; by place in a mesh that was numbered anew.
     pub trouble: Option<ElemId>,
     /// Last order that some worker has seen.
@@ -43,6 +46,17 @@ pub struct Known {
     /// Largest velocity components of the nodes of contact surfaces, then the largest of their negatives; minus
     /// infinity without any [length/time].
     pub velocities: [f64; 6],
+    /// [`Contact::approach`](crate::contact::Contact::approach) of the step before [1/time].
+    pub approach: f64,
+}
+
+/// What of the contact surface limits the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The smallest scale of a segment, infinite without contact [length].
+    pub thinnest: f64,
+    /// How far global searches look ahead, 0 before the first [length].
+    pub skin: f64,
 }
 
 /// The maximum that is under way, and what this worker puts into it.
@@ -53,10 +67,16 @@ pub struct Agreement {
     pub order: u64,
     /// Relative motion that this worker last saw.
     pub urgency: f64,
+    /// Steps that elements and contact left when all last agreed; as [`Agreed`] [time].
+    pub elements_dt: f64,
+    /// See `elements_dt`.
+    pub contact_dt: f64,
 }
 
-/// Step, trouble, order, urgency, failure, check-in, and the range of the velocities of what can touch.
-pub const WORDS: usize = 12;
+/// Step, trouble, order, urgency, failure, check-in, the range of the velocities of what can touch, and how fast what is near passes.
+pub const WORDS: usize = 13;
+const VELOCITIES: Range<usize> = 6..12;
+const APPROACH: usize = 12;
 
 /// Ids count downwards from here, so that the lowest wins a maximum. They travel as the bits of a float: those of positive
 /// ones are in the order of their values.
@@ -73,7 +93,8 @@ fn of_float(float: f64) -> ElemId {
 impl Agreement {
     /// Nothing agreed yet.
     pub fn new() -> Self {
-        Self { reduction: MaxReduction::new(WORDS), order: 0, urgency: 0.0 }
+        let (elements_dt, contact_dt) = (f64::INFINITY, f64::INFINITY);
+        Self { reduction: MaxReduction::new(WORDS), order: 0, urgency: 0.0, elements_dt, contact_dt }
     }
 
     /// Puts in what this worker knows after its element forces.
@@ -89,8 +110,7 @@ impl Agreement {
         clock: &Clock,
         settings: &Settings,
     ) -> Result<(), Lost> {
-        let scaled = || blocks.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
-        let stable_dt = if blocks.mass_scaled { scaled() } else { known.totals.stable_dt };
+        let stable_dt = blocks.stable_step(nodes, known.totals.stable_dt);
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
         let culprit = known.totals.trouble.map(|i| blocks.elements[i].record.id).or_else(smallest);
@@ -99,20 +119,23 @@ impl Agreement {
         let mut words = [0.0; WORDS];
         let eroded = f64::from(known.eroded);
         words[..6].copy_from_slice(&[-step, trouble, self.order as f64, self.urgency, eroded, known.parted]);
-        words[6..].copy_from_slice(&known.velocities);
+        words[VELOCITIES].copy_from_slice(&known.velocities);
+        words[APPROACH] = known.approach;
         self.reduction.begin(wire, &words)
     }
 
-    /// What all agree on; `thinnest` is the smallest scale of a contact surface [length].
+    /// What all agree on.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn finish(&mut self, wire: &mut dyn Transport, thinnest: f64) -> Result<Agreed, Lost> {
+    pub fn finish(&mut self, wire: &mut dyn Transport, limits: Limits) -> Result<Agreed, Lost> {
         let max = self.reduction.finish(wire)?;
         let trouble = (max[1] > 0.0).then(|| of_float(max[1]));
-        let spread = spread(&max[6..]);
+        let spread = spread(&max[VELOCITIES]);
+        (self.elements_dt, self.contact_dt) = (-max[0], contact_dt(spread, max[APPROACH], limits));
         Ok(Agreed {
-            stable_dt: (-max[0]).min(contact_dt(spread, thinnest)),
+            stable_dt: self.elements_dt.min(self.contact_dt),
+            contact_dt: self.contact_dt,
             trouble,
             order: max[2] as u64,
             urgency: max[3],
@@ -135,17 +158,29 @@ impl Agreement {
     ) -> Result<f64, Lost> {
         let mut words = [0.0; WORDS];
         words[0] = -stable_dt;
-        words[6..].copy_from_slice(&velocities);
+        words[VELOCITIES].copy_from_slice(&velocities);
         self.reduction.begin(wire, &words)?;
         let max = self.reduction.finish(wire)?;
-        Ok((-max[0]).min(contact_dt(spread(&max[6..]), thinnest)))
+        let limits = Limits { thinnest, skin: 0.0 };
+        (self.elements_dt, self.contact_dt) = (-max[0], contact_dt(spread(&max[VELOCITIES]), 0.0, limits));
+        Ok(self.elements_dt.min(self.contact_dt))
     }
 }
 
-/// Step in which no two nodes of contact surfaces come nearer to each other than by the smallest sum of two scales: what
-/// is about to touch is then seen before it is through (the reach of the local search is half as much again) [time].
-fn contact_dt(spread: f64, thinnest: f64) -> f64 {
-    if spread > 0.0 { 2.0 * thinnest / spread } else { f64::INFINITY }
+/// Part of the skin of searches by which two nodes come nearer in a step at most, for what is near to be known in time:
+/// [`STEPS`](crate::contact::approach::STEPS) of them, each as long as the list of near candidates provides for, in half of the skin;
+/// and velocities may grow by a fifth meanwhile.
+const OF_SKIN: f64 = 0.5 / (2.0 * crate::contact::approach::STEPS * 1.2);
+
+/// Step in which nothing is through what it meets before it is seen: no two nodes of contact surfaces come nearer to each other than by
+/// the smallest sum of two scales (the reach of the local search is half as much again); or, if that is longer, no two that are near
+/// than by the sum of their own ones, `approach` being the largest rate, and others no more than searches look ahead [time].
+fn contact_dt(spread: f64, approach: f64, limits: Limits) -> f64 {
+    if spread <= 0.0 {
+        return f64::INFINITY;
+    }
+    let near = if approach > 0.0 { 1.0 / approach } else { f64::INFINITY };
+    (2.0 * limits.thinnest / spread).max(near.min(OF_SKIN * limits.skin / spread))
 }
 
 /// Largest difference of two velocities within a range as in [`Known::velocities`], 0 without any [length/time].
@@ -163,6 +198,19 @@ impl Default for Agreement {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One fast fragment and one foil do not set the step unless they are near each other.
+    #[test]
+    fn the_step_goes_by_what_is_near() {
+        let limits = Limits { thinnest: 0.01, skin: 1.0 };
+        let step = |spread: f64, approach: f64, limits: Limits| contact_dt(spread, approach, limits);
+        assert_eq!(step(0.0, 0.0, limits), f64::INFINITY);
+        assert_eq!(step(2.0, 0.0, Limits { skin: 0.0, ..limits }), 0.01, "before the first search");
+        assert_eq!(step(2.0, 0.0, limits), 0.5 * OF_SKIN, "nothing near");
+        assert_eq!(step(2.0, 50.0, limits), 0.02, "a near pair");
+        assert_eq!(step(2.0, 100.0, limits), 0.01, "the fastest and the thinnest are that pair");
+        assert_eq!(step(2.0, 0.0, Limits { thinnest: 0.5, ..limits }), 0.5, "a skin that is little beside the scales");
+    }
 
     #[test]
     fn of_ids_as_floats_the_first_is_the_largest() {

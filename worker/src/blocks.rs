@@ -64,7 +64,9 @@ pub struct Blocks {
     /// Stable step of own elements without mass, whose kernels do not know it [time].
     massless_dt: f64,
     /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
-    pub mass_scaled: bool,
+    mass_scaled: bool,
+    /// Own elements, by block and place, that count on less than their mass: their stable step is shorter than the kernels'.
+    weak: Vec<[usize; 2]>,
     /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless histories ask for it
     /// [energy].
     pub by_part: Vec<[f64; 2]>,
@@ -136,7 +138,17 @@ impl Blocks {
             blocks.push(Block::new(settings, run, &histories[first..first + run.len()], [first, base]));
             first += run.len();
         }
+        let is_weak = |block: usize, i: &usize| {
+            let record = &elements[blocks[block].first + i].record;
+            record.share < 1.0 && !record.failed && !blocks[block].idle
+        };
+        let weak = (0..blocks.len()).flat_map(|block| {
+            let places = (0..blocks[block].count).filter(move |i| is_weak(block, i));
+            places.map(move |i| [block, i])
+        });
+        let weak = weak.collect();
         let mut all = Self {
+            weak,
             mass_scaled: elements
                 .iter()
                 .any(|e: &LocalElement| e.record.mass_factor != 1.0 && !is_idle(settings, e.record.part)),
@@ -337,6 +349,18 @@ impl Blocks {
         }
     }
 
+    /// Lets fresh elements know the shape that their masses go by.
+    pub fn measure(&mut self, nodes: &Nodes) {
+        for b in &mut self.blocks {
+            for place in 0..b.unstrained.len() * b.lanes() {
+                let e = &self.elements[b.first + place.min(b.count - 1)];
+                let mut history = b.history.of(place).to_vec();
+                b.element.measure(&mut history, &e.nodes.map(|n| xyz(&nodes.x0[n as usize])));
+                b.history.set(place, &history);
+            }
+        }
+    }
+
     /// Puts the corner masses and inertias of own elements at initial coordinates into the corner slots.
     pub fn lay_masses(&mut self, nodes: &Nodes) {
         let slots = self.first_slots();
@@ -370,24 +394,37 @@ impl Blocks {
     /// its stable step, by the cycles of an outer step if it is slow.
     /// An element whose step is not a number comes first, with a step of 0.
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
-        let step = |b: &Block, e: &LocalElement| {
-            let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
-            let dt = if dt.is_nan() { 0.0 } else { dt * e.record.mass_factor.sqrt() };
-            (dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles), e.record.id)
-        };
         let of_block = |b: &Block| {
-            let own = self.elements[b.first..b.first + b.count].iter();
-            own.filter(|e| !e.record.failed).map(|e| step(b, e)).collect::<Vec<_>>()
+            let own = (0..b.count).filter(|i| !self.elements[b.first + i].record.failed);
+            own.map(|i| (self.step_of(b, i, nodes), self.elements[b.first + i].record.id)).collect::<Vec<_>>()
         };
         self.blocks.iter().filter(|b| !b.idle).flat_map(of_block).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    }
+
+    /// Step that the element at place `i` of a block leaves, 0 if it is not a number.
+    fn step_of(&self, b: &Block, i: usize, nodes: &Nodes) -> f64 {
+        let e = &self.elements[b.first + i];
+        let dt = b.element.stable_dt_now(b.state(i), &e.nodes.map(|n| xyz(&nodes.x[n as usize])));
+        let dt = if dt.is_nan() { 0.0 } else { dt * (e.record.mass_factor * e.record.share).sqrt() };
+        dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles)
+    }
+
+    /// Smallest step that own elements leave, when a pass over them has told `of_kernels`: these know neither of mass scaling nor of
+    /// what shares the masses of nodes.
+    pub fn stable_step(&self, nodes: &Nodes, of_kernels: f64) -> f64 {
+        if self.mass_scaled {
+            return self.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
+        }
+        let weak = self.weak.iter().map(|&[block, i]| self.step_of(&self.blocks[block], i, nodes));
+        weak.fold(of_kernels, f64::min)
     }
 
     /// What is wrong with an own element, and what to try; `None` for another worker's.
     pub fn diagnose(&self, nodes: &Nodes, id: ElemId, safety: f64, first_dt: f64) -> Option<String> {
         let i = self.elements.iter().position(|e| e.record.id == id)?;
         let (b, e) = (self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?, &self.elements[i]);
-        let dt = b.element.stable_dt(&e.nodes.map(|n| xyz(&nodes.x[n as usize])));
-        let dt = dt * e.record.mass_factor.sqrt() / cycles_of(&e.record, self.subcycles);
+        let dt = b.element.stable_dt_now(b.state(i - b.first), &e.nodes.map(|n| xyz(&nodes.x[n as usize])));
+        let dt = dt * (e.record.mass_factor * e.record.share).sqrt() / cycles_of(&e.record, self.subcycles);
         let what = if dt.is_nan() {
             "is inverted, or its coordinates are no numbers".to_string()
         } else if safety * dt < 0.5 * first_dt {

@@ -89,12 +89,7 @@ impl State<'_> {
         }
     }
 
-    /// Whether there is nought in all but this one.
-    pub fn is_nought_but(&self, column: usize) -> bool {
-        self.is_nought_where(|c| c != column)
-    }
-
-    /// Whether there is nought in those for which `which` holds.
+    /// Whether those for which `which` holds are zero.
     pub fn is_nought_where(&self, which: impl Fn(usize) -> bool) -> bool {
         (0..self.columns.each).all(|c| !which(c) || self.at(c) == 0.0)
     }

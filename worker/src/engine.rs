@@ -359,6 +359,7 @@ impl Engine {
             penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map(|s| s.1),
+            contact_dt: self.agreement.contact_dt,
             shares: self.histories.shares(self, ended),
         };
         self.clock.rows += 1;

@@ -113,6 +113,7 @@ pub fn settle(wire: &mut dyn Transport, settings: &Settings, share: Share, fresh
     let mut surface = settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, &nodes, &parts));
     let mut halo = link_corners(wire, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
+        blocks.measure(&nodes);
         blocks.lay_masses(&nodes);
         halo.send_corners(wire, &blocks, true)?;
         halo.recv_corners(wire, &mut blocks, true)?;

@@ -24,6 +24,7 @@ struct WireElement {
     free_faces: u16,
     nodes: CornerNodes,
     mass_factor: f64,
+    share: f64,
     stable_dt: f64,
     columns: u64,
 }
@@ -130,6 +131,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8 | u16::from(e.slow) << 9,
         nodes: e.nodes,
         mass_factor: e.mass_factor,
+        share: e.share,
         stable_dt: e.stable_dt,
         columns: history.len() as u64,
     };
@@ -152,6 +154,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
             failed: e.free_faces >> 8 & 1 == 1,
             slow: e.free_faces >> 9 & 1 == 1,
             mass_factor: e.mass_factor,
+            share: e.share,
             stable_dt: e.stable_dt,
         };
         into.push((record, history.iter().map(|&h| f64::from_bits(h)).collect()));
@@ -207,6 +210,7 @@ mod tests {
             failed: part == 5,
             slow: id == 3 || id == 7,
             mass_factor: 1.0 + 0.1 * id as f64,
+            share: 1.0 / (1.0 + 0.1 * id as f64),
             stable_dt: if part == 2 { f64::INFINITY } else { 0.3 },
         };
         let sent = vec![

@@ -1,6 +1,6 @@
 //! THE TIME STEP. Start reading here.
 
-use crate::agreement::Known;
+use crate::agreement::{Known, Limits};
 use crate::energy::Work;
 use crate::engine::{Agreed, Engine, Phase};
 use crate::erosion;
@@ -43,7 +43,8 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     timer.lap(Phase::Elements);
     let eroded = clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
     let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
-    let known = Known { totals, eroded, parted: halo.parted(), velocities };
+    let approach = contact.as_ref().map_or(0.0, |c| c.approach);
+    let known = Known { totals, eroded, parted: halo.parted(), velocities, approach };
     engine.agreement.begin(wire, blocks, nodes, &known, clock, settings)?;
     halo.recv_corners(wire, blocks, all)?;
     timer.lap(Phase::Halo);
@@ -65,7 +66,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
             timer.lap(Phase::Halo);
         }
-        contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt);
+        contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt, engine.agreement.elements_dt);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);
         timer.lap(Phase::Local);
@@ -100,7 +101,9 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     ledger.book_external(loads.work(nodes, steps, all) + led + on_bodies.external);
 
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
-    let agreed = engine.agreement.finish(wire, thinnest)?;
+    // In the first cycle nothing is known yet of what is near.
+    let skin = settings.contact.as_ref().filter(|_| clock.cycle > 0).map_or(0.0, |c| c.skin);
+    let agreed = engine.agreement.finish(wire, Limits { thinnest, skin })?;
     halo.follow(clock.last_dt * agreed.spread, agreed.check_in);
     timer.lap(Phase::Halo);
     if agreed.trouble.is_none() {

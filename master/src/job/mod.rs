@@ -428,6 +428,7 @@ impl Model {
             free_faces: free[i],
             failed: false,
             mass_factor: self.elements.mass_factor[i],
+            share: self.elements.share[i],
             slow: self.elements.slow.get(i).is_some_and(|&slow| slow),
             stable_dt: self.elements.massless_dt(i),
         };

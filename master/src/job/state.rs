@@ -51,6 +51,8 @@ pub struct ElementStart {
     pub mass: Vec<f64>,
     /// Factor on its density by mass scaling, or by the mass that is given to a rigid body.
     pub mass_factor: Vec<f64>,
+    /// Fraction of its mass that its step counts on, below 1 where springs and ties count on the rest.
+    pub share: Vec<f64>,
     /// Stable step with mass scaling, before the safety factor; infinite where rigid or a skin [time].
     pub stable_dt: Vec<f64>,
     /// Whether it is computed in the first cycle of an outer step only; empty without subcycles.
@@ -199,6 +201,7 @@ pub fn elements(
         let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
         start.part.push(part as u32);
         start.mass.push(mass);
+        start.share.push(1.0);
         let idle = rigid.is_some() || settings.parts[part].skin;
         start.mass_factor.push(if idle { 1.0 } else { factor });
         start.stable_dt.push(if idle { f64::INFINITY } else { dt * factor.sqrt() });

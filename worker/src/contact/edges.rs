@@ -17,6 +17,7 @@
 //! An edge that slides along a row of edges keeps what the pair with the last one had. That may have belonged to another
 //! worker, so pairs that are known here are remembered, not only own ones.
 
+use crate::contact::approach;
 use crate::contact::geometry::{Passing, V3, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
@@ -213,6 +214,17 @@ impl Edges {
         });
         let all = &self.all;
         self.candidates.sort_unstable_by_key(|c| c.map(|i| all[i as usize].ids(nodes)));
+    }
+
+    /// As [`approach::rate`] of all candidates: what counts is near by the boxes around both edges [1/time].
+    pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, dt: f64) -> f64 {
+        let rate = |[a, b]: [&Edge; 2]| {
+            let scale = [a, b].iter().map(|e| surface.segments[e.segments[0] as usize].scale).sum::<f64>();
+            let speed = approach::speed(nodes, &a.nodes, &b.nodes);
+            let near = a.bounds(&nodes.x).grown(REACH * scale + approach::STEPS * dt * speed);
+            if near.touches(&b.bounds(&nodes.x)) { speed / scale } else { 0.0 }
+        };
+        self.candidates.iter().map(|c| rate(c.map(|i| &self.all[i as usize]))).fold(0.0, f64::max)
     }
 
     /// A node of the slave and a segment that has the other edge, for each candidate.

@@ -7,6 +7,7 @@
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
+pub mod approach;
 mod close;
 pub mod crossing;
 pub mod edges;
@@ -88,6 +89,8 @@ pub struct Contact {
     pub capped: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
     pub penetration: f64,
+    /// Largest rate at which something near passed what it could meet in the last step, where that may limit the step [1/time].
+    pub approach: f64,
 }
 
 /// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
@@ -131,6 +134,7 @@ impl Contact {
             sweeps: 0,
             capped: 0,
             penetration: 0.0,
+            approach: 0.0,
         }
     }
 
@@ -219,18 +223,41 @@ impl Contact {
         Exchange::of(self.law.as_ref(), sweeps, quiet)
     }
 
-    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's.
-    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, dt: f64) {
+    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's. Finds
+    /// [`Self::approach`] too; `stable` is the step that elements leave [time].
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, dt: f64, stable: f64) {
+        let spread = spread(&nodes.next_v);
+        // Else no two nodes pass the thinnest of segments in a step of elements.
+        let fast = stable * spread > self.surface.thinnest;
+        self.refresh(nodes, joined, dt * spread, fast);
+        self.approach = if fast { self.approach_rate(nodes, dt) } else { 0.0 };
+    }
+
+    /// Largest rate at which something near passes what it could meet [1/time].
+    fn approach_rate(&self, nodes: &Nodes, dt: f64) -> f64 {
+        let s = &self.surface;
+        let of_slave = |(i, &slave): (usize, &u32)| {
+            let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+            found.iter().map(|&g| approach::rate(nodes, s, slave, &s.segments[g as usize], dt)).fold(0.0, f64::max)
+        };
+        let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
+        of_nodes.max(self.edges.approach_rate(nodes, s, dt))
+    }
+
+    fn refresh(&mut self, nodes: &Nodes, joined: Joined<'_>, step: f64, fast: bool) {
         let fresh = !self.candidate_start.is_empty();
         let moved = if fresh { 2.0 * self.since_close.update(&nodes.x).residual } else { 0.0 };
-        let step = dt * spread(&nodes.next_v);
-        if fresh && moved <= self.close.skin && step <= self.close.step {
+        // What comes near in the next steps has to be known, unless that is so much that the step goes by the whole surface.
+        let ahead = approach::STEPS * (2.0 * step).max(self.close.step);
+        let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
+        let used_up = self.moved + moved + ahead > self.skin;
+        if fresh && moved <= self.close.skin && step <= self.close.step && !used_up {
             return;
         }
         self.since_close.restart(&nodes.x, Vec::new());
         self.moved += moved;
         let spheres: Vec<Sphere> = self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
-        if !fresh || self.moved + self.close.skin > self.skin {
+        if !fresh || self.moved + self.close.skin + ahead > self.skin {
             self.search(nodes, &spheres, joined);
             self.moved = 0.0;
         }

@@ -21,7 +21,8 @@
 //! `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
 //!
 //! Stable step with masses m/2 and inertias J at the ends: axial `w^2 = 4 E/(rho L^2)`, bending of both ends alike
-//! `w^2 = 6 E I/L (1/J + 8/(m L^2))`, which is above that of ends that bend against each other, and twist `w^2 = 2 G J_t/(L J)`.
+//! `w^2 = 6 E I/L (1/J + 8/(m L^2))`, which is above that of ends that bend against each other, and twist `w^2 = 2 G J_t/(L J)`;
+//! with the length at the start, or the present one where that is shorter.
 
 mod section;
 #[cfg(test)]
@@ -350,11 +351,7 @@ impl Element for Beam {
     }
 
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        let length = (V3::from(x[1]) - V3::from(x[0])).norm();
-        let [area, iy, iz, _] = self.moments;
-        let line = self.elastic.density * length;
-        // A half of the beam about its end; the section's own for any axis.
-        (0.5 * line * area, line * (area * length * length / 24.0 + 0.5 * iy.max(iz)))
+        self.masses((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
     /// One by one: a scene has few.
@@ -392,7 +389,7 @@ impl Element for Beam {
                 (out.moment[slot][c], out.moment[slot + 1][c]) = (r.moments[0][c], r.moments[1][c]);
             }
             if !gone {
-                totals.stable_dt = totals.stable_dt.min(self.stable_dt(&ends.x.map(Into::into)));
+                totals.stable_dt = totals.stable_dt.min(self.step((ends.x[1] - ends.x[0]).norm().min(state[LENGTH])));
             }
             if !r.sound && totals.trouble.is_none() {
                 totals.trouble = Some(i);
@@ -405,15 +402,12 @@ impl Element for Beam {
     }
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
+        self.step((V3::from(x[1]) - V3::from(x[0])).norm())
+    }
+
+    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
         let length = (V3::from(x[1]) - V3::from(x[0])).norm();
-        let [area, iy, iz, torsion] = self.moments;
-        let (mass, inertia) = (self.elastic.density * area * length, self.corner_mass(x).1);
-        let (e, g) = (self.elastic.youngs_modulus, self.elastic.shear_modulus());
-        let axial = 4.0 * e * area / (mass * length);
-        let bending = 6.0 * e * iy.max(iz) / length * (1.0 / inertia + 8.0 / (mass * length * length));
-        let twist = 2.0 * g * torsion / (length * inertia);
-        let largest = axial.max(bending).max(twist);
-        if largest.is_finite() { 2.0 / largest.sqrt() } else { f64::NAN }
+        self.step(if history.at(STARTED) > 0.0 { length.min(history.at(LENGTH)) } else { length })
     }
 
     fn failed(&self, history: State<'_>) -> bool {
@@ -448,6 +442,27 @@ impl Element for Beam {
 }
 
 impl Beam {
+    /// Mass of an end and its rotational inertia, of a beam of this length at the start.
+    fn masses(&self, length: f64) -> (f64, f64) {
+        let [area, iy, iz, _] = self.moments;
+        let line = self.elastic.density * length;
+        // A half of the beam about its end; the section's own for any axis.
+        (0.5 * line * area, line * (area * length * length / 24.0 + 0.5 * iy.max(iz)))
+    }
+
+    /// Stable step of a beam of this length. Mass and axial stiffness are those of the length at the start, and shear forces go with
+    /// the length now: that of the shorter one is safe.
+    fn step(&self, length: f64) -> f64 {
+        let [area, iy, iz, torsion] = self.moments;
+        let (mass, inertia) = (self.elastic.density * area * length, self.masses(length).1);
+        let (e, g) = (self.elastic.youngs_modulus, self.elastic.shear_modulus());
+        let axial = 4.0 * e * area / (mass * length);
+        let bending = 6.0 * e * iy.max(iz) / length * (1.0 / inertia + 8.0 / (mass * length * length));
+        let twist = 2.0 * g * torsion / (length * inertia);
+        let largest = axial.max(bending).max(twist);
+        if largest.is_finite() { 2.0 / largest.sqrt() } else { f64::NAN }
+    }
+
     /// Whether it has broken, or all of its fibres have failed.
     fn is_gone(&self, state: &[f64]) -> bool {
         let of_all = |column: usize| state[FIBRES..].chunks_exact(self.stride).all(|fibre| fibre[column] > 0.5);

@@ -20,14 +20,14 @@
 //!
 //! Drilling: stiffness `alpha G t A/3` a node on its spin about n against that of the element.
 //!
-//! The stable step is 2/omega of the free element in its membrane modes, exactly: with nodal mass m/3 and
+//! The stable step is, times [`Section::step_factor`], 2/omega of the free element in its membrane modes, exactly: with nodal mass m/3 and
 //! `b = B B'` (2 x 2), `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
 //! side is up to 1/0.82 of it and would not be safe. With s the larger principal value of b, P the sum of squared sides and
 //! I the rotational inertia per mass, transverse shear has `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`, exactly, so that
 //! `I = (8 A^2/P + P/24)/5` holds it to that of the membrane, but for 5 % where nu = 0 (1/s is at most 8 A^2/P).
 
 use super::kinematics::{Frame, PlaneMotion, curvature};
-use super::section::{SHEAR_CORRECTION, Section, Strains};
+use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
 use super::{Build, Built, ElementRow, GroupCorners, GroupNodes, NodeView, Totals, let_go};
 use crate::lanes::{Lane, Lanes, Real, cross, dot};
@@ -136,7 +136,7 @@ impl<R: Real> Geometry<R> {
         plane_dot(a, a) + plane_dot(b, b) - plane_dot(a, b)
     }
 
-    /// Stable step [time].
+    /// Stable step at the density of the material [time].
     #[inline(always)]
     fn stable_dt(&self, elastic: &Elastic) -> R {
         self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
@@ -146,6 +146,30 @@ impl<R: Real> Geometry<R> {
     #[inline(always)]
     fn sound(&self) -> R::Mask {
         self.area.gt(R::zero())
+    }
+
+    /// What the step of an element depends on as it lies now.
+    #[inline(always)]
+    fn limits(&self, poisson: f64) -> Limits<R> {
+        let inv_4a2 = R::splat(0.25) / (self.area * self.area);
+        let sides2 = R::splat(2.0) * self.half_sides2();
+        let trace = sides2 * inv_4a2;
+        let root = Real::max(R::splat(12.0).neg_mul_add(inv_4a2, trace * trace), R::zero()).sqrt();
+        Limits {
+            area: self.area,
+            length: self.stable_length(poisson),
+            corners: 3.0,
+            s: R::splat(0.5) * (trace + root),
+            taper: R::splat(1.0 / 24.0) * sides2,
+            floor: self.inertia(),
+        }
+    }
+
+    /// Rotational inertia per mass that holds shear to the membrane [length^2].
+    #[inline(always)]
+    fn inertia(&self) -> R {
+        let sides2 = R::splat(2.0) * self.half_sides2();
+        R::splat(0.2) * R::splat(1.0 / 24.0).mul_add(sides2, R::splat(8.0) * self.area * self.area / sides2)
     }
 
     /// Stable step times the plate wave speed [length].
@@ -263,8 +287,11 @@ impl C0Triangle {
             total += moment[0][c].abs() + moment[1][c].abs() + moment[2][c].abs();
         }
         let sound = R::both(R::both(sound, g.sound()), total.le(R::splat(R::LARGEST)));
+        let elastic = &self.section.elastic;
+        let limits = g.limits(elastic.poisson);
+        let as_built = limits.length * R::splat(1.0 / elastic.plate_wave_speed());
         let totals = Totals {
-            stable_dt: g.stable_dt(&self.section.elastic),
+            stable_dt: as_built * self.section.step_factor(section, &limits),
             internal: resultants.work * g.area,
             hourglass: half * energy,
             sound,
@@ -321,6 +348,8 @@ fn sides(x: &[[f64; 3]; 4]) -> [[f64; 3]; 2] {
 
 impl Formulation for C0Triangle {
     const OWN: usize = OWN;
+    /// Shear takes this where nu = 0.
+    const ALONE: f64 = 0.95;
 
     fn section(&self) -> &Section {
         &self.section
@@ -329,8 +358,16 @@ impl Formulation for C0Triangle {
     fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
         let g = Geometry::new(sides(x));
         let mass = self.section.elastic.density * self.section.thickness * g.area / 3.0;
-        let sides2 = 2.0 * g.half_sides2();
-        (mass, mass * self.section.inertia_per_mass((8.0 * g.area * g.area / sides2 + sides2 / 24.0) / 5.0))
+        (mass, mass * self.section.inertia_per_mass(g.inertia()))
+    }
+
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]) {
+        let g = Geometry::new(sides(x));
+        self.section.measure(history, g.area, self.section.inertia_per_mass(g.inertia()));
+    }
+
+    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
+        self.section.step_factor(history, &Geometry::new(sides(x)).limits(self.section.elastic.poisson))
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {

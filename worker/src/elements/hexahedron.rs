@@ -381,7 +381,7 @@ impl Element for Hexahedron {
         pass.solids(self.columns(), self)
     }
 
-    /// With the density at the start: shorter than what [`Self::forces`] tells once the element is compressed.
+    /// Viscosity of the square of the rate left out.
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         let gradient = Gradient::new(&modes_of_corners(eight(x)));
         if !gradient.whole() {
@@ -392,8 +392,13 @@ impl Element for Hexahedron {
         self.length(&gradient.gram(1.0 / gradient.volume64)) / speed * ((1.0 + b1 * b1).sqrt() - b1)
     }
 
+    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+        let (first, volume) = (history.at(self.first_volume()), Gradient::new(&modes_of_corners(eight(x))).volume());
+        self.stable_dt(x) * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+    }
+
     fn is_unstrained(&self, history: State<'_>) -> bool {
-        history.is_nought_but(self.first_volume())
+        history.is_nought_where(|column| column != self.first_volume())
     }
 
     fn failed(&self, history: State<'_>) -> bool {

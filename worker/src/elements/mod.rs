@@ -26,6 +26,8 @@ mod stabilised_quad;
 #[cfg(test)]
 mod statics;
 #[cfg(test)]
+mod stretched_tests;
+#[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
 mod unstrained_tests;
@@ -140,6 +142,9 @@ pub trait Element: Send + Sync {
     /// Sets what is not nought in the history of a fresh element (thickness and the like).
     fn start(&self, _history: &mut [f64]) {}
 
+    /// Lets the history of a fresh element know the shape that its mass goes by, at the coordinates `x` of its slots at the start.
+    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]]) {}
+
     /// Turns a fresh beam with this history: its second axis lies towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
@@ -156,9 +161,19 @@ pub trait Element: Send + Sync {
         false
     }
 
-    /// Stable step of one element, before the safety factor [time]; NaN if it is inverted or not finite.
-    /// `x` are the coordinates of its slots.
+    /// Stable step of one element at the density of its material, before the safety factor [time]; NaN if it is inverted or not
+    /// finite. `x` are the coordinates of its slots.
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64;
+
+    /// The same of an element with this history, with the mass that it has had since the start.
+    fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
+        self.stable_dt(x)
+    }
+
+    /// Fraction of its stable step that an element bears alone, without others of its kind around it.
+    fn alone(&self) -> f64 {
+        1.0
+    }
 
     /// What a spring or damper is between its nodes: it has no mass, and the masses of its nodes set its step.
     fn discrete(&self) -> Option<Discrete> {
@@ -192,6 +207,11 @@ impl Discrete {
     pub fn stable_dt(&self, softness: f64) -> f64 {
         let (k, c) = (self.stiffness * softness, self.damping * softness);
         4.0 / (c + (c * c + 4.0 * k).sqrt())
+    }
+
+    /// Fraction of the masses at its ends with which its stable step would be `dt`; `softness` as in [`Self::stable_dt`].
+    pub fn need(&self, softness: f64, dt: f64) -> f64 {
+        softness * dt * (0.25 * self.stiffness * dt + 0.5 * self.damping)
     }
 }
 

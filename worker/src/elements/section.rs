@@ -23,13 +23,18 @@ pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
 pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
 /// Hourglass coefficient where the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
+/// Of a change of mass per area, in single precision: less is none, so that what only flies and turns keeps its step to the bit.
+const ROUND_OFF: f64 = 4e-6;
 /// Largest strain increment of a healthy step.
 const STRAIN_LIMIT: f64 = 0.5;
 
-/// First columns of every shell: thickness [length], transverse shear stress xz and yz [force/length^2].
+/// First columns of every shell: thickness [length], volume at the start [length^3] and rotational inertia of its corners per mass
+/// [length^2], transverse shear stress xz and yz [force/length^2].
 const THICKNESS: usize = 0;
-const SHEAR: usize = 1;
-const POINTS: usize = 3;
+const VOLUME: usize = 1;
+const INERTIA: usize = 2;
+const SHEAR: usize = 3;
+const POINTS: usize = 5;
 
 /// Section of a part: material and points through the thickness.
 pub struct Section {
@@ -72,6 +77,23 @@ pub struct Yielded<R> {
     plastic_strain: [R; 2],
     /// Von Mises stress, by its square [force/length^2].
     stress: [R; 2],
+}
+
+/// What the stable step of a shell as it lies now depends on. Its shear has the frequency
+/// `5/6 G/rho (corners s + (1 + taper s)/I)`, I the rotational inertia per mass.
+pub struct Limits<R> {
+    /// Area [length^2].
+    pub area: R,
+    /// Stable step of its membrane times the plate wave speed, at the density of the material [length].
+    pub length: R,
+    /// Corners of the element.
+    pub corners: f64,
+    /// Larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
+    pub s: R,
+    /// See above [length^2].
+    pub taper: R,
+    /// Least I that an element of this shape would be given at the start [length^2].
+    pub floor: R,
 }
 
 /// Stress resultants, in the element's axes.
@@ -156,9 +178,35 @@ impl Section {
         POINTS + self.points * self.stride
     }
 
-    /// Thickness; all else is nought at the start.
+    /// Thickness; all else is nought at the start, until [`Self::measure`].
     pub fn start(&self, history: &mut [f64]) {
         (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = self.thickness);
+    }
+
+    /// Notes what keeps the mass of an element: its area at the start [length^2] and its [`Self::inertia_per_mass`].
+    pub fn measure(&self, history: &mut [f64], area: f64, inertia: f64) {
+        (history[VOLUME], history[INERTIA]) = (area * self.thickness, inertia);
+    }
+
+    /// Factor on the membrane's stable step at the density of the material, for the mass that an element has had since the start
+    /// while its area A and its thickness t change: `sqrt(A0 t0 / (A t))`, and less where its rotational inertia, that of the
+    /// start too, has become too little for shear. One for an element that was not measured.
+    #[inline(always)]
+    pub fn step_factor<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+        let one = R::splat(1.0);
+        // Squared frequencies by that of the plate wave, 5/6 G over E/(1 - nu^2).
+        let ratio = R::splat(0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson));
+        let shear =
+            |inertia: R| ratio * of.taper.mul_add(of.s, one).mul_add(one / inertia, R::splat(of.corners) * of.s);
+        let membrane = R::splat(4.0) / (of.length * of.length);
+        // At the start shear may need a little more than the membrane; that is the margin of `inertia_per_mass`.
+        let borne = Real::max(membrane, shear(of.floor));
+        let thickness =
+            history[..self.columns()].chunks_exact(self.each()).fold(R::zero(), |sum, at| sum + at[THICKNESS]);
+        let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
+        let squared = kept * Real::min(one, borne / shear(history[INERTIA]));
+        let is_known = history[VOLUME].gt(R::zero());
+        R::select(R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))), squared, one).sqrt()
     }
 
     /// Current thickness [length].
@@ -167,10 +215,10 @@ impl Section {
         history[THICKNESS]
     }
 
-    /// Whether all but the thickness is nought.
+    /// Whether all but what it has from the start is nought.
     pub fn is_unstrained(&self, history: State<'_>) -> bool {
         let (each, all) = (self.each(), self.columns());
-        history.is_nought_where(|column| column >= all || column % each != THICKNESS)
+        history.is_nought_where(|column| column >= all || column % each >= SHEAR)
     }
 
     /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which

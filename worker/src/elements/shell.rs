@@ -13,14 +13,23 @@ pub trait Formulation: Send + Sync {
     /// Columns of its own, after those of the section.
     const OWN: usize;
 
+    /// As [`Element::alone`].
+    const ALONE: f64;
+
     /// What it does through the thickness.
     fn section(&self) -> &Section;
 
     /// As [`Element::corner_mass`].
     fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64);
 
+    /// As [`Element::measure`].
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]);
+
     /// As [`Element::stable_dt`].
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
+
+    /// [`Section::step_factor`] at these coordinates.
+    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64;
 
     /// Axes e1, e2 and normal at these coordinates.
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3];
@@ -83,6 +92,10 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().start(history);
     }
 
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]]) {
+        self.0.measure(history, four(x));
+    }
+
     fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
         self.0.corner_mass(four(x))
     }
@@ -98,6 +111,14 @@ impl<F: Formulation> Element for Shell<F> {
 
     fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
         self.0.stable_dt(four(x))
+    }
+
+    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+        self.0.stable_dt(four(x)) * self.0.step_factor(&history.to_vec(), four(x))
+    }
+
+    fn alone(&self) -> f64 {
+        F::ALONE
     }
 
     fn failed(&self, history: State<'_>) -> bool {

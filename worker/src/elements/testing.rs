@@ -163,7 +163,13 @@ impl Patch {
     ) -> Self {
         let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
         let element = build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
-        let (groups, history) = lay(&*element, precision, quads);
+        let (groups, mut history) = lay(&*element, precision, quads);
+        for place in 0..groups.len() / 4 {
+            let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
+            let mut state = history.of(place).to_vec();
+            element.measure(&mut state, &corners);
+            history.set(place, &state);
+        }
         let still = vec![[0.0; 4]; nodes.len()];
         let corners = vec![[0.0; 4]; groups.len()];
         Self {

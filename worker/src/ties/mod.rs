@@ -8,7 +8,7 @@
 //! A node with an offset stands at the end of an arm d from its carriers' mean place, which turns with their mean rotation:
 //! `v_s = sum N_k (v_k + w_k x d)`, and `d x f_s` is a moment on them, `N_k` on each, so that angular momentum is kept too. Their
 //! inertias grow by `ARM_INERTIA` times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step
-//! of the elements at s is then at least `1/sqrt(1 + a)` of their own.
+//! of the elements at s is then at least `1/sqrt(1 + a)` of their own, which the master reckons with (`share` of their records).
 //!
 //! A node that starts with another velocity than its carriers gives them the difference as an impulse, so that momentum is what the
 //! mesh came with. When the element of its face fails the node is free again and takes back its mass, and the momentum that this had at
@@ -37,8 +37,11 @@ use std::collections::{BTreeSet, HashSet};
 
 /// Stands for a node that is not local.
 const NONE: u32 = u32::MAX;
-/// `1 + 1/a` for a step shorter by the usual factor of safety, `(1 + a) 0.9^2 = 1`.
-const ARM_INERTIA: f64 = 0.81 / 0.19 + 1.0;
+/// `1 / (1 + a)`: what is fastened to the end of an arm counts on so much of the mass there, and has 0.9 of the step that it would have
+/// without. More would make carriers still heavier to turn.
+pub const ARM_SHARE: f64 = 0.81;
+/// `1 + 1/a`.
+const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
 
 /// A tied node or a carrier as all workers learn of it at the start.
 #[derive(Clone, Copy, Pod, Zeroable)]

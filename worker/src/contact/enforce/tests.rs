@@ -111,7 +111,7 @@ impl Scene {
         }
         nodes.accelerate(steps.mid);
         let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
-        contact.refresh_candidates(nodes, joined, steps.dt);
+        contact.refresh_candidates(nodes, joined, steps.dt, steps.dt);
         contact.find_pairs(nodes, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
         let before = contact.sweeps;
