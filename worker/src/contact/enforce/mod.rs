@@ -62,6 +62,8 @@ pub enum Iteration {
     Correct {
         /// See above.
         partition: f64,
+        /// Fraction of a force below which what it still needs counts as nothing.
+        little: f64,
     },
 }
 
@@ -117,13 +119,17 @@ const GAP: f64 = 1e-10;
 /// Most penetration that is taken out in one step, as a fraction of the contact thickness. What a step leaves over is
 /// far below; where sweeps cannot do better, or a node comes upon a segment from its rim, it must not be thrown out.
 const CORRECT: f64 = 2e-4;
+/// A stick point lasts through steps in which its pair bears nothing, as long as it stays touching and within this fraction of
+/// the contact thickness: where several pairs hold a body, which of them bears the load changes from step to step.
+/// What has lifted off or slid farther sticks anew; friction does no more than mu N times this length beyond its due.
+const STAY: f64 = 1e-4;
 
 /// The gap that is to be closed, or the part of a penetration that is to be taken out in this step [length].
 fn overlap(pair: &Pair) -> f64 {
     pair.gap.max(-CORRECT * pair.thickness)
 }
 
-/// Tangential distance from the stick point after the step, nought where the node slides [length]. It slides if the force
+/// Tangential distance from the stick point after the step, nought where the node slides or leaves [length]. It slides if the force
 /// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
 /// leave it a little short of the cone.
 fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
@@ -131,10 +137,16 @@ fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
         return V3::zeros(); // the cone is a line: nothing sticks
     }
     let (pressed, sheared) = split(&pair.force, &pair.normal);
-    let (_, sliding) = split(velocity, &pair.normal);
+    let (opening, sliding) = split(velocity, &pair.normal);
+    let slip = pair.slip + sliding * steps.dt;
+    if pressed <= 0.0 {
+        let near = STAY * pair.thickness;
+        let stays = pair.gap + opening * steps.dt <= near && slip.norm() <= near;
+        return if stays { slip } else { V3::zeros() };
+    }
     let back = sheared - (pair.slip / steps.dt + sliding) / (steps.push * pair.compliance[1]);
-    let sticks = pressed > 0.0 && back.norm() < friction * pressed * (1.0 - 1e-9);
-    if sticks { pair.slip + sliding * steps.dt } else { V3::zeros() }
+    let sticks = back.norm() < friction * pressed * (1.0 - 1e-9);
+    if sticks { slip } else { V3::zeros() }
 }
 
 /// The part of `f` along `normal`, and the rest.

@@ -168,3 +168,21 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         }
     }
 }
+
+/// A stick point lasts through steps in which its pair bears nothing but stays touching, and ends with what lifts off or
+/// slides away.
+#[test]
+fn a_stick_point_lasts_through_a_step_without_force() {
+    for law in ["lagrange", "kinematic"] {
+        let mut scene = pressed(0.3, law, 0.0, 1.0, 50.0);
+        scene.step();
+        let (law, steps) = (&scene.contact.law, scene.steps);
+        let little = V3::x() * (1e-6 * THICK);
+        let idle = Pair { force: V3::zeros(), slip: little, gap: 0.0, ..scene.pairs()[0] };
+        let after = |pair: &Pair, way: V3| law.slip(pair, &(way / steps.dt), steps);
+        assert_eq!(after(&idle, V3::zeros()), little, "stays");
+        assert!((after(&idle, little) - little * 2.0).norm() < 1e-15, "and is left behind by what moves");
+        assert_eq!(after(&idle, V3::z() * (1e-3 * THICK)), V3::zeros(), "lifted off");
+        assert_eq!(after(&idle, V3::x() * (1e-3 * THICK)), V3::zeros(), "slid away");
+    }
+}
