@@ -51,7 +51,7 @@ const LITTLE: f64 = 1e-6;
 fn needed(pair: &Pair, velocity: &V3, steps: Steps) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
     let per_step = -pair.mass / steps.push;
-    (per_step * (overlap(pair) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
+    (per_step * (overlap(pair, steps) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
 }
 
 impl ContactLaw for Kinematic {

@@ -73,6 +73,8 @@ pub struct Pair {
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
     /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
+    /// The slower wave speed of the two sides [length/time].
+    pub speed: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
@@ -229,6 +231,7 @@ impl Pair {
             depth: 0.0,
             tolerated: 0.0,
             thickness: 0.0,
+            speed: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
