@@ -369,9 +369,11 @@ impl Engine {
 
 /// What contact knows of the bodies. Parts whose material cannot be built are refused before the start.
 fn elasticity(settings: &Settings) -> Elasticity {
-    let modulus = |part: &crumple_proto::job::Part| {
+    let of = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);
-        material.and_then(|m| crate::materials::build(m).ok()).map_or(0.0, |law| law.elastic().youngs_modulus)
+        let law = material.and_then(|m| crate::materials::build(m).ok());
+        law.map_or((0.0, 0.0), |law| (law.elastic().youngs_modulus, law.elastic().plate_wave_speed()))
     };
-    Elasticity { safety: settings.safety, moduli: settings.parts.iter().map(modulus).collect() }
+    let (moduli, speeds) = settings.parts.iter().map(of).unzip();
+    Elasticity { safety: settings.safety, moduli, speeds }
 }

@@ -248,6 +248,7 @@ impl Edges {
     fn look(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], met: &Passing, dt: f64) -> Option<Pair> {
         let [one, other] = edges.map(|e| &surface.segments[e.segments[0] as usize]);
         let (thickness, scale) = (one.half + other.half, one.scale + other.scale);
+        let speed = surface.slower(one.part, other.part);
         if met.height.abs() > REACH * scale {
             return None;
         }
@@ -284,12 +285,14 @@ impl Edges {
             normal,
             side,
             thickness: scale,
+            speed,
             first: (one.part, one.id) < (other.part, other.id),
             own: true,
             ..Pair::unknown(name, other.id, [i, j, k, l, NOT_LOCAL])
         };
         let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
-        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap, moved));
+        let tolerated = tolerated(old.as_ref(), gap, moved, dt, speed);
+        let pair = pair.remembering(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
         (predicted < ACTIVE * scale).then_some(pair)
     }

@@ -36,8 +36,10 @@ pub(super) const BESIDE: f64 = 0.02;
 const OPPOSED: f64 = -0.3;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
-/// Share of a tolerated penetration that is given back to the gap per step.
-const RELAX: f64 = 1e-4;
+/// Speed at which a tolerated penetration is given back to the gap, as a fraction of the wave speed of what touches: with 0.01 m/s in
+/// steel what starts inside each other parts, whatever the step, the depth and the mesh (see `CORRECT` in `enforce/mod.rs`,
+/// which it must be far below).
+const RELAX: f64 = 2e-6;
 
 /// Distance beyond which a slave and a segment that is new to it are no pair in a step in which they move by `step` against each
 /// other [length]: no gap closes from farther away, and nothing new is as far behind a solid's face.
@@ -127,6 +129,8 @@ struct Visit<'a> {
     thickness: f64,
     /// Length that gaps are judged by [length].
     scale: f64,
+    /// See [`Pair::speed`].
+    speed: f64,
     /// Whether the node's surface comes before the segment's.
     first: bool,
     dt: f64,
@@ -141,8 +145,9 @@ impl<'a> Visit<'a> {
         let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
         let n = slave as usize;
         let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
-        let first = surface.first(place) < (segment.part, segment.id);
-        Self { segment, slave, ring: of.ring, thickness, scale, first, dt, step: *step, near }
+        let around = surface.first(place);
+        let (first, speed) = (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
+        Self { segment, slave, ring: of.ring, thickness, scale, speed, first, dt, step: *step, near }
     }
 }
 
@@ -217,11 +222,12 @@ fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
 
 /// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly. So is
 /// what a pair is deeper than before without having moved that far, at most by `moved` [length]: its normal has turned, or it
-/// follows on that of another segment or edge. A force against that would come from nothing, and make energy.
-pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64) -> f64 {
+/// follows on that of another segment or edge. A force against that would come from nothing, and make energy. The step
+/// `dt` and the wave speed of what touches say how much is given back.
+pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64, dt: f64, speed: f64) -> f64 {
     let Some(old) = old else { return gap.min(0.0) };
     let jump = (gap + old.depth + moved).min(0.0);
-    (old.tolerated * (1.0 - RELAX) + jump).max(gap.min(0.0))
+    ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
 }
 
 /// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a step like the last one [length].
@@ -241,7 +247,7 @@ fn look(
     memory: &[Memory],
     opposed: impl Fn(&V3) -> bool,
 ) -> Option<Find> {
-    let Visit { segment, slave, thickness, scale, dt, step, near, .. } = *visit;
+    let Visit { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
     let at = v3(&nodes.x[slave as usize]);
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
@@ -275,7 +281,8 @@ fn look(
         return None;
     }
     let old = kept(&normal);
-    let tolerated = tolerated(old, gap, moved(nodes, segment.nodes.into_iter(), slave, dt, scale));
+    let moved = moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
+    let tolerated = tolerated(old, gap, moved, dt, speed);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
@@ -290,6 +297,7 @@ fn look(
         normal,
         side,
         thickness: scale,
+        speed,
         first: visit.first,
         own: true,
         ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
@@ -312,12 +320,29 @@ mod tests {
     fn a_depth_that_no_motion_explains_is_let_be() {
         let pair = Pair::unknown(Name::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
         let memory = pair.remembering(None, -0.25, 0.0).memory();
+        let tolerated = |old: Option<&Memory>, gap, moved| tolerated(old, gap, moved, 1e-3, 2.0);
         assert_eq!(tolerated(None, -0.5, 0.125), -0.5, "a pair that begins inside");
         assert_eq!(tolerated(Some(&memory), -0.375, 0.125), 0.0, "it has moved that far");
         assert_eq!(tolerated(Some(&memory), -0.5, 0.125), -0.125, "and no farther");
         assert_eq!(tolerated(Some(&memory), 0.5, 0.125), 0.0, "open");
-        let given_back = tolerated(Some(&Memory { tolerated: -0.25, ..memory }), -0.25, 0.0);
-        assert!((-0.25..-0.2499).contains(&given_back), "slowly");
+    }
+
+    #[test]
+    fn what_is_let_be_is_given_back_at_a_speed_whatever_the_step() {
+        let pair = Pair::unknown(Name::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
+        let (speed, depth) = (2.0, 0.25);
+        let mut memory = pair.remembering(None, -depth, -depth).memory();
+        for dt in [1e-3, 1e-5] {
+            let before = memory.tolerated;
+            for _ in 0..1000 {
+                memory.tolerated = tolerated(Some(&memory), -depth, 0.0, dt, speed);
+            }
+            // A thousand sums' round-off.
+            let back = memory.tolerated - before;
+            assert!((back / (1000.0 * dt * RELAX * speed) - 1.0).abs() < 1e-6, "step {dt}: {back}");
+        }
+        memory.tolerated = -1e-9;
+        assert_eq!(tolerated(Some(&memory), -depth, 0.0, 1e-3, speed), 0.0, "and no more than there is");
     }
 
     /// A square face of a solid with its corners moved, and a slave.

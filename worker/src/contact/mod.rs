@@ -55,6 +55,8 @@ pub struct Contact {
     find: Search,
     skin: f64,
     by_mass: bool,
+    /// Wave speed per part [length/time].
+    speeds: Vec<f64>,
     with_edges: bool,
     /// What can touch.
     pub surface: Surface,
@@ -114,6 +116,7 @@ impl Contact {
             find: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
+            speeds: parts.speeds.clone(),
             with_edges: job.edges,
             surface: Surface::default(),
             candidate_start: Vec::new(),
@@ -143,6 +146,7 @@ impl Contact {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
         self.surface.link_faces(nodes.held);
+        self.surface.speeds.clone_from(&self.speeds);
         let stiffness = self.surface.segments.iter().map(|s| self.law.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.memories.clear();

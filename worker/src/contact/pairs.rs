@@ -8,7 +8,7 @@ mod order;
 mod pair;
 pub mod quiet;
 
-pub use pair::{HELD, Memory, Name, Pair, WIRE_WORDS};
+pub use pair::{HELD, Memory, Name, Opposed, Pair, WIRE_WORDS};
 
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
@@ -209,12 +209,22 @@ impl PairTable {
         (force, mass)
     }
 
-    /// Whether a node of what the own pair's slave meets is itself a slave that is pushed back from the pair's side.
-    pub fn is_mutual(&self, pair: &Pair) -> bool {
+    /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back from the pair's side. Those whose
+    /// guess is below the fraction `little` of their force have settled.
+    pub fn opposed(&self, pair: &Pair, little: f64) -> Opposed {
+        let mut found = Opposed { free: false, held: false, settled: true };
         let places = (pair.ahead()..5).filter(|&r| pair.share(r) != 0.0);
         let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
-        let mut slaves = places.flat_map(|t| self.roles_at(t)).filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r));
-        slaves.any(|&(q, _)| (self.pairs[q as usize].force + self.pairs[q as usize].guess).dot(&pair.normal) < 0.0)
+        for &(q, _) in places.flat_map(|t| self.roles_at(t)).filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r)) {
+            let other = &self.pairs[q as usize];
+            let force = other.force + other.guess;
+            if force.dot(&pair.normal) < 0.0 {
+                found.free |= !other.held;
+                found.held |= other.held;
+                found.settled &= other.held || other.guess.norm() <= little * force.norm();
+            }
+        }
+        found
     }
 
     /// Whether other workers know some of these pairs.

@@ -55,6 +55,8 @@ pub struct Surface {
     pub faces: Vec<u32>,
     /// Of these the one of the lowest part, and of that the lowest; `u32::MAX` without any.
     pub first: Vec<u32>,
+    /// Wave speed per part [length/time].
+    pub speeds: Vec<f64>,
 }
 
 impl Segment {
@@ -203,6 +205,12 @@ impl Surface {
     pub fn first(&self, i: usize) -> (u32, SegmentId) {
         let first = self.segments.get(self.first[i] as usize);
         first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
+    }
+
+    /// The slower wave speed of two parts, of those that are known [length/time].
+    pub fn slower(&self, one: u32, other: u32) -> f64 {
+        let [a, b] = [one, other].map(|part| self.speeds.get(part as usize).copied().unwrap_or(f64::INFINITY));
+        a.min(b)
     }
 
     /// The segments around the slave at place `i` of `slaves`.

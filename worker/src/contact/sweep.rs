@@ -75,7 +75,7 @@ impl Sweeps<'_> {
             let changed = match iteration {
                 Iteration::Split | Iteration::Jacobi => self.all_at_once(t),
                 Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p), Self::feel_at)?,
-                Iteration::Correct { partition } => self.correct(t, partition, wire)?,
+                Iteration::Correct { partition, little } => self.correct(t, (partition, little), wire)?,
             };
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
             // One by one, what own and others' pairs have come to has been felt within the sweep.
@@ -123,14 +123,19 @@ impl Sweeps<'_> {
 
     /// Guesses what all pairs still need, sees how segments would move under that, each slave's mass and force shared
     /// among a segment's nodes, and corrects the forces of own pairs; whether one has changed.
-    fn correct(&mut self, t: &mut PairTable, partition: f64, wire: &mut dyn Transport) -> Result<bool, Lost> {
+    fn correct(
+        &mut self,
+        t: &mut PairTable,
+        (partition, little): (f64, f64),
+        wire: &mut dyn Transport,
+    ) -> Result<bool, Lost> {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
             p.guess = self.law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
         }
         if t.is_common() {
             t.swap_guesses(wire)?;
         }
-        let turn = |p: &Pair| if p.own && t.is_mutual(p) { p.turn_of(partition) } else { 1.0 };
+        let turn = |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
         let turns: Vec<f64> = t.pairs.iter().map(turn).collect();
         t.pairs.iter_mut().zip(turns).for_each(|(p, turn)| p.turn = turn);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take it.

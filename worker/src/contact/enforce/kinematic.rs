@@ -18,7 +18,8 @@
 //! whole, if no node of its segment is pushed back by a pair from the same side: a node at mid-face of a coarse mesh
 //! whose corners touch nothing closes its gap in the first pass. If corners do touch elsewhere, a pair at mid-face gets
 //! its fraction only, and each further pass leaves 1 - beta or beta of what was left: gaps are never closed twice.
-//! With one pass per step such pairs sink in while the bodies decelerate.
+//! With one pass per step such pairs sink in while the bodies decelerate. Where one surface is held, the free one takes all:
+//! held nodes that share the load let a block creep on them under a pull below mu N.
 //!
 //! Friction is the same for the tangential distance from the stick point, its total within the cone.
 
@@ -42,12 +43,15 @@ struct Kinematic {
     tolerance: f64,
 }
 
+/// Round-off leaves this fraction of a force open, whatever the tolerance.
+const LITTLE: f64 = 1e-6;
+
 /// Force that takes the slave's mass to the surface and to the stick point within the step, if the segment moves as
 /// `velocity` says.
 fn needed(pair: &Pair, velocity: &V3, steps: Steps) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
     let per_step = -pair.mass / steps.push;
-    (per_step * (overlap(pair) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
+    (per_step * (overlap(pair, steps) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
 }
 
 impl ContactLaw for Kinematic {
@@ -56,7 +60,7 @@ impl ContactLaw for Kinematic {
     }
 
     fn iteration(&self) -> Iteration {
-        Iteration::Correct { partition: self.partition }
+        Iteration::Correct { partition: self.partition, little: self.tolerance.max(LITTLE) }
     }
 
     fn start(&self, _: &Pair, _: Steps) -> V3 {

@@ -57,7 +57,7 @@ impl ContactLaw for Lagrange {
         }
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
-        let new_pressed = (pressed - (overlap(pair) / steps.dt + opening) / soft_n).max(0.0);
+        let new_pressed = (pressed - (overlap(pair, steps) / steps.dt + opening) / soft_n).max(0.0);
         let new_sheared = if self.friction > 0.0 {
             within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, self.friction)
         } else {

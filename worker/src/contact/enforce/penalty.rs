@@ -9,8 +9,10 @@
 //!   step may be too long for it.
 //!
 //! **Damping.** A dashpot of `2 damping sqrt(k / c)` beside the normal spring, never pulling: without it what slides or rests
-//! on springs chatters, and friction acts only while it touches. Its force is that of the velocity which it leaves, so it
-//! does not lower the stable step.
+//! on springs chatters. Its force is that of the velocity which it leaves, so it does not lower the stable step.
+//!
+//! **Friction** acts from the first force of a touch on: its spring is stretched by the way that is slid since the touch
+//! began within the step before. Without that a body which chatters loses friction's share of a step in every touch.
 //!
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
@@ -107,13 +109,17 @@ impl ContactLaw for Penalty {
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
+        let (opening, sliding) = split(velocity, &pair.normal);
         let k = self.stiffness(pair, steps);
         if pressed <= 0.0 || k <= 0.0 {
-            return V3::zeros();
+            // A touch that begins within the step sticks to where it begins: as the normal spring has sunk in by then, so
+            // the tangential one is stretched, and the first force of a touch has its friction.
+            let sunk = pair.gap + opening * steps.dt;
+            let since = if sunk < 0.0 && opening < 0.0 { (sunk / opening).min(steps.dt) } else { 0.0 };
+            return sliding * since;
         }
         // Where the cone cut the force, the stick point is dragged along.
         let stretched = sheared / -k;
-        let (_, sliding) = split(velocity, &pair.normal);
         stretched + sliding * steps.dt
     }
 

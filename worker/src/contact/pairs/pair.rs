@@ -73,6 +73,8 @@ pub struct Pair {
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
     /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
+    /// The slower wave speed of the two sides [length/time].
+    pub speed: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
@@ -88,6 +90,8 @@ pub struct Pair {
     pub turn: f64,
     /// Mass of the slave along the normal, with what holds it [mass].
     pub mass: f64,
+    /// Whether the slave is held fixed, or led, along the normal; others are told.
+    pub held: bool,
     /// Stiffness of the segment, for laws that have one for it [force/length].
     pub stiffness: f64,
     /// Whether the node's surface comes before the segment's, by part and then by segment.
@@ -169,6 +173,17 @@ impl Memory {
     }
 }
 
+/// What is pushed back from a pair's side among the nodes that its slave meets, which are slaves themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opposed {
+    /// Whether some are free, and whether some are held.
+    pub free: bool,
+    /// See `free`.
+    pub held: bool,
+    /// Whether the free ones need no more than a small part of their forces.
+    pub settled: bool,
+}
+
 /// A pair as others need it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -182,6 +197,7 @@ pub(super) struct WirePair {
     depth: f64,
     force: [f64; 3],
     mass: f64,
+    held: u64,
 }
 const NAME_WORDS: usize = size_of::<Name>() / 8;
 /// Words of a pair in a message to others.
@@ -215,6 +231,7 @@ impl Pair {
             depth: 0.0,
             tolerated: 0.0,
             thickness: 0.0,
+            speed: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
@@ -222,6 +239,7 @@ impl Pair {
             guess: V3::zeros(),
             turn: 1.0,
             mass: 0.0,
+            held: false,
             stiffness: 0.0,
             first: false,
             own: false,
@@ -249,9 +267,20 @@ impl Pair {
     }
 
     /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
-    /// rest for the other.
-    pub fn turn_of(&self, partition: f64) -> f64 {
-        if self.first { partition } else { 1.0 - partition }
+    /// rest for the other. Where one of them is held, the free one closes the gap; the held one takes what is left when
+    /// the free one has settled, such as a held node between the free ones of a coarser face.
+    pub fn turn_of(&self, partition: f64, met: Opposed) -> f64 {
+        match (self.held, met) {
+            (_, Opposed { free: false, held: false, .. }) | (false, Opposed { free: false, .. }) => 1.0,
+            (true, Opposed { free: true, settled, .. }) => f64::from(settled),
+            _ => {
+                if self.first {
+                    partition
+                } else {
+                    1.0 - partition
+                }
+            }
+        }
     }
 
     /// Notes the slave's mass along the normal; own pairs only.
@@ -264,7 +293,8 @@ impl Pair {
             self.share(r) * self.follows(r) * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
         };
         let moves: f64 = (0..self.ahead()).map(moves).sum();
-        self.mass = if moves * HELD * segment > 1.0 { 1.0 / moves } else { HELD * segment };
+        self.held = moves * HELD * segment <= 1.0;
+        self.mass = if self.held { HELD * segment } else { 1.0 / moves };
     }
 
     /// Local nodes that the pair's force acts on.
@@ -312,6 +342,7 @@ impl WirePair {
             depth: p.depth,
             force: p.force.into(),
             mass: p.mass,
+            held: p.held.into(),
         }
     }
 
@@ -324,6 +355,7 @@ impl WirePair {
             depth: self.depth,
             force: self.force.into(),
             mass: self.mass,
+            held: self.held != 0,
             ..Pair::unknown(self.name, self.segment, self.nodes.map(local))
         }
     }

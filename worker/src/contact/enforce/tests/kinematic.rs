@@ -166,3 +166,69 @@ fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
         assert!((last / plastic - 1.0).abs() < 1e-3, "{last} and not {plastic}");
     }
 }
+
+/// A plate on a bed of held nodes, all nodes slaves of the other side, the bed's middle node higher by `bump`; pressed down by
+/// `press` and pulled along by `pull` at each of its corners.
+fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
+    let mut points: Vec<NodeRecord> = (0..25)
+        .map(|i| held([0.45 * ((i % 5) as f64 - 2.0), 0.45 * ((i / 5) as f64 - 2.0), if i == 12 { bump } else { 0.0 }]))
+        .collect();
+    let corners = square([1.0, 2.0, 0.5, 1.5]).into_iter();
+    let fixed = if pull == 0.0 { 0b011 } else { 0 }; // up and down only: nothing slides off the bump
+    let above = |p: NodeRecord| mass([0.7 * p.x[0], 0.7 * p.x[1], THICK + bump], [0.0; 3], p.mass);
+    points.extend(corners.map(|p| NodeRecord { fixed, ..above(p) }));
+    let bed = |i: u32| i % 4 + 5 * (i / 4);
+    let mut segments: Vec<[u32; 4]> = (0..16).map(|i| [bed(i), bed(i) + 1, bed(i) + 6, bed(i) + 5]).collect();
+    segments.push([25, 26, 27, 28]);
+    let slaves: Vec<u32> = (0..29).collect();
+    let mut scene = Scene::new(of, &points, &segments, &slaves, 1e-3);
+    (25..29).for_each(|i| scene.load[i] = V3::new(pull, 0.0, -press));
+    scene
+}
+
+/// A09: on a held bed the free nodes bear the load whatever the partition, and none of it creeps under a pull below mu N.
+#[test]
+fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
+    for partition in [0.0, 0.5, 1.0] {
+        let of = ContactJob { friction: 0.5, ..kinematic(partition) };
+        let (press, pull, steps) = (500.0, 200.0, 1000);
+        let mut scene = on_a_bed(&of, 0.0, press, pull);
+        scene.settle(200, 0.05);
+        let start: Vec<f64> = (25..29).map(|i| scene.x(i).x).collect();
+        (0..steps).for_each(|_| _ = scene.step());
+        for p in scene.pairs() {
+            let borne = if p.name.slave.0 > 25 { press } else { 0.0 };
+            assert!((p.force.z.abs() - borne).abs() < 1e-3 * press, "{partition}: {:?} and not {borne}", p.force);
+        }
+        let time = f64::from(steps) * scene.steps.dt;
+        for (i, start) in (25..29).zip(start) {
+            let free = 0.5 * pull / scene.nodes.mass[i] * time * time;
+            let crept = (scene.x(i).x - start).abs() / free;
+            // What a step leaves open, 1e-3 of a force, is closed in the next.
+            assert!(crept < 1e-5, "{partition}: corner {i} crept by {crept:e} of its free way");
+        }
+    }
+}
+
+/// A held node that stands up between the free corners of a coarse face still stops it, while the corners are held too.
+#[test]
+fn a_held_node_between_free_ones_takes_what_they_leave() {
+    let bump = 0.5 * THICK;
+    let mut scene = on_a_bed(&kinematic(0.5), bump, 500.0, 0.0);
+    scene.load[25].z -= 100.0; // tips over the bump onto its own corner
+    scene.settle(2000, 0.05);
+    let corners: Vec<f64> = (25..29).map(|i| scene.x(i).z).collect();
+    let middle = 0.25 * corners.iter().sum::<f64>();
+    let borne = |held: bool| -> f64 {
+        let pairs = scene.pairs().iter().filter(|p| (p.name.slave.0 <= 25) == held);
+        pairs.map(|p| p.force.z.abs()).sum()
+    };
+    // The law leaves 1e-3 of a force.
+    assert!(
+        (borne(true) - 2000.0).abs() < 4.0 && (borne(false) - 100.0).abs() < 4.0,
+        "{}, {}",
+        borne(true),
+        borne(false)
+    );
+    assert!((middle - THICK - bump).abs() < 1e-3 * THICK, "the bump is not in the plate: {corners:?}");
+}

@@ -154,3 +154,27 @@ fn too_few_sweeps_leave_penetration_that_shows() {
     }
     energy("split", 10);
 }
+
+/// Penetration is taken out at one speed whatever the step: 4e-5 of the wave speed.
+#[test]
+fn penetration_is_taken_out_at_a_speed_whatever_the_step() {
+    for dt in [1e-3, 1e-5] {
+        let mut points = square([1.0; 4]);
+        points.push(mass([0.0, 0.0, THICK], [0.0; 3], 1.0));
+        let steps = Steps { dt, mid: dt, push: dt, whole: dt };
+        let pair = |law: &str| {
+            let mut scene = Scene::new(&job(law), &points, &[[0, 1, 2, 3]], &[4], dt);
+            scene.load[4].z = -1.0;
+            scene.step();
+            (Pair { force: V3::zeros(), gap: -0.1 * THICK, ..scene.pairs()[0] }, scene)
+        };
+        let (p, scene) = pair("lagrange");
+        let force = scene.contact.law.update(&p, &V3::zeros(), steps).expect("deep");
+        let lagrange = force.z * p.compliance[0] * dt;
+        let (p, scene) = pair("kinematic");
+        let kinematic = scene.contact.law.guess(&p, &V3::zeros(), steps).z / p.mass * dt;
+        for (law, speed) in [("lagrange", lagrange), ("kinematic", kinematic)] {
+            assert!((speed / (4e-5 * SPEED) - 1.0).abs() < 1e-9, "{law}, step {dt}: {speed}");
+        }
+    }
+}
