@@ -58,6 +58,25 @@ impl Bodies {
         }
     }
 
+    /// A sheet of shells that is bent along its middle, 5 mm high, its ridge towards the others.
+    fn roof(&mut self, p: &Place, cells: usize) {
+        let first = self.node + 1;
+        for i in 0..=cells {
+            let along = p.length * (i as f64 / cells as f64 - 0.5);
+            for across in [-5.0f64, -2.5, 0.0, 2.5, 5.0] {
+                self.node(p, along, across, 0.6 + across.abs());
+            }
+        }
+        for i in 0..cells {
+            for j in 0..4 {
+                self.element += 1;
+                let n = first + 5 * i + j;
+                let part = if p.above { 1 } else { 2 };
+                writeln!(self.shells, "[{}, {part}, {n}, {}, {}, {}],", self.element, n + 5, n + 6, n + 1).unwrap();
+            }
+        }
+    }
+
     /// A bar of cubes, 4 mm wide, that stands on an edge, its lowest or highest.
     fn bar(&mut self, p: &Place, cells: usize) {
         let (first, d) = (self.node + 1, 8f64.sqrt());
@@ -80,7 +99,7 @@ impl Bodies {
     }
 }
 
-/// Strips and bars in two layers; the upper one comes down and slides over the lower one, from edge to edge, also where
+/// Strips, bars and bent sheets in two layers; the upper one comes down and slides over the lower one, from edge to edge, also where
 /// these belong to different workers.
 fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
     let mut bodies = Bodies::default();
@@ -93,12 +112,18 @@ fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
     for (above, angle) in [(true, 5.0), (false, 80.0)] {
         bodies.bar(&Place { at: [1.0, 60.0, 0.0], length: 50.0, angle, above }, 11);
     }
+    for (above, angle, sides) in [(true, 0.0, [-6.0, 7.0]), (false, 75.0, [-7.0, 6.0])] {
+        for side in sides {
+            let at = if above { [0.0, side - 60.0, 0.0] } else { [side, -60.0, 0.0] };
+            bodies.roof(&Place { at, length: 40.0, angle, above }, 9);
+        }
+    }
     let set = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     let parts =
         |ids: [u32; 2], more: &str| ids.map(|i| format!("[[part]]\nid = {i}\nmaterial = \"steel\"\n{more}\n")).concat();
     let text = format!(
         r#"
-        title = "Strips and bars across each other"
+        title = "Strips, bars and roofs across each other"
         units = "mm, ms, kg"
         end_time = 1.0
         [mesh]

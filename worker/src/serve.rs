@@ -169,7 +169,7 @@ impl Worker {
         self.crossed = true;
         let warning = format!(
             "contact: by cycle {}, time {:.6e}, an edge of element {} has gone through element {} between their nodes ({} such \
-             crossings here): nodes meet surfaces, and free or sharp edges \
+             crossings here): nodes meet surfaces, and free edges, folds and sharp edges \
              each other; a finer mesh where an edge cuts into a face helps, and so does contact.edges = true if it is off",
             e.clock.cycle,
             e.clock.time,

@@ -2,7 +2,7 @@
 
 use super::{
     Entry, bars, beams, contact, crush, edges, elements, facets, hertz, invariance, materials, plates, press, relaxed,
-    rigid, sliding, solid_bars, solid_cells, solid_patches, stability, stacked, taylor, walls,
+    ridges, rigid, sliding, solid_bars, solid_cells, solid_patches, stability, stacked, taylor, walls,
 };
 
 const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {
@@ -125,7 +125,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("C01", "Penalty too stiff", &[contact::STIFF], ""),
     entry("C02", "Light node on a heavy segment and the reverse", &[contact::LIGHT, stacked::FOAM], ""),
     entry("C03", "Corner, facet, vertex", &[facets::DROPPED], ""),
-    entry("C04", "Edge to edge", &[edges::UPRIGHT, edges::FLAT], ""),
+    entry("C04", "Edge to edge", &[edges::UPRIGHT, edges::FLAT, ridges::ROOFS, ridges::JOINTS], ""),
     entry("C06", "Initial penetration", &[contact::SUNK, solid_patches::SUNK], ""),
     entry("C07", "Tunnelling through a thin shell", &[contact::FAST], "a rotating plate hit by its own edge"),
     entry("C08", "Symmetric contact, double counting", &[stacked::PLATES, stacked::LONG], ""),

@@ -26,6 +26,7 @@ mod plates;
 mod press;
 mod relaxed;
 mod report;
+mod ridges;
 mod rigid;
 mod row;
 mod scene;

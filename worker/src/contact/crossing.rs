@@ -1,9 +1,9 @@
-//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and edges that matter
-//! (`edges.rs`) each other; an edge that cuts into a curved face between its nodes still gets through. That is looked for
-//! now and then, and told.
+//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and edges that stand out
+//! (`edges.rs`) each other; an edge that cuts into a curved face between its nodes, or comes through where no fold is sharp
+//! enough, still gets through. That is looked for now and then, for all edges of the surface, and told.
 
-use crate::contact::edges::{Edge, edges};
 use crate::contact::geometry::{V3, passing};
+use crate::contact::ridges::{Edge, Lines};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
@@ -22,11 +22,11 @@ pub struct Crossing {
     pub surface: ElemId,
 }
 
-/// Crossings of own edges: free edges of shells and sharp ones of solids, by the nodes with the lower id. In ascending
-/// order, each once. To be called where all nodes of the surface are at the same time, but for a step.
+/// Crossings of own edges, by the nodes with the lower id: of all that shells have, and of those between two faces of solids. In
+/// ascending order, each once. To be called where all nodes of the surface are at the same time, but for a step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing> {
-    let all = edges(surface, nodes);
-    let edges: Vec<&Edge> = all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
+    let lines = Lines::of(surface, nodes);
+    let edges: Vec<&Edge> = lines.all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
     let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
@@ -41,17 +41,27 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
         deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
     };
     // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
-    let held = |g: u32, e: &Edge| {
-        let of_segment = all.iter().filter(|o| o.segments.contains(&g));
-        let mut passed = of_segment.filter_map(|o| passing(&e.ends(&nodes.x), &o.ends(&nodes.x)));
-        passed.any(|p| p.height.abs() <= THROUGH * surface.segments[g as usize].scale)
+    let meets = |e: &Edge| {
+        let wedge = lines.wedge(e, surface, &nodes.x);
+        wedge.is_some_and(|w| lines.stands_out(e, &w, surface, &nodes.x, true))
+    };
+    let held = |s: &Segment, e: &Edge| {
+        let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
+        let ascending = |[a, b]: [u32; 2]| if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] };
+        let of_segment = sides.filter_map(|n| lines.place(ascending(n))).map(|i| &lines.all[i]);
+        let near = |o: &&Edge| {
+            let passed = passing(&e.ends(&nodes.x), &o.ends(&nodes.x));
+            passed.is_some_and(|p| p.height.abs() <= THROUGH * s.scale)
+        };
+        let mut near = of_segment.filter(near).peekable();
+        near.peek().is_some() && meets(e) && near.any(meets)
     };
     let mut found: Vec<Crossing> = Vec::new();
     find(&boxes, &middles, &mut |g, i| {
         let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
-        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(g, e) {
-            found.push(Crossing { edge: surface.segments[e.segments[0] as usize].id.elem(), surface: s.id.elem() });
+        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
+            found.push(Crossing { edge: lines.lowest(e, surface).id.elem(), surface: s.id.elem() });
         }
     });
     found.sort_unstable();

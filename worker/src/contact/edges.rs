@@ -1,122 +1,55 @@
 //! Edges against edges: what passes between the nodes that the local search looks at.
 //!
-//! The edges that matter are the free ones of shells and those of solids where two faces meet in a sharp convex angle on the
-//! mesh as it is given: a matter of topology and of initial coordinates, so that it does not depend on when or by whom it is
-//! found out. A pair is a point of one edge, the slave, on a point of another, wherever the two edges are nearest to each
-//! other between their ends; ends are nodes, which the local search has. Of two edges the one with the lower nodes is the
-//! slave, so that no pair is there twice.
+//! The edges that matter are those that stand out (`ridges.rs`). A pair is a point of one edge, the slave, on a point of
+//! another, wherever the two edges are nearest to each other between their ends; ends are nodes, which the local search has. Of
+//! two edges the one with the lower nodes is the slave, so that no pair is there twice.
+//!
+//! Which edges those are changes as surfaces fold. The list of edges that could meet has all that could stand out before it is
+//! made anew; whether they do is looked at in every step, for those that touch. So it is a matter of where nodes are and of what is
+//! remembered of the pair, not of when or by whom the list was made.
 //!
 //! A worker owns the edges whose lowest segment is its own. It then holds their nodes, and its exterior copies are made to
 //! reach as far around them as around its slaves ([`outline`]): it has all segments that contain an edge it could meet, and
 //! with these knows what kind of edge that is.
 //!
 //! The normal is the cross product of the edges. Its sign for shells is that of the side at which the edges were when they
-//! first came near: the step is short enough for that to be seen before they are through (`agreement.rs`). A solid's edge is
-//! met from where its two faces look: the normal lies between theirs, as on a polyhedron's Gauss image.
+//! first came near: the step is short enough for that to be seen before they are through (`agreement.rs`). A fold is met from where
+//! it stands out: seen from it the other edge lies behind none of its segments. A solid's edge is met from where its two faces look:
+//! the normal lies between theirs, as on a polyhedron's Gauss image.
 //!
 //! An edge that slides along a row of edges keeps what the pair with the last one had. That may have belonged to another
-//! worker, so pairs that are known here are remembered, not only own ones.
+//! worker, so pairs that are known here are remembered, not only own ones. A pair that is lost while it is deep is remembered for
+//! some steps more ([`Memory::lost`]).
 
 use crate::contact::approach;
 use crate::contact::geometry::{Passing, V3, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
+use crate::contact::ridges::{Edge, Kind, Lines};
 use crate::contact::search::Search;
-use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
-use crate::nodes::{Nodes, Row, xyz};
+use crate::contact::surface::{NOT_LOCAL, Surface};
+use crate::nodes::Nodes;
 use crate::ties::Joined;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Faces of solids whose normals have a product above this on the mesh as given meet in no edge worth looking at.
-const SHARP: f64 = 0.7;
 /// How far the normal of a contact may leave the angle between the normals of a solid's two faces, in cosines against their
-/// middle; for solids that lie flat on each other it is one of these normals.
+/// middle; for solids that lie flat on each other it is one of these normals. So for folds: the sine of the angle by which the other
+/// edge may lie behind a segment.
 const CONE: f64 = 0.1;
 /// How near to an end of an edge, as a fraction of the scale, a new contact of shells is left to the node there, which keeps
 /// the other edge off to `sqrt(1 - END^2)` of the thickness.
 const END: f64 = 0.1;
 /// Memories of edges that follow each other are of the same contact if their normals have a product above this.
 const ALIKE: f64 = 0.7;
+/// Two edges that come to stand out while each is this near behind the other, as a fraction of the thickness, and in front of it by
+/// the way both are folded, have sunk in before: that far a fold that does not stand out lets them.
+const SUNK: f64 = 0.5;
 
-/// An edge that matters.
-#[derive(Clone, Copy, Debug)]
-pub struct Edge {
-    /// Local nodes, in ascending id.
-    pub nodes: [u32; 2],
-    /// Indices of the segments that have it, in ascending id; one segment is there twice.
-    pub segments: [u32; 2],
-}
-
-impl Edge {
-    /// Its ends.
-    pub fn ends(&self, x: &[Row]) -> [V3; 2] {
-        self.nodes.map(|n| V3::from(xyz(&x[n as usize])))
-    }
-
-    fn ids(&self, nodes: &Nodes) -> [NodeId; 2] {
-        self.nodes.map(|n| nodes.id[n as usize])
-    }
-
-    fn bounds(&self, x: &[Row]) -> Aabb {
-        Aabb::around(self.nodes.map(|n| xyz(&x[n as usize])))
-    }
-
-    /// Whether a segment or a solid that has this edge has any of `others`.
-    fn has_beside(&self, surface: &Surface, others: &[u32; 2]) -> bool {
-        let has = |s: &Segment| others.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
-        self.segments.iter().any(|&g| has(&surface.segments[g as usize]))
-    }
-}
-
-/// A segment's edge: local nodes in ascending id, and the segment.
-type Side = ([u32; 2], u32);
-
-fn sides(surface: &Surface, nodes: &Nodes) -> Vec<Side> {
-    let mut all = Vec::with_capacity(4 * surface.segments.len());
-    for (g, s) in surface.segments.iter().enumerate() {
-        let corners = if s.is_triangle() { 3 } else { 4 };
-        for k in 0..corners {
-            let (a, b) = (s.nodes[k], s.nodes[(k + 1) % corners]);
-            all.push((if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] }, g as u32));
-        }
-    }
-    all.sort_unstable();
-    all
-}
-
-/// Whether the sides of one edge make it one that matters. With `partial`, segments may be missing.
-fn matters(surface: &Surface, nodes: &Nodes, run: &[Side], partial: bool) -> bool {
-    let segment = |side: &Side| &surface.segments[side.1 as usize];
-    match run {
-        [one] => partial || !segment(one).is_solid(),
-        [one, other] => {
-            segment(one).is_solid() && segment(other).is_solid() && is_sharp(segment(one), segment(other), &nodes.x0)
-        }
-        _ => false,
-    }
-}
-
-/// Whether two faces of solids with a common edge meet in a sharp convex angle.
-fn is_sharp(one: &Segment, other: &Segment, x: &[Row]) -> bool {
-    let [Some(a), Some(b)] = [one, other].map(|s| s.middle_normal(x)) else { return false };
-    let middle = |s: &Segment| s.corners(x).iter().sum::<V3>() * 0.25;
-    a.dot(&b) < SHARP && (middle(other) - middle(one)).dot(&a) < 0.0
-}
-
-/// All edges of the surface that matter.
-pub fn edges(surface: &Surface, nodes: &Nodes) -> Vec<Edge> {
-    let all = sides(surface, nodes);
-    let runs = all.chunk_by(|a, b| a.0 == b.0).filter(|run| matters(surface, nodes, run, false));
-    runs.map(|run| Edge { nodes: run[0].0, segments: [run[0].1, run[run.len() - 1].1] }).collect()
-}
-
-/// Nodes of the edges of own segments that may matter, whatever others have beside them, possibly several times. `surface`
-/// has own segments only.
-pub fn outline(surface: &Surface, nodes: &Nodes) -> Vec<u32> {
-    let all = sides(surface, nodes);
-    let runs = all.chunk_by(|a, b| a.0 == b.0).filter(|run| matters(surface, nodes, run, true));
-    runs.flat_map(|run| run[0].0).collect()
+/// All nodes of own segments, possibly several times: the edges between them may come to stand out, whatever others have beside
+/// them. `surface` has own segments only.
+pub fn outline(surface: &Surface) -> Vec<u32> {
+    surface.segments.iter().flat_map(|s| s.nodes).collect()
 }
 
 /// What is remembered of a pair.
@@ -132,13 +65,15 @@ struct Remembered {
 /// The edges that a worker knows, and what its own have met.
 #[derive(Debug, Default)]
 pub struct Edges {
-    all: Vec<Edge>,
+    lines: Lines,
     /// Indices of own edges.
     own: Vec<u32>,
     /// Slave and other edge of all pairs that could touch before the next search, in ascending order of their names.
     candidates: Vec<[u32; 2]>,
     /// In ascending order of names.
     memories: Vec<Remembered>,
+    /// Nodes of the memories, ascending, with the places of these.
+    by_node: Vec<(NodeId, u32)>,
     /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
     gathered: bool,
 }
@@ -146,10 +81,10 @@ pub struct Edges {
 impl Edges {
     /// The edges of a new surface, and what is remembered at their nodes.
     pub fn of(surface: &Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) -> Self {
-        let all = edges(surface, nodes);
-        let is_own = |e: &Edge| surface.segments[e.segments[0] as usize].own;
-        let own: Vec<u32> = (0..all.len() as u32).filter(|&i| is_own(&all[i as usize])).collect();
-        let mut names: Vec<[NodeId; 2]> = own.iter().map(|&i| all[i as usize].ids(nodes)).collect();
+        let lines = Lines::of(surface, nodes);
+        let is_own = |e: &Edge| lines.lowest(e, surface).own;
+        let own: Vec<u32> = (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
+        let mut names: Vec<[NodeId; 2]> = own.iter().map(|&i| lines.all[i as usize].ids(nodes)).collect();
         names.sort_unstable();
         let mut ends: Vec<NodeId> = names.iter().flatten().copied().collect();
         ends.sort_unstable();
@@ -163,57 +98,77 @@ impl Edges {
             nodes: memory.name.edge_nodes().map(local),
             own: names.binary_search(&[memory.name.slave, memory.name.far]).is_ok(),
         };
-        Self {
+        let mut edges = Self {
             memories: memories.into_iter().map(remembered).collect(),
-            all,
+            lines,
             own,
-            candidates: Vec::new(),
             gathered: true,
-        }
+            ..Self::default()
+        };
+        edges.index();
+        edges
     }
 
     /// Lowest segment that has the edge between these local nodes, in the order in which edges have them.
     pub fn segment_of(&self, nodes: [u32; 2]) -> Option<u32> {
-        self.all.binary_search_by_key(&nodes, |e| e.nodes).ok().map(|i| self.all[i].segments[0])
+        self.lines.place(nodes).map(|i| self.lines.segments(&self.lines.all[i])[0])
     }
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.all[..]) + size_of_val(&self.own[..]) + size_of_val(&self.candidates[..])
+        self.lines.bytes() + size_of_val(&self.own[..]) + size_of_val(&self.candidates[..])
     }
 
-    /// Global search: which own edges could meet which others before nodes have moved by more than `skin` against each
-    /// other [length].
+    /// Which edges could meet others before nodes have moved by more than `skin` against each other [length]: those that could
+    /// stand out, and those that are remembered.
+    fn ready(&self, surface: &Surface, nodes: &Nodes, skin: f64) -> Vec<bool> {
+        let could = |e: &Edge| self.lines.could_stand_out(e, surface, &nodes.x, skin);
+        let mut ready: Vec<bool> = self.lines.all.iter().map(could).collect();
+        for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
+            let places = [[i, j], [k, l]].into_iter().filter_map(|e| self.lines.place(e));
+            places.for_each(|p| ready[p] = true);
+        }
+        ready
+    }
+
+    /// Which own edges could meet which others before nodes have moved by more than `skin` against each other [length].
     pub fn search(&mut self, surface: &Surface, nodes: &Nodes, joined: Joined<'_>, find: Search, skin: f64) {
         self.candidates.clear();
         if self.own.is_empty() {
             return;
         }
-        let own = |i: u32| &self.all[self.own[i as usize] as usize];
-        let scale = |e: &Edge| surface.segments[e.segments[0] as usize].scale;
+        let ready = self.ready(surface, nodes, skin);
+        let (lines, is_ready) = (&self.lines, |i: &u32| ready[*i as usize]);
+        let own: Vec<u32> = self.own.iter().copied().filter(is_ready).collect();
+        if own.is_empty() {
+            return;
+        }
+        let all: Vec<u32> = (0..lines.all.len() as u32).filter(is_ready).collect();
+        let edge = |i: u32| &lines.all[i as usize];
+        let scale = |e: &Edge| lines.size(e, surface).1;
         let half = |e: &Edge| 0.5 * (e.ends(&nodes.x)[1] - e.ends(&nodes.x)[0]).norm();
-        let numbers = 0..self.own.len() as u32;
-        let longest = numbers.clone().map(|i| half(own(i))).fold(0.0, f64::max);
-        let largest = numbers.clone().map(|i| scale(own(i))).fold(0.0, f64::max);
+        let longest = own.iter().map(|&i| half(edge(i))).fold(0.0, f64::max);
+        let largest = own.iter().map(|&i| scale(edge(i))).fold(0.0, f64::max);
         let middle = |e: &Edge| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into();
-        let middles: Vec<[f64; 3]> = numbers.map(|i| middle(own(i))).collect();
+        let middles: Vec<[f64; 3]> = own.iter().map(|&i| middle(edge(i))).collect();
         let reach = |e: &Edge| REACH * (scale(e) + largest) + skin;
-        let boxes: Vec<Aabb> = self.all.iter().map(|e| e.bounds(&nodes.x).grown(reach(e) + longest)).collect();
-        find(&boxes, &middles, &mut |other, i| {
-            let (slave, met) = (own(i), &self.all[other as usize]);
+        let boxes: Vec<Aabb> =
+            all.iter().map(|&i| edge(i)).map(|e| e.bounds(&nodes.x).grown(reach(e) + longest)).collect();
+        find(&boxes, &middles, &mut |b, p| {
+            let (i, other) = (own[p as usize], all[b as usize]);
+            let (slave, met) = (edge(i), edge(other));
             let [j, k] = met.nodes;
             let may_meet = slave.ids(nodes) < met.ids(nodes)
                 && met.bounds(&nodes.x).grown(reach(met)).touches(&slave.bounds(&nodes.x))
-                && !slave.has_beside(surface, &met.nodes)
-                && !met.has_beside(surface, &slave.nodes)
+                && !lines.has_beside(slave, surface, &met.nodes)
+                && !lines.has_beside(met, surface, &slave.nodes)
                 && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k]);
             if may_meet {
-                self.candidates.push([self.own[i as usize], other]);
+                self.candidates.push([i, other]);
             }
         });
-        let all = &self.all;
-        self.candidates.sort_unstable_by_key(|c| c.map(|i| all[i as usize].ids(nodes)));
+        self.candidates.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
     /// As [`approach::rate`] of all candidates: what counts is near by the boxes around both edges [1/time].
@@ -229,41 +184,73 @@ impl Edges {
 
     /// A node of the slave and a segment that has the other edge, for each candidate.
     pub fn near(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.candidates.iter().map(|c| c.map(|i| &self.all[i as usize])).map(|[a, b]| (a.nodes[0], b.segments[0]))
+        let edges = self.candidates.iter().map(|c| c.map(|i| &self.lines.all[i as usize]));
+        edges.map(|[a, b]| (a.nodes[0], self.lines.segments(b)[0]))
     }
 
     /// Active pairs of own edges in this step, appended in ascending order of their names. `stiffness` is per segment,
     /// or empty; a pair is as stiff as the softer side.
     pub fn find_pairs(&self, nodes: &Nodes, surface: &Surface, stiffness: &[f64], dt: f64, out: &mut Vec<Pair>) {
-        for [a, b] in self.candidates.iter().map(|c| c.map(|i| &self.all[i as usize])) {
-            let Some(met) = passing(&a.ends(&nodes.x), &b.ends(&nodes.x)) else { continue };
-            if let Some(mut pair) = self.look(nodes, surface, [a, b], &met, dt) {
-                let of = |e: &Edge| stiffness.get(e.segments[0] as usize).copied().unwrap_or(0.0);
-                pair.stiffness = of(a).min(of(b));
+        for edges in self.candidates.iter().map(|c| c.map(|i| &self.lines.all[i as usize])) {
+            let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else { continue };
+            if let Some(mut pair) = self.look(nodes, surface, edges, &met, dt) {
+                let of = |e: &Edge| stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0);
+                pair.stiffness = of(edges[0]).min(of(edges[1]));
                 out.push(pair);
             }
         }
     }
 
     fn look(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], met: &Passing, dt: f64) -> Option<Pair> {
+<<<<<<< HEAD
         let [one, other] = edges.map(|e| &surface.segments[e.segments[0] as usize]);
         let (thickness, scale) = (one.half + other.half, one.scale + other.scale);
         let speed = surface.slower(one.part, other.part);
+=======
+        let lines = &self.lines;
+        let [(half_a, scale_a), (half_b, scale_b)] = edges.map(|e| lines.size(e, surface));
+        let (thickness, scale) = (half_a + half_b, scale_a + scale_b);
+>>>>>>> edges
         if met.height.abs() > REACH * scale {
             return None;
         }
-        let [slave, other_ids] = edges.map(|e| e.ids(nodes));
-        let name = Name::of_edges(slave, other_ids);
-        let known = self.recall(&name, &met.normal);
-        let solid = one.is_solid() || other.is_solid();
+        let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
+        let [slave, other] = edges.map(|e| e.ids(nodes));
+        let name = Name::of_edges(slave, other);
+        let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
+        let known = self.recall(&name, &met.normal).filter(|m| m.is_fresh(moved, scale));
+        let stays = known.as_ref().is_some_and(|m| m.name == name);
+        let solid = edges.iter().any(|e| e.kind == Kind::Solid);
         let side = if solid {
-            facing(surface, nodes, edges, &met.normal)?
+            facing(lines, surface, nodes, edges, &met.normal)?
         } else {
             known.as_ref().map_or(met.height, |m| m.normal.dot(&met.normal))
         };
-        let side = if side < 0.0 { -1.0 } else { 1.0 };
+        let mut side = if side < 0.0 { -1.0 } else { 1.0 };
+        let old = known.filter(|m| m.normal.dot(&met.normal) * side > 0.0);
+        let [one, two] = edges.map(|e| lines.lowest(e, surface));
+        let [s, t] = met.along;
+        let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
+        let mut pair = Pair {
+            shape,
+            weight: shape,
+            thickness: scale,
+            first: (one.part, one.id) < (two.part, two.id),
+            own: true,
+            ..Pair::unknown(name, two.id, [i, j, k, l, NOT_LOCAL])
+        };
+        let opening = pair.relative_velocity(&nodes.next_v).dot(&met.normal);
+        // What is tolerated is no gap: it can only make the pair less near.
+        if met.height * side - thickness + dt * opening * side >= ACTIVE * scale {
+            return None;
+        }
+        let folds = self.standing_out(nodes, surface, edges, stays)?;
+        if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
+            // They may have met before they stood out.
+            let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
+            side = if sunk { -side } else { return None };
+        }
         let (normal, gap) = (met.normal * side, met.height * side - thickness);
-        let old = known.filter(|m| m.normal.dot(&normal) > 0.0);
         if old.is_none() {
             let to_end = |k: usize| {
                 let [p, q] = edges[k].ends(&nodes.x);
@@ -276,6 +263,7 @@ impl Edges {
                 return None;
             }
         }
+<<<<<<< HEAD
         let [s, t] = met.along;
         let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
         let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
@@ -294,7 +282,27 @@ impl Edges {
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, speed);
         let pair = pair.remembering(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
+=======
+        (pair.normal, pair.side) = (normal, side);
+        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap, moved));
+        let predicted = pair.gap + dt * opening * side;
+>>>>>>> edges
         (predicted < ACTIVE * scale).then_some(pair)
+    }
+
+    /// The wedges of what of two edges are folds. `None` if one of the edges does not stand out.
+    fn standing_out(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], stays: bool) -> Option<Folds> {
+        let mut folds = Folds { of: [None; 2] };
+        for (edge, fold) in edges.into_iter().zip(&mut folds.of) {
+            if edge.kind != Kind::Rim {
+                let wedge = self.lines.wedge(edge, surface, &nodes.x)?;
+                if !self.lines.stands_out(edge, &wedge, surface, &nodes.x, stays) {
+                    return None;
+                }
+                *fold = (edge.kind == Kind::Fold).then_some(wedge);
+            }
+        }
+        Some(folds)
     }
 
     /// What is remembered of a pair, or of one that it follows on, without its slip; `normal` is along the cross product of
@@ -306,20 +314,27 @@ impl Edges {
         let [a, b, c, d] = name.edge_nodes();
         let shares = |p: [NodeId; 2], q: [NodeId; 2]| p.iter().any(|n| q.contains(n));
         let alike = |m: &Memory| m.normal.dot(normal).abs() > ALIKE;
-        let before = self.memories.iter().find_map(|r| {
-            let [i, j, k, l] = r.memory.name.edge_nodes();
-            let m = r.memory;
+        let at = |n: NodeId| {
+            let from = self.by_node.partition_point(|e| e.0 < n);
+            self.by_node[from..].iter().take_while(move |e| e.0 == n).map(|e| e.1)
+        };
+        let follows = |place: u32| {
+            let m = self.memories[place as usize].memory;
+            let [i, j, k, l] = m.name.edge_nodes();
             let along = shares([a, b], [i, j]) && shares([c, d], [k, l]);
             let across = shares([a, b], [k, l]) && shares([c, d], [i, j]);
             let turned = || Memory { normal: -m.normal, force: -m.force, ..m };
-            along.then_some(m).or_else(|| across.then(turned)).filter(alike)
-        });
-        before.map(|m| Memory { slip: V3::zeros(), ..m })
+            let of = along.then_some(m).or_else(|| across.then(turned)).filter(alike);
+            of.map(|m| (m.age, place, Memory { slip: V3::zeros(), ..m }))
+        };
+        // What is touched before what was lost, then by name.
+        let before = at(a).chain(at(b)).filter_map(follows).min_by_key(|&(age, place, _)| (age, place));
+        before.map(|(_, _, m)| m)
     }
 
-    /// Remembers the pairs of a step, all that are known here.
+    /// Remembers the pairs of a step, all that are known here, and for some steps those that are lost.
     pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
-        self.memories.clear();
+        let before = std::mem::take(&mut self.memories);
         self.gathered = false;
         let edges = pairs.filter(|p| p.name.is_edge());
         let [i, j, k, l] = [0, 1, 2, 3];
@@ -328,26 +343,74 @@ impl Edges {
             nodes: [i, j, k, l].map(|r: usize| p.nodes[r]),
             own: p.own,
         }));
+        let touched = self.memories.len();
+        for r in before {
+            let found = self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
+            if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
+                // What others have told has no side, and needs none.
+                self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
+            }
+        }
+        if self.memories.len() > touched {
+            self.memories.sort_unstable_by_key(|r| r.memory.name);
+        }
+        self.index();
     }
 
-    /// What own edges remember, under each of the four nodes of a pair that is known here; before a step has gone by since the
-    /// last time also what is left of edges that nobody has any more.
+    fn index(&mut self) {
+        self.by_node.clear();
+        for (place, r) in (0..).zip(&self.memories) {
+            self.by_node.extend(r.memory.name.edge_nodes().map(|n| (n, place)));
+        }
+        self.by_node.sort_unstable();
+    }
+
+    /// What own edges remember, under each of the four nodes of a pair that is known here; of pairs that are lost, and before a
+    /// step has gone by since the last time, also what is left of edges that nobody has any more.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
-        let told = self.memories.iter().filter(|r| r.own || self.gathered);
+        let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
+    }
+}
+
+/// Wedges of the slave edge and of the other one, of folds only.
+struct Folds {
+    of: [Option<[V3; 2]>; 2],
+}
+
+impl Folds {
+    /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's side.
+    fn each(&self, normal: &V3) -> impl Iterator<Item = (&[V3; 2], V3)> {
+        self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
+    }
+
+    /// Whether, for each fold, the other edge lies behind none of its segments.
+    fn are_met_from(&self, normal: &V3) -> bool {
+        self.each(normal).all(|(wedge, to)| wedge.iter().all(|arm| to.dot(arm) <= CONE))
+    }
+
+    /// Whether two folds stand out towards each other.
+    fn are_before(&self, normal: &V3) -> bool {
+        /// Cosine between the direction of the other edge and that in which a fold stands out.
+        const TOWARDS: f64 = 0.7;
+        let out = |[a, b]: &[V3; 2]| (a + b).try_normalize(0.0).map(|m| -m);
+        self.of.iter().all(|w| w.is_some())
+            && self.are_met_from(normal)
+            && self.each(normal).all(|(wedge, to)| out(wedge).is_some_and(|o| o.dot(&to) > TOWARDS))
     }
 }
 
 /// Sign with which `normal`, at right angles to both edges, points out of the other one's solid and into the first one's, as
 /// far as they are edges of solids. `None` where neither sign does.
-fn facing(surface: &Surface, nodes: &Nodes, edges: [&Edge; 2], normal: &V3) -> Option<f64> {
+fn facing(lines: &Lines, surface: &Surface, nodes: &Nodes, edges: [&Edge; 2], normal: &V3) -> Option<f64> {
     let mut sign = 0.0;
     for (edge, out) in edges.into_iter().zip([-1.0, 1.0]) {
-        let [one, two] = edge.segments.map(|g| &surface.segments[g as usize]);
-        if !one.is_solid() {
+        if edge.kind != Kind::Solid {
             continue;
         }
-        let [face, next] = [one.middle_normal(&nodes.x)?, two.middle_normal(&nodes.x)?];
+        let &[one, two] = lines.segments(edge) else { return None };
+        let [face, next] = [one, two].map(|g| surface.segments[g as usize].middle_normal(&nodes.x));
+        let (face, next) = (face?, next?);
         let middle = (face + next).try_normalize(0.0)?;
         let along = middle.dot(normal);
         let of_this = if along < 0.0 { -out } else { out };

@@ -176,12 +176,12 @@ struct Place {
 }
 
 /// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node passes from one
-/// segment to the next or slides off. Deep inside, the remembered side decides.
-fn beside_shell(visit: &Visit<'_>, offset: &V3, known: Option<&Memory>) -> Place {
+/// segment to the next or slides off. Deep inside, the side that is remembered of this segment decides, or of the next `beside`.
+fn beside_shell(visit: &Visit<'_>, offset: &V3, known: Option<f64>, beside: impl Fn() -> Option<f64>) -> Place {
     let near = visit.near;
     let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
-    let side = known.filter(|_| !near.rim).map_or(here, |m| m.side);
+    let side = if near.rim { here } else { known.or_else(beside).unwrap_or(here) };
     let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
     let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
     Place { normal, side, reached }
@@ -256,11 +256,13 @@ fn look(
     if visit.ring != 0 && !has_folded_over(nodes, visit, &offset) {
         return None;
     }
-    let known = memory.iter().find(|m| m.is_of(segment.id));
+    let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
+    let is_fresh = |m: &&Memory| m.age == 0 || m.is_fresh(moved(), scale);
+    let known = memory.iter().find(|m| m.is_of(segment.id)).filter(is_fresh);
     // A node that slid over an edge keeps what it had on the neighbouring segment; another body's that faces the same way is
     // none of it.
-    let slid_here = |m: &Memory, normal: &V3| m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment);
-    let kept = |normal: &V3| known.or_else(|| memory.iter().find(|m| slid_here(m, normal)));
+    let slid_here = |m: &&Memory, normal: &V3| m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment);
+    let kept = |normal: &V3| known.or_else(|| memory.iter().filter(is_fresh).find(|m| slid_here(m, normal)));
     let Place { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
         // However the face is warped and turns: the list of near candidates goes no farther.
@@ -269,7 +271,11 @@ fn look(
         }
         before_solid(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
-        beside_shell(visit, &offset, known)
+        // A node that is past the middle of one segment has not come to the other side of the next.
+        let past = |m: &&Memory| m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment);
+        let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
+        let on_side = || memory.iter().filter(past).find_map(turned);
+        beside_shell(visit, &offset, known.map(|m| m.side), on_side)
     };
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
@@ -281,8 +287,12 @@ fn look(
         return None;
     }
     let old = kept(&normal);
+<<<<<<< HEAD
     let moved = moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
     let tolerated = tolerated(old, gap, moved, dt, speed);
+=======
+    let tolerated = tolerated(old, gap, moved());
+>>>>>>> edges
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }

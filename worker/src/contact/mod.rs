@@ -21,6 +21,7 @@ mod neighbours;
 pub mod pairs;
 pub mod record;
 mod resultants;
+pub mod ridges;
 pub mod search;
 pub mod surface;
 mod sweep;
@@ -155,7 +156,9 @@ impl Contact {
         self.close.list.clear();
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
+            let start = self.memories.len();
             self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| !m.name.is_edge()));
+            self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
         self.memory_start.push(self.memories.len() as u32);
         if self.with_edges {
@@ -268,6 +271,8 @@ impl Contact {
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
+        self.edges.search(&self.surface, nodes, joined, self.find, self.close.skin);
+        self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
     }
 
     /// Which segments each slave could meet before it moves by more than the skin.
@@ -293,8 +298,6 @@ impl Contact {
                 }
             });
         }
-        self.edges.search(s, nodes, joined, self.find, self.skin);
-        self.edges.near().for_each(|(slave, g)| self.record.near(slave, &s.segments[g as usize]));
         // By slave; segments stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
@@ -424,13 +427,22 @@ impl Contact {
             let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
             work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
         }
-        self.memories.clear();
+        let before = std::mem::take(&mut self.memories);
         let mut own = t.pairs.iter().filter(|p| p.own && !p.name.is_edge()).peekable();
-        for (start, &s) in self.memory_start.iter_mut().zip(&self.surface.slaves) {
-            *start = self.memories.len() as u32;
+        for (i, &s) in self.surface.slaves.iter().enumerate() {
+            let old = self.memory_start[i] as usize..self.memory_start[i + 1] as usize;
+            let start = self.memories.len();
+            self.memory_start[i] = start as u32;
             while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
                 self.memories.push(p.memory());
             }
+            // Those of the step come first, in order, then what is lost, in order too.
+            for m in &before[old] {
+                if !self.memories[start..].iter().any(|n| n.name == m.name) {
+                    self.memories.extend(m.lost());
+                }
+            }
+            self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
         if let Some(end) = self.memory_start.last_mut() {
             *end = self.memories.len() as u32;

@@ -117,11 +117,33 @@ pub struct Memory {
     pub force: V3,
     /// See [`Pair::slip`].
     pub slip: V3,
+    /// See [`Pair::thickness`].
+    pub thickness: f64,
+    /// Steps since the pair was lost, 0 for one of the last step.
+    pub age: u32,
 }
+
+/// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its thickness.
+const KEPT: u32 = 50;
+const DEEP: f64 = 0.01;
+/// What is lost may have moved by this fraction of its scale until it counts as new.
+const STRAYED: f64 = 0.5;
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 16;
+    pub const WORDS: usize = 18;
+
+    /// What is left of it a step later in which there is no such pair: on which side it was, how deep, and what of that is let be.
+    /// Found again it does not begin anew. What was not deep is on no side that could not be seen.
+    pub fn lost(self) -> Option<Self> {
+        let kept = self.age < KEPT && self.depth > DEEP * self.thickness;
+        kept.then(|| Self { age: self.age + 1, force: V3::zeros(), slip: V3::zeros(), ..self })
+    }
+
+    /// Whether the pair was there in the last step, or cannot have gone far since by what it moves in one, `moved` [length].
+    pub fn is_fresh(&self, moved: f64, scale: f64) -> bool {
+        f64::from(self.age) * moved <= STRAYED * scale
+    }
 
     /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
     pub fn force_along(&self, normal: &V3) -> V3 {
@@ -139,7 +161,7 @@ impl Memory {
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers = [self.side, self.tolerated, self.depth].into_iter();
+        let numbers = [self.side, self.tolerated, self.depth, self.thickness, f64::from(self.age)].into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -166,9 +188,11 @@ impl Memory {
             side: at(0),
             tolerated: at(1),
             depth: at(2),
-            normal: vector(3),
-            force: vector(6),
-            slip: vector(9),
+            thickness: at(3),
+            age: at(4) as u32,
+            normal: vector(5),
+            force: vector(8),
+            slip: vector(11),
         }
     }
 }
@@ -195,6 +219,7 @@ pub(super) struct WirePair {
     normal: [f64; 3],
     tolerated: f64,
     depth: f64,
+    thickness: f64,
     force: [f64; 3],
     mass: f64,
     held: u64,
@@ -325,6 +350,8 @@ impl Pair {
             normal: self.normal,
             force: self.force,
             slip: self.slip,
+            thickness: self.thickness,
+            age: 0,
         }
     }
 }
@@ -340,6 +367,7 @@ impl WirePair {
             normal: p.normal.into(),
             tolerated: p.tolerated,
             depth: p.depth,
+            thickness: p.thickness,
             force: p.force.into(),
             mass: p.mass,
             held: p.held.into(),
@@ -353,6 +381,7 @@ impl WirePair {
             normal: self.normal.into(),
             tolerated: self.tolerated,
             depth: self.depth,
+            thickness: self.thickness,
             force: self.force.into(),
             mass: self.mass,
             held: self.held != 0,
