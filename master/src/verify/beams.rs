@@ -51,9 +51,9 @@ pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
 
 /// Gives a strip or plate in the xy plane a velocity along z in the shape of `w`, which returns the deflection and its
 /// slopes over x and y [1/m], and the spins that belong to it. Returns the shape.
-fn pluck(scene: &mut Scene, grid: &Grid, w: impl Fn([f64; 3]) -> (f64, [f64; 2])) -> Vec<(u32, f64)> {
+pub fn pluck(scene: &mut Scene, nodes: &[u32], w: impl Fn([f64; 3]) -> (f64, [f64; 2])) -> Vec<(u32, f64)> {
     let mut shape = Vec::new();
-    for &n in grid.all() {
+    for &n in nodes {
         let (value, slope) = w(scene.at(n));
         scene.start(&[n], [0.0, 0.0, SPEED * value], [SPEED * slope[1], -SPEED * slope[0], 0.0]);
         shape.push((n, value));
@@ -111,7 +111,7 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             let grid = strip(&mut scene, N);
             hold(&mut scene, &grid);
             let of = mode(i);
-            let shape = pluck(&mut scene, &grid, |x| {
+            let shape = pluck(&mut scene, grid.all(), |x| {
                 let (value, slope) = of(x[0] / LENGTH);
                 (value, [slope / LENGTH, 0.0])
             });
@@ -138,12 +138,12 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.elastic("steel", BAR);
             scene.part(1, "steel", DEPTH, "");
             let of = clamped(k, (k.cosh() - k.cos()) / (k.sinh() - k.sin()), -1.0);
-            let shape = pluck(&mut scene, &grid, |x| {
+            let shape = pluck(&mut scene, grid.all(), |x| {
                 let (value, slope) = of(x[0] / LENGTH);
                 (value, [slope / LENGTH, 0.0])
             });
             let ours = frequency(bench, &format!("A15 free {number} by {n}"), &scene, &shape, 2)?;
-            let variant = format!("{n} by {} shells", n / 10);
+            let variant = format!("{n} by {} shells, series of meshes", n / 10);
             all.push(
                 Row::new(format!("free-free, frequency {number}"), variant, "Hz", ours)
                     .beside(f, "[D] Euler-Bernoulli"),
@@ -174,7 +174,7 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.fix(&column, "z ry");
         }
         let (p, q) = (p * PI / side, q * PI / side);
-        let shape = pluck(&mut scene, &grid, |x| {
+        let shape = pluck(&mut scene, grid.all(), |x| {
             let (a, b) = (p * x[0], q * x[1]);
             (a.sin() * b.sin(), [p * a.cos() * b.sin(), q * a.sin() * b.cos()])
         });
@@ -205,7 +205,7 @@ fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         let held = if what == "clamped" { grid.rim() } else { grid.row(0) };
         scene.fix(&held, "x y z rx ry rz");
         // Near the modes; over many swings the zeros are the mode's own.
-        let shape = pluck(&mut scene, &grid, |x| {
+        let shape = pluck(&mut scene, grid.all(), |x| {
             let ((a, of_a), (b, of_b)) = match what {
                 "clamped" => (both(x[0] / side), both(x[1] / side)),
                 _ => (one(x[0] / side), (1.0, 0.0)),
@@ -237,7 +237,7 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = scene.grid(1, [N, N], |x, y| [10.0 * x, 10.0 * y, 0.0]);
         scene.elastic("steel", material);
         scene.part(1, "steel", 0.05, "");
-        let shape = pluck(&mut scene, &grid, |x| {
+        let shape = pluck(&mut scene, grid.all(), |x| {
             let (value, slope) = of(x[0] / 5.0 - 1.0, x[1] / 5.0 - 1.0);
             (value, slope.map(|s| s / 5.0))
         });
@@ -281,7 +281,7 @@ fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.fix(&grid.row(0), "x y z rx ry rz");
         scene.mass(&grid.row(20), times * BAR.rho * LENGTH * WIDTH * DEPTH);
         // Bent by a force at the tip: near the first mode with a mass there.
-        let shape = pluck(&mut scene, &grid, |x| {
+        let shape = pluck(&mut scene, grid.all(), |x| {
             let z = x[0] / LENGTH;
             (0.5 * z * z * (3.0 - z), [(3.0 * z - 1.5 * z * z) / LENGTH, 0.0])
         });

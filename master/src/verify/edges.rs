@@ -173,6 +173,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
         all.extend(run.energy_rows(&variant, 0.01));
+        all.push(run.closing_row(&variant, 0.01));
     }
     Ok(all)
 }

@@ -84,6 +84,7 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
                 / at.iter().map(|a| (a.0 - x).powi(2)).sum::<f64>();
             let square = y - slope * x;
             let variant = format!("{}, {cells} cells on the half width", law.name);
+            all.push(run.given_row(&variant));
             all.push(Row::new("force", &variant, "kN/m", 1e-3 * felt).near(1e-3 * LOAD, 0.01, "[D] the load"));
             let half = Row::new("half width of the contact", &variant, "mm", 1e3 * (square / -slope).sqrt());
             let top = Row::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());

@@ -64,6 +64,8 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                     .known("where it sticks, the friction of the penalty law is a spring, which gives back"),
             );
             all.extend(run.energy_rows(&variant, 1e-2));
+            all.push(run.closing_row(&variant, 1e-2));
+            all.push(run.hourglass_row(&variant));
         }
     }
     Ok(all)

@@ -46,6 +46,7 @@ pub use row::Row;
 
 use crate::cli::VerifyArgs;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeSet;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Mutex;
@@ -125,7 +126,8 @@ pub fn run(args: &VerifyArgs) -> u8 {
         eprintln!("error: {} cannot be made: {error}; choose another folder with --out", jobs.display());
         return BAD_INPUT;
     }
-    let outcomes = run_all(&checks, &Bench::new(Some(jobs)));
+    let mut outcomes = run_all(&checks, &Bench::new(Some(jobs)));
+    refuse_repeats(&mut outcomes);
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
     crate::say::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
@@ -133,6 +135,20 @@ pub fn run(args: &VerifyArgs) -> u8 {
         return BAD_INPUT;
     }
     if outcomes.iter().all(Outcome::passes) { PASSED } else { OUTSIDE }
+}
+
+/// Rows of an entry that have the same name cannot be told apart: the later check fails.
+fn refuse_repeats(outcomes: &mut [Outcome]) {
+    let mut seen = BTreeSet::new();
+    for o in outcomes {
+        let rows = o.rows.iter().flatten();
+        let again = rows
+            .filter(|r| !seen.insert((o.id, r.quantity.clone(), r.variant.clone())))
+            .map(|r| (&r.quantity, &r.variant));
+        if let Some((quantity, variant)) = again.last() {
+            o.rows = Err(format!("two rows of {} are called {quantity}, {variant}: name what differs", o.id));
+        }
+    }
 }
 
 fn write(out: &Path, report: &report::Report<'_>) -> std::io::Result<()> {
@@ -174,4 +190,20 @@ fn run_all(checks: &[(&'static str, &'static Check)], bench: &Bench) -> Vec<Outc
     let mut done = done.into_inner().unwrap_or_else(|held| held.into_inner());
     done.sort_by_key(|d| d.0);
     done.into_iter().map(|d| d.1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_cannot_be_told_apart_are_refused() {
+        let row = |quantity: &str| Row::new(quantity, "lagrange", "", 1.0);
+        let outcome =
+            |id, quantities: &[&str]| Outcome { id, name: "x", rows: Ok(quantities.iter().map(|q| row(q)).collect()) };
+        let mut all =
+            [outcome("A01", &["a", "b"]), outcome("A03", &["a"]), outcome("A01", &["c"]), outcome("A01", &["d", "a"])];
+        refuse_repeats(&mut all);
+        assert_eq!(all.map(|o| o.rows.is_ok()), [true, true, true, false]);
+    }
 }

@@ -40,6 +40,8 @@ pub struct Scene {
     nodes: Vec<[f64; 3]>,
     shells: Vec<Vec<u32>>,
     solids: Vec<Vec<u32>>,
+    beams: Vec<Vec<u32>>,
+    springs: Vec<Vec<u32>>,
     sets: Vec<(String, Vec<u32>)>,
     keys: String,
     /// Top-level tables that must be one: lines of `[time]`.
@@ -129,6 +131,17 @@ impl Scene {
     /// shells.
     pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
         self.solids.push(std::iter::once(part).chain(corners).collect());
+    }
+
+    /// Adds a beam of a part between two nodes; the second axis of its section points towards a third one, which is to be
+    /// among the last nodes if it belongs to nothing else. Ids follow those of the solids.
+    pub fn beam(&mut self, part: u32, nodes: [u32; 3]) {
+        self.beams.push(std::iter::once(part).chain(nodes).collect());
+    }
+
+    /// Adds a spring of a part between two nodes. Ids follow those of the beams.
+    pub fn spring(&mut self, part: u32, nodes: [u32; 2]) {
+        self.springs.push(std::iter::once(part).chain(nodes).collect());
     }
 
     /// Adds a patch of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
@@ -249,15 +262,16 @@ impl Scene {
         for (i, [x, y, z]) in self.nodes.iter().enumerate() {
             let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", i + 1);
         }
-        text.push_str("]\nshells = [\n");
-        for (i, shell) in self.shells.iter().enumerate() {
-            let row: Vec<String> = shell.iter().map(u32::to_string).collect();
-            let _ = writeln!(text, "[{}, {}],", i + 1, row.join(", "));
-        }
-        text.push_str("]\nsolids = [\n");
-        for (i, solid) in self.solids.iter().enumerate() {
-            let row: Vec<String> = solid.iter().map(u32::to_string).collect();
-            let _ = writeln!(text, "[{}, {}],", self.shells.len() + i + 1, row.join(", "));
+        let mut id = 0;
+        for (kind, rows) in
+            [("shells", &self.shells), ("solids", &self.solids), ("beams", &self.beams), ("springs", &self.springs)]
+        {
+            let _ = write!(text, "]\n{kind} = [\n");
+            for row in rows {
+                id += 1;
+                let row: Vec<String> = row.iter().map(u32::to_string).collect();
+                let _ = writeln!(text, "[{id}, {}],", row.join(", "));
+            }
         }
         text.push_str("]\n[mesh.node_sets]\n");
         for (name, nodes) in &self.sets {

@@ -279,17 +279,15 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     let stress = push.mean_force(0.4 * time, 1.7 * time) / (side * side);
     let variant = format!("wall, {N} cubes, j2");
     let (finite_stress, finite_strain) = plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
-    const SMALL: &str = "the reference is of small strains: see the rows on finite strain";
+    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small strains.
     Ok(run.with_energy(
         &variant,
         1e-3,
         vec![
             Row::new("stress behind the plastic front", &variant, "MPa", 1e-6 * stress)
-                .near(261.2, 0.02, "[D] sigma_y + rho c_t (V - v_y)")
-                .known(SMALL),
+                .beside(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
             Row::new("strain behind the plastic front", &variant, "", strain)
-                .near(0.0301, 0.02, "[D] sigma_y/E + (V - v_y)/c_t")
-                .known(SMALL),
+                .beside(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
             Row::new("stress behind the plastic front, finite strain", &variant, "MPa", 1e-6 * stress).near(
                 1e-6 * finite_stress,
                 0.02,

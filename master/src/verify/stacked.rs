@@ -61,27 +61,14 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             let mut means = vec![0.0; upper.all().len()];
             let (mut samples, mut least, mut most) = (0.0, f64::INFINITY, 0.0f64);
             let name = format!("C08 {} {how}", law.name);
-            let model = match bench.model(&name, &scene) {
-                Ok(model) => model,
-                Err(_) if !more.is_empty() => {
-                    let row = Row::new("refused with a message", &variant, "", 1.0);
-                    all.push(row.within(1.0, 0.0, "twice the same must not double a force"));
-                    continue;
-                }
-                Err(why) => return Err(why),
-            };
-            let run = super::bench::run_watched(&model, |e| {
+            let run = bench.watch(&name, &scene, |e| {
                 if e.clock.time > 8e-3 {
                     let forces = upper.all().iter().map(|&i| contact_force(e, &[i], 2));
                     means.iter_mut().zip(forces).for_each(|(m, f)| *m += f);
                     let sum = contact_force(e, upper.all(), 2);
                     (least, most, samples) = (least.min(sum), most.max(sum), samples + 1.0);
                 }
-                ControlFlow::Continue(())
             })?;
-            if run.trouble {
-                return Err(format!("{name} ended in trouble"));
-            }
             let whole = PRESSURE * SIDE * SIDE;
             let resultant = means.iter().sum::<f64>() / samples;
             all.push(Row::new("resultant", &variant, "kN", 1e-3 * resultant).near(1e-3 * whole, 0.01, CATALOGUE));
@@ -96,6 +83,7 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             let worst = (0..means.len()).map(off).fold(0.0, f64::max);
             let row = Row::new("largest |nodal force / p A of the node - 1|", &variant, "", worst);
             all.push(row.at_most(if n[0] == m { 0.01 } else { 0.2 }, CATALOGUE));
+            all.push(run.given_row(&variant));
             let rest = run.energies.kinetic / run.energies.external.abs();
             all.push(
                 Row::new("kinetic energy / work of the pressure, at the end", &variant, "", rest).at_most(
@@ -128,6 +116,7 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("energy not accounted for after 1e5 steps / work", &variant, "", drift)
                 .at_most(1e-3, "limit of the catalogue"),
         );
+        all.push(run.given_row(&variant));
         // The speed at which half of the plate's pressure throws it in the time of the ramp.
         let scale = PRESSURE * SIDE * SIDE / mass(&run.engine, grids[1].all()) * 0.3e-3;
         all.push(
@@ -165,6 +154,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{}, foam of 1 MPa and 50 kg/m3 at 5 m/s on steel", law.name);
         let row = Row::new("largest penetration / side of a cell", &variant, "", deepest * cells as f64 / side);
         all.push(row.at_most(0.05, "limit of the catalogue"));
+        all.extend([run.given_row(&variant), run.hourglass_row(&variant)]);
         let share = Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
         all.push(share.beside(1.0, "[D] a bar without lateral strain, but for what stays in swings"));
     }
@@ -199,7 +189,7 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         let (mut sums, mut samples) = ([0.0; BLOCKS], 0.0);
         let (mut least, mut most) = ([f64::INFINITY; BLOCKS], [f64::NEG_INFINITY; BLOCKS]);
         let mut fastest = 0.0f64;
-        bench.watch(&format!("C15b {}", law.name), &scene, |e| {
+        let run = bench.watch(&format!("C15b {}", law.name), &scene, |e| {
             if e.clock.time > 40.0 * period && e.clock.time < 59.5 * period {
                 let mut under = 0.0;
                 for (i, block) in blocks.iter().enumerate() {
@@ -221,6 +211,7 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let swing = Row::new("largest swing of these forces from step to step / themselves", law.name, "", worst);
         all.push(swing.at_most(0.01, "limit of the catalogue").known(SWINGS));
+        all.push(run.given_row(law.name));
         // What gravity gives in the period of the column.
         let row = Row::new("largest speed of a block / (g period)", law.name, "", fastest / (g * period));
         all.push(row.at_most(1e-3, "[D] at rest"));
@@ -258,6 +249,7 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
             let walls = run.engine.walls.impulse.iter().zip(&before);
             walls.map(|(now, then)| now[c] - then[c]).sum::<f64>() / span
         };
+        all.push(run.given_row(&variant));
         for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let row =
                 Row::new(format!("reaction of the walls along {axis} / (m g)"), &variant, "", reaction(c) / weight);

@@ -63,6 +63,7 @@ impl Mushroom {
         let share = self.run.energies.hourglass / self.run.energies.internal;
         let row = Row::new("hourglass energy / internal energy", variant, "", share);
         rows.push(row.at_most(0.05, "gate of the catalogue, 5 to 10 %"));
+        rows.push(self.run.closing_row(variant, 1e-2));
         self.run.with_energy(variant, 1e-2, rows)
     }
 }
@@ -224,11 +225,12 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
             1e-3,
             vec![
                     duration("contact duration").near(5.560, 0.02, C),
-                    duration("contact duration").beside(1e3 * time, D),
+                    duration("contact duration, of a half space").beside(1e3 * time, D),
                     Row::new("largest force", &variant, "N", most).near(FORCE, 0.03, C).known(yields),
-                    Row::new("largest force", &variant, "N", most).beside(force, D),
+                    Row::new("largest force, of a half space", &variant, "N", most).beside(force, D),
                     way("way of the centre of mass").near(1.9504, 0.03, C),
-                    way("way of the centre of mass").beside(1e3 * deepest, D),
+                    way("way of the centre of mass, of a half space").beside(1e3 * deepest, D),
+                    run.hourglass_row(&variant),
                     Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, &nodes, 2) / v)
                         .at_least(0.98, "limit of the catalogue"),
                 ],
