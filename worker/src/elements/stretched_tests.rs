@@ -26,14 +26,13 @@ fn masses_at_first(of: Part, triangular: bool, nu: f64, n: usize) -> Vec<(f64, f
     stretched(of, triangular, nu, n, [1.0; 2], Precision::Double).masses()
 }
 
-/// A sheet that is stretched, held, brought back slowly by its rim and then let go stays as quiet as the rim is: its nodes are never
-/// much faster. Tension of half the modulus stiffens it at right angles to itself, which the safety bears.
+/// A sheet that is stretched, held and brought back slowly by its rim stays as quiet as the rim is: its nodes are never much faster.
+/// Tension of half the modulus stiffens it at right angles to itself, which the safety bears.
 #[test]
 fn a_stretched_sheet_does_not_swing_up() {
     const N: usize = 6;
     const HELD: usize = 400;
     const BACK: usize = 1000;
-    const FREE: usize = 400;
     for (element, triangular) in FORMULATIONS {
         for (thinning, t) in [(false, 0.1), (true, 0.1), (false, 2.0), (true, 2.0)] {
             let of = Part { thinning, ..part_of(element, t) };
@@ -46,13 +45,13 @@ fn a_stretched_sheet_does_not_swing_up() {
             let rim = |node: usize| [node % (N + 1), node / (N + 1)].iter().any(|&i| i == 0 || i == N);
             let mut dt = 0.9 * patch.forces(0.0).stable_dt;
             let speed = 0.4 * N as f64 / (BACK as f64 * dt); // where the rim is fastest
-            for step in 0..HELD + BACK + FREE {
+            for step in 0..HELD + BACK {
                 let totals = patch.explicit(
                     dt,
                     &masses,
                     |_| [0.0; 3],
                     |node, v, w| {
-                        if rim(node) && step < HELD + BACK {
+                        if rim(node) {
                             (*v, *w) = ([0.0; 4], [0.0; 4]);
                             let place = [node % (N + 1), node / (N + 1)];
                             if step >= HELD {
