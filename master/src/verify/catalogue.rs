@@ -1,14 +1,8 @@
 //! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
 
 use super::{
-<<<<<<< HEAD
     Entry, bars, beams, contact, crush, edges, elements, facets, hertz, invariance, materials, plates, press, relaxed,
     ridges, rigid, sliding, solid_bars, solid_cells, solid_patches, stability, stacked, taylor, walls,
-=======
-    Entry, bars, beams, contact, crush, edges, elements, facets, hertz, invariance,
-    materials, plates, press, relaxed, rigid, sliding, solid_bars, solid_cells, solid_patches, stability,
-    stacked, taylor, walls,
->>>>>>> catalogue
 };
 
 const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {

@@ -173,13 +173,14 @@ impl Edges {
 
     /// As [`approach::rate`] of all candidates: what counts is near by the boxes around both edges [1/time].
     pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, dt: f64) -> f64 {
+        let lines = &self.lines;
         let rate = |[a, b]: [&Edge; 2]| {
-            let scale = [a, b].iter().map(|e| surface.segments[e.segments[0] as usize].scale).sum::<f64>();
+            let scale = lines.size(a, surface).1 + lines.size(b, surface).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
             let near = a.bounds(&nodes.x).grown(REACH * scale + approach::STEPS * dt * speed);
             if near.touches(&b.bounds(&nodes.x)) { speed / scale } else { 0.0 }
         };
-        self.candidates.iter().map(|c| rate(c.map(|i| &self.all[i as usize]))).fold(0.0, f64::max)
+        self.candidates.iter().map(|c| rate(c.map(|i| &lines.all[i as usize]))).fold(0.0, f64::max)
     }
 
     /// A node of the slave and a segment that has the other edge, for each candidate.
@@ -202,15 +203,9 @@ impl Edges {
     }
 
     fn look(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], met: &Passing, dt: f64) -> Option<Pair> {
-<<<<<<< HEAD
-        let [one, other] = edges.map(|e| &surface.segments[e.segments[0] as usize]);
-        let (thickness, scale) = (one.half + other.half, one.scale + other.scale);
-        let speed = surface.slower(one.part, other.part);
-=======
         let lines = &self.lines;
         let [(half_a, scale_a), (half_b, scale_b)] = edges.map(|e| lines.size(e, surface));
         let (thickness, scale) = (half_a + half_b, scale_a + scale_b);
->>>>>>> edges
         if met.height.abs() > REACH * scale {
             return None;
         }
@@ -235,6 +230,7 @@ impl Edges {
             shape,
             weight: shape,
             thickness: scale,
+            speed: surface.slower(one.part, two.part),
             first: (one.part, one.id) < (two.part, two.id),
             own: true,
             ..Pair::unknown(name, two.id, [i, j, k, l, NOT_LOCAL])
@@ -263,30 +259,10 @@ impl Edges {
                 return None;
             }
         }
-<<<<<<< HEAD
-        let [s, t] = met.along;
-        let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
-        let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
-        let pair = Pair {
-            shape,
-            weight: shape,
-            normal,
-            side,
-            thickness: scale,
-            speed,
-            first: (one.part, one.id) < (other.part, other.id),
-            own: true,
-            ..Pair::unknown(name, other.id, [i, j, k, l, NOT_LOCAL])
-        };
-        let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
-        let tolerated = tolerated(old.as_ref(), gap, moved, dt, speed);
-        let pair = pair.remembering(old.as_ref(), gap, tolerated);
-        let predicted = pair.gap + dt * pair.relative_velocity(&nodes.next_v).dot(&normal);
-=======
         (pair.normal, pair.side) = (normal, side);
-        let pair = pair.remembering(old.as_ref(), gap, tolerated(old.as_ref(), gap, moved));
+        let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
+        let pair = pair.remembering(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * opening * side;
->>>>>>> edges
         (predicted < ACTIVE * scale).then_some(pair)
     }
 

@@ -287,12 +287,7 @@ fn look(
         return None;
     }
     let old = kept(&normal);
-<<<<<<< HEAD
-    let moved = moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
-    let tolerated = tolerated(old, gap, moved, dt, speed);
-=======
-    let tolerated = tolerated(old, gap, moved());
->>>>>>> edges
+    let tolerated = tolerated(old, gap, moved(), dt, speed);
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
