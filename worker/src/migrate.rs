@@ -224,6 +224,7 @@ mod tests {
             name: Name::of_node(NodeId(4), SegmentId(segment)),
             side,
             tolerated: -1e-3 / 3.0,
+            kept: -1e-3 / 7.0,
             depth: 0.7,
             normal: V3::new(0.6, -0.8, 0.0),
             force: V3::new(1.0 / 3.0, 2.0, -3.0),

@@ -70,6 +70,8 @@ pub struct Pair {
     pub depth: f64,
     /// Penetration that is let be, 0 or negative [length].
     pub tolerated: f64,
+    /// The part of it that the run started with, which is let be until the gap opens by itself [length].
+    pub kept: f64,
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
     /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
@@ -105,6 +107,8 @@ pub struct Memory {
     pub side: f64,
     /// See [`Pair::tolerated`].
     pub tolerated: f64,
+    /// See [`Pair::kept`].
+    pub kept: f64,
     /// See [`Pair::depth`].
     pub depth: f64,
     /// See [`Pair::normal`].
@@ -117,7 +121,7 @@ pub struct Memory {
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 16;
+    pub const WORDS: usize = 17;
 
     /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
     pub fn force_along(&self, normal: &V3) -> V3 {
@@ -135,7 +139,7 @@ impl Memory {
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers = [self.side, self.tolerated, self.depth].into_iter();
+        let numbers = [self.side, self.tolerated, self.kept, self.depth].into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -161,10 +165,11 @@ impl Memory {
             name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
             side: at(0),
             tolerated: at(1),
-            depth: at(2),
-            normal: vector(3),
-            force: vector(6),
-            slip: vector(9),
+            kept: at(2),
+            depth: at(3),
+            normal: vector(4),
+            force: vector(7),
+            slip: vector(10),
         }
     }
 }
@@ -179,6 +184,7 @@ pub(super) struct WirePair {
     weight: [f64; 5],
     normal: [f64; 3],
     tolerated: f64,
+    kept: f64,
     depth: f64,
     force: [f64; 3],
     mass: f64,
@@ -191,10 +197,13 @@ impl Pair {
     /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
     /// point, turned to its normal, and the penetration that is let be, 0 or negative [length].
     pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
+        let kept = old.map_or(0.0, |m| m.kept.max(gap.min(0.0)));
+        let tolerated = tolerated.min(kept);
         Self {
             gap: gap - tolerated,
             depth: -gap,
             tolerated,
+            kept,
             force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
             slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
             ..self
@@ -214,6 +223,7 @@ impl Pair {
             gap: 0.0,
             depth: 0.0,
             tolerated: 0.0,
+            kept: 0.0,
             thickness: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
@@ -291,6 +301,7 @@ impl Pair {
             name: self.name,
             side: self.side,
             tolerated: self.tolerated,
+            kept: self.kept,
             depth: self.depth,
             normal: self.normal,
             force: self.force,
@@ -309,6 +320,7 @@ impl WirePair {
             weight: p.weight,
             normal: p.normal.into(),
             tolerated: p.tolerated,
+            kept: p.kept,
             depth: p.depth,
             force: p.force.into(),
             mass: p.mass,
@@ -321,6 +333,7 @@ impl WirePair {
             weight: self.weight,
             normal: self.normal.into(),
             tolerated: self.tolerated,
+            kept: self.kept,
             depth: self.depth,
             force: self.force.into(),
             mass: self.mass,
