@@ -70,8 +70,11 @@ pub struct Control<'a> {
     /// Field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Trouble>,
-    /// Whether a deep penetration has been told.
+    /// Whether a deep penetration has been told, and energy that contact creates.
     sunk_told: bool,
+    created_told: bool,
+    /// Whether it has been told that contact shortens the step.
+    short_told: bool,
     closings: Vec<Option<Closing>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
@@ -150,6 +153,8 @@ impl<'a> Control<'a> {
             pieces: BTreeMap::new(),
             trouble: None,
             sunk_told: false,
+            created_told: false,
+            short_told: false,
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
@@ -268,6 +273,7 @@ impl<'a> Control<'a> {
                 self.history.take(*part, extras).map_err(|e| RunError::Output { path: path(), error: e.into() })?;
                 self.watch_energy();
                 self.watch_contact();
+                self.watch_work();
             }
             ToMaster::Fields { index, time } => {
                 let pieces = self.pieces.entry(index).or_default();
@@ -317,6 +323,19 @@ impl<'a> Control<'a> {
             tracing::warn!(depth, time, message);
             self.progress.say(&format!("warning: {message}"));
         }
+        let steps = self.history.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
+        if let Some([contact, elements]) = steps.filter(|[contact, elements]| *contact < MUCH_SHORTER * elements)
+            && !self.short_told
+        {
+            self.short_told = true;
+            let message = format!(
+                "at time {time:.6e} contact leaves a stable step of {contact:.3e} where elements leave {elements:.3e}: what is near moves \
+                 so fast that it would be through in one step. Thicker contact surfaces let it be longer; so does taking fast \
+                 fragments or thin foils out of contact"
+            );
+            tracing::warn!(contact, elements, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
     }
 
     /// Plasticity can hold an unstable step in bounds; the balance of energy cannot, or velocities swing from step to step
@@ -333,9 +352,6 @@ impl<'a> Control<'a> {
         } else {
             return;
         };
-        if self.trouble.is_some() || self.stop_ordered {
-            return;
-        }
         let sum = &row.sum;
         let element = sum.controlling.map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
         let safety = self.model.settings.safety;
@@ -343,9 +359,37 @@ impl<'a> Control<'a> {
         let subcycled = self.model.settings.subcycles > 1;
         let or = if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
         let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
-        self.trouble = Some(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
-        self.stop_ordered = true;
-        self.order(Action::Stop);
+        self.fail(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
+    }
+
+    /// Contact that makes energy of nothing is told once, and stops the run when it is much.
+    fn watch_work(&mut self) {
+        let Some(row) = self.history.last.as_ref().filter(|row| row.created > LITTLE_CREATED) else { return };
+        let (created, time, cycle) = (row.created, row.sum.time, row.sum.cycle);
+        let what = format!(
+            "contact has created {:.3e} of energy by itself, {:.1} % of the most that there was",
+            row.sum.energies.contact,
+            100.0 * created
+        );
+        let cure = "look for parts that start within each other's thickness (`crumple check` names them) or are pressed through one \
+                    another, and try a shorter time.dt_max, more contact.sweeps or a lower contact.penalty_scale";
+        if created > MOST_CREATED {
+            self.fail(Trouble { elem: None, cycle, time, why: format!("{what}; {cure}") });
+        } else if !self.created_told {
+            self.created_told = true;
+            let message = format!("at time {time:.6e} {what}; {cure}. The run stops at {:.0} %", 100.0 * MOST_CREATED);
+            tracing::warn!(created, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
+    }
+
+    /// Stops the run as failed, unless it ends already.
+    fn fail(&mut self, trouble: Trouble) {
+        if self.trouble.is_none() && !self.stop_ordered {
+            self.trouble = Some(trouble);
+            self.stop_ordered = true;
+            self.order(Action::Stop);
+        }
     }
 
     fn order(&mut self, action: Action) {
@@ -448,6 +492,7 @@ impl<'a> Control<'a> {
                 total_initial: i.kinetic + i.internal + i.hourglass,
                 error: last.error,
                 error_max: self.history.worst_error,
+                contact_created: self.history.worst_created,
             },
             momentum: summary::Momentum {
                 start: first.momentum,
@@ -481,6 +526,11 @@ impl<'a> Control<'a> {
 const SUNK: f64 = 0.5;
 /// A run whose energy balance is off by more than this fraction has failed; crash codes are accepted with 0.01.
 const MOST_ENERGY_ERROR: f64 = 0.1;
+/// A step that contact makes shorter than this fraction of the elements' is told.
+const MUCH_SHORTER: f64 = 0.5;
+/// Fractions of the most energy so far that contact may create before it is told, and before the run has failed.
+const LITTLE_CREATED: f64 = 0.01;
+const MOST_CREATED: f64 = 0.1;
 /// How long the master waits for what workers have recorded when one of them was lost.
 const LAST_WORDS: Duration = Duration::from_secs(2);
 /// High redecompositions that are said aloud; all are in `log.jsonl`.

@@ -1,7 +1,7 @@
 //! `history.csv`: one row per history interval, added up from the workers' shares.
 
 use crate::histories::Histories;
-use crate::job::Model;
+use crate::job::{Model, fastest_wave};
 use crumple_proto::report::HistoryPart;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -19,6 +19,10 @@ pub struct Row {
     pub error: f64,
     /// Energy of what swings from step to step, as the same fraction: an unstable step keeps the balance, but swings.
     pub swing: f64,
+    /// Energy that contact has created, as a fraction of the most that there has been. Contact stores and dissipates; what its forces
+    /// have done to the nodes so far, friction included, is above nought only where it makes energy of nothing. The balance does not
+    /// tell: it takes the work of contact as it is.
+    pub created: f64,
 }
 
 /// What the master knows besides when a row is complete.
@@ -60,6 +64,12 @@ pub struct History {
     /// Whether there are subcycles: energy then swings about its balance by a fraction of the most that has come in, which may leave.
     subcycled: bool,
     most_came_in: f64,
+    /// Most energy so far, kinetic and internal [energy].
+    most: f64,
+    /// Work of contact that counts as none [energy].
+    round_off: f64,
+    /// Largest fraction so far that contact has created.
+    pub worst_created: f64,
 }
 
 /// Fraction of the energy in swings from step to step that a step above the stability limit soon has and keeps up. A stable one
@@ -67,6 +77,9 @@ pub struct History {
 const MUCH_SWING: f64 = 0.1;
 /// Cycles for which a stable motion at its turn may have it.
 const TURNING: u64 = 50;
+/// Nodes at this fraction of the speed of sound are at rest as far as contact's work goes: forces that hold what lies still are
+/// good to about a millionth of the velocity of the waves that set them up.
+const STILL: f64 = 1e-6;
 /// The most that a stable vibration has of the energy stored at its turn, `2 s^2` with a fraction s of the stable step.
 const MOST_SWING: f64 = 2.0;
 
@@ -181,6 +194,9 @@ impl History {
             swings_from: None,
             subcycled: model.settings.subcycles > 1,
             most_came_in: 0.0,
+            most: 0.0,
+            round_off: 0.5 * model.total_mass() * (STILL * fastest_wave(&model.job)).powi(2),
+            worst_created: 0.0,
         })
     }
 
@@ -216,7 +232,11 @@ impl History {
         self.worst_error = self.worst_error.max(error.abs());
         self.penetration = self.penetration.max(sum.penetration);
         self.pairs = self.pairs.max(sum.pairs);
-        let row = Row { sum, error, swing };
+        let e = &sum.energies;
+        self.most = self.most.max(e.kinetic.max(0.0) + e.internal + e.hourglass);
+        let created = created(e.contact, self.most, self.round_off);
+        self.worst_created = self.worst_created.max(created);
+        let row = Row { sum, error, swing, created };
         let swings_from = self.swings_from.unwrap_or(row.sum.cycle);
         self.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.write(&row, extras)?;
@@ -234,7 +254,10 @@ impl History {
         let energies = [e.kinetic, e.internal, e.hourglass, e.contact, e.friction, e.wall, e.external, row.error];
         record.extend(energies.into_iter().chain(s.momentum).chain(s.angular_momentum).map(number));
         record.extend([s.pairs.to_string(), number(s.penetration)]);
-        record.push(s.controlling.map_or(String::new(), |id| id.to_string()));
+        let of_contact = s.contact_dt < s.controlling_dt;
+        let controlling =
+            if of_contact { "contact".into() } else { s.controlling.map_or(String::new(), |id| id.to_string()) };
+        record.push(controlling);
         for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {
             let before = self.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
             let dt = s.time - before.0;
@@ -247,6 +270,11 @@ impl History {
         self.file.write_record(&record)?;
         Ok(self.file.flush()?)
     }
+}
+
+/// Fraction of the most energy so far that contact has created, when its forces have done `work`; what is below `round_off` is none.
+fn created(work: f64, most: f64, round_off: f64) -> f64 {
+    if work > round_off { work / most.max(work) } else { 0.0 }
 }
 
 /// Sums over workers; the controlling element is that of the worker with the smallest step, which all share.
@@ -269,4 +297,17 @@ fn add_up(parts: &[HistoryPart]) -> HistoryPart {
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contact_creates_what_it_gives_beyond_what_it_took() {
+        assert_eq!(created(-3.0, 10.0, 1e-9), 0.0, "it dissipates");
+        assert_eq!(created(1e-10, 1e-10, 1e-9), 0.0, "next to nothing moves");
+        assert_eq!(created(0.5, 10.0, 1e-9), 0.05);
+        assert_eq!(created(2.0, 1.0, 1e-9), 1.0, "all of it");
+    }
 }

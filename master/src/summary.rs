@@ -53,6 +53,8 @@ pub struct Energy {
     pub error: f64,
     /// Largest |error| of all history rows.
     pub error_max: f64,
+    /// Most energy that contact has created, as a fraction of the most that there was.
+    pub contact_created: f64,
 }
 
 /// Linear momentum [mass length/time].

@@ -127,9 +127,9 @@ pub fn penetrations(initial: &Initial) -> Vec<Problem> {
             format!("{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into element {elem}");
         Some(Problem::warning("contact", message, help))
     };
-    let slowly = "they are let be and pushed out slowly; move the parts apart to be rid of them";
+    let kept = "they are let be, without force, and are met at that depth from there on; move the parts apart to be rid of them";
     let never = "parts pass through each other there; move them apart";
-    let seen = tell(&seen, "the thickness of shells, or other solids", slowly);
+    let seen = tell(&seen, "the thickness of shells, or other solids", kept);
     let unseen = tell(&unseen, "other solids, too deep for contact to see", never);
     seen.into_iter().chain(unseen).collect()
 }

@@ -33,7 +33,7 @@ mod walls;
 pub use laws::Blocks;
 pub use numbering::Renumbered;
 pub use report::{Located, Report, Sources, Spot};
-pub use state::{ElementStart, NodeStart};
+pub use state::{ElementStart, NodeStart, fastest_wave};
 pub use units::fit as units_fit;
 pub use validate::nearest;
 
@@ -475,6 +475,11 @@ impl Model {
     /// Mass of all `[[mass]]` [mass].
     pub fn lumped_mass(&self) -> f64 {
         self.nodes.added_mass.iter().sum()
+    }
+
+    /// All mass, what scaling adds and `[[mass]]` included [mass].
+    pub fn total_mass(&self) -> f64 {
+        self.structure_mass() + self.scaled_mass() + self.lumped_mass()
     }
 
     /// How many workers to run: as asked for (by the command line or mpirun), else as the job says, else `cores`

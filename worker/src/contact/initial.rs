@@ -33,7 +33,7 @@ const ROUND_OFF: f64 = 1e-6;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Initial {
     /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face of a solid that it is in. The run
-    /// tolerates what it sees and gives it back slowly.
+    /// tolerates what it sees until the gap opens by itself.
     pub penetrations: Vec<Penetration>,
     /// How many shells are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
     /// fraction of it that is left; `None` if all are met as they are.

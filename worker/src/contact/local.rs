@@ -220,7 +220,8 @@ fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
     inside > FOLDED * offset.norm()
 }
 
-/// Penetration that was not there through an impact (at the start, or around a rim) is let be and given back slowly. So is
+/// Penetration that was not there through an impact (around a rim) is let be and given back slowly; one that was there at the start
+/// is not given back at all ([`Pair::kept`]), since that would drive apart what lies still. So is
 /// what a pair is deeper than before without having moved that far, at most by `moved` [length]: its normal has turned, or it
 /// follows on that of another segment or edge. A force against that would come from nothing, and make energy. The step
 /// `dt` and the wave speed of what touches say how much is given back.

@@ -94,6 +94,8 @@ pub struct Contact {
     pub penetration: f64,
     /// Largest rate at which something near passed what it could meet in the last step, where that may limit the step [1/time].
     pub approach: f64,
+    /// Whether pairs have been looked for: what penetrates when they first are, has from the start.
+    begun: bool,
 }
 
 /// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
@@ -139,6 +141,7 @@ impl Contact {
             capped: 0,
             penetration: 0.0,
             approach: 0.0,
+            begun: false,
         }
     }
 
@@ -355,7 +358,11 @@ impl Contact {
         if pairs.len() > of_nodes {
             pairs.sort_unstable_by_key(|p| p.name);
         }
+        let begins = !std::mem::replace(&mut self.begun, true);
         for p in &mut pairs {
+            if begins {
+                p.kept = p.tolerated;
+            }
             p.weigh_slave(nodes);
             self.record.touched(p.nodes);
             p.force = self.law.start(p, steps);

@@ -70,6 +70,8 @@ pub struct Pair {
     pub depth: f64,
     /// Penetration that is let be, 0 or negative [length].
     pub tolerated: f64,
+    /// The part of it that the run started with, which is let be until the gap opens by itself [length].
+    pub kept: f64,
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
     /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
@@ -109,6 +111,8 @@ pub struct Memory {
     pub side: f64,
     /// See [`Pair::tolerated`].
     pub tolerated: f64,
+    /// See [`Pair::kept`].
+    pub kept: f64,
     /// See [`Pair::depth`].
     pub depth: f64,
     /// See [`Pair::normal`].
@@ -131,7 +135,7 @@ const STRAYED: f64 = 0.5;
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 18;
+    pub const WORDS: usize = 19;
 
     /// What is left of it a step later in which there is no such pair: on which side it was, how deep, and what of that is let be.
     /// Found again it does not begin anew. What was not deep is on no side that could not be seen.
@@ -161,7 +165,8 @@ impl Memory {
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers = [self.side, self.tolerated, self.depth, self.thickness, f64::from(self.age)].into_iter();
+        let numbers =
+            [self.side, self.tolerated, self.kept, self.depth, self.thickness, f64::from(self.age)].into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -187,12 +192,13 @@ impl Memory {
             name: bytemuck::pod_read_unaligned(bytemuck::cast_slice(name)),
             side: at(0),
             tolerated: at(1),
-            depth: at(2),
-            thickness: at(3),
-            age: at(4) as u32,
-            normal: vector(5),
-            force: vector(8),
-            slip: vector(11),
+            kept: at(2),
+            depth: at(3),
+            thickness: at(4),
+            age: at(5) as u32,
+            normal: vector(6),
+            force: vector(9),
+            slip: vector(12),
         }
     }
 }
@@ -218,6 +224,7 @@ pub(super) struct WirePair {
     weight: [f64; 5],
     normal: [f64; 3],
     tolerated: f64,
+    kept: f64,
     depth: f64,
     thickness: f64,
     force: [f64; 3],
@@ -232,10 +239,13 @@ impl Pair {
     /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
     /// point, turned to its normal, and the penetration that is let be, 0 or negative [length].
     pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
+        let kept = old.map_or(0.0, |m| m.kept.max(gap.min(0.0)));
+        let tolerated = tolerated.min(kept);
         Self {
             gap: gap - tolerated,
             depth: -gap,
             tolerated,
+            kept,
             force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
             slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
             ..self
@@ -255,6 +265,7 @@ impl Pair {
             gap: 0.0,
             depth: 0.0,
             tolerated: 0.0,
+            kept: 0.0,
             thickness: 0.0,
             speed: 0.0,
             force: V3::zeros(),
@@ -346,6 +357,7 @@ impl Pair {
             name: self.name,
             side: self.side,
             tolerated: self.tolerated,
+            kept: self.kept,
             depth: self.depth,
             normal: self.normal,
             force: self.force,
@@ -366,6 +378,7 @@ impl WirePair {
             weight: p.weight,
             normal: p.normal.into(),
             tolerated: p.tolerated,
+            kept: p.kept,
             depth: p.depth,
             thickness: p.thickness,
             force: p.force.into(),
@@ -380,6 +393,7 @@ impl WirePair {
             weight: self.weight,
             normal: self.normal.into(),
             tolerated: self.tolerated,
+            kept: self.kept,
             depth: self.depth,
             thickness: self.thickness,
             force: self.force.into(),
