@@ -286,7 +286,7 @@ pub struct Part {
     /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
     /// twisted sheets (`cases/studies/README.md`, twist-thin), at a fifth more cost. Elsewhere they agree (plate-shells, panel,
     /// beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane and no hourglass control: the reference for the
-    /// others, at about three times the cost.
+    /// others, at about two and a half times the cost.
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
