@@ -12,7 +12,11 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// A07.
-pub const STOP: Check = Check { name: "stops by friction", quick: true, run: stop };
+pub const STOP: Check =
+    Check { name: "stops by friction", quick: true, run: |b| stop(b, &Law::ALL.iter().collect::<Vec<_>>()) };
+/// A07 with iterations that are not the default: the base is held, so that no pair feels another.
+pub const ITERATIONS: Check =
+    Check { name: "stops by friction, split and jacobi", quick: true, run: |b| stop(b, &[&Law::SPLIT, &Law::JACOBI]) };
 /// A07, in gravity.
 pub const HEAVY: Check = Check { name: "stops by friction, in gravity", quick: true, run: heavy };
 /// A08.
@@ -86,7 +90,7 @@ fn mass() -> f64 {
     STEEL.rho * SIZE.iter().product::<f64>()
 }
 
-fn stop(bench: &Bench) -> Result<Vec<Row>, String> {
+fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
     const D: &str = "[D] t = v/a, s = v^2/2a, a = mu N/m; half a ramp of 0.1 ms later";
     let (force, v, ramped) = (400.0, 10.0, 1e-4);
     let a = MU * force / mass();
@@ -94,7 +98,7 @@ fn stop(bench: &Bench) -> Result<Vec<Row>, String> {
     let left = v - 0.5 * a * ramped;
     let (time, way) = (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
     let mut all = Vec::new();
-    for (law, kind) in Law::ALL.iter().flat_map(|law| [(law, Base::Shells), (law, Base::Cubes)]) {
+    for (law, kind) in laws.iter().flat_map(|&law| [(law, Base::Shells), (law, Base::Cubes)]) {
         let mut scene = Scene::new(time + 0.3e-3);
         let (base, block) = on_base(&mut scene, kind);
         scene.fix(&base, "x y z rx ry rz");
@@ -359,7 +363,12 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 .known(SWINGING),
         );
         let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
-        all.push(given.at_most(1e-6, "[D] never negative; round-off").known(known));
+        // A stick spring gives back (mu N)^2/2k at a turn; with F/k a thousandth of the amplitude, as above, that is a 160th of a
+        // thousandth of the work of 20 cycles.
+        all.push(match law.is_spring() {
+            true => given.at_most(1e-3 / 160.0, "[D] what a stick spring holds; F/k_t is allowed by the catalogue"),
+            false => given.at_most(1e-6, "[D] never negative; round-off").known(known),
+        });
         all.push(run.given_row(&variant));
         let drift = (mean(CYCLES - 1) - mean(4)).abs() / amplitude;
         all.push(
