@@ -429,8 +429,8 @@ pub struct Contact {
     /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up
     /// (`cases/studies/README.md`, penalty-map).
     pub penalty_cap: bool,
-    /// Whether edges meet edges too: free ones of shells, folds of more than 20 degrees, and sharp ones of solids. Without it
-    /// they pass each other between their nodes (`tests/VERIFICATION.md`, C04).
+    /// Whether edges meet edges too: free ones of shells, folds, and sharp ones of solids. Without it they pass each
+    /// other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
     /// Largest thickness with which a shell is met, as a multiple of its shortest side; 0 for no limit. Shells finer than they
     /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost

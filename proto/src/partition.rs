@@ -109,6 +109,8 @@ pub struct NodeRecord {
     pub x0: [f64; 3],
     /// Coordinates [length].
     pub x: [f64; 3],
+    /// Coordinates when it was last seen where surfaces are folded [length].
+    pub seen: [f64; 3],
     /// Velocity at mid-step [length/time].
     pub v: [f64; 3],
     /// Rotational velocity at mid-step [1/time].

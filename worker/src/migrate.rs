@@ -226,11 +226,11 @@ mod tests {
             tolerated: -1e-3 / 3.0,
             kept: -1e-3 / 7.0,
             depth: 0.7,
-            thickness: 0.25,
-            age: 3,
             normal: V3::new(0.6, -0.8, 0.0),
             force: V3::new(1.0 / 3.0, 2.0, -3.0),
             slip: V3::new(0.0, -0.0, 1e-300),
+            thickness: 0.3,
+            age: 17,
         };
         let remembered =
             BTreeMap::from([(NodeId(4), vec![memory(9, 1.0), memory(11, -1.0)]), (NodeId(8), vec![memory(1, 1.0)])]);

@@ -51,6 +51,8 @@ pub struct Nodes {
     pub x0: Vec<Row>,
     /// Coordinates [length].
     pub x: Vec<Row>,
+    /// Coordinates when it was last seen where surfaces are folded, in the same cycle by all workers [length].
+    pub seen: Vec<Row>,
     /// Velocities at the last mid-step [length/time].
     pub v: Vec<Row>,
     /// Rotational velocities at the last mid-step [1/time].
@@ -96,6 +98,7 @@ impl Nodes {
         self.fixed.push(u8::try_from(r.fixed).expect("six bits"));
         self.x0.push(row(r.x0));
         self.x.push(row(r.x));
+        self.seen.push(row(r.seen));
         self.v.push(row(r.v));
         self.next_v.push(row(r.v));
         self.mass.push(r.mass);
@@ -127,6 +130,7 @@ impl Nodes {
             fixed: self.fixed[i].into(),
             x0: xyz(&self.x0[i]),
             x: xyz(&self.x[i]),
+            seen: xyz(&self.seen[i]),
             v: xyz(&self.v[i]),
             w: self.w.get(i).map_or([0.0; 3], xyz),
             mass: self.mass[i],
@@ -201,7 +205,7 @@ impl Nodes {
     pub fn bytes(&self) -> [usize; 2] {
         let rows = |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
         let named = size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
-        let moving = [&self.x0, &self.x, &self.v, &self.next_v, &self.mean_v, &self.force, &self.inv_mass];
+        let moving = [&self.x0, &self.x, &self.seen, &self.v, &self.next_v, &self.mean_v, &self.force, &self.inv_mass];
         let turning = [&self.w, &self.next_w, &self.mean_w, &self.moment, &self.inv_inertia];
         [named + size_of_val(&self.mass[..]) + rows(&moving), size_of_val(&self.inertia[..]) + rows(&turning)]
     }

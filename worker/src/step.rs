@@ -66,6 +66,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
             timer.lap(Phase::Halo);
         }
+        contact.look_at_folds(nodes, clock.cycle);
         contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt, engine.agreement.elements_dt);
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, steps);

@@ -6,8 +6,14 @@ use crumple_proto::partition::{NodeRecord, Settings};
 
 /// Nodes of mass 1 at rest at these places [length], with ids from 1.
 pub fn nodes_at(places: &[[f64; 3]]) -> Nodes {
-    let record =
-        |(&x, id): (&[f64; 3], u64)| NodeRecord { id: NodeId(id), x0: x, x, mass: 1.0, ..NodeRecord::default() };
+    let record = |(&x, id): (&[f64; 3], u64)| NodeRecord {
+        id: NodeId(id),
+        x0: x,
+        x,
+        seen: x,
+        mass: 1.0,
+        ..NodeRecord::default()
+    };
     Nodes::new(&places.iter().zip(1..).map(record).collect::<Vec<_>>(), 0, true)
 }
 

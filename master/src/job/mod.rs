@@ -437,6 +437,7 @@ impl Model {
             fixed: self.nodes.fixed[i],
             x0: n.x,
             x: n.x,
+            seen: n.x,
             v: self.nodes.velocity[i],
             w: self.nodes.spin[i],
             mass: self.nodes.added_mass[i],

@@ -41,10 +41,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
         deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
     };
     // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
-    let meets = |e: &Edge| {
-        let wedge = lines.wedge(e, surface, &nodes.x);
-        wedge.is_some_and(|w| lines.stands_out(e, &w, surface, &nodes.x, true))
-    };
+    let meets = |e: &Edge| lines.stands_out(e, surface, &nodes.x);
     let held = |s: &Segment, e: &Edge| {
         let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
         let ascending = |[a, b]: [u32; 2]| if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] };

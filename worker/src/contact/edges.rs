@@ -4,9 +4,8 @@
 //! another, wherever the two edges are nearest to each other between their ends; ends are nodes, which the local search has. Of
 //! two edges the one with the lower nodes is the slave, so that no pair is there twice.
 //!
-//! Which edges those are changes as surfaces fold. The list of edges that could meet has all that could stand out before it is
-//! made anew; whether they do is looked at in every step, for those that touch. So it is a matter of where nodes are and of what is
-//! remembered of the pair, not of when or by whom the list was made.
+//! Which edges those are changes as surfaces fold, and is found out every so many cycles. A contact that is there lasts as long
+//! as it touches, however flat a fold becomes under it.
 //!
 //! A worker owns the edges whose lowest segment is its own. It then holds their nodes, and its exterior copies are made to
 //! reach as far around them as around its slaves ([`outline`]): it has all segments that contain an edge it could meet, and
@@ -25,7 +24,7 @@ use crate::contact::approach;
 use crate::contact::geometry::{Passing, V3, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
-use crate::contact::ridges::{Edge, Kind, Lines};
+use crate::contact::ridges::{Edge, Kind, Lines, Wedge};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::nodes::Nodes;
@@ -66,6 +65,10 @@ struct Remembered {
 #[derive(Debug, Default)]
 pub struct Edges {
     lines: Lines,
+    /// Which of them stand out.
+    out: Vec<bool>,
+    /// Whether others do than when candidates were searched for.
+    stale: bool,
     /// Indices of own edges.
     own: Vec<u32>,
     /// Slave and other edge of all pairs that could touch before the next search, in ascending order of their names.
@@ -105,6 +108,7 @@ impl Edges {
             gathered: true,
             ..Self::default()
         };
+        edges.look_at_folds(surface, nodes);
         edges.index();
         edges
     }
@@ -119,11 +123,21 @@ impl Edges {
         self.lines.bytes() + size_of_val(&self.own[..]) + size_of_val(&self.candidates[..])
     }
 
-    /// Which edges could meet others before nodes have moved by more than `skin` against each other [length]: those that could
-    /// stand out, and those that are remembered.
-    fn ready(&self, surface: &Surface, nodes: &Nodes, skin: f64) -> Vec<bool> {
-        let could = |e: &Edge| self.lines.could_stand_out(e, surface, &nodes.x, skin);
-        let mut ready: Vec<bool> = self.lines.all.iter().map(could).collect();
+    /// Finds out which edges stand out where nodes were last seen.
+    pub fn look_at_folds(&mut self, surface: &Surface, nodes: &Nodes) {
+        let out: Vec<bool> = self.lines.all.iter().map(|e| self.lines.stands_out(e, surface, &nodes.seen)).collect();
+        self.stale |= out != self.out;
+        self.out = out;
+    }
+
+    /// Whether candidates are to be searched for anew though nodes have not moved.
+    pub fn is_stale(&self) -> bool {
+        self.stale
+    }
+
+    /// Which edges could meet others: those that stand out, and those that are remembered.
+    fn ready(&self) -> Vec<bool> {
+        let mut ready = self.out.clone();
         for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
             let places = [[i, j], [k, l]].into_iter().filter_map(|e| self.lines.place(e));
             places.for_each(|p| ready[p] = true);
@@ -134,10 +148,11 @@ impl Edges {
     /// Which own edges could meet which others before nodes have moved by more than `skin` against each other [length].
     pub fn search(&mut self, surface: &Surface, nodes: &Nodes, joined: Joined<'_>, find: Search, skin: f64) {
         self.candidates.clear();
+        self.stale = false;
         if self.own.is_empty() {
             return;
         }
-        let ready = self.ready(surface, nodes, skin);
+        let ready = self.ready();
         let (lines, is_ready) = (&self.lines, |i: &u32| ready[*i as usize]);
         let own: Vec<u32> = self.own.iter().copied().filter(is_ready).collect();
         if own.is_empty() {
@@ -192,9 +207,10 @@ impl Edges {
     /// Active pairs of own edges in this step, appended in ascending order of their names. `stiffness` is per segment,
     /// or empty; a pair is as stiff as the softer side.
     pub fn find_pairs(&self, nodes: &Nodes, surface: &Surface, stiffness: &[f64], dt: f64, out: &mut Vec<Pair>) {
-        for edges in self.candidates.iter().map(|c| c.map(|i| &self.lines.all[i as usize])) {
+        for places in &self.candidates {
+            let edges = places.map(|i| &self.lines.all[i as usize]);
             let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else { continue };
-            if let Some(mut pair) = self.look(nodes, surface, edges, &met, dt) {
+            if let Some(mut pair) = self.look(nodes, surface, *places, &met, dt) {
                 let of = |e: &Edge| stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0);
                 pair.stiffness = of(edges[0]).min(of(edges[1]));
                 out.push(pair);
@@ -202,8 +218,9 @@ impl Edges {
         }
     }
 
-    fn look(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], met: &Passing, dt: f64) -> Option<Pair> {
+    fn look(&self, nodes: &Nodes, surface: &Surface, places: [u32; 2], met: &Passing, dt: f64) -> Option<Pair> {
         let lines = &self.lines;
+        let edges = places.map(|i| &lines.all[i as usize]);
         let [(half_a, scale_a), (half_b, scale_b)] = edges.map(|e| lines.size(e, surface));
         let (thickness, scale) = (half_a + half_b, scale_a + scale_b);
         if met.height.abs() > REACH * scale {
@@ -240,7 +257,10 @@ impl Edges {
         if met.height * side - thickness + dt * opening * side >= ACTIVE * scale {
             return None;
         }
-        let folds = self.standing_out(nodes, surface, edges, stays)?;
+        if !stays && !places.iter().all(|&i| self.out[i as usize]) {
+            return None;
+        }
+        let folds = if old.is_none() { self.folds(nodes, surface, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
             // They may have met before they stood out.
             let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
@@ -266,17 +286,11 @@ impl Edges {
         (predicted < ACTIVE * scale).then_some(pair)
     }
 
-    /// The wedges of what of two edges are folds. `None` if one of the edges does not stand out.
-    fn standing_out(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2], stays: bool) -> Option<Folds> {
+    /// The wedges of what of two edges are folds. `None` if one of them has no outside any more.
+    fn folds(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2]) -> Option<Folds> {
         let mut folds = Folds { of: [None; 2] };
-        for (edge, fold) in edges.into_iter().zip(&mut folds.of) {
-            if edge.kind != Kind::Rim {
-                let wedge = self.lines.wedge(edge, surface, &nodes.x)?;
-                if !self.lines.stands_out(edge, &wedge, surface, &nodes.x, stays) {
-                    return None;
-                }
-                *fold = (edge.kind == Kind::Fold).then_some(wedge);
-            }
+        for (edge, fold) in edges.into_iter().zip(&mut folds.of).filter(|(e, _)| e.kind == Kind::Fold) {
+            *fold = Some(self.lines.wedge(edge, surface, &nodes.x)?);
         }
         Some(folds)
     }
@@ -351,25 +365,25 @@ impl Edges {
 
 /// Wedges of the slave edge and of the other one, of folds only.
 struct Folds {
-    of: [Option<[V3; 2]>; 2],
+    of: [Option<Wedge>; 2],
 }
 
 impl Folds {
     /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's side.
-    fn each(&self, normal: &V3) -> impl Iterator<Item = (&[V3; 2], V3)> {
+    fn each(&self, normal: &V3) -> impl Iterator<Item = (&Wedge, V3)> {
         self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
     }
 
     /// Whether, for each fold, the other edge lies behind none of its segments.
     fn are_met_from(&self, normal: &V3) -> bool {
-        self.each(normal).all(|(wedge, to)| wedge.iter().all(|arm| to.dot(arm) <= CONE))
+        self.each(normal).all(|(wedge, to)| wedge.arms.iter().all(|arm| to.dot(arm) <= CONE))
     }
 
     /// Whether two folds stand out towards each other.
     fn are_before(&self, normal: &V3) -> bool {
         /// Cosine between the direction of the other edge and that in which a fold stands out.
         const TOWARDS: f64 = 0.7;
-        let out = |[a, b]: &[V3; 2]| (a + b).try_normalize(0.0).map(|m| -m);
+        let out = |w: &Wedge| (w.arms[0] + w.arms[1]).try_normalize(0.0).map(|m| -m);
         self.of.iter().all(|w| w.is_some())
             && self.are_met_from(normal)
             && self.each(normal).all(|(wedge, to)| out(wedge).is_some_and(|o| o.dot(&to) > TOWARDS))
@@ -427,5 +441,31 @@ mod tests {
         assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
         assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact by its normal");
         assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
+    }
+
+    /// A pair that is lost while it is deep comes back on its side with what was let be, if it is soon; one that only touched is new.
+    #[test]
+    fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
+        let name = Name::of_edges([NodeId(5), NodeId(6)], [NodeId(8), NodeId(9)]);
+        let deep = Pair {
+            normal: V3::z(),
+            tolerated: -0.25,
+            depth: 0.5,
+            thickness: 1.0,
+            force: V3::z(),
+            ..Pair::unknown(name, SegmentId(1), [0; 5])
+        };
+        let after = |pair: Pair, steps: usize| {
+            let mut edges = Edges::default();
+            edges.remember([pair].iter());
+            (0..steps).for_each(|_| edges.remember([].iter()));
+            edges.recall(&name, &V3::z())
+        };
+        let back = after(deep, 3).unwrap();
+        assert_eq!((back.age, back.normal, back.depth, back.tolerated), (3, V3::z(), 0.5, -0.25));
+        assert_eq!(back.force, V3::zeros(), "nothing presses on what is lost");
+        assert!(after(deep, 50).is_some() && after(deep, 51).is_none());
+        assert!(after(Pair { depth: 0.005, ..deep }, 1).is_none());
+        assert!(back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0), "three steps of a fifth are too far");
     }
 }

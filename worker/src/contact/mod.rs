@@ -98,6 +98,9 @@ pub struct Contact {
     begun: bool,
 }
 
+/// Every so many cycles surfaces are looked at for folds.
+const FOLDS_EVERY: u64 = 64;
+
 /// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
 /// segment and nodes [length].
 pub fn reach(segment_scale: f64, largest_scale: f64) -> f64 {
@@ -262,6 +265,9 @@ impl Contact {
         let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
         let used_up = self.moved + moved + ahead > self.skin;
         if fresh && moved <= self.close.skin && step <= self.close.step && !used_up {
+            if self.edges.is_stale() {
+                self.search_edges(nodes, joined);
+            }
             return;
         }
         self.since_close.restart(&nodes.x, Vec::new());
@@ -274,8 +280,21 @@ impl Contact {
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
+        self.search_edges(nodes, joined);
+    }
+
+    /// Which edges each edge could meet before the list of near segments is made over.
+    fn search_edges(&mut self, nodes: &Nodes, joined: Joined<'_>) {
         self.edges.search(&self.surface, nodes, joined, self.find, self.close.skin);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
+    }
+
+    /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are where their owners have them.
+    pub fn look_at_folds(&mut self, nodes: &mut Nodes, cycle: u64) {
+        if self.with_edges && cycle.is_multiple_of(FOLDS_EVERY) {
+            nodes.seen.clone_from(&nodes.x);
+            self.edges.look_at_folds(&self.surface, nodes);
+        }
     }
 
     /// Which segments each slave could meet before it moves by more than the skin.

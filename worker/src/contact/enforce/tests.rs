@@ -35,7 +35,7 @@ const SPEED: f64 = 500.0;
 const HELD: u64 = 0b111;
 
 fn mass(x: [f64; 3], v: [f64; 3], mass: f64) -> NodeRecord {
-    NodeRecord { x0: x, x, v, mass, ..NodeRecord::default() }
+    NodeRecord { x0: x, x, seen: x, v, mass, ..NodeRecord::default() }
 }
 
 fn held(x: [f64; 3]) -> NodeRecord {
@@ -389,6 +389,34 @@ fn the_normal_turns_continuously_over_a_ridge() {
         eprintln!("slope {slope}: the normal turns by at most {worst:.3} v dt / thickness");
         assert!(worst < 1.1, "slope {slope}: turned by {worst} times what the motion explains");
     }
+}
+
+/// Two squares side by side and a node that is past the middle of the first: it is still on its side on the second one, and when it is
+/// found again after some steps in which it was not, but not after many.
+#[test]
+fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
+    let points: Vec<NodeRecord> = [0.0, 1.0, 2.0]
+        .iter()
+        .flat_map(|&x| [0.0, 1.0].map(|y| held([x, y, 0.0])))
+        .chain([mass([0.9, 0.5, 0.2 * HALF], [0.0; 3], 1.0)])
+        .collect();
+    let deep = -0.1 * HALF;
+    let side = |leave: usize, back: f64| {
+        let mut scene = Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], 1e-3);
+        let go = |scene: &mut Scene, x: f64, z: f64| {
+            scene.nodes.x[6] = row([x, 0.5, z]);
+            (scene.nodes.v[6], scene.nodes.next_v[6]) = ([0.0; 4], [0.0; 4]);
+            scene.step();
+            scene.pairs().first().map(|p| p.normal.z)
+        };
+        assert!(go(&mut scene, 0.9, 0.2 * HALF).unwrap() > 0.0, "from above");
+        assert!(go(&mut scene, 0.9, deep).unwrap() > 0.0, "past the middle");
+        (0..leave).for_each(|_| assert_eq!(go(&mut scene, 0.9, 10.0), None, "away"));
+        go(&mut scene, back, deep).unwrap()
+    };
+    assert!(side(0, 1.1) > 0.0, "on the next segment");
+    assert!(side(5, 0.9) > 0.0, "lost for five steps");
+    assert!(side(60, 0.9) < 0.0, "for sixty: it is new, and below");
 }
 
 /// What a law is called in a job is in the table once.
