@@ -121,7 +121,8 @@ fn three_failed_points_of_four_are_a_failed_element() {
         for p in 0..failed {
             (0..5).for_each(|k| state[p * each + 3 + k * 7 + 6] = 1.0);
         }
-        patch.history.set(0, &state);
+        // Padding repeats the element, and would tell its step.
+        (0..patch.history.lanes()).for_each(|lane| patch.history.set(lane, &state));
         for (v, w) in patch.v.iter_mut().zip(&mut patch.w).skip(2) {
             (v[1], v[2], w[0]) = (1e-6, 1e-6, 1e-6);
         }
@@ -227,7 +228,7 @@ fn the_step_is_bounded_by_the_highest_frequency() {
                 if over > worst.0 {
                     worst = (over, nodes, nu, t);
                 }
-                assert!(all[6] > 1e-11 * all[23], "a motion is free: {nodes:?}, t {t}: {all:?}");
+                assert!(all[6] > 1e-12 * all[23], "a motion is free: {nodes:?}, t {t}: {all:?}");
                 assert!(all[5].abs() < 1e-13 * all[23], "rigid motion is resisted: {nodes:?}: {all:?}");
             }
         }
