@@ -105,7 +105,6 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
     let side = 0.2;
     let mut all = Vec::new();
     for (p, q, f) in [(1.0, 1.0, 491.0), (1.0, 2.0, 1224.8)] {
-        let mut errors = Vec::new();
         for n in [6usize, 12, 24] {
             let mut scene = Scene::new(3.2 / f);
             let nodes: Vec<Vec<u32>> = (0..=n)
@@ -140,16 +139,12 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
                 "Hz",
                 ours,
             );
-            errors.push(ours - f);
             all.push(if n == 24 {
                 row.near(f, 0.01, "[D] Mindlin, catalogue A16")
             } else {
                 row.beside(f, "[D] Mindlin")
             });
         }
-        let order = ((errors[0] - errors[1]) / (errors[1] - errors[2])).log2();
-        let row = Row::new(format!("frequency ({p:.0},{q:.0}), order"), "c0_triangle, 6, 12, 24", "", order);
-        all.push(row.beside(2.0, "[D] second order"));
     }
     Ok(all)
 }
