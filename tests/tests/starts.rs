@@ -1,0 +1,108 @@
+//! Bodies that start inside each other's thickness: contact lets that be, and makes no energy of it. Units mm, ms, kg.
+
+use crumple::job::{self, Model};
+use crumple_tests::run_alone;
+use crumple_worker::engine::Engine;
+
+/// A mesh of shells in the making.
+#[derive(Default)]
+struct Mesh {
+    nodes: String,
+    shells: String,
+    count: usize,
+    elements: usize,
+    parts: u32,
+}
+
+impl Mesh {
+    /// A sheet of `n[0]` by `n[1]` shells over the unit square as `place` lays it.
+    fn sheet(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) {
+        let first = self.count + 1;
+        self.parts = self.parts.max(part);
+        for j in 0..=n[1] {
+            for i in 0..=n[0] {
+                let [x, y, z] = place(i as f64 / n[0] as f64, j as f64 / n[1] as f64);
+                self.count += 1;
+                self.nodes += &format!("[{}, {x:?}, {y:?}, {z:?}],\n", self.count);
+            }
+        }
+        let id = |i: usize, j: usize| first + j * (n[0] + 1) + i;
+        for j in 0..n[1] {
+            for i in 0..n[0] {
+                self.elements += 1;
+                let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
+                self.shells += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
+            }
+        }
+    }
+
+    fn model(&self, end: f64, thickness: f64, contact: &str, rest: &str) -> Model {
+        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {thickness:?}\n");
+        let parts: String = (1..=self.parts).map(part).collect();
+        let text = format!(
+            "end_time = {end:?}\n[mesh]\nnodes = [{}]\nshells = [{}]\n[output]\nfield_interval = -1.0\n\
+             [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
+             {parts}[contact]\n{contact}\n{rest}",
+            self.nodes, self.shells,
+        );
+        let there = tempfile::tempdir().unwrap();
+        let path = there.path().join("starts.toml");
+        std::fs::write(&path, text).unwrap();
+        job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
+    }
+}
+
+const LAWS: [&str; 4] = [
+    "law = \"lagrange\"",
+    "law = \"kinematic\"",
+    "law = \"penalty\"",
+    "law = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = 1.0",
+];
+
+/// Two plates, half a thickness apart where they ought to be a whole one, and askew so that no nodes match: at rest they stay.
+#[test]
+fn plates_at_rest_inside_each_other_stay_at_rest() {
+    for law in LAWS {
+        for tilt in [0.0, 0.03] {
+            let mut mesh = Mesh::default();
+            mesh.sheet(1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
+            mesh.sheet(2, [5, 4], |x, y| [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 0.5 + tilt * 22.0 * x]);
+            let model = mesh.model(3.0, 1.0, law, "");
+            let (mut pairs, mut kinetic) = (0, 0.0f64);
+            let end = run_alone(&model, |e: &Engine| {
+                pairs = pairs.max(e.contact.as_ref().unwrap().own_pairs().count());
+                kinetic = kinetic.max(e.ledger.energies(&e.nodes).kinetic.abs());
+            });
+            let work = end.ledger.energies(&end.nodes).contact;
+            assert!(end.clock.cycle > 2000 && pairs > 20, "{law}: {} cycles, {pairs} pairs", end.clock.cycle);
+            assert_eq!((kinetic, work), (0.0, 0.0), "{law}, tilt {tilt}: nothing pushes, so nothing moves");
+        }
+    }
+}
+
+/// A panel whose rim is folded back to 0.6 of a thickness, as a hem is, flies, spins and swings: contact may not drive it.
+#[test]
+fn a_folded_panel_in_flight_gains_nothing() {
+    for law in LAWS {
+        let mut mesh = Mesh::default();
+        // 40 up, the fold of 0.6, 15 down on the other side.
+        let fold = |s: f64| match s * 56.0 {
+            s if s <= 40.0 => [s, 0.0],
+            s if s <= 41.0 => [40.0, 0.6 * (s - 40.0)],
+            s => [40.0 - (s - 41.0), 0.6],
+        };
+        mesh.sheet(1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
+        let rest =
+            "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\ncentre = [20.0, 20.0, 0.0]\n";
+        let model = mesh.model(6.0, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
+        let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
+        run_alone(&model, |e: &Engine| {
+            let now = e.ledger.energies(&e.nodes);
+            first.get_or_insert(now.kinetic);
+            most = most.max(now.kinetic);
+            work = work.max(now.contact);
+        });
+        let first = first.unwrap();
+        assert!(work < 1e-3 * first && most < 1.001 * first, "{law}: work {work}, {most} of {first}");
+    }
+}
