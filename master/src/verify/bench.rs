@@ -66,7 +66,7 @@ impl Bench {
     /// # Errors
     /// The job is bad, or its file cannot be kept.
     pub fn model_of(&self, name: &str, text: String, sets: &[String]) -> Result<Model, String> {
-        let file = format!("{}.toml", name.replace([' ', ','], "_").replace("__", "_"));
+        let file = format!("{}.toml", name.replace([' ', ',', '/'], "_").replace("__", "_"));
         if let Some(folder) = &self.jobs {
             std::fs::write(folder.join(&file), &text).map_err(|error| format!("{file}: {error}"))?;
         }

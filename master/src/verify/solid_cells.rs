@@ -208,7 +208,6 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(row.at_most(0.0, "decays without a swing"));
         }
         all.extend(run.energy_rows(&variant, 1e-3));
-        all.push(run.hourglass_row(&variant));
     }
     Ok(all)
 }

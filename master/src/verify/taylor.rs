@@ -63,8 +63,13 @@ impl Mushroom {
         let share = self.run.energies.hourglass / self.run.energies.internal;
         let row = Row::new("hourglass energy / internal energy", variant, "", share);
         rows.push(row.at_most(0.05, "gate of the catalogue, 5 to 10 %"));
-        rows.push(self.run.closing_row(variant, 1e-2));
-        self.run.with_energy(variant, 1e-2, rows)
+        rows.extend(self.run.energy_rows(variant, 1e-2));
+        let closing = self.run.closing_row(variant, 1e-2);
+        // Without a wall it is that gate already.
+        if rows.last().is_some_and(|row| row.quantity != closing.quantity) {
+            rows.push(closing);
+        }
+        rows
     }
 }
 

@@ -45,6 +45,10 @@ const ALIKE: f64 = 0.7;
 /// the way both are folded, have sunk in before: that far a fold that does not stand out lets them.
 const SUNK: f64 = 0.5;
 
+/// Edges that are folded by this fraction of the angle at which they stand out are searched for beside those that do: else each
+/// new one would ask for a search.
+const NEARLY: f64 = 0.7;
+
 /// All nodes of own segments, possibly several times: the edges between them may come to stand out, whatever others have beside
 /// them. `surface` has own segments only.
 pub fn outline(surface: &Surface) -> Vec<u32> {
@@ -67,11 +71,15 @@ pub struct Edges {
     lines: Lines,
     /// Which of them stand out.
     out: Vec<bool>,
-    /// Whether others do than when candidates were searched for.
+    /// Which of them were searched for: those that stood out then, and those that were near to it.
+    searched: Vec<bool>,
+    /// Whether some stand out that were not searched for.
     stale: bool,
     /// Indices of own edges.
     own: Vec<u32>,
     /// Slave and other edge of all pairs that could touch before the next search, in ascending order of their names.
+    found: Vec<[u32; 2]>,
+    /// Those of them that are near.
     candidates: Vec<[u32; 2]>,
     /// In ascending order of names.
     memories: Vec<Remembered>,
@@ -120,14 +128,17 @@ impl Edges {
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
-        self.lines.bytes() + size_of_val(&self.own[..]) + size_of_val(&self.candidates[..])
+        self.lines.bytes()
+            + size_of_val(&self.own[..])
+            + size_of_val(&self.found[..])
+            + size_of_val(&self.candidates[..])
     }
 
     /// Finds out which edges stand out where nodes were last seen.
     pub fn look_at_folds(&mut self, surface: &Surface, nodes: &Nodes) {
-        let out: Vec<bool> = self.lines.all.iter().map(|e| self.lines.stands_out(e, surface, &nodes.seen)).collect();
-        self.stale |= out != self.out;
-        self.out = out;
+        self.out = self.lines.all.iter().map(|e| self.lines.stands_out(e, surface, &nodes.seen)).collect();
+        let is_new = |(i, &out): (usize, &bool)| out && !self.searched.get(i).is_some_and(|&searched| searched);
+        self.stale |= self.out.iter().enumerate().any(is_new);
     }
 
     /// Whether candidates are to be searched for anew though nodes have not moved.
@@ -135,9 +146,10 @@ impl Edges {
         self.stale
     }
 
-    /// Which edges could meet others: those that stand out, and those that are remembered.
-    fn ready(&self) -> Vec<bool> {
-        let mut ready = self.out.clone();
+    /// Which edges could meet others: those that stand out or nearly do, and those that are remembered.
+    fn ready(&self, surface: &Surface, nodes: &Nodes) -> Vec<bool> {
+        let nearly = |e: &Edge| self.lines.is_folded(e, surface, &nodes.seen, NEARLY);
+        let mut ready: Vec<bool> = self.lines.all.iter().zip(&self.out).map(|(e, &out)| out || nearly(e)).collect();
         for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
             let places = [[i, j], [k, l]].into_iter().filter_map(|e| self.lines.place(e));
             places.for_each(|p| ready[p] = true);
@@ -146,13 +158,15 @@ impl Edges {
     }
 
     /// Which own edges could meet which others before nodes have moved by more than `skin` against each other [length].
+    /// [`Self::pick`] comes after it.
     pub fn search(&mut self, surface: &Surface, nodes: &Nodes, joined: Joined<'_>, find: Search, skin: f64) {
-        self.candidates.clear();
+        self.found.clear();
         self.stale = false;
         if self.own.is_empty() {
             return;
         }
-        let ready = self.ready();
+        self.searched = self.ready(surface, nodes);
+        let ready = &self.searched;
         let (lines, is_ready) = (&self.lines, |i: &u32| ready[*i as usize]);
         let own: Vec<u32> = self.own.iter().copied().filter(is_ready).collect();
         if own.is_empty() {
@@ -180,10 +194,22 @@ impl Edges {
                 && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k]);
             if may_meet {
-                self.candidates.push([i, other]);
+                self.found.push([i, other]);
             }
         });
-        self.candidates.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
+        self.found.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
+    }
+
+    /// Takes those of the pairs found that could touch before nodes have moved by more than `skin` [length].
+    pub fn pick(&mut self, surface: &Surface, nodes: &Nodes, skin: f64) {
+        let lines = &self.lines;
+        let is_near = |pair: &&[u32; 2]| {
+            let [a, b] = pair.map(|i| &lines.all[i as usize]);
+            let reach = REACH * (lines.size(a, surface).1 + lines.size(b, surface).1) + skin;
+            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x))
+        };
+        self.candidates.clear();
+        self.candidates.extend(self.found.iter().filter(is_near));
     }
 
     /// As [`approach::rate`] of all candidates: what counts is near by the boxes around both edges [1/time].

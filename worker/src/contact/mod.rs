@@ -267,6 +267,7 @@ impl Contact {
         if fresh && moved <= self.close.skin && step <= self.close.step && !used_up {
             if self.edges.is_stale() {
                 self.search_edges(nodes, joined);
+                self.pick_edges(nodes);
             }
             return;
         }
@@ -275,17 +276,25 @@ impl Contact {
         let spheres: Vec<Sphere> = self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
         if !fresh || self.moved + self.close.skin + ahead > self.skin {
             self.search(nodes, &spheres, joined);
+            self.search_edges(nodes, joined);
             self.moved = 0.0;
+        } else if self.edges.is_stale() {
+            self.search_edges(nodes, joined);
         }
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
-        self.search_edges(nodes, joined);
+        self.pick_edges(nodes);
     }
 
-    /// Which edges each edge could meet before the list of near segments is made over.
+    /// Which edges each edge could meet before the next search.
     fn search_edges(&mut self, nodes: &Nodes, joined: Joined<'_>) {
-        self.edges.search(&self.surface, nodes, joined, self.find, self.close.skin);
+        self.edges.search(&self.surface, nodes, joined, self.find, self.skin);
+    }
+
+    /// Which of them it could meet before the list of near segments is made over.
+    fn pick_edges(&mut self, nodes: &Nodes) {
+        self.edges.pick(&self.surface, nodes, self.close.skin);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
     }
 

@@ -164,6 +164,11 @@ impl Lines {
 
     /// Whether an edge stands out, with nodes at `x`.
     pub fn stands_out(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> bool {
+        self.is_folded(edge, surface, x, 1.0)
+    }
+
+    /// Whether it is folded by this fraction of the angle at which it stands out.
+    pub fn is_folded(&self, edge: &Edge, surface: &Surface, x: &[Row], fraction: f64) -> bool {
         if edge.kind == Kind::Rim {
             return true;
         }
@@ -174,7 +179,7 @@ impl Lines {
         };
         // Of a solid it is convex: the other face lies behind this one.
         let convex = || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
-        -a.dot(&b) < least.cos() && (edge.kind != Kind::Solid || convex())
+        -a.dot(&b) < (fraction * least).cos() && (edge.kind != Kind::Solid || convex())
     }
 }
 

@@ -30,7 +30,7 @@ pub const ROW: ElementRow = ElementRow {
 };
 
 /// Largest hourglass force of a plastic part, as a fraction of what full integration would bear. From the study `crush`.
-const STRENGTH: f64 = 0.1;
+const STRENGTH: f64 = 0.03;
 /// The mode of vz bends like a twist `vz/(A)`: `2 M_xy` of a plastic section, `sig t^2/(2 sqrt 3)`, over `sig t^2/16`.
 const TWIST: f64 = 4.618_802_153_517_006;
 
