@@ -19,6 +19,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use toml::{Table, Value};
 
+/// Hourglass coefficient of shells where a job gives none.
+const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Columns of a field.
 const WIDTH: usize = 20;
 
@@ -298,7 +300,7 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
         return deck.card(&[Id(id), Id(1)]);
     }
     let elform = match (part.element.as_deref(), part.warping) {
-        (Some("stabilised_quad"), _) => 16,
+        (Some("stabilised_quad" | "fully_integrated_quad"), _) => 16,
         (_, true) => 10,
         (_, false) => 2,
     };
@@ -309,8 +311,10 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
 
 /// Writes what a part says of hourglass control and viscosity; gives whether that is anything.
 fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
-    let by_card = part.element.as_deref() != Some("stabilised_quad");
+    let by_card = !matches!(part.element.as_deref(), Some("stabilised_quad" | "fully_integrated_quad"));
     let form = match part.hourglass {
+        // A deck that names none means the viscous form.
+        None if shells && by_card => 4,
         None => 0,
         Some(HourglassForm::Viscous) => 1,
         Some(HourglassForm::Stiffness) => 4,
@@ -318,13 +322,17 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
     // A coefficient without a form, or with one that has none, is not what a card says.
-    let coefficient = part.hourglass_coefficient.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
+    let given = part.hourglass_coefficient.or((shells && by_card).then_some(HOURGLASS_COEFFICIENT));
+    let coefficient = given.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
     if let (Some(given), None) = (part.hourglass_coefficient, coefficient) {
         own.insert("hourglass_coefficient".into(), given.into());
     }
     let default = Part { drilling: 0.01, ..part.clone() };
     if part.drilling != default.drilling {
         own.insert("drilling".into(), part.drilling.into());
+    }
+    if part.element.as_deref() == Some("fully_integrated_quad") {
+        own.insert("element".into(), "fully_integrated_quad".into());
     }
     if part.skin {
         own.insert("skin".into(), true.into());

@@ -105,7 +105,7 @@ const GRAVITY: &[(&str, crate::deck::table::Times)] = &[("lcid:i! sf:r=1 lciddr:
 
 /// A second line of prescribed motion, where its degree of freedom has an offset or it is relative.
 fn offsets(record: &Record) -> usize {
-    usize::from(matches!(record.integer("dof").abs(), 9..=11) || record.integer("vad") == 4)
+    usize::from(matches!(record.integer("dof").unsigned_abs(), 9..=11) || record.integer("vad") == 4)
 }
 
 fn exempted(record: &Record) -> usize {
