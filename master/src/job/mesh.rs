@@ -314,6 +314,10 @@ fn check_elements(read: &Read, at: &HashMap<NodeId, [f64; 3]>, parts: Option<&[u
                 let message = format!("element {id} has no area: its nodes stand on one line or in one place");
                 few.error("no area", path(), message, "move its nodes apart, or remove the element");
             }
+            Outline::NoSide => {
+                let message = format!("element {id} has two corners in one place");
+                few.error("no side", path(), message, "make it a triangle, or move one of the two nodes");
+            }
             Outline::BowTie => {
                 let message = format!("element {id} is folded over: its sides cross (bow-tie)");
                 few.error("bow-tie", path(), message, "give its nodes in order around the element; two are exchanged");
@@ -370,6 +374,8 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
 enum Outline {
     Good,
     Concave,
+    /// Two corners stand in one place.
+    NoSide,
     BowTie,
     NoArea,
     Overflow,
@@ -393,6 +399,9 @@ fn outline(x: &[[f64; 3]]) -> Outline {
     if 0.5 * size.sqrt() <= NO_AREA * longest {
         let open = (0..n).any(|i| dot(corner(i), corner(i)).sqrt() > 1e-6 * longest);
         return if open { Outline::BowTie } else { Outline::NoArea };
+    }
+    if (0..n).any(|i| dot(side(i), side(i)).sqrt() <= NO_AREA * longest.sqrt()) {
+        return Outline::NoSide;
     }
     let turned = (0..n).filter(|&i| dot(corner(i), area) < 0.0).count();
     match turned {
@@ -449,6 +458,7 @@ mod tests {
         assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Outline::BowTie), "halves cancel");
         assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), Outline::BowTie));
         assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Outline::NoArea));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), Outline::NoSide));
         assert!(matches!(shape([[0.0, 0.0], [1e200, 0.0], [1e200, 1e200], [0.0, 1e200]]), Outline::Overflow));
     }
 }
