@@ -250,7 +250,8 @@ fn rigid_bodies_ties_and_springs_go_with_it() {
     let text = text.replacen("[mesh.node_sets]\n", sets, 1);
     let job = |m: &str| written(&text, &["end_time=0.3", "time.safety=0.9", m]);
     let model = job("time.subcycles=3");
-    assert_eq!(slow(&model), 24, "of 27 quads in the bar, 8 tied on, one rigid, and a spring");
+    // Three fewer than by their own steps: those at tied nodes leave the arms their share.
+    assert_eq!(slow(&model), 21, "of 27 quads in the bar, 8 tied on, one rigid, and a spring");
     let [serial, forced] = [(1, 0), (3, 35)].map(|(workers, every)| run_side_by_side(&model, workers, 2700, every));
     assert!(forced.renewals >= 2700 / 35);
     assert_eq!(serial.digest(), forced.digest());

@@ -263,7 +263,12 @@ fn look(
     // A node that slid over an edge keeps what it had on the neighbouring segment; another body's that faces the same way is
     // none of it.
     let slid_here = |m: &&Memory, normal: &V3| m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment);
-    let kept = |normal: &V3| known.or_else(|| memory.iter().filter(is_fresh).find(|m| slid_here(m, normal)));
+    // What was there in the last step comes before what was lost earlier, whichever segment it was on.
+    let kept = |normal: &V3| {
+        let present = known.filter(|m| m.age == 0);
+        let slid = |lost: bool| memory.iter().filter(is_fresh).find(|m| (m.age > 0) == lost && slid_here(m, normal));
+        present.or_else(|| slid(false)).or(known).or_else(|| slid(true))
+    };
     let Place { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
         // However the face is warped and turns: the list of near candidates goes no farther.

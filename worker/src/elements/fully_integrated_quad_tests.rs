@@ -115,11 +115,11 @@ fn three_failed_points_of_four_are_a_failed_element() {
     let numbers = [("youngs_modulus", E), ("poisson", NU), ("yield_stress", 0.25), ("failure_strain", 0.5)];
     for failed in 0..4 {
         let mut patch = quad(0.1, material("j2", 1.0, &numbers), &SQUARE);
-        let each = 3 + 5 * 7;
+        let each = 5 + 5 * 7;
         let mut state = patch.history.of(0).to_vec();
         assert_eq!(state.len(), 4 * each + DRILLING);
         for p in 0..failed {
-            (0..5).for_each(|k| state[p * each + 3 + k * 7 + 6] = 1.0);
+            (0..5).for_each(|k| state[p * each + 5 + k * 7 + 6] = 1.0);
         }
         // Padding repeats the element, and would tell its step.
         (0..patch.history.lanes()).for_each(|lane| patch.history.set(lane, &state));

@@ -428,6 +428,8 @@ pub trait Kernel: Send + Sync {
     /// How much rotations that vary over a tapered element turn into shear, for its rotational inertia: shear has the
     /// frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`, s the larger principal value of S and I the inertia per mass.
     const TAPER: f64;
+    /// Fraction of the step of [`Geometry::stable_length`] that it takes.
+    const STEP: f64 = 1.0;
 
     /// What it does through the thickness.
     fn section(&self) -> &Section;
@@ -472,7 +474,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         if !geometry.has_area {
             return f64::NAN;
         }
-        geometry.stable_dt(self.section())
+        geometry.stable_dt(self.section()) * K::STEP
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
@@ -492,13 +494,13 @@ impl<K: Kernel> Formulation for Quad<K> {
         let response = self.0.respond::<L, N>(&gather(group, nodes), history, dt);
         scatter(&response, force, moment);
         let factor = self.section().step_factor(history, &response.size.limits::<K>());
-        Totals { stable_dt: response.totals.stable_dt * factor, ..response.totals }
+        Totals { stable_dt: response.totals.stable_dt * (factor * L::splat(K::STEP)), ..response.totals }
     }
 
     #[inline(never)]
     fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
         let geometry = Geometry::new(&gather_coordinates(group, nodes.x));
-        Totals::forceless(geometry.stable_dt(self.section()), geometry.has_area)
+        Totals::forceless(geometry.stable_dt(self.section()) * L::splat(K::STEP), geometry.has_area)
     }
 }
 
