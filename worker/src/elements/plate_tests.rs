@@ -209,7 +209,9 @@ fn a_lone_square_bears_its_step_with_the_usual_safety() {
         for element in QUADS {
             let part = part_of(element, t);
             let limit = critical(&nodes, &quads, &part, 0.3);
-            assert_close(limit, 1.0 / 1.05, 0.004, "bisection to 0.004");
+            // The fully integrated one takes 0.95 of the step, for the sake of stretched ones.
+            let own = if element == "fully_integrated_quad" { 0.95 } else { 1.0 };
+            assert_close(own * limit, 1.0 / 1.05, 0.004, "bisection to 0.004");
             let step = Patch::new(part, elastic(1.0, 0.3, 1.0), &nodes, &quads).element.stable_dt(&nodes_of(&nodes));
             let c = (1.0 / (1.0 - 0.3 * 0.3_f64)).sqrt();
             assert_close(limit * step * c, 1.0 / 1.3_f64.sqrt(), 0.004, "bisection to 0.004");

@@ -499,7 +499,7 @@ impl<K: Kernel> Formulation for Quad<K> {
 
     #[inline(never)]
     fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
-        let geometry = Geometry::new(&gather_coordinates(group, nodes.x));
+        let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
         Totals::forceless(geometry.stable_dt(self.section()) * L::splat(K::STEP), geometry.has_area)
     }
 }
