@@ -218,6 +218,14 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
             figure(c.skin)
         ),
     }?;
+    for i in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
+        let list = |parts: &[u32]| match parts {
+            [] => "all parts".to_string(),
+            some => format!("parts {}", some.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        let against = if i.against.is_empty() { String::new() } else { format!(" against {}", list(&i.against)) };
+        writeln!(out, "  interface  {}{against}: {} with friction {}", list(&i.parts), i.law, i.friction)?;
+    }
     let fields = model.settings.field_times.len();
     writeln!(out, "output       a history row every {}, {fields} field files", figure(model.settings.history_interval))
 }

@@ -109,7 +109,7 @@ fn write(model: &Model, workers: usize, out: &mut String) -> Result<(), Box<dyn 
         Some(c) => {
             let s = try_out(&quiet(model, true), &parted, &record)?;
             let each = s.contact as f64 / s.elements as f64;
-            let friction = if c.friction > 0.0 { "with friction" } else { "no friction" };
+            let friction = if c.each().any(|c| c.friction > 0.0) { "with friction" } else { "no friction" };
             writeln!(
                 out,
                 "  contact: {each:.0} bytes and {:.1} ns/cycle an element as the mesh is at the start, {friction}; a global search now and then, {:.0} ns an element",

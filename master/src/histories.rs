@@ -102,7 +102,7 @@ impl Histories {
         });
         let of_transducers =
             (!asked.transducers.is_empty()).then(|| begin(NAMES[6], &[&[("transducer", "")][..], &force].concat()));
-        let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+        let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
         let touching = (0..settings.parts.len() as u32).filter(|&i| touches(settings.parts[i as usize].id)).collect();
         Ok(Self {
             parts: settings.parts.iter().map(|p| (p.id, p.name.clone())).collect(),

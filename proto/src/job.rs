@@ -1,6 +1,7 @@
 //! The job as it is written in `job.toml`. Reading and checking live in the master; this is the plain data.
 
 mod beam;
+mod contact;
 mod loads;
 mod output;
 mod rigid;
@@ -9,6 +10,7 @@ mod tie;
 mod wall;
 
 pub use beam::{Beam, BeamSection, Weld};
+pub use contact::{Contact, Interface};
 pub use loads::{Curve, Gravity, Load, Motion, Pressure, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use rigid::Rigid;
@@ -92,7 +94,8 @@ pub struct Job {
     /// Prescribed motions of node sets and rigid bodies.
     #[serde(default)]
     pub motion: Vec<Motion>,
-    /// Contact; without this table nothing touches anything but rigid walls.
+    /// Contact; without this table nothing touches anything but rigid walls. Written as a list, `[[contact]]`, the first entry
+    /// is this table and each further one a `[[contact.interface]]`.
     #[serde(default)]
     pub contact: Option<Contact>,
 }
@@ -380,85 +383,4 @@ pub struct Fix {
     pub nodes: String,
     /// Any of x, y, z (displacements) and rx, ry, rz (rotations).
     pub dofs: Vec<String>,
-}
-
-/// Automatic single-surface contact.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Contact {
-    /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`. All three hold where contact is strong
-    /// (`cases/studies/README.md`, tube, corner, tumble); for contact stresses take one of the first two (hertz).
-    pub law: String,
-    /// Coulomb friction coefficient.
-    pub friction: f64,
-    /// Global search: `cells` (linked cells) or `boxes` (point in box by sorted lists).
-    pub search: String,
-    /// Distance that candidates reach beyond contact, so that the search need not run every step [length];
-    /// 0 for a quarter of the median element side, or 0.4 of the largest thickness if that is more, but a side at most. It
-    /// changes how long a search takes and how often one is made, no bit of the motion, and which parts count as near.
-    pub skin: f64,
-    /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `gauss_seidel`, one after the
-    /// other in ascending order of their names, the default (`cases/studies/README.md`, sandwich); `split`, all from the same
-    /// state with nodal masses split among their pairs, which needs more sweeps; `jacobi`, all from the same state with full
-    /// masses, which diverges where many or heavy nodes sit on one segment (slaves).
-    pub iteration: String,
-    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D). Too few for layers
-    /// below a hundredth of their neighbours' mass: see `cases/studies/README.md`, sandwich.
-    pub sweeps: usize,
-    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic); see
-    /// `cases/studies/README.md`, bars.
-    pub tolerance: f64,
-    /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7), which
-    /// keeps no angular momentum where the masses of a segment differ (Lagrange); see `cases/studies/README.md`, hertz and tumble.
-    pub weighting: String,
-    /// Fraction beta of the correction that the surface of the lower part (within a part, of the lower element) takes as slave of the other, which takes
-    /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
-    /// See `cases/studies/README.md`, bars-solids.
-    pub partition: f64,
-    /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
-    /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d. See `cases/studies/README.md`,
-    /// reversal and hertz.
-    pub penalty_form: String,
-    /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, bars, reversal and
-    /// penalty-map.
-    pub penalty_scale: f64,
-    /// Normal damping of the penalty, as a fraction of the critical damping of the masses that meet (penalty). Without it
-    /// what slides on springs chatters and feels too little friction (`cases/studies/README.md`, slide); an impact of bars
-    /// loses as much with 0.1 as with the Lagrange law.
-    pub penalty_damping: f64,
-    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up
-    /// (`cases/studies/README.md`, penalty-map).
-    pub penalty_cap: bool,
-    /// Whether edges meet edges too: free ones of shells, folds, and sharp ones of solids. Without it they pass each
-    /// other between their nodes (`tests/VERIFICATION.md`, C04).
-    pub edges: bool,
-    /// Largest thickness with which a shell is met, as a multiple of its shortest side; 0 for no limit. Shells finer than they
-    /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost
-    /// (`cases/bench/RESULTS.md`).
-    pub thickness_limit: f64,
-    /// Parts that take part; all if empty.
-    pub parts: Vec<u32>,
-}
-
-impl Default for Contact {
-    fn default() -> Self {
-        Self {
-            law: "lagrange".into(),
-            friction: 0.0,
-            search: "cells".into(),
-            skin: 0.0,
-            iteration: "gauss_seidel".into(),
-            sweeps: 20,
-            tolerance: 1e-3,
-            weighting: "shape".into(),
-            partition: 0.5,
-            penalty_form: "soft".into(),
-            penalty_scale: 0.35,
-            penalty_damping: 0.1,
-            penalty_cap: true,
-            edges: true,
-            thickness_limit: 1.0,
-            parts: Vec::new(),
-        }
-    }
 }

@@ -245,7 +245,7 @@ impl Census {
             }
         }
         surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
-        let grow = covered(&engine.settings, surface.largest_scale());
+        let grow = covered(&engine.settings, &surface.interfaces, surface.largest_scale());
         // By the lower end along x, so that few segments are looked at for each box.
         let mut bounds: Vec<(Aabb, u32)> =
             (0..).zip(&surface.segments).map(|(g, s): (u32, &Segment)| (s.bounds(&nodes.x, 0.0), g)).collect();

@@ -5,6 +5,7 @@
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
 use crate::contact::edges::outline;
+use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
 use crate::halo::{Halo, Link};
@@ -205,8 +206,8 @@ fn link_corners(
 
 /// How far around a worker's own slaves and edges its copies of others' segments reach, by the largest scale of any worker's
 /// surface: as far as the search, and the buffer [length].
-pub fn covered(settings: &Settings, largest_scale: f64) -> f64 {
-    contact::reach(largest_scale, largest_scale) + settings.buffer
+pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64) -> f64 {
+    contact::reach(interfaces, largest_scale, largest_scale) + settings.buffer
 }
 
 /// Box around a worker's own slaves and edges; `surface` has its own segments only.
@@ -237,9 +238,9 @@ fn copy_exterior(
     let scales = exchange_all(wire, vec![mine.to_vec(); workers])?;
     let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
     let largest = of_all(0).fold(0.0, f64::max);
-    surface.thinnest = of_all(1).fold(f64::INFINITY, f64::min);
+    surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
-    let grow = covered(settings, largest);
+    let grow = covered(settings, &surface.interfaces, largest);
     let slave_boxes = share_boxes(wire, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);

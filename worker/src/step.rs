@@ -69,7 +69,7 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         contact.look_at_folds(nodes, clock.cycle);
         contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt, engine.agreement.elements_dt);
         timer.lap(Phase::Search);
-        contact.find_pairs(nodes, steps);
+        contact.find_pairs(nodes, clock.time, steps);
         timer.lap(Phase::Local);
         contact.share_pairs(wire, nodes, halo)?;
         timer.lap(Phase::Halo);

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 /// What is to be recorded.
 pub fn resolve(job: &Job, mesh: &Mesh, settings: &Settings, sets: &NodeSets<'_>, findings: &mut Findings) -> Asked {
-    let touching = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+    let touching = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
     let several = settings.parts.iter().filter(|p| touching(p.id)).count() > 1;
     let nodes: Vec<_> = job.output.node.iter().enumerate().map(|(i, n)| group(n, i, sets, findings)).collect();
     let rigid = |part: u32| {
@@ -93,7 +93,7 @@ fn transducer(
         findings.add(Problem::error(path, "a force transducer has no surface", help));
         return None;
     }
-    let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+    let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
     if settings.contact.is_none() {
         let help = "give the job a [contact] table, or take the transducer out";
         findings.add(Problem::warning(path.clone(), "a force transducer, but nothing is in contact", help));

@@ -11,6 +11,7 @@
 //! A stage that finds faults mends them as well as it can, so that the next one can look too:
 //! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our fault.
 
+mod contact;
 mod histories;
 mod laws;
 mod loads;
@@ -187,6 +188,7 @@ fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Op
     let allowed = matches!(mesh.get("allow_unsupported").map(|n| &n.kind), Some(tree::Kind::Boolean(true)));
     let file = path.parent().unwrap_or(Path::new("")).join(name);
     let mut deck = deck::read(&file, &leave_out, allowed);
+    contact::from_list(&mut sources.job.tree);
     let own = std::mem::replace(&mut sources.job.tree, Node::table(tree::Place::Whole));
     let from_deck = std::mem::replace(&mut deck.tree, Node::table(tree::Place::Whole));
     sources.job.tree = deck::merge(from_deck, own);
@@ -210,6 +212,7 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         Some(deck) => (std::mem::take(&mut deck.mapping), std::mem::take(&mut deck.unsupported)),
         None => Default::default(),
     };
+    contact::from_list(&mut sources.job.tree);
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
     // Problems are looked up in the tree as it is written, with `--set` but before mending.

@@ -1,7 +1,7 @@
 //! A job's numbers: what is out of range, and what a job leaves to a default is filled in.
 
 use super::validate::{Findings, nearest};
-use super::{laws, walls};
+use super::{contact, walls};
 use crate::vtkhdf;
 use crumple_proto::histories::Asked;
 use crumple_proto::job::{Contact, Job, Part};
@@ -70,7 +70,7 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     loads(job, &mut Numbers { findings });
     walls::check(job, findings);
     if let Some(contact) = &job.contact {
-        contact_numbers(contact, job, &mut Numbers { findings });
+        contact::check(contact, job, &mut Numbers { findings });
     }
     if job.mesh.generator.is_none() && !job.scene.is_empty() {
         let message = "[scene] holds options of a mesh generator, and the job names none";
@@ -135,67 +135,23 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
     }
 }
 
-fn contact_numbers(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
-    numbers.word("contact.law", &contact.law, &laws::contact_laws());
-    numbers.word("contact.search", &contact.search, &laws::searches());
-    numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
-    numbers.word("contact.iteration", &contact.iteration, &laws::iterations());
-    numbers.word("contact.penalty_form", &contact.penalty_form, laws::penalty_forms());
-    let (beta, wanted) = (contact.partition, "between 0 and 1; 0.5 treats both surfaces alike");
-    numbers.need((0.0..=1.0).contains(&beta), "contact.partition", beta, wanted);
-    if contact.law == "penalty" && contact.penalty_cap && job.time.safety >= 1.0 {
-        let message = format!("safety = {} leaves a penalty no room below the stable step", job.time.safety);
-        let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
-        numbers.findings.add(Problem::error("time.safety", message, help));
-    }
-    numbers.need(contact.friction >= 0.0, "contact.friction", contact.friction, "0 or above");
-    let limit = contact.thickness_limit;
-    numbers.need(limit >= 0.0, "contact.thickness_limit", limit, "0 (for none) or above; 1 is usual");
-    numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (for the default) or above");
-    numbers.need(contact.sweeps >= 1, "contact.sweeps", contact.sweeps as f64, "at least 1");
-    numbers.need(contact.tolerance > 0.0, "contact.tolerance", contact.tolerance, "above 0; 1e-3 is usual");
-    numbers.need(
-        contact.penalty_scale > 0.0,
-        "contact.penalty_scale",
-        contact.penalty_scale,
-        "above 0; 0.1 to 0.4 is usual for the soft form",
-    );
-    numbers.need(
-        (0.0..=1.0).contains(&contact.penalty_damping),
-        "contact.penalty_damping",
-        contact.penalty_damping,
-        "from 0 to 1",
-    );
-    if numbers.findings.any_faulty_below("part") {
-        return;
-    }
-    for (index, id) in contact.parts.iter().enumerate() {
-        if !job.part.iter().any(|p| p.id == *id) {
-            let known: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
-            let message = format!("contact: there is no part {id}");
-            numbers.findings.add(Problem::error(
-                format!("contact.parts.{index}"),
-                message,
-                nearest(&id.to_string(), &known),
-            ));
-        }
-    }
-}
-
-struct Numbers<'f> {
-    findings: &'f mut Findings,
+/// Checks of numbers and words, with what is found wrong with them.
+pub(super) struct Numbers<'f> {
+    /// See above.
+    pub findings: &'f mut Findings,
 }
 
 impl Numbers<'_> {
-    fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
+    /// Notes an error unless the `value` at a path is `right`; `wanted` says what it has to be.
+    pub fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
         if !right {
             let key = path.rsplit('.').next().unwrap_or(path);
             self.findings.add(Problem::error(path, format!("`{key}` is {value:?}"), format!("it has to be {wanted}")));
         }
     }
 
-    fn word(&mut self, path: &str, word: &str, known: &[&str]) {
+    /// Notes an error unless a word at a path is among the `known` ones.
+    pub fn word(&mut self, path: &str, word: &str, known: &[&str]) {
         if !known.contains(&word) {
             let key = path.rsplit('.').next().unwrap_or(path);
             self.findings.add(Problem::error(path, format!("there is no {key} `{word}`"), nearest(word, known)));
@@ -214,7 +170,7 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
     let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
     let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
     let contact = job.contact.clone().map(|contact| {
-        let touches = |part: &&Part| contact.parts.is_empty() || contact.parts.contains(&part.id);
+        let touches = |part: &&Part| contact.takes_part(part.id);
         let thickest = parts.iter().filter(touches).map(|part| part.thickness).fold(0.0, f64::max);
         let skin = (0.25 * median).max((0.4 * thickest).min(median));
         Contact { skin: or(contact.skin, skin), ..contact }

@@ -64,7 +64,7 @@ impl Neighbours {
         let tied = |tie: &Tie| places(&mut std::iter::once(tie.node).chain(tie.carriers.iter().map(|c| c.0)));
         let bodies = settings.rigid.iter().map(|body| places(&mut body.nodes.iter().copied()));
         let touching = settings.contact.as_ref().filter(|_| !time.subcycle_contact);
-        let touches = |part: u32| touching.is_some_and(|c| c.parts.is_empty() || c.parts.contains(&part));
+        let touches = |part: u32| touching.is_some_and(|c| c.takes_part(part));
         Self {
             elements: mesh.elements.iter().map(|e| e.nodes.map(|n| place[&n])).collect(),
             joined: settings.ties.iter().map(tied).chain(bodies).collect(),

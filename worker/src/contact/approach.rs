@@ -8,7 +8,7 @@
 
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::local::REACH;
-use crate::contact::surface::{Segment, Surface};
+use crate::contact::surface::Segment;
 use crate::nodes::{Nodes, Row, xyz};
 
 /// Steps within which what comes near has to be known: until the one that a rate holds for is over, and one more for what becomes
@@ -26,8 +26,8 @@ pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
 }
 
 /// How often a slave passes the scales of a segment in a unit of time, 0 if it is too far away to count [1/time].
-pub fn rate(nodes: &Nodes, surface: &Surface, slave: u32, segment: &Segment, dt: f64) -> f64 {
-    let scale = surface.node_scale[slave as usize] + segment.scale;
+/// `scale` is theirs together [length].
+pub fn rate(nodes: &Nodes, slave: u32, segment: &Segment, scale: f64, dt: f64) -> f64 {
     let speed = speed(nodes, &[slave], &segment.nodes);
     let at = v3(&nodes.x[slave as usize]);
     let Some(near) = nearest(&at, &segment.corners(&nodes.x), segment.is_triangle()) else { return 0.0 };
@@ -51,8 +51,7 @@ mod tests {
             let id = SegmentId(8);
             let behind = [NOT_LOCAL; 4];
             let foil = Segment { id, nodes: [0, 1, 2, 3], behind, half: 0.01, scale: 0.01, part: 0, own: true };
-            let surface = Surface { node_scale: vec![0.01; 5], ..Surface::default() };
-            rate(&nodes, &surface, 4, &foil, 0.1)
+            rate(&nodes, 4, &foil, 0.02, 0.1)
         };
         let reach = 1.5 * 0.02 + 4.0 * 0.1 * 2.0;
         assert_eq!([rate_from(0.999 * reach), rate_from(1.001 * reach)], [2.0 / 0.02, 0.0]);

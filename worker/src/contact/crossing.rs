@@ -57,7 +57,11 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
     find(&boxes, &middles, &mut |g, i| {
         let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
-        if apart && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
+        let touch = || {
+            let parts = lines.segments(e).iter().map(|&g| surface.segments[g as usize].part);
+            surface.interfaces.between(parts, std::iter::once(s.part)).is_some()
+        };
+        if apart && touch() && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
             found.push(Crossing { edge: lines.lowest(e, surface).id.elem(), surface: s.id.elem() });
         }
     });

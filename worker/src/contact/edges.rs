@@ -180,7 +180,7 @@ impl Edges {
         let largest = own.iter().map(|&i| scale(edge(i))).fold(0.0, f64::max);
         let middle = |e: &Edge| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into();
         let middles: Vec<[f64; 3]> = own.iter().map(|&i| middle(edge(i))).collect();
-        let reach = |e: &Edge| REACH * (scale(e) + largest) + skin;
+        let reach = |e: &Edge| REACH * surface.interfaces.most(scale(e) + largest) + skin;
         let boxes: Vec<Aabb> =
             all.iter().map(|&i| edge(i)).map(|e| e.bounds(&nodes.x).grown(reach(e) + longest)).collect();
         find(&boxes, &middles, &mut |b, p| {
@@ -192,7 +192,8 @@ impl Edges {
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)
                 && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
-                && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k]);
+                && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k])
+                && lines.interface([slave, met], surface).is_some();
             if may_meet {
                 self.found.push([i, other]);
             }
@@ -205,7 +206,7 @@ impl Edges {
         let lines = &self.lines;
         let is_near = |pair: &&[u32; 2]| {
             let [a, b] = pair.map(|i| &lines.all[i as usize]);
-            let reach = REACH * (lines.size(a, surface).1 + lines.size(b, surface).1) + skin;
+            let reach = REACH * surface.interfaces.most(lines.size(a, surface).1 + lines.size(b, surface).1) + skin;
             a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x))
         };
         self.candidates.clear();
@@ -216,7 +217,8 @@ impl Edges {
     pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, dt: f64) -> f64 {
         let lines = &self.lines;
         let rate = |[a, b]: [&Edge; 2]| {
-            let scale = lines.size(a, surface).1 + lines.size(b, surface).1;
+            let Some(interface) = lines.interface([a, b], surface) else { return 0.0 };
+            let scale = lines.sizes(interface, [a, b], surface).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
             let near = a.bounds(&nodes.x).grown(REACH * scale + approach::STEPS * dt * speed);
             if near.touches(&b.bounds(&nodes.x)) { speed / scale } else { 0.0 }
@@ -232,11 +234,20 @@ impl Edges {
 
     /// Active pairs of own edges in this step, appended in ascending order of their names. `stiffness` is per segment,
     /// or empty; a pair is as stiff as the softer side.
-    pub fn find_pairs(&self, nodes: &Nodes, surface: &Surface, stiffness: &[f64], dt: f64, out: &mut Vec<Pair>) {
+    pub fn find_pairs(
+        &self,
+        nodes: &Nodes,
+        (surface, alive): (&Surface, &[bool]),
+        stiffness: &[f64],
+        dt: f64,
+        out: &mut Vec<Pair>,
+    ) {
         for places in &self.candidates {
             let edges = places.map(|i| &self.lines.all[i as usize]);
             let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else { continue };
-            if let Some(mut pair) = self.look(nodes, surface, *places, &met, dt) {
+            let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize]);
+            let Some(interface) = interface else { continue };
+            if let Some(mut pair) = self.look(nodes, (surface, interface), *places, &met, dt) {
                 let of = |e: &Edge| stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0);
                 pair.stiffness = of(edges[0]).min(of(edges[1]));
                 out.push(pair);
@@ -244,11 +255,17 @@ impl Edges {
         }
     }
 
-    fn look(&self, nodes: &Nodes, surface: &Surface, places: [u32; 2], met: &Passing, dt: f64) -> Option<Pair> {
+    fn look(
+        &self,
+        nodes: &Nodes,
+        (surface, interface): (&Surface, u16),
+        places: [u32; 2],
+        met: &Passing,
+        dt: f64,
+    ) -> Option<Pair> {
         let lines = &self.lines;
         let edges = places.map(|i| &lines.all[i as usize]);
-        let [(half_a, scale_a), (half_b, scale_b)] = edges.map(|e| lines.size(e, surface));
-        let (thickness, scale) = (half_a + half_b, scale_a + scale_b);
+        let (thickness, scale) = lines.sizes(interface, edges, surface);
         if met.height.abs() > REACH * scale {
             return None;
         }
@@ -272,6 +289,7 @@ impl Edges {
         let mut pair = Pair {
             shape,
             weight: shape,
+            interface,
             thickness: scale,
             speed: surface.slower(one.part, two.part),
             first: (one.part, one.id) < (two.part, two.id),

@@ -63,7 +63,8 @@ pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
 fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> bool) -> Vec<Penetration> {
     let largest = surface.largest_scale();
     let shells: Vec<&Segment> = surface.segments.iter().filter(|s| !s.is_solid()).collect();
-    let boxes: Vec<_> = shells.iter().map(|s| s.bounds(&nodes.x, s.scale + largest)).collect();
+    let reach = |s: &Segment| surface.interfaces.most(s.scale + largest);
+    let boxes: Vec<_> = shells.iter().map(|s| s.bounds(&nodes.x, reach(s))).collect();
     let mut found = Vec::new();
     linked_cells(&boxes, &points(nodes, surface), &mut |g, p| {
         let (s, slave) = (shells[g as usize], surface.slaves[p as usize]);
@@ -72,8 +73,10 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
         }
         let at = V3::from(xyz(&nodes.x[slave as usize]));
         let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { return };
-        let depth = s.half + surface.node_half[slave as usize] - (at - near.point).norm();
-        if depth > ROUND_OFF * (s.scale + surface.node_scale[slave as usize]) {
+        let Some(interface) = surface.interface(p as usize, s) else { return };
+        let (thickness, scale) = surface.sizes(interface, slave, s);
+        let depth = thickness - (at - near.point).norm();
+        if depth > ROUND_OFF * scale {
             found.push(Penetration { node: nodes.id[slave as usize], elem: s.id.elem(), depth, unseen: false });
         }
     });
@@ -116,7 +119,8 @@ fn in_solids(
         let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
         let depth = -offset.dot(&near.normal);
         let behind = depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
-        let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
+        let touches = surface.interface(p as usize, s).is_some();
+        let other = touches && !s.nodes.contains(&slave) && !s.behind.contains(&slave);
         (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((depth, scale))
     };
     let mut found: Vec<Penetration> = Vec::new();

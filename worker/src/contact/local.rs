@@ -46,8 +46,9 @@ const RELAX: f64 = 2e-6;
 pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
     /// A solid's face is met where it is when the step ends, warped and turned.
     const TURNED: f64 = 1.25;
-    let (half, scale) = (surface.node_half[slave as usize], surface.node_scale[slave as usize] + segment.scale);
-    let before = half + segment.half + ACTIVE * scale + step;
+    let most = |sum| surface.interfaces.most(sum);
+    let scale = most(surface.node_scale[slave as usize] + segment.scale);
+    let before = most(surface.node_half[slave as usize] + segment.half) + ACTIVE * scale + step;
     let near = match segment.is_solid() {
         true => TURNED * (before.max(BEHIND * scale) + BESIDE * scale + step),
         false => before,
@@ -57,7 +58,7 @@ pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64
 
 /// The same of a segment that is not new to it [length].
 pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
-    REACH * (surface.node_scale[slave as usize] + segment.scale)
+    REACH * surface.interfaces.most(surface.node_scale[slave as usize] + segment.scale)
 }
 
 /// Whether a segment is not new to a slave with these memories. What it remembers goes over to faces of solids beside.
@@ -83,10 +84,11 @@ fn v3(r: &Row) -> V3 {
 }
 
 /// Active pairs of the slave at place `place` of the surface's slaves among its `meetings` (segments ascending), appended to `out` in
-/// ascending segment id. `memory` is what the node remembers of its pairs of the last step.
+/// ascending segment id. `memory` is what the node remembers of its pairs of the last step; `alive` tells which interfaces are
+/// there.
 pub fn find_pairs(
     nodes: &Nodes,
-    surface: &Surface,
+    (surface, alive): (&Surface, &[bool]),
     place: usize,
     meetings: &[Meeting],
     memory: &[Memory],
@@ -94,7 +96,10 @@ pub fn find_pairs(
     out: &mut Vec<Pair>,
 ) {
     let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
-    let found = |m: &Meeting| look(nodes, surface, &Visit::new(surface, place, m, dt), memory, opposed);
+    let found = |m: &Meeting| {
+        let visit = Visit::new(surface, place, m, dt).filter(|v| alive[v.interface as usize])?;
+        look(nodes, surface, &visit, memory, opposed)
+    };
     let mut finds: Vec<Find> = meetings.iter().filter_map(found).collect();
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
     finds.sort_by(|a, b| {
@@ -125,6 +130,7 @@ struct Visit<'a> {
     slave: u32,
     /// See [`Neighbours::ring`](crate::contact::neighbours::Neighbours::ring).
     ring: u8,
+    interface: u16,
     /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
     thickness: f64,
     /// Length that gaps are judged by [length].
@@ -140,14 +146,15 @@ struct Visit<'a> {
 }
 
 impl<'a> Visit<'a> {
-    fn new(surface: &'a Surface, place: usize, meeting: &'a Meeting, dt: f64) -> Self {
+    /// `None` if the two do not touch.
+    fn new(surface: &'a Surface, place: usize, meeting: &'a Meeting, dt: f64) -> Option<Self> {
         let Meeting { of, step, near } = meeting;
         let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
-        let n = slave as usize;
-        let (thickness, scale) = (surface.node_half[n] + segment.half, surface.node_scale[n] + segment.scale);
+        let interface = surface.interface(place, segment)?;
+        let (thickness, scale) = surface.sizes(interface, slave, segment);
         let around = surface.first(place);
         let (first, speed) = (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
-        Self { segment, slave, ring: of.ring, thickness, scale, speed, first, dt, step: *step, near }
+        Some(Self { segment, slave, ring: of.ring, interface, thickness, scale, speed, first, dt, step: *step, near })
     }
 }
 
@@ -307,6 +314,7 @@ fn look(
         weight: shape,
         normal,
         side,
+        interface: visit.interface,
         thickness: scale,
         speed,
         first: visit.first,
@@ -418,7 +426,7 @@ mod tests {
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
             let of = Neighbours { place: 0, segment: 0, ring: 0, is_lone: true };
             let meeting = Meeting { of, step, near };
-            let visit = Visit::new(&surface, 0, &meeting, 1.0);
+            let visit = Visit::new(&surface, 0, &meeting, 1.0).expect("all touch");
             let Some(place) = before_solid(&nodes, &visit, &at, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
             if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {

@@ -14,6 +14,7 @@ pub mod edges;
 pub mod enforce;
 pub mod geometry;
 pub mod initial;
+pub mod interfaces;
 pub mod kernels;
 pub mod local;
 mod meet;
@@ -39,8 +40,9 @@ use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
-use enforce::{CONTACT_LAWS, ContactLaw, Elasticity, Steps};
+use enforce::{Elasticity, Laws, Steps};
 use geometry::{Sphere, V3};
+use interfaces::Interfaces;
 use meet::Meetings;
 use neighbours::Neighbours;
 use pairs::{Memory, Pair, PairTable, push};
@@ -52,7 +54,7 @@ use sweep::Sweeps;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
-    law: Box<dyn ContactLaw>,
+    laws: Laws,
     find: Search,
     skin: f64,
     by_mass: bool,
@@ -94,8 +96,8 @@ pub struct Contact {
     pub penetration: f64,
     /// Largest rate at which something near passed what it could meet in the last step, where that may limit the step [1/time].
     pub approach: f64,
-    /// Whether pairs have been looked for: what penetrates when they first are, has from the start.
-    begun: bool,
+    /// Whether pairs of each interface were looked for in the last step: what penetrates when they first are, has from the start.
+    begun: Vec<bool>,
 }
 
 /// Every so many cycles surfaces are looked at for folds.
@@ -103,8 +105,8 @@ const FOLDS_EVERY: u64 = 64;
 
 /// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
 /// segment and nodes [length].
-pub fn reach(segment_scale: f64, largest_scale: f64) -> f64 {
-    local::REACH * (segment_scale + largest_scale)
+pub fn reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
+    local::REACH * interfaces.most(segment_scale + largest_scale)
 }
 
 impl Contact {
@@ -113,12 +115,12 @@ impl Contact {
     /// # Panics
     /// On a law or search that is not in the tables; the master checks names before it deals out work.
     pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
-        let law =
-            CONTACT_LAWS.iter().find(|l| l.name == job.law).unwrap_or_else(|| panic!("no contact law {}", job.law));
+        let laws = Laws::of(job, parts);
         let method =
             SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
-            law: (law.build)(job, parts),
+            begun: vec![false; laws.count()],
+            laws,
             find: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
@@ -144,7 +146,6 @@ impl Contact {
             capped: 0,
             penetration: 0.0,
             approach: 0.0,
-            begun: false,
         }
     }
 
@@ -154,7 +155,7 @@ impl Contact {
         self.surface = surface;
         self.surface.link_faces(nodes.held);
         self.surface.speeds.clone_from(&self.speeds);
-        let stiffness = self.surface.segments.iter().map(|s| self.law.segment_stiffness(s, &nodes.x0));
+        let stiffness = self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.memories.clear();
         self.memory_start.clear();
@@ -233,7 +234,7 @@ impl Contact {
     /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are
     /// quiet.
     pub fn exchange(&self, sweeps: f64, quiet: u64) -> Exchange {
-        Exchange::of(self.law.as_ref(), sweeps, quiet)
+        Exchange::of(&self.laws, sweeps, quiet)
     }
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's. Finds
@@ -251,7 +252,12 @@ impl Contact {
         let s = &self.surface;
         let of_slave = |(i, &slave): (usize, &u32)| {
             let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
-            found.iter().map(|&g| approach::rate(nodes, s, slave, &s.segments[g as usize], dt)).fold(0.0, f64::max)
+            let of_pair = |&g: &u32| {
+                let segment = &s.segments[g as usize];
+                let interface = s.interface(i, segment)?;
+                Some(approach::rate(nodes, slave, segment, s.sizes(interface, slave, segment).1, dt))
+            };
+            found.iter().filter_map(of_pair).fold(0.0, f64::max)
         };
         let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
         of_nodes.max(self.edges.approach_rate(nodes, s, dt))
@@ -315,14 +321,16 @@ impl Contact {
         let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
         {
             let largest = s.largest_scale();
-            let bounds = |g: &Segment| g.bounds(&nodes.x, reach(g.scale, largest) + self.skin);
+            let bounds = |g: &Segment| g.bounds(&nodes.x, reach(&s.interfaces, g.scale, largest) + self.skin);
             let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
             let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
             (self.find)(&boxes, &points, &mut |g, p| {
                 let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
-                let reach = local::REACH * (segment.scale + s.node_scale[slave as usize]) + self.skin;
+                let reach = local::reach_of_old(s, slave, segment) + self.skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
-                if !is_far && !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes) {
+                let touches = || s.interface(p as usize, segment).is_some();
+                let is_other = !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes);
+                if !is_far && is_other && touches() {
                     found.push(p);
                     count[g as usize] += 1;
                     self.record.near(slave, segment);
@@ -346,7 +354,9 @@ impl Contact {
     }
 
     /// Which pairs of own nodes are active in this step.
-    pub fn find_pairs(&mut self, nodes: &Nodes, steps: Steps) {
+    pub fn find_pairs(&mut self, nodes: &Nodes, time: f64, steps: Steps) {
+        let is_alive = |i| self.surface.interfaces.is_alive(i, time);
+        let alive: Vec<bool> = (0..self.surface.interfaces.count() as u16).map(is_alive).collect();
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
@@ -373,7 +383,7 @@ impl Contact {
         self.meetings.find(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
         for meetings in self.meetings.all.chunk_by(|a, b| a.of.place == b.of.place) {
             let i = meetings[0].of.place as usize;
-            local::find_pairs(nodes, &self.surface, i, meetings, memory(i), steps.dt, &mut pairs);
+            local::find_pairs(nodes, (&self.surface, &alive), i, meetings, memory(i), steps.dt, &mut pairs);
         }
         if !self.stiffness.is_empty() {
             for p in &mut pairs {
@@ -382,18 +392,23 @@ impl Contact {
             }
         }
         let of_nodes = pairs.len();
-        self.edges.find_pairs(nodes, &self.surface, &self.stiffness, steps.dt, &mut pairs);
+        self.edges.find_pairs(nodes, (&self.surface, &alive), &self.stiffness, steps.dt, &mut pairs);
         if pairs.len() > of_nodes {
             pairs.sort_unstable_by_key(|p| p.name);
         }
-        let begins = !std::mem::replace(&mut self.begun, true);
+        let begun = std::mem::replace(&mut self.begun, alive);
         for p in &mut pairs {
-            if begins {
+            if !begun[p.interface as usize] {
                 p.kept = p.tolerated;
             }
             p.weigh_slave(nodes);
+            let speed = || {
+                let velocity = p.relative_velocity(&nodes.v);
+                (velocity - p.normal * velocity.dot(&p.normal)).norm()
+            };
+            p.friction = self.surface.interfaces.friction(p.interface, speed);
             self.record.touched(p.nodes);
-            p.force = self.law.start(p, steps);
+            p.force = self.laws.of_pair(p).start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
         }
         self.table.pairs = pairs;
@@ -429,7 +444,7 @@ impl Contact {
         if t.pairs.is_empty() && !coupled {
             return Ok(());
         }
-        let mut sweeps = Sweeps { law: self.law.as_ref(), nodes, free: &self.free, walls, bodies, coupled, steps };
+        let mut sweeps = Sweeps { laws: &self.laws, nodes, free: &self.free, walls, bodies, coupled, steps };
         self.sweeps += sweeps.run(t, wire)?;
         Ok(())
     }
@@ -455,8 +470,9 @@ impl Contact {
             // Friction is judged by where the node slides to; half of that by the present time.
             let slid = 0.5 * steps.mid * sheared.dot(&velocity);
             work.friction += Work { before: slid, after: slid };
-            p.slip = self.law.slip(p, &velocity, steps);
-            self.capped += u64::from(self.law.is_capped(p, steps));
+            let law = self.laws.of_pair(p);
+            p.slip = law.slip(p, &velocity, steps);
+            self.capped += u64::from(law.is_capped(p, steps));
         }
         for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
             let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);

@@ -142,7 +142,7 @@ impl PairTable {
     /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
     /// With prediction and correction the masses of edges are split: a slave edge may be in several pairs, which do not see
     /// each other's corrections as pairs on one segment do.
-    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: Iteration) {
+    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: impl Fn(&Pair) -> Iteration) {
         self.pairs.iter_mut().for_each(|p| p.crowd = [0.0; 5]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
@@ -153,7 +153,7 @@ impl PairTable {
         }
         for pair in self.pairs.iter_mut().filter(|p| p.own) {
             let mut soft = [0.0; 2];
-            let split = match iteration {
+            let split = match iteration(pair) {
                 Iteration::Split => true,
                 Iteration::Correct { .. } => pair.name.is_edge(),
                 Iteration::Jacobi | Iteration::GaussSeidel => false,
@@ -244,6 +244,14 @@ impl PairTable {
         quiet.close();
         self.quiet = quiet;
         Ok(self.quiet.is_over())
+    }
+
+    /// Exchanges the forces of pairs that several workers know, within a sweep.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn swap_between(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        self.swap(wire, None, |pair| &mut pair.force)
     }
 
     /// Exchanges the guesses of pairs that several workers know.

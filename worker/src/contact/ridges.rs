@@ -140,6 +140,18 @@ impl Lines {
         if edge.kind == Kind::Solid { (lowest.half, lowest.scale) } else { size }
     }
 
+    /// Interface of two edges; `None` if they do not touch.
+    pub fn interface(&self, edges: [&Edge; 2], surface: &Surface) -> Option<u16> {
+        let [ahead, behind] = edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
+        surface.interfaces.between(ahead, behind)
+    }
+
+    /// Half thicknesses of two edges together in an interface, and their scales [length].
+    pub fn sizes(&self, interface: u16, edges: [&Edge; 2], surface: &Surface) -> (f64, f64) {
+        let [a, b] = edges.map(|e| surface.interfaces.measure(interface, self.size(e, surface)));
+        (a.0 + b.0, a.1 + b.1)
+    }
+
     /// Place of the edge between these local nodes, in the order in which edges have them.
     pub fn place(&self, nodes: [u32; 2]) -> Option<usize> {
         self.all.binary_search_by_key(&nodes, |e| e.nodes).ok()

@@ -3,10 +3,14 @@
 
 use crate::blocks::LocalElement;
 use crate::contact::geometry::V3;
+use crate::contact::interfaces::Interfaces;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;
+use crumple_proto::job::Part;
 use crumple_proto::partition::Settings;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Marks a corner that is not local here.
 pub const NOT_LOCAL: u32 = u32::MAX;
@@ -57,6 +61,12 @@ pub struct Surface {
     pub first: Vec<u32>,
     /// Wave speed per part [length/time].
     pub speeds: Vec<f64>,
+    /// Which parts touch, and how.
+    pub interfaces: Arc<Interfaces>,
+    /// Index into `part_sets` per slave, the parts around it; empty if there is one interface.
+    pub part_set: Vec<u32>,
+    /// Sets of parts' indices, ascending.
+    pub part_sets: Vec<Vec<u32>>,
 }
 
 impl Segment {
@@ -98,16 +108,23 @@ pub struct ContactParts {
     half: Vec<Option<f64>>,
     /// Largest thickness of a shell as a multiple of its shortest side.
     limit: f64,
+    interfaces: Arc<Interfaces>,
 }
 
 impl ContactParts {
     /// Of a job.
     pub fn of(settings: &Settings) -> Self {
         let contact = settings.contact.as_ref();
-        let takes_part = |id: u32| contact.is_some_and(|c| c.parts.is_empty() || c.parts.contains(&id));
+        let ids: Vec<u32> = settings.parts.iter().map(|p| p.id).collect();
+        let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of(c, &ids)));
+        let half = |(i, p): (usize, &Part)| {
+            let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
+            takes_part.then_some(0.5 * p.thickness)
+        };
         Self {
-            half: settings.parts.iter().map(|p| takes_part(p.id).then_some(0.5 * p.thickness)).collect(),
+            half: settings.parts.iter().enumerate().map(half).collect(),
             limit: contact.map_or(0.0, |c| c.thickness_limit),
+            interfaces,
         }
     }
 }
@@ -159,6 +176,7 @@ impl Surface {
             node_scale: vec![0.0; nodes.held],
             thinnest: f64::INFINITY,
             short: f64::INFINITY,
+            interfaces: parts.interfaces.clone(),
             ..Self::default()
         };
         for i in 0..s.segments.len() {
@@ -193,6 +211,40 @@ impl Surface {
         let rank = |&g: &u32| (self.segments[g as usize].part, self.segments[g as usize].id);
         let runs = self.face_start.windows(2).map(|run| &self.faces[run[0] as usize..run[1] as usize]);
         self.first = runs.map(|run| run.iter().copied().min_by_key(rank).unwrap_or(u32::MAX)).collect();
+        self.link_parts();
+    }
+
+    /// Notes the parts around each slave, if it matters which they are.
+    fn link_parts(&mut self) {
+        (self.part_set, self.part_sets) = (Vec::new(), Vec::new());
+        if self.interfaces.is_one() {
+            return;
+        }
+        let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for place in 0..self.slaves.len() {
+            let mut parts: Vec<u32> = self.around(place).map(|s| s.part).collect();
+            parts.sort_unstable();
+            parts.dedup();
+            let next = known.len() as u32;
+            let set = *known.entry(parts).or_insert(next);
+            self.part_set.push(set);
+        }
+        self.part_sets = vec![Vec::new(); known.len()];
+        known.into_iter().for_each(|(parts, set)| self.part_sets[set as usize] = parts);
+    }
+
+    /// Interface of the slave at place `place` of `slaves` with a segment; `None` if they do not touch.
+    pub fn interface(&self, place: usize, segment: &Segment) -> Option<u16> {
+        let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
+        self.interfaces.between(parts.iter().copied(), std::iter::once(segment.part))
+    }
+
+    /// Half thicknesses of a node and a segment together in an interface, and their scales [length].
+    pub fn sizes(&self, interface: u16, node: u32, segment: &Segment) -> (f64, f64) {
+        let n = node as usize;
+        let ahead = self.interfaces.measure(interface, (self.node_half[n], self.node_scale[n]));
+        let behind = self.interfaces.measure(interface, (segment.half, segment.scale));
+        (ahead.0 + behind.0, ahead.1 + behind.1)
     }
 
     /// Whether a segment has a node with another one, by its id, in common.

@@ -1,7 +1,7 @@
 //! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by prediction and
 //! correction in one.
 
-use crate::contact::enforce::{ContactLaw, Iteration, Steps};
+use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::{Pair, PairTable, push};
 use crate::nodes::{Nodes, Row};
@@ -11,8 +11,8 @@ use crumple_proto::transport::{Lost, Transport};
 
 /// What all pairs act on.
 pub struct Sweeps<'a> {
-    /// The law.
-    pub law: &'a dyn ContactLaw,
+    /// The laws of all interfaces.
+    pub laws: &'a Laws,
     /// Nodes; those that pairs touch are brought to the velocities with contact and walls.
     pub nodes: &'a mut Nodes,
     /// Velocities without contact of the nodes in the table's `touched` [length/time].
@@ -25,6 +25,22 @@ pub struct Sweeps<'a> {
     pub coupled: bool,
     /// Steps around the present time.
     pub steps: Steps,
+}
+
+/// Whose turn it is within a sweep: pairs of the interfaces that iterate in this way, as long as their laws want to.
+#[derive(Clone, Copy)]
+struct Turn {
+    iteration: Iteration,
+    /// From 0.
+    sweep: usize,
+}
+
+impl Turn {
+    /// The law of an own pair, if it is the pair's turn.
+    fn law<'a>(&self, pair: &Pair, laws: &'a Laws) -> Option<&'a dyn ContactLaw> {
+        let law = laws.of_pair(pair);
+        (law.iteration() == self.iteration && self.sweep < law.sweeps()).then_some(law)
+    }
 }
 
 /// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs apart.
@@ -43,15 +59,19 @@ impl Exchange {
     /// anything. What `Sweeps::run` does, with the least that it may take: one message in a sweep for the forces; one more
     /// for guesses, or for the forces of a phase of pairs in order; and the rounds in which the phases are laid down, at least
     /// as many as it takes to know that they stand. The last sweep of one worker changes nothing; on several there are `quiet`
-    /// such, as far as the law lets them.
-    pub fn of(law: &dyn ContactLaw, alone: f64, quiet: u64) -> Self {
+    /// such, as far as the laws let them. Where interfaces have several ways to iterate, each takes its messages in every sweep, and
+    /// the forces are exchanged once more.
+    pub fn of(laws: &Laws, alone: f64, quiet: u64) -> Self {
         let quiet = quiet as f64;
-        let sweeps = (alone + quiet - 1.0).min(law.sweeps() as f64).max(alone);
-        let [messages, lead, each] = match law.iteration() {
+        let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
+        let of_one = |iteration: &Iteration| match iteration {
             Iteration::Split | Iteration::Jacobi => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
             Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
             Iteration::GaussSeidel => [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps],
         };
+        let common = if laws.iterations().len() > 1 { [sweeps, 2.0 * sweeps, 3.0 * sweeps] } else { [0.0; 3] };
+        let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|i| sum[i] + one[i]);
+        let [messages, lead, each] = laws.iterations().iter().map(of_one).fold(common, add);
         Self { sweeps, messages, words: [lead, each] }
     }
 }
@@ -62,24 +82,35 @@ impl Sweeps<'_> {
     /// # Errors
     /// A worker is gone.
     pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<u64, Lost> {
-        let iteration = self.law.iteration();
-        t.soften(self.nodes, self.bodies, iteration);
-        if iteration == Iteration::GaussSeidel {
+        let iterations = self.laws.iterations();
+        t.soften(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
+        if iterations.contains(&Iteration::GaussSeidel) {
             t.lay_order(wire)?;
         }
         self.feel(t);
         self.move_bodies(t, wire, true)?;
         let mut sweeps = 0;
-        for _ in 0..self.law.sweeps() {
+        for sweep in 0..self.laws.sweeps() {
             sweeps += 1;
-            let changed = match iteration {
-                Iteration::Split | Iteration::Jacobi => self.all_at_once(t),
-                Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p), Self::feel_at)?,
-                Iteration::Correct { partition, little } => self.correct(t, (partition, little), wire)?,
-            };
+            let mut changed = false;
+            for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
+                let turn = Turn { iteration, sweep };
+                changed |= match iteration {
+                    Iteration::Split | Iteration::Jacobi => self.all_at_once(t, turn),
+                    Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, turn), Self::feel_at)?,
+                    Iteration::Correct { partition, little } => self.correct(t, turn, (partition, little), wire)?,
+                };
+                if left > 0 {
+                    // The next interfaces feel what these have come to.
+                    if t.is_common() {
+                        t.swap_between(wire)?;
+                    }
+                    self.feel(t);
+                }
+            }
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
             // One by one, what own and others' pairs have come to has been felt within the sweep.
-            if iteration != Iteration::GaussSeidel {
+            if iterations != [Iteration::GaussSeidel] {
                 self.feel(t);
             }
             if self.coupled {
@@ -105,15 +136,16 @@ impl Sweeps<'_> {
         self.bodies.feel(wire, self.nodes, (&t.touched, &t.total), self.walls, self.steps, changed)
     }
 
-    fn updated(&self, p: &Pair) -> Option<V3> {
-        self.law.update(p, &p.relative_velocity(&self.nodes.next_v), self.steps)
+    fn updated(&self, p: &Pair, turn: Turn) -> Option<V3> {
+        let law = turn.law(p, self.laws)?;
+        law.update(p, &p.relative_velocity(&self.nodes.next_v), self.steps)
     }
 
-    /// All own pairs from the same state; whether a force has changed.
-    fn all_at_once(&self, t: &mut PairTable) -> bool {
+    /// All own pairs whose turn it is, from the same state; whether a force has changed.
+    fn all_at_once(&self, t: &mut PairTable, turn: Turn) -> bool {
         let mut changed = false;
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            if let Some(force) = self.updated(p) {
+            if let Some(force) = self.updated(p, turn) {
                 p.force = force;
                 changed = true;
             }
@@ -126,18 +158,20 @@ impl Sweeps<'_> {
     fn correct(
         &mut self,
         t: &mut PairTable,
+        turn: Turn,
         (partition, little): (f64, f64),
         wire: &mut dyn Transport,
     ) -> Result<bool, Lost> {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            p.guess = self.law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+            let guess = |law: &dyn ContactLaw| law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+            p.guess = turn.law(p, self.laws).map_or(V3::zeros(), guess);
         }
         if t.is_common() {
             t.swap_guesses(wire)?;
         }
-        let turn = |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
-        let turns: Vec<f64> = t.pairs.iter().map(turn).collect();
-        t.pairs.iter_mut().zip(turns).for_each(|(p, turn)| p.turn = turn);
+        let fraction = |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
+        let fractions: Vec<f64> = t.pairs.iter().map(fraction).collect();
+        t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.turn = fraction);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take it.
         let own = t.pairs.iter().filter(|p| p.own);
         let slaves: Vec<V3> = own.map(|p| p.slave_velocity(&self.nodes.next_v)).collect();
@@ -151,7 +185,7 @@ impl Sweeps<'_> {
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
             let moved = p.slave_velocity(&self.nodes.next_v);
             let velocity = p.relative_velocity(&self.nodes.next_v) + slave - moved;
-            if let Some(force) = self.law.update(p, &velocity, self.steps) {
+            if let Some(force) = turn.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
                 p.force = force;
                 changed = true;
             }

@@ -1,6 +1,7 @@
-//! `*CONTACT_...`: all contacts of a deck are one, in which every part meets every other and itself.
+//! `*CONTACT_...`: contact and its interfaces, one for each card.
 
 use super::Build;
+use super::tree::Table;
 use crate::deck::record::Record;
 use crate::job::tree::Place;
 use std::collections::BTreeSet;
@@ -20,62 +21,76 @@ const KEYWORDS: [(&str, bool); 11] = [
 ];
 
 /// Fields with no bearing on a contact that needs no stiffness, and what a blank stands for.
-const IGNORED: [&str; 22] = [
-    "vdc", "penchk", "sfsa", "sfsb", "sfsat", "sfsbt", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth",
-    "bsort", "frcfrq", "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
+const IGNORED: [&str; 20] = [
+    "vdc", "penchk", "sfsa", "sfsb", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth", "bsort", "frcfrq",
+    "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
 ];
 
-/// Fields that would change the surfaces.
-const THICKNESSES: [&str; 3] = ["sast", "sbst", "sldthk"];
-
 impl Build {
+    /// `[contact]` of the first contact, and interfaces of the others. Of several that name two parts the last one holds: contacts of
+    /// one surface come before those of two.
     pub(super) fn contacts(&mut self) {
-        let mut parts: Option<BTreeSet<i64>> = Some(BTreeSet::new());
-        let mut place: Option<Place> = None;
-        let mut frictions: Vec<(f64, Place)> = Vec::new();
-        let mut number = 0;
+        let mut found: Vec<(bool, Record)> = Vec::new();
         for (keyword, single) in KEYWORDS {
-            for record in self.take(keyword) {
-                number += 1;
-                place = place.or(Some(record.head));
-                let name = format!("contact {number}");
-                let sides: &[(&str, &str)] = match single {
-                    true => &[("surfa", "surfatyp")],
-                    false => &[("surfa", "surfatyp"), ("surfb", "surfbtyp")],
-                };
-                for (side, kind) in sides {
-                    match (self.side(&record, side, kind), &mut parts) {
-                        (Some(own), Some(all)) => all.extend(own),
-                        (None, _) => parts = None,
-                        _ => {}
-                    }
-                }
-                frictions.push((self.friction(&record, &name), record.place("fs")));
-                let said =
-                    ["AUTOMATIC_", "ERODING_"].iter().fold(keyword.replace("CONTACT_", ""), |n, w| n.replace(w, ""));
-                let used = match single {
-                    true => "every part with every other and itself",
-                    false => "both sides with each other, and each with itself",
-                };
-                self.map(&name, said.to_lowercase().replace('_', " "), used);
-                self.options(&record, &name);
+            found.extend(self.take(keyword).into_iter().map(|record| (single, record)));
+        }
+        found.sort_by_key(|(single, record)| (!single, written(record.head)));
+        let mut tables = Vec::new();
+        for (number, (single, record)) in (1..).zip(&found) {
+            let heading = record.word("heading").trim();
+            let name = if heading.is_empty() { format!("contact {number}") } else { heading.to_string() };
+            tables.extend(self.contact(&name, *single, record));
+        }
+        let mut tables = tables.into_iter();
+        if let Some(mut first) = tables.next() {
+            let interfaces: Vec<Table> = tables.collect();
+            let place = found[0].1.head;
+            if !interfaces.is_empty() {
+                first.put("interface", place, interfaces);
             }
+            self.tree.set("contact", place, first);
         }
-        let Some(place) = place else { return };
-        let most = frictions.iter().map(|f| f.0).fold(0.0, f64::max);
-        if let Some(&(other, at)) = frictions.iter().find(|f| f.0 != most) {
-            let message = format!("contacts have different friction, {other} and {most}; there is one contact here");
-            self.trouble.warning(
-                at,
-                message,
-                format!("{most} holds for all; give contact.friction in a job to change it"),
-            );
+    }
+
+    /// What a contact says, as a table of `[contact]` or of an interface; `None` if it has no surface.
+    fn contact(&mut self, name: &str, single: bool, record: &Record) -> Option<Table> {
+        let mut table = Table::new(record.head).with("name", record.head, name);
+        let sides: &[(&str, &str, &str)] = match single {
+            true => &[("surfa", "surfatyp", "parts")],
+            false => &[("surfa", "surfatyp", "parts"), ("surfb", "surfbtyp", "against")],
+        };
+        for (side, kind, key) in sides {
+            let parts = match self.side(record, side, kind) {
+                // All parts; as `against` they have to be named.
+                None if *key == "parts" => continue,
+                None => self.parts.keys().copied().collect(),
+                Some(parts) => parts,
+            };
+            if parts.is_empty() {
+                let message = format!("{name} is left out: there are no parts in {side}");
+                self.trouble.warning(record.place(side), message, "name parts of shells or solids, or take it out");
+                return None;
+            }
+            table.put(key, record.place(side), parts);
         }
-        let at = frictions.iter().find(|f| f.0 == most).map_or(place, |f| f.1);
-        self.tree.set_in("contact", "friction", at, most);
-        if let Some(parts) = parts {
-            self.tree.set_in("contact", "parts", place, parts.into_iter().collect::<Vec<_>>());
+        self.friction(record, name, &mut table);
+        self.thickness(record, name, single, &mut table);
+        let (birth, death) = (record.real("bt"), record.real("dt"));
+        if birth > 0.0 {
+            table.put("birth", record.place("bt"), birth);
         }
+        if death > 0.0 && death < self.end_time {
+            table.put("death", record.place("dt"), death);
+        }
+        let kind = record.row.keyword.name.replace("CONTACT_", "");
+        let said = ["AUTOMATIC_", "ERODING_"].iter().fold(kind, |n, w| n.replace(w, ""));
+        let used = match single {
+            true => "every part with every other and itself",
+            false => "the parts of both sides with each other, nodes of either on faces of the other",
+        };
+        self.map(name, said.to_lowercase().replace('_', " "), used);
+        self.options(record, name);
+        Some(table)
     }
 
     /// Parts of one side; `None` for all.
@@ -136,16 +151,45 @@ impl Build {
         found.into_iter().collect()
     }
 
-    fn friction(&mut self, record: &Record, name: &str) -> f64 {
-        let fs = record.real("fs");
+    fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
+        let (fs, fd, dc) = (record.real("fs"), record.real("fd"), record.real("dc"));
+        let place = record.place("fs");
         if fs == -1.0 {
-            return self.friction_of_parts(record, name);
-        }
-        if fs < 0.0 {
+            let most = self.friction_of_parts(record, name);
+            table.put("friction", place, most);
+        } else if fs < 0.0 {
             self.unsupported_value(record, "fs", "-1 is the friction of the parts, other codes name tables");
-            return 0.0;
+        } else {
+            table.put("friction", place, fs);
+            if dc > 0.0 && fs != fd {
+                table.put("friction_dynamic", record.place("fd"), fd);
+                table.put("friction_decay", record.place("dc"), dc);
+            } else if fs != fd {
+                self.map(name, format!("fs {fs}, fd {fd}, no decay"), format!("friction {fs}"));
+            }
         }
-        self.friction_at_speed(record, name)
+    }
+
+    /// Thickness in contact, given or by a factor: that of two surfaces counts as their mean.
+    fn thickness(&mut self, record: &Record, name: &str, single: bool, table: &mut Table) {
+        let [a, b] = ["sast", "sbst"].map(|field| record.real(field));
+        let b = if single { a } else { b };
+        if a > 0.0 && b > 0.0 {
+            table.put("thickness", record.place("sast"), 0.5 * (a + b));
+            if a != b {
+                self.map(name, format!("thicknesses {a} and {b}"), format!("thickness {}", 0.5 * (a + b)));
+            }
+        } else if a != 0.0 || b != 0.0 {
+            let field = if a != 0.0 { "sast" } else { "sbst" };
+            self.unsupported_value(record, field, "a thickness above 0 of either side is used, and of both together");
+        }
+        let factor = |field| if record.is_blank(field) || record.real(field) == 0.0 { 1.0 } else { record.real(field) };
+        let [fa, fb] = ["sfsat", "sfsbt"].map(factor);
+        if !single && fa != fb {
+            self.unsupported_value(record, "sfsat", "one factor of the thickness of both sides is used");
+        } else if fa != 1.0 {
+            table.put("thickness_scale", record.place("sfsat"), fa);
+        }
     }
 
     /// The largest friction of `*PART_CONTACT`, which holds for all as that of several contacts does.
@@ -191,16 +235,19 @@ impl Build {
         if !ignored.is_empty() {
             self.map(name, ignored.join(", "), "not used");
         }
-        for field in THICKNESSES.iter().filter(|f| given(f)) {
-            self.unsupported_value(record, field, "contact is as thick as its shells");
+        if given(&"sldthk") {
+            self.unsupported_value(record, "sldthk", "solids have no thickness in contact");
         }
         for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {
             self.unsupported_value(record, field, "contact goes by parts");
         }
-        let (birth, death) = (record.real("bt"), record.real("dt"));
-        if birth > 0.0 || (death > 0.0 && death < self.end_time) {
-            let field = if birth > 0.0 { "bt" } else { "dt" };
-            self.unsupported_value(record, field, "contact that comes or goes within the run");
-        }
+    }
+}
+
+/// Where in its file a card is written; one file's before another's.
+fn written(place: Place) -> (u32, u32) {
+    match place {
+        Place::Deck { file, start, .. } => (file, start),
+        _ => (0, 0),
     }
 }

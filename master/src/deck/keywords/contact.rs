@@ -22,9 +22,10 @@ const CARDS: &[(&str, Times)] = &[
     ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
 ];
 
-const SINGLE: &str =
-    "`[contact]`: its parts take part, fs (fd with decay) is the friction; all contacts of a deck are one";
-const PAIR: &str = "the same: both sides take part, in contact with each other and with themselves";
+const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
+     sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds";
+const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
+    sides";
 
 const TRANSDUCER: &str = "`[[output.transducer]]`: the contact force on surfa, from surfb or, if that is blank, from all. Segments count by \
                           their nodes";

@@ -32,12 +32,11 @@ pub(super) const LAW: LawRow = LawRow {
     meaning: "Partitioned kinematic predictor and corrector, as in PRONTO3D.",
     build: |c, _| {
         let (sweeps, tolerance) = (c.sweeps, c.tolerance);
-        Box::new(Kinematic { friction: c.friction, partition: c.partition, sweeps, tolerance })
+        Box::new(Kinematic { partition: c.partition, sweeps, tolerance })
     },
 };
 
 struct Kinematic {
-    friction: f64,
     partition: f64,
     sweeps: usize,
     tolerance: f64,
@@ -71,7 +70,7 @@ impl ContactLaw for Kinematic {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (more, pull) = needed(pair, velocity, steps);
         let more = more.max(-pressed);
-        pair.normal * more + within_cone(sheared + pull, pressed + more, self.friction) - sheared
+        pair.normal * more + within_cone(sheared + pull, pressed + more, pair.friction) - sheared
     }
 
     /// Here `velocity` is that of the node relative to the contact point as all guesses together would move it.
@@ -85,10 +84,10 @@ impl ContactLaw for Kinematic {
         let pull = within_cone(pull, guess_t.norm() * alone_t, 1.0);
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let new_pressed = (pressed + pair.turn * more).max(0.0);
-        let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, self.friction);
+        let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, pair.friction);
         let change = (new_pressed - pressed).abs();
         // Friction under a light load is small against the gap's tolerance, and wanted all the same.
-        let turns = (new_sheared - sheared).norm() > self.tolerance * self.friction * new_pressed;
+        let turns = (new_sheared - sheared).norm() > self.tolerance * pair.friction * new_pressed;
         let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.push);
         let ends = pressed > 0.0 && new_pressed == 0.0;
         (ends || turns || change > floor.max(self.tolerance * new_pressed.max(pressed)))
@@ -96,6 +95,6 @@ impl ContactLaw for Kinematic {
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
-        stuck(pair, velocity, self.friction, steps)
+        stuck(pair, velocity, steps)
     }
 }

@@ -15,7 +15,7 @@ pub(super) const LAW: LawRow = LawRow {
     build: |c, _| {
         let iteration = ITERATIONS.iter().find(|i| i.0 == c.iteration);
         let iteration = iteration.unwrap_or_else(|| panic!("no iteration {}", c.iteration)).1;
-        Box::new(Lagrange { friction: c.friction, sweeps: c.sweeps, tolerance: c.tolerance, iteration })
+        Box::new(Lagrange { sweeps: c.sweeps, tolerance: c.tolerance, iteration })
     },
 };
 
@@ -29,7 +29,6 @@ pub const ITERATIONS: &[(&str, Iteration)] =
 const CARRY: f64 = 0.5;
 
 struct Lagrange {
-    friction: f64,
     sweeps: usize,
     tolerance: f64,
     iteration: Iteration,
@@ -47,7 +46,7 @@ impl ContactLaw for Lagrange {
     fn start(&self, pair: &Pair, _: Steps) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let pressed = pressed.max(0.0) * CARRY;
-        pair.normal * pressed + within_cone(sheared, pressed, self.friction)
+        pair.normal * pressed + within_cone(sheared, pressed, pair.friction)
     }
 
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
@@ -58,8 +57,8 @@ impl ContactLaw for Lagrange {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
         let new_pressed = (pressed - (overlap(pair, steps) / steps.dt + opening) / soft_n).max(0.0);
-        let new_sheared = if self.friction > 0.0 {
-            within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, self.friction)
+        let new_sheared = if pair.friction > 0.0 {
+            within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, pair.friction)
         } else {
             V3::zeros()
         };
@@ -72,6 +71,6 @@ impl ContactLaw for Lagrange {
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
-        stuck(pair, velocity, self.friction, steps)
+        stuck(pair, velocity, steps)
     }
 }

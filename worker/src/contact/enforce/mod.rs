@@ -114,6 +114,67 @@ pub struct LawRow {
 /// All contact laws.
 pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW];
 
+/// The laws of a job's interfaces.
+pub struct Laws {
+    /// By interface; none where nothing touches.
+    of: Vec<Option<Box<dyn ContactLaw>>>,
+    /// Ways to iterate that they have, each once.
+    iterations: Vec<Iteration>,
+    sweeps: usize,
+}
+
+impl Laws {
+    /// Of `[contact]` and its interfaces.
+    ///
+    /// # Panics
+    /// On a law that is not in the table; the master checks names before it deals out work.
+    pub fn of(job: &Contact, parts: &Elasticity) -> Self {
+        let build = |contact: Contact| {
+            let row = CONTACT_LAWS.iter().find(|row| row.name == contact.law);
+            let row = row.unwrap_or_else(|| panic!("no contact law {}", contact.law));
+            (row.build)(&contact, parts)
+        };
+        let of = job.each().map(|c| (c.law != Contact::NO_LAW).then(|| build(c)));
+        let of: Vec<Option<Box<dyn ContactLaw>>> = of.collect();
+        let mut iterations = Vec::new();
+        for iteration in of.iter().flatten().map(|law| law.iteration()) {
+            if !iterations.contains(&iteration) {
+                iterations.push(iteration);
+            }
+        }
+        let sweeps = of.iter().flatten().map(|law| law.sweeps()).max().unwrap_or(0);
+        Self { of, iterations, sweeps }
+    }
+
+    /// Number of interfaces.
+    pub fn count(&self) -> usize {
+        self.of.len()
+    }
+
+    /// The law of an own pair.
+    ///
+    /// # Panics
+    /// If nothing touches in its interface: there are no such pairs.
+    pub fn of_pair(&self, pair: &Pair) -> &dyn ContactLaw {
+        self.of[pair.interface as usize].as_deref().expect("what touches has a law")
+    }
+
+    /// Ways to iterate that the laws have, each once, in the order of the interfaces.
+    pub fn iterations(&self) -> &[Iteration] {
+        &self.iterations
+    }
+
+    /// Most sweeps of any law within a step.
+    pub fn sweeps(&self) -> usize {
+        self.sweeps
+    }
+
+    /// See [`ContactLaw::segment_stiffness`]: laws that have one agree on it.
+    pub fn segment_stiffness(&self, segment: &Segment, x0: &[Row]) -> Option<f64> {
+        self.of.iter().flatten().find_map(|law| law.segment_stiffness(segment, x0))
+    }
+}
+
 /// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed: little
 /// enough for a block that rests under its own weight (a coarser limit leaves forces that push on by themselves and pump
 /// energy into what is at rest), enough to end sweeps over forces of round-off.
@@ -136,8 +197,8 @@ fn overlap(pair: &Pair, steps: Steps) -> f64 {
 /// Tangential distance from the stick point after the step, nought where the node slides or leaves [length]. It slides if the force
 /// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
 /// leave it a little short of the cone.
-fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
-    if friction == 0.0 {
+fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    if pair.friction == 0.0 {
         return V3::zeros(); // the cone is a line: nothing sticks
     }
     let (pressed, sheared) = split(&pair.force, &pair.normal);
@@ -149,7 +210,7 @@ fn stuck(pair: &Pair, velocity: &V3, friction: f64, steps: Steps) -> V3 {
         return if stays { slip } else { V3::zeros() };
     }
     let back = sheared - (pair.slip / steps.dt + sliding) / (steps.push * pair.compliance[1]);
-    let sticks = back.norm() < friction * pressed * (1.0 - 1e-9);
+    let sticks = back.norm() < pair.friction * pressed * (1.0 - 1e-9);
     if sticks { slip } else { V3::zeros() }
 }
 

@@ -37,7 +37,6 @@ pub(super) const LAW: LawRow = LawRow {
 pub const FORMS: &[&str] = &["soft", "stiffness"];
 
 struct Penalty {
-    friction: f64,
     scale: f64,
     /// Fraction of critical damping.
     damping: f64,
@@ -52,7 +51,7 @@ impl Penalty {
         let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
         let room = 0.5 * 4.0 * (1.0 - parts.safety * parts.safety);
         let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };
-        Self { friction: job.friction, scale: job.penalty_scale, damping: job.penalty_damping, moduli, most }
+        Self { scale: job.penalty_scale, damping: job.penalty_damping, moduli, most }
     }
 
     /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
@@ -104,7 +103,7 @@ impl ContactLaw for Penalty {
         let spring = (-k * pair.gap).max(0.0);
         let damped = (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.push);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
-        Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, self.friction))
+        Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, pair.friction))
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {

@@ -10,6 +10,7 @@ use super::{CONTACT_LAWS, Elasticity, Steps};
 use crate::contact::Contact;
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
+use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::energy::ContactWork;
@@ -23,6 +24,7 @@ use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::threads::{Threads, connect};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use std::sync::Arc;
 
 /// Half thickness of everything; two surfaces touch at a distance of twice that.
 const HALF: f64 = 0.05;
@@ -91,6 +93,7 @@ impl Scene {
             node_scale: vec![HALF; points.len()],
             thinnest: HALF,
             short: f64::INFINITY,
+            interfaces: Arc::new(Interfaces::of(job, &[])),
             ..Surface::default()
         };
         let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS], speeds: vec![SPEED] });
@@ -114,13 +117,15 @@ impl Scene {
         nodes.accelerate(steps.mid);
         let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
         contact.refresh_candidates(nodes, joined, steps.dt, steps.dt);
-        contact.find_pairs(nodes, *steps);
+        contact.find_pairs(nodes, 0.0, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
         let before = contact.sweeps;
         contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
-        if contact.law.iteration() == Iteration::GaussSeidel && contact.sweeps - before < contact.law.sweeps() as u64 {
+        let in_order = contact.laws.iterations() == [Iteration::GaussSeidel];
+        if in_order && contact.sweeps - before < contact.laws.sweeps() as u64 {
             // Pairs are passed over while no node of theirs feels anything new: none of them may have been left behind.
-            let at_rest = |p: &Pair| contact.law.update(p, &p.relative_velocity(&nodes.next_v), *steps).is_none();
+            let update = |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(&nodes.next_v), *steps);
+            let at_rest = |p: &Pair| update(p).is_none();
             assert!(contact.table.pairs.iter().filter(|p| p.own).all(at_rest), "a pair still has something to do");
         }
         let work = contact.close(nodes, *steps);

@@ -77,6 +77,10 @@ pub struct Pair {
     pub thickness: f64,
     /// The slower wave speed of the two sides [length/time].
     pub speed: f64,
+    /// Its interface; others are not told.
+    pub interface: u16,
+    /// Coefficient of friction in this step; others are not told.
+    pub friction: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
@@ -268,6 +272,8 @@ impl Pair {
             kept: 0.0,
             thickness: 0.0,
             speed: 0.0,
+            interface: 0,
+            friction: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],

@@ -1,0 +1,221 @@
+//! Contact interfaces: which of them two parts belong to, and with what thickness and friction these touch.
+//!
+//! Surface, search and solver are common to all interfaces. A pair belongs to the interface of its two parts; where a node or an
+//! edge belongs to several parts, to the last interface among theirs.
+
+use crumple_proto::job::Contact;
+
+/// Marks two parts that do not touch.
+const NONE: u16 = u16::MAX;
+
+/// The interfaces of a job. The first one is `[contact]` itself.
+#[derive(Clone, Debug)]
+pub struct Interfaces {
+    numbers: Vec<Numbers>,
+    /// Interface of each two parts, row by row, by their indices; empty if there is one interface, and all parts of the surface are
+    /// in it.
+    table: Vec<u16>,
+    /// Number of parts.
+    parts: usize,
+    /// Largest factor of a thickness, 1 or above, and the largest half thickness that stands for shells' own [length].
+    widest: (f64, f64),
+    /// Smallest factor of a thickness, 1 or below, and the smallest half thickness that stands for shells' own [length].
+    narrowest: (f64, f64),
+}
+
+/// What an interface says of a pair, apart from its law.
+#[derive(Clone, Copy, Debug)]
+struct Numbers {
+    /// Half thickness of shells in place of their own [length].
+    half: Option<f64>,
+    /// Factor of the thickness of shells.
+    factor: f64,
+    friction: f64,
+    dynamic: f64,
+    /// [time/length]
+    decay: f64,
+    birth: f64,
+    death: f64,
+}
+
+impl Default for Interfaces {
+    fn default() -> Self {
+        Self::of(&Contact::default(), &[])
+    }
+}
+
+impl Interfaces {
+    /// Of a job's contact, with the ids of its parts by their indices.
+    pub fn of(contact: &Contact, parts: &[u32]) -> Self {
+        let all: Vec<Contact> = contact.each().collect();
+        let numbers: Vec<Numbers> = all.iter().map(Numbers::of).collect();
+        let mut table = Vec::new();
+        if !contact.interface.is_empty() || !contact.against.is_empty() {
+            let cell = |a: u32, b: u32| {
+                let last = all.iter().rposition(|c| c.meets(a, b));
+                last.filter(|&i| all[i].law != Contact::NO_LAW).map_or(NONE, |i| i as u16)
+            };
+            table = parts.iter().flat_map(|a| parts.iter().map(move |b| (*a, *b))).map(|(a, b)| cell(a, b)).collect();
+        }
+        let (own, given): (Vec<&Numbers>, Vec<&Numbers>) = numbers.iter().partition(|n| n.half.is_none());
+        let range = |of: &[&Numbers], start: (f64, f64)| {
+            let sizes = of.iter().map(|n| n.half.unwrap_or(1.0) * n.factor);
+            sizes.fold(start, |(low, high), s| (low.min(s), high.max(s)))
+        };
+        let (factors, halves) = (range(&own, (1.0, 1.0)), range(&given, (f64::INFINITY, 0.0)));
+        let (narrowest, widest) = ((factors.0, halves.0), (factors.1, halves.1));
+        Self { numbers, table, parts: parts.len(), widest, narrowest }
+    }
+
+    /// Whether a part touches any.
+    pub fn takes_part(&self, part: usize) -> bool {
+        self.is_one() || self.table[part * self.parts..(part + 1) * self.parts].iter().any(|&i| i != NONE)
+    }
+
+    /// Whether all that is on the surface touches in the same way.
+    pub fn is_one(&self) -> bool {
+        self.table.is_empty()
+    }
+
+    /// Interface of what belongs to any of `ahead` with what belongs to any of `behind`, by the parts' indices; `None` if they do not
+    /// touch.
+    pub fn between(&self, ahead: impl Iterator<Item = u32>, behind: impl Iterator<Item = u32> + Clone) -> Option<u16> {
+        if self.is_one() {
+            return Some(0);
+        }
+        let cell = |a: u32, b: u32| Some(self.table[a as usize * self.parts + b as usize]).filter(|&i| i != NONE);
+        ahead.flat_map(|a| behind.clone().filter_map(move |b| cell(a, b))).max()
+    }
+
+    /// Half thickness and scale in an interface of what has `half` and `scale` on the surface; what has no thickness is a solid's
+    /// [length].
+    pub fn measure(&self, interface: u16, (half, scale): (f64, f64)) -> (f64, f64) {
+        let measured = self.numbers[interface as usize].measured(half);
+        if measured == half {
+            return (half, scale);
+        }
+        // A node of solids and shells has the larger scale of the two.
+        (measured, if scale == half { measured } else { scale.max(measured) })
+    }
+
+    /// The most that two sizes on the surface, `sum` together, can be in an interface [length].
+    pub fn most(&self, sum: f64) -> f64 {
+        self.widest.0 * sum + 2.0 * self.widest.1
+    }
+
+    /// The least that a size on the surface can be in an interface [length].
+    pub fn least(&self, size: f64) -> f64 {
+        (self.narrowest.0 * size).min(self.narrowest.1)
+    }
+
+    /// Coefficient of friction at a sliding speed [length/time].
+    pub fn friction(&self, interface: u16, speed: impl Fn() -> f64) -> f64 {
+        let n = &self.numbers[interface as usize];
+        if n.decay == 0.0 || n.dynamic == n.friction {
+            return n.friction;
+        }
+        n.dynamic + (n.friction - n.dynamic) * (-n.decay * speed()).exp()
+    }
+
+    /// Whether an interface is there at a time.
+    pub fn is_alive(&self, interface: u16, time: f64) -> bool {
+        let n = &self.numbers[interface as usize];
+        n.birth <= time && time < n.death
+    }
+
+    /// Number of interfaces.
+    pub fn count(&self) -> usize {
+        self.numbers.len()
+    }
+}
+
+impl Numbers {
+    fn of(contact: &Contact) -> Self {
+        Self {
+            half: contact.thickness.map(|t| 0.5 * t),
+            factor: contact.thickness_scale,
+            friction: contact.friction,
+            dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
+            decay: contact.friction_decay,
+            birth: contact.birth,
+            death: contact.death.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// Half thickness of a shell that has this one on the surface [length].
+    fn measured(&self, half: f64) -> f64 {
+        if half > 0.0 { self.half.unwrap_or(half) * self.factor } else { half }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::job::Interface;
+
+    const PARTS: [u32; 3] = [1, 2, 4];
+
+    fn contact(law: &str, interface: Vec<Interface>) -> Contact {
+        Contact { law: law.into(), interface, ..Contact::default() }
+    }
+
+    fn between(i: &Interfaces, a: u32, b: u32) -> Option<u16> {
+        i.between([a].into_iter(), [b].into_iter())
+    }
+
+    #[test]
+    fn the_last_interface_that_names_two_parts_holds_for_them() {
+        let pair = Interface { parts: vec![1], against: vec![2], ..Interface::default() };
+        let off = Interface { parts: vec![1], against: vec![2, 4], law: Some("none".into()), ..Interface::default() };
+        let only = Interfaces::of(&contact("none", vec![pair.clone()]), &PARTS);
+        assert_eq!([between(&only, 0, 1), between(&only, 1, 0)], [Some(1), Some(1)], "either way");
+        assert_eq!([between(&only, 0, 0), between(&only, 1, 1), between(&only, 2, 0)], [None; 3]);
+        assert_eq!([0, 1, 2].map(|p| only.takes_part(p)), [true, true, false]);
+        let later = Interfaces::of(&contact("lagrange", vec![off.clone(), pair.clone()]), &PARTS);
+        assert_eq!([between(&later, 0, 1), between(&later, 0, 2), between(&later, 0, 0)], [Some(2), None, Some(0)]);
+        let earlier = Interfaces::of(&contact("lagrange", vec![pair, off]), &PARTS);
+        assert_eq!([between(&earlier, 0, 1), between(&earlier, 1, 2)], [None, Some(0)]);
+        let of_two = earlier.between([0, 1].into_iter(), [2].into_iter());
+        assert_eq!(of_two, Some(0), "a node of two parts touches by the one that does");
+    }
+
+    #[test]
+    fn parts_without_against_meet_each_other_and_themselves_but_for_what_is_excluded() {
+        let own = Interface { parts: vec![1, 2], exclude: vec![2], ..Interface::default() };
+        let i = Interfaces::of(&contact("none", vec![own]), &PARTS);
+        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), None, None]);
+        let all = Interface { friction: Some(0.5), ..Interface::default() };
+        let i = Interfaces::of(&contact("none", vec![all]), &PARTS);
+        assert_eq!([between(&i, 0, 0), between(&i, 0, 2)], [Some(1); 2]);
+    }
+
+    #[test]
+    fn thickness_is_given_or_scaled() {
+        let thick = Interface { thickness: Some(8.0), ..Interface::default() };
+        let scaled = Interface { thickness_scale: Some(0.5), ..Interface::default() };
+        let i = Interfaces::of(&contact("lagrange", vec![thick, scaled]), &PARTS);
+        assert_eq!(i.measure(0, (0.5, 0.5)), (0.5, 0.5));
+        assert_eq!(i.measure(1, (0.5, 0.5)), (4.0, 4.0));
+        assert_eq!(i.measure(2, (0.5, 0.5)), (0.25, 0.25));
+        assert_eq!(i.measure(1, (0.0, 0.7)), (0.0, 0.7), "solids have none");
+        assert_eq!(i.measure(2, (0.5, 0.7)), (0.25, 0.7), "a solid's scale is left");
+        assert_eq!((i.most(0.5), i.least(3.0), i.least(9.0)), (0.5 + 8.0, 1.5, 4.0));
+    }
+
+    #[test]
+    fn friction_falls_from_the_static_to_the_dynamic_one() {
+        let job = Contact { friction: 0.4, friction_dynamic: Some(0.1), friction_decay: 2.0, ..Contact::default() };
+        let i = Interfaces::of(&job, &PARTS);
+        assert_eq!(i.friction(0, || 0.0), 0.4);
+        let expected = 0.1 + 0.3 * (-3.0f64).exp();
+        assert!((i.friction(0, || 1.5) - expected).abs() < 1e-15);
+        let job = Contact { friction_decay: 0.0, ..job };
+        assert_eq!(Interfaces::of(&job, &PARTS).friction(0, || 1e9), 0.4, "without decay it is the static one");
+    }
+
+    #[test]
+    fn an_interface_is_there_from_its_birth_to_its_death() {
+        let i = Interfaces::of(&Contact { birth: 1.0, death: Some(2.0), ..Contact::default() }, &PARTS);
+        assert_eq!([0.5, 1.0, 1.5, 2.0].map(|t| i.is_alive(0, t)), [false, true, true, false]);
+    }
+}
