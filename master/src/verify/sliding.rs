@@ -28,12 +28,15 @@ pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: r
 
 const MU: f64 = 0.3;
 const CREEP: &str = "where it sticks, the friction of the penalty is a spring of its own stiffness";
-const TAIL: &str = "down to a hundredth of its speed the block slows as it should; below, its nodes stick and slip one by one, with less \
-                    than mu N in all, so that it comes to rest some 80 us late, on the right spot";
-const SWINGING: &str = "its nodes swing along the way, and those that stand still or go back for a moment are held with less than mu N: \
-                        a surmise from A07, not measured here";
+pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through Poisson's coupling: nodes stick one by one, with less \
+                       than mu N in all. It stops on time with hourglass = \"stiffness\" (the other rows), or with poisson = 0 \
+                       (cases/slide: 2.672 ms for 2.667), whatever the bulk viscosity, the tolerance of the sweeps, or half the step";
+const VIBRATES: &str = "a rigid block sticks for 2.4 % of the cycle: the vibration of this one counts as slip there";
 const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
                       by 3 %; why has not been found yet";
+/// Hourglass controls of the block's bricks: the one that does not flutter under friction, and the default.
+const STIFF: &str = "stiffness";
+const DEFAULT: &str = "assumed_strain";
 /// Block 20 x 20 x 10 mm of steel.
 const SIZE: [f64; 3] = [0.02, 0.02, 0.01];
 
@@ -47,7 +50,8 @@ enum Base {
 }
 
 /// A block at rest on a base 80 x 40 mm in facets of 10 mm, turned so that no lines match. Returns the nodes of the base.
-fn on_base(scene: &mut Scene, kind: Base) -> (Vec<u32>, Block) {
+/// References are of a rigid block: bricks of another hourglass control than stiffness flutter, see [`FLUTTER`].
+fn on_base(scene: &mut Scene, kind: Base, control: &str) -> (Vec<u32>, Block) {
     let (s, c) = 7f64.to_radians().sin_cos();
     let place = |x: f64, y: f64, z: f64| {
         let [x, y] = [0.08 * x - 0.02, 0.04 * (y - 0.5)];
@@ -65,7 +69,7 @@ fn on_base(scene: &mut Scene, kind: Base) -> (Vec<u32>, Block) {
         }
     };
     let block = scene.block(2, [2, 2, 1], |p| [SIZE[0] * (p[0] - 0.5), SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
-    scene.solid_part(2, "steel", INVISCID);
+    scene.solid_part(2, "steel", &format!("{INVISCID}hourglass = \"{control}\"\n"));
     (base, block)
 }
 
@@ -98,9 +102,10 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
     let left = v - 0.5 * a * ramped;
     let (time, way) = (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
     let mut all = Vec::new();
-    for (law, kind) in laws.iter().flat_map(|&law| [(law, Base::Shells), (law, Base::Cubes)]) {
+    let plain = laws.iter().flat_map(|&law| [(law, Base::Shells, STIFF), (law, Base::Cubes, STIFF)]);
+    for (law, kind, control) in plain.chain([(laws[0], Base::Shells, DEFAULT)]) {
         let mut scene = Scene::new(time + 0.3e-3);
-        let (base, block) = on_base(&mut scene, kind);
+        let (base, block) = on_base(&mut scene, kind, control);
         scene.fix(&base, "x y z rx ry rz");
         scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
         scene.start(&base, [0.0; 3], [0.0; 3]);
@@ -123,8 +128,13 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
         let way_of = |run: &Finished| {
             block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64
         };
-        let variant = format!("{}, 1 MPa, on {}", law.name, if kind == Base::Cubes { "cubes" } else { "shells" });
-        all.push(Row::new("time to stop", &variant, "ms", 1e3 * stopped).near(1e3 * time, 0.005, D).known(TAIL));
+        let of = if control == STIFF { "" } else { ", bricks of assumed strain" };
+        let variant = format!("{}, 1 MPa, on {}{of}", law.name, if kind == Base::Cubes { "cubes" } else { "shells" });
+        all.push(
+            Row::new("time to stop", &variant, "ms", 1e3 * stopped)
+                .near(1e3 * time, 0.005, D)
+                .known(if control == STIFF { "" } else { FLUTTER }),
+        );
         all.push(Row::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(1e3 * way, 0.005, D));
         let heat = -run.energies.friction / run.initial;
         all.push(Row::new("friction work / energy at the start", &variant, "", heat).near(1.0, 0.005, "[D]"));
@@ -144,7 +154,7 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(1.1 * time);
-        let (base, block) = on_base(&mut scene, Base::Shells);
+        let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
         scene.fix(&base, "x y z rx ry rz");
         scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
         scene.start(&base, [0.0; 3], [0.0; 3]);
@@ -159,7 +169,7 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
         let slid = block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64;
         let variant = format!("{}, gravity, on shells", law.name);
         let (to, on) = (v * 9.81 / g, v * v * 9.81 / g);
-        all.push(Row::new("time to stop", &variant, "s", stopped / to).near(time / to, 0.005, D).known(TAIL));
+        all.push(Row::new("time to stop", &variant, "s", stopped / to).near(time / to, 0.005, D));
         all.push(Row::new("way to stop", &variant, "m", slid / on).near(way / on, 0.005, D));
         all.extend(run.energy_rows(&variant, 1e-3));
         all.push(run.closing_row(&variant, 1e-3));
@@ -197,7 +207,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for Cycle { r, slips, fastest, slid } in CYCLES {
             let mut scene = Scene::new(settle + cycles * period);
-            let (base, block) = on_base(&mut scene, Base::Shells);
+            let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
             ramp(&mut scene, 0.5 * settle);
             let shake = |t: f64| (omega * t).sin();
             let count = (cycles * POINTS as f64) as usize;
@@ -252,8 +262,10 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.beside(0.0, "catalogue: 1e-6, F/k_t for springs"));
                 continue;
             }
-            all.push(Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D));
-            all.push(Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit).near(slid, 0.02, D));
+            let row = Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D);
+            all.push(row.known(VIBRATES));
+            let row = Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit).near(slid, 0.02, D);
+            all.push(row.known(VIBRATES));
         }
     }
     Ok(all)
@@ -268,7 +280,7 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
         for degrees in [15.0f64, 20.0, 25.0] {
             let (s, c) = degrees.to_radians().sin_cos();
             let mut scene = Scene::new(time);
-            let (base, block) = on_base(&mut scene, Base::Shells);
+            let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
             scene.fix(&base, "x y z rx ry rz");
             ramp(&mut scene, ramped);
             scene.add(&format!("[[gravity]]\nacceleration = [{:?}, 0.0, {:?}]\ncurve = \"ramp\"", g * s, -g * c));
@@ -309,7 +321,7 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(ramped + CYCLES as f64 * period);
-        let (base, block) = on_base(&mut scene, Base::Shells);
+        let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
         scene.fix(&base, "x y z rx ry rz");
         ramp(&mut scene, ramped);
         let points = (0..=CYCLES * POINTS).map(|k| k as f64 / POINTS as f64);
@@ -358,9 +370,11 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         let row = Row::new("turns of the friction force while it should stick", &variant, "", f64::from(turns));
         all.push(row.at_most(1.0, "limit of the catalogue"));
         all.push(
-            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid))
-                .near(1.0, 0.005, "limit of the catalogue")
-                .known(SWINGING),
+            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid)).near(
+                1.0,
+                0.005,
+                "limit of the catalogue",
+            ),
         );
         let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
         // A stick spring gives back (mu N)^2/2k at a turn; with F/k a thousandth of the amplitude, as above, that is a 160th of a
