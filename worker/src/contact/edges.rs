@@ -13,7 +13,8 @@
 //!
 //! The normal is the cross product of the edges. Its sign for shells is that of the side at which the edges were when they
 //! first came near: the step is short enough for that to be seen before they are through (`agreement.rs`). A fold is met from where
-//! it stands out: seen from it the other edge lies behind none of its segments. A solid's edge is met from where its two faces look:
+//! it stands out: seen from it the other edge lies behind none of its segments; unless the edges are then only just as near as
+//! they may come. A solid's edge is met from where its two faces look:
 //! the normal lies between theirs, as on a polyhedron's Gauss image.
 //!
 //! An edge that slides along a row of edges keeps what the pair with the last one had. That may have belonged to another
@@ -288,9 +289,14 @@ impl Edges {
         }
         let folds = if old.is_none() { self.folds(nodes, surface, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // They may have met before they stood out.
-            let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
-            side = if sunk { -side } else { return None };
+            // Edges that have just come as near as they may are on the sides where they belong, whatever else holds them off. Left
+            // to nodes until the fold has turned, they would have sunk in by then.
+            let touches = met.height * side - thickness >= -ACTIVE * scale;
+            if !touches || lines.are_neighbours(edges, surface) {
+                // They may have met before they stood out.
+                let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
+                side = if sunk { -side } else { return None };
+            }
         }
         let (normal, gap) = (met.normal * side, met.height * side - thickness);
         if old.is_none() {

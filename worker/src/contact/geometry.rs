@@ -142,6 +142,36 @@ mod tests {
         }
     }
 
+    /// Quads folded over as a crushed tube has them: a node 2.6 from the inside, 3.0 from the rim. Newton's method from the middle
+    /// goes far out of the first; the second is the first a little later.
+    #[test]
+    fn a_nearest_point_inside_a_strongly_warped_quad_is_not_missed() {
+        let first = [
+            [30.154, -447.420, 120.686],
+            [45.470, -456.271, 124.389],
+            [36.194, -444.492, 150.504],
+            [33.950, -443.0, 147.162],
+        ];
+        let second = [
+            [30.036, -447.405, 120.687],
+            [45.329, -456.315, 124.416],
+            [36.018, -444.514, 150.518],
+            [33.810, -443.005, 147.166],
+        ];
+        for (quad, p) in [(first, [40.962, -456.242, 125.619]), (second, [40.842, -456.281, 125.646])] {
+            // Whichever corner comes first.
+            for turn in 0..4 {
+                let q: [V3; 4] = std::array::from_fn(|k| V3::from(quad[(k + turn) % 4]));
+                let (p, found) = (V3::from(p), nearest(&V3::from(p), &q, false).unwrap());
+                let grid =
+                    (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0)));
+                let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+                let d = (found.point - p).norm();
+                assert!(!found.rim && d <= best + 1e-12 && d > best - 1e-3, "turn {turn}: {d}, on a grid {best}");
+            }
+        }
+    }
+
     #[test]
     fn triangle_inside_edge_and_corner() {
         let q = [V3::zeros(), V3::x(), V3::y(), V3::y()];

@@ -151,6 +151,12 @@ impl Lines {
         self.segments(edge).iter().any(|&g| has(&surface.segments[g as usize]))
     }
 
+    /// Whether a segment of one edge and a segment of the other have a node in common.
+    pub fn are_neighbours(&self, edges: [&Edge; 2], surface: &Surface) -> bool {
+        let [mut one, other] = edges.map(|e| self.segments(e).iter().flat_map(|&g| surface.segments[g as usize].nodes));
+        one.any(|n| other.clone().any(|m| m == n))
+    }
+
     /// Outermost arms of an edge. `None` without an outside, or where a segment has no area.
     pub fn wedge(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> Option<Wedge> {
         let axis = Axis::of(edge, x);
