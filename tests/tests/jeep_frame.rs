@@ -57,10 +57,10 @@ fn balances(r: &Ended) {
     // 5 to 7 % with hourglass coefficient 0.01; above 8 % folds are too stiff to trust.
     let [hourglass, internal] = ["hourglass", "internal"].map(|k| s["energy"][k].as_f64().unwrap());
     assert!(hourglass < 0.08 * internal, "hourglass {hourglass} of {internal}");
-    // Lagrange forces leave 1e-4 of the thickness open. Tight folds, which the softer control of hourglass modes allows, also
-    // show depths that no motion explains and that are let be (`tolerated` in `contact/local.rs`): 0.12 here within 25 ms, with
-    // and without edges. A node past the middle of a shell has 1.
-    assert!(s["contact"]["penetration_max"].as_f64().unwrap() < 0.2);
+    // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front of the tangent plane of another one
+    // adds nothing to that (`PLANE` in `contact/local.rs`), so that a node is up to 0.02 deep in the next one when it goes over: 0.020
+    // here within 25 ms with edges, 0.036 without. A node past the middle of a shell has 1.
+    assert!(s["contact"]["penetration_max"].as_f64().unwrap() < 0.05);
     // Momentum is that of the present time, the impulse that of the last mid-step: they differ by the wall's force
     // over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
     let m = &s["momentum"];

@@ -77,12 +77,29 @@ impl Roof {
     }
 }
 
-/// A sheet of a body as triangles and edges.
+/// A sheet of a body as faces and edges.
 #[derive(Default)]
 struct Skin {
     nodes: Vec<u32>,
-    triangles: Vec<[u32; 3]>,
+    /// Corners, a triangle's third repeated.
+    faces: Vec<[u32; 4]>,
     edges: Vec<[u32; 2]>,
+}
+
+/// The bilinear surface between four corners as triangles. Cut along a diagonal, a quad that is warped by twice its thickness, as
+/// under a load on roofs, would show an edge in it that lies clear of the surface.
+fn facets(corners: [V3; 4]) -> impl Iterator<Item = [V3; 3]> {
+    const CUTS: usize = 4;
+    let [a, b, c, d] = corners;
+    let at = move |i: usize, j: usize| {
+        let (x, y) = (i as f64 / CUTS as f64, j as f64 / CUTS as f64);
+        (a * (1.0 - x) + b * x) * (1.0 - y) + (d * (1.0 - x) + c * x) * y
+    };
+    let cells = (0..CUTS).flat_map(|i| (0..CUTS).map(move |j| (i, j)));
+    cells.flat_map(move |(i, j)| {
+        let [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[p, q, r], [p, r, s]]
+    })
 }
 
 impl Skin {
@@ -92,7 +109,7 @@ impl Skin {
         for element in e.blocks.elements.iter().filter(|el| parts(el.record.part)) {
             for face in element.record.shape.faces() {
                 let n = face.map(|c| element.nodes[c]);
-                skin.triangles.extend([[n[0], n[1], n[2]], [n[0], n[2], n[3]]].iter().filter(|t| t[1] != t[2]));
+                skin.faces.push(n);
                 skin.edges.extend((0..4).map(|k| [n[k].min(n[(k + 1) % 4]), n[k].max(n[(k + 1) % 4])]));
                 skin.nodes.extend(n);
             }
@@ -109,16 +126,17 @@ impl Skin {
         V3::from(position(e, n + 1))
     }
 
-    /// Edges of this one that go through triangles of the other.
+    /// How often edges of this one go through faces of the other.
     fn pierces(&self, other: &Self, e: &Engine) -> usize {
-        let through = |&[i, j]: &[u32; 2], t: &[u32; 3]| {
-            let ([p, q], [a, b, c]) = ([i, j].map(|n| Self::at(e, n)), t.map(|n| Self::at(e, n)));
-            let volume = |a: &V3, b: &V3, c: &V3, d: &V3| (b - a).cross(&(c - a)).dot(&(d - a));
-            let apart = volume(&a, &b, &c, &p) * volume(&a, &b, &c, &q) < 0.0;
-            let turns = [volume(&p, &q, &a, &b), volume(&p, &q, &b, &c), volume(&p, &q, &c, &a)];
+        let volume = |a: &V3, b: &V3, c: &V3, d: &V3| (b - a).cross(&(c - a)).dot(&(d - a));
+        let through = |p: &V3, q: &V3, [a, b, c]: &[V3; 3]| {
+            let apart = volume(a, b, c, p) * volume(a, b, c, q) < 0.0;
+            let turns = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
             apart && (turns.iter().all(|&t| t > 0.0) || turns.iter().all(|&t| t < 0.0))
         };
-        self.edges.iter().map(|edge| other.triangles.iter().filter(|t| through(edge, t)).count()).sum()
+        let facets: Vec<[V3; 3]> = other.faces.iter().flat_map(|f| facets(f.map(|n| Self::at(e, n)))).collect();
+        let ends = self.edges.iter().map(|edge| edge.map(|n| Self::at(e, n)));
+        ends.map(|[p, q]| facets.iter().filter(|t| through(&p, &q, t)).count()).sum()
     }
 
     /// Least distance of the two [m].
@@ -130,12 +148,11 @@ impl Skin {
                 least = least.min(between(p, q, Self::at(e, *k), Self::at(e, *l)));
             }
         }
-        for (nodes, triangles) in [(&self.nodes, &other.triangles), (&other.nodes, &self.triangles)] {
+        for (nodes, faces) in [(&self.nodes, &other.faces), (&other.nodes, &self.faces)] {
             for &n in nodes {
                 let p = Self::at(e, n);
-                for t in triangles {
-                    let [a, b, c] = t.map(|n| Self::at(e, n));
-                    let near = nearest(&p, &[a, b, c, c], true);
+                for f in faces {
+                    let near = nearest(&p, &f.map(|n| Self::at(e, n)), f[2] == f[3]);
                     least = least.min(near.map_or(f64::INFINITY, |near| (p - near.point).norm()));
                 }
             }

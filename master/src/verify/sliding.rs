@@ -69,7 +69,7 @@ fn on_base(scene: &mut Scene, kind: Base, control: &str) -> (Vec<u32>, Block) {
         }
     };
     let block = scene.block(2, [2, 2, 1], |p| [SIZE[0] * (p[0] - 0.5), SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
-    scene.solid_part(2, "steel", &format!("{INVISCID}hourglass = \"{control}\"\n"));
+    scene.solid_part(2, "steel", &format!("{INVISCID}\nhourglass = \"{control}\"\n"));
     (base, block)
 }
 

@@ -13,7 +13,8 @@
 //!
 //! The normal is the cross product of the edges. Its sign for shells is that of the side at which the edges were when they
 //! first came near: the step is short enough for that to be seen before they are through (`agreement.rs`). A fold is met from where
-//! it stands out: seen from it the other edge lies behind none of its segments. A solid's edge is met from where its two faces look:
+//! it stands out: seen from it the other edge lies behind none of its segments; unless the edges are then only just as near as
+//! they may come. A solid's edge is met from where its two faces look:
 //! the normal lies between theirs, as on a polyhedron's Gauss image.
 //!
 //! An edge that slides along a row of edges keeps what the pair with the last one had. That may have belonged to another
@@ -21,13 +22,13 @@
 //! some steps more ([`Memory::lost`]).
 
 use crate::contact::approach;
-use crate::contact::geometry::{Passing, V3, passing};
+use crate::contact::geometry::{Passing, V3, apart, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::ridges::{Edge, Kind, Lines, Wedge};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
-use crate::nodes::Nodes;
+use crate::nodes::{Nodes, xyz};
 use crate::ties::Joined;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
@@ -71,6 +72,8 @@ pub struct Edges {
     lines: Lines,
     /// Which of them stand out.
     out: Vec<bool>,
+    /// Which of them do, or are near to it.
+    nearly: Vec<bool>,
     /// Which of them were searched for: those that stood out then, and those that were near to it.
     searched: Vec<bool>,
     /// Whether some stand out that were not searched for.
@@ -136,7 +139,13 @@ impl Edges {
 
     /// Finds out which edges stand out where nodes were last seen.
     pub fn look_at_folds(&mut self, surface: &Surface, nodes: &Nodes) {
-        self.out = self.lines.all.iter().map(|e| self.lines.stands_out(e, surface, &nodes.seen)).collect();
+        self.out.clear();
+        self.nearly.clear();
+        for e in &self.lines.all {
+            let [out, nearly] = self.lines.is_folded(e, surface, &nodes.seen, [1.0, NEARLY]);
+            self.out.push(out);
+            self.nearly.push(out || nearly);
+        }
         let is_new = |(i, &out): (usize, &bool)| out && !self.searched.get(i).is_some_and(|&searched| searched);
         self.stale |= self.out.iter().enumerate().any(is_new);
     }
@@ -147,9 +156,8 @@ impl Edges {
     }
 
     /// Which edges could meet others: those that stand out or nearly do, and those that are remembered.
-    fn ready(&self, surface: &Surface, nodes: &Nodes) -> Vec<bool> {
-        let nearly = |e: &Edge| self.lines.is_folded(e, surface, &nodes.seen, NEARLY);
-        let mut ready: Vec<bool> = self.lines.all.iter().zip(&self.out).map(|(e, &out)| out || nearly(e)).collect();
+    fn ready(&self) -> Vec<bool> {
+        let mut ready = self.nearly.clone();
         for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
             let places = [[i, j], [k, l]].into_iter().filter_map(|e| self.lines.place(e));
             places.for_each(|p| ready[p] = true);
@@ -165,7 +173,7 @@ impl Edges {
         if self.own.is_empty() {
             return;
         }
-        self.searched = self.ready(surface, nodes);
+        self.searched = self.ready();
         let ready = &self.searched;
         let (lines, is_ready) = (&self.lines, |i: &u32| ready[*i as usize]);
         let own: Vec<u32> = self.own.iter().copied().filter(is_ready).collect();
@@ -174,21 +182,24 @@ impl Edges {
         }
         let all: Vec<u32> = (0..lines.all.len() as u32).filter(is_ready).collect();
         let edge = |i: u32| &lines.all[i as usize];
-        let scale = |e: &Edge| lines.size(e, surface).1;
-        let half = |e: &Edge| 0.5 * (e.ends(&nodes.x)[1] - e.ends(&nodes.x)[0]).norm();
-        let longest = own.iter().map(|&i| half(edge(i))).fold(0.0, f64::max);
-        let largest = own.iter().map(|&i| scale(edge(i))).fold(0.0, f64::max);
-        let middle = |e: &Edge| ((e.ends(&nodes.x)[0] + e.ends(&nodes.x)[1]) * 0.5).into();
-        let middles: Vec<[f64; 3]> = own.iter().map(|&i| middle(edge(i))).collect();
-        let reach = |e: &Edge| REACH * surface.interfaces.most(scale(e) + largest) + skin;
-        let boxes: Vec<Aabb> =
-            all.iter().map(|&i| edge(i)).map(|e| e.bounds(&nodes.x).grown(reach(e) + longest)).collect();
+        let [of_own, of_all] =
+            [&own, &all].map(|some| some.iter().map(|&i| Bar::of(edge(i), nodes)).collect::<Vec<_>>());
+        let longest = of_own.iter().map(|b| b.half).fold(0.0, f64::max);
+        let largest = own.iter().map(|&i| edge(i).scale).fold(0.0, f64::max);
+        let middles: Vec<[f64; 3]> = of_own.iter().map(|b| b.middle.into()).collect();
+        let reach = |a: f64, b: f64| REACH * surface.interfaces.most(a + b) + skin;
+        let grown = |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
+        let boxes: Vec<Aabb> = all.iter().map(grown).collect();
         find(&boxes, &middles, &mut |b, p| {
             let (i, other) = (own[p as usize], all[b as usize]);
             let (slave, met) = (edge(i), edge(other));
+            let reach = reach(slave.scale, met.scale);
+            if of_own[p as usize].is_farther(&of_all[b as usize], reach) {
+                return;
+            }
             let [j, k] = met.nodes;
             let may_meet = slave.ids(nodes) < met.ids(nodes)
-                && met.bounds(&nodes.x).grown(reach(met)).touches(&slave.bounds(&nodes.x))
+                && are_within(slave, met, nodes, reach)
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)
                 && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
@@ -201,29 +212,29 @@ impl Edges {
         self.found.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
-    /// Takes those of the pairs found that could touch before nodes have moved by more than `skin` [length].
-    pub fn pick(&mut self, surface: &Surface, nodes: &Nodes, skin: f64) {
-        let lines = &self.lines;
+    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than `step` against each other, before
+    /// they have moved by more than `skin` [length].
+    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
         let is_near = |pair: &&[u32; 2]| {
-            let [a, b] = pair.map(|i| &lines.all[i as usize]);
-            let reach = REACH * surface.interfaces.most(lines.size(a, surface).1 + lines.size(b, surface).1) + skin;
-            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x))
+            let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
+            let most = |sum| surface.interfaces.most(sum);
+            let reach = most(a.half + b.half) + ACTIVE * most(a.scale + b.scale) + step + skin;
+            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x)) && are_within(a, b, nodes, reach)
         };
         self.candidates.clear();
         self.candidates.extend(self.found.iter().filter(is_near));
     }
 
-    /// As [`approach::rate`] of all candidates: what counts is near by the boxes around both edges [1/time].
+    /// As [`approach::rate`] of all that was found [1/time].
     pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, dt: f64) -> f64 {
-        let lines = &self.lines;
         let rate = |[a, b]: [&Edge; 2]| {
-            let Some(interface) = lines.interface([a, b], surface) else { return 0.0 };
-            let scale = lines.sizes(interface, [a, b], surface).1;
+            let Some(interface) = self.lines.interface([a, b], surface) else { return 0.0 };
+            let scale = sizes(surface, interface, [a, b]).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
-            let near = a.bounds(&nodes.x).grown(REACH * scale + approach::STEPS * dt * speed);
-            if near.touches(&b.bounds(&nodes.x)) { speed / scale } else { 0.0 }
+            let near = are_within(a, b, nodes, REACH * scale + approach::STEPS * dt * speed);
+            if near { speed / scale } else { 0.0 }
         };
-        self.candidates.iter().map(|c| rate(c.map(|i| &lines.all[i as usize]))).fold(0.0, f64::max)
+        self.found.iter().map(|c| rate(c.map(|i| &self.lines.all[i as usize]))).fold(0.0, f64::max)
     }
 
     /// A node of the slave and a segment that has the other edge, for each candidate.
@@ -265,13 +276,19 @@ impl Edges {
     ) -> Option<Pair> {
         let lines = &self.lines;
         let edges = places.map(|i| &lines.all[i as usize]);
-        let (thickness, scale) = lines.sizes(interface, edges, surface);
-        if met.height.abs() > REACH * scale {
+        let [one, other] = edges;
+        let (thickness, scale) = sizes(surface, interface, edges);
+        let near = thickness + ACTIVE * scale;
+        let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
+        let [s, t] = met.along;
+        // Most are too far away on whatever side they belong.
+        let velocity = |n: u32| V3::from(xyz(&nodes.next_v[n as usize]));
+        let slave = velocity(i) * (1.0 - s) + velocity(j) * s;
+        let opening = (slave - velocity(k) * (1.0 - t) - velocity(l) * t).dot(&met.normal);
+        if met.height.abs() - dt * opening.abs() >= near {
             return None;
         }
-        let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
-        let [slave, other] = edges.map(|e| e.ids(nodes));
-        let name = Name::of_edges(slave, other);
+        let name = Name::of_edges(one.ids(nodes), other.ids(nodes));
         let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
         let known = self.recall(&name, &met.normal).filter(|m| m.is_fresh(moved, scale));
         let stays = known.as_ref().is_some_and(|m| m.name == name);
@@ -284,7 +301,6 @@ impl Edges {
         let mut side = if side < 0.0 { -1.0 } else { 1.0 };
         let old = known.filter(|m| m.normal.dot(&met.normal) * side > 0.0);
         let [one, two] = edges.map(|e| lines.lowest(e, surface));
-        let [s, t] = met.along;
         let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
         let mut pair = Pair {
             shape,
@@ -296,19 +312,23 @@ impl Edges {
             own: true,
             ..Pair::unknown(name, two.id, [i, j, k, l, NOT_LOCAL])
         };
-        let opening = pair.relative_velocity(&nodes.next_v).dot(&met.normal);
-        // What is tolerated is no gap: it can only make the pair less near.
-        if met.height * side - thickness + dt * opening * side >= ACTIVE * scale {
+        // What is tolerated is no gap: it can only make the pair less near. What is through by more than the thickness is lost.
+        if met.height * side + dt * opening * side >= near || met.height * side < -near {
             return None;
         }
         if !stays && !places.iter().all(|&i| self.out[i as usize]) {
             return None;
         }
-        let folds = if old.is_none() { self.folds(nodes, surface, edges)? } else { Folds { of: [None; 2] } };
+        let folds = if old.is_none() { self.folds(nodes, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // They may have met before they stood out.
-            let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
-            side = if sunk { -side } else { return None };
+            // Edges that have just come as near as they may are on the sides where they belong, whatever else holds them off. Left
+            // to nodes until the fold has turned, they would have sunk in by then.
+            let touches = met.height * side - thickness >= -ACTIVE * scale;
+            if !touches || lines.are_neighbours(edges, surface) {
+                // They may have met before they stood out.
+                let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
+                side = if sunk { -side } else { return None };
+            }
         }
         let (normal, gap) = (met.normal * side, met.height * side - thickness);
         if old.is_none() {
@@ -331,10 +351,10 @@ impl Edges {
     }
 
     /// The wedges of what of two edges are folds. `None` if one of them has no outside any more.
-    fn folds(&self, nodes: &Nodes, surface: &Surface, edges: [&Edge; 2]) -> Option<Folds> {
+    fn folds(&self, nodes: &Nodes, edges: [&Edge; 2]) -> Option<Folds> {
         let mut folds = Folds { of: [None; 2] };
         for (edge, fold) in edges.into_iter().zip(&mut folds.of).filter(|(e, _)| e.kind == Kind::Fold) {
-            *fold = Some(self.lines.wedge(edge, surface, &nodes.x)?);
+            *fold = Some(self.lines.wedge(edge, &nodes.x)?);
         }
         Some(folds)
     }
@@ -407,6 +427,36 @@ impl Edges {
     }
 }
 
+/// An edge as a sphere around it.
+struct Bar {
+    middle: V3,
+    half: f64,
+}
+
+impl Bar {
+    fn of(edge: &Edge, nodes: &Nodes) -> Self {
+        let [p, q] = edge.ends(&nodes.x);
+        Self { middle: (p + q) * 0.5, half: 0.5 * (q - p).norm() }
+    }
+
+    /// Whether another one is farther than `reach` for certain [length].
+    fn is_farther(&self, other: &Self, reach: f64) -> bool {
+        let reach = self.half + other.half + reach;
+        (self.middle - other.middle).norm_squared() > reach * reach
+    }
+}
+
+/// Whether two edges are no farther apart than `reach` [length].
+fn are_within(a: &Edge, b: &Edge, nodes: &Nodes, reach: f64) -> bool {
+    apart(&a.ends(&nodes.x), &b.ends(&nodes.x)) <= reach * reach
+}
+
+/// Half thicknesses of two edges together in an interface, and their scales [length].
+fn sizes(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> (f64, f64) {
+    let [a, b] = edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)));
+    (a.0 + b.0, a.1 + b.1)
+}
+
 /// Wedges of the slave edge and of the other one, of folds only.
 struct Folds {
     of: [Option<Wedge>; 2],
@@ -459,7 +509,92 @@ fn facing(lines: &Lines, surface: &Surface, nodes: &Nodes, edges: [&Edge; 2], no
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::search::linked_cells;
+    use crate::contact::surface::Segment;
+    use crate::rigid::Bodies;
+    use crate::testing::nodes_at;
+    use crate::ties::Ties;
     use crumple_proto::ids::SegmentId;
+
+    /// Half thickness of what a roof and a plate are made of.
+    const HALF: f64 = 0.2;
+
+    /// A ridge along y with flanks that go off at these angles [degree] from x towards z, and the rim of a plate across it at this
+    /// height.
+    fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
+        let mut points = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        for angle in angles {
+            let (s, c) = f64::to_radians(angle).sin_cos();
+            points.extend([[c, 1.0, s], [c, 0.0, s]]);
+        }
+        points.extend([[-0.5, 0.5], [0.5, 0.5], [0.5, 2.5], [-0.5, 2.5]].map(|[x, y]| [x, y, height]));
+        let segment = |(nodes, id): ([u32; 4], u64)| Segment {
+            id: SegmentId(8 * id),
+            nodes,
+            behind: [NOT_LOCAL; 4],
+            half: HALF,
+            scale: HALF,
+            part: 0,
+            own: true,
+        };
+        let segments = [[0, 1, 2, 3], [0, 1, 4, 5], [6, 7, 8, 9]].into_iter().zip(1..).map(segment).collect();
+        (nodes_at(&points), Surface { segments, ..Surface::default() })
+    }
+
+    fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
+        let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
+        edges.search(surface, nodes, joined, linked_cells, 0.1);
+        edges.pick(nodes, surface, 0.05, 0.0);
+    }
+
+    fn pairs(edges: &Edges, surface: &Surface, nodes: &Nodes) -> Vec<Name> {
+        let mut pairs = Vec::new();
+        edges.find_pairs(nodes, (surface, &[true]), &[], 1e-3, &mut pairs);
+        pairs.iter().map(|p| p.name).collect()
+    }
+
+    /// The name of the ridge on the rim.
+    fn ridge_on_rim() -> Name {
+        Name::of_edges([NodeId(1), NodeId(2)], [NodeId(7), NodeId(8)])
+    }
+
+    /// A fold of 16 degrees does not stand out, but comes near to it (14 on 20): it is searched for beforehand, and meets the rim
+    /// without another search as soon as it does. One of 12 degrees has to be searched for then.
+    #[test]
+    fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
+        let flanks = |fold: f64| [-0.5 * fold, 180.0 + 0.5 * fold];
+        for (fold, beforehand) in [(16.0, true), (12.0, false)] {
+            let (mut nodes, surface) = ridge_and_rim(flanks(fold), 2.0 * HALF);
+            let mut edges = Edges::of(&surface, &nodes, |_| Vec::new());
+            search(&mut edges, &surface, &nodes);
+            assert!(!edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(), "it does not stand out");
+            let (folded, _) = ridge_and_rim(flanks(22.0), 2.0 * HALF);
+            nodes.x.clone_from(&folded.x);
+            nodes.seen.clone_from(&folded.x);
+            edges.look_at_folds(&surface, &nodes);
+            assert_eq!(edges.is_stale(), !beforehand, "from {fold} degrees to 22");
+            let met = pairs(&edges, &surface, &nodes);
+            assert_eq!(met, if beforehand { vec![ridge_on_rim()] } else { vec![] }, "from {fold} degrees to 22");
+            search(&mut edges, &surface, &nodes);
+            assert_eq!(pairs(&edges, &surface, &nodes), [ridge_on_rim()], "after another search");
+            assert!(!edges.is_stale());
+        }
+    }
+
+    /// An edge above a flank that goes up from the ridge: the nodes are to keep it off that flank. As soon as it is as near to the
+    /// ridge as it may come it is met there; what is already below that is not.
+    #[test]
+    fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
+        let met_at = |height: f64| {
+            let (nodes, surface) = ridge_and_rim([15.0, 240.0], height * 2.0 * HALF);
+            let mut edges = Edges::of(&surface, &nodes, |_| Vec::new());
+            search(&mut edges, &surface, &nodes);
+            pairs(&edges, &surface, &nodes).contains(&ridge_on_rim())
+        };
+        assert!(!met_at(1.03), "not yet");
+        assert!(met_at(1.01) && met_at(0.99));
+        assert!(!met_at(0.9), "it is on no side that is known");
+    }
 
     /// An edge that follows on another one, as slave or as the one that is met, takes over what that had, but for its slip.
     #[test]

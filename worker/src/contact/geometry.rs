@@ -88,6 +88,18 @@ pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
     between.then(|| Passing { along, normal, height: -apart.dot(&normal) })
 }
 
+/// Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection, 2005, 5.1.9).
+pub fn apart(p: &[V3; 2], q: &[V3; 2]) -> f64 {
+    let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
+    let (uu, ww, uw, fu, fw) = (u.dot(&u), w.dot(&w), u.dot(&w), from.dot(&u), from.dot(&w));
+    let nearest = |num: f64, den: f64| if den > 0.0 { (num / den).clamp(0.0, 1.0) } else { 0.0 };
+    let s = nearest(uw * fw - fu * ww, uu * ww - uw * uw);
+    // Of that point the nearest on the other edge, and of this again the nearest.
+    let t = nearest(uw * s + fw, ww);
+    let s = nearest(uw * t - fu, uu);
+    (from + u * s - w * t).norm_squared()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,6 +118,24 @@ mod tests {
         assert!(offset.norm() <= best + 1e-15 && offset.norm() > best - 1e-4, "{} and {best} on a grid", offset.norm());
         let back = passing(&q, &p).unwrap();
         assert!((back.height - found.height).abs() < 1e-15 && (back.normal + found.normal).norm() < 1e-15);
+    }
+
+    proptest! {
+        /// The distance of two edges is that of the nearest of many points, whether it is at ends or between.
+        #[test]
+        fn how_far_edges_are_apart_is_the_least_of_many(
+            ends in prop::array::uniform4(prop::array::uniform3(-1.0..1.0f64)),
+            parallel in any::<bool>(),
+        ) {
+            let [p, q, r, s] = ends.map(V3::from);
+            let (one, other) = ([p, q], [r, if parallel { r + (q - p) * 0.7 } else { s }]);
+            let found = apart(&one, &other).sqrt();
+            let at = |e: &[V3; 2], a: usize| e[0] + (e[1] - e[0]) * (a as f64 / 100.0);
+            let of = |(a, b): (usize, usize)| (at(&one, a) - at(&other, b)).norm();
+            let best = (0..=100).flat_map(|a| (0..=100).map(move |b| (a, b))).map(of).fold(f64::INFINITY, f64::min);
+            // The grid's points are up to 0.035 apart.
+            prop_assert!(found <= best + 1e-12 && found > best - 0.04, "{found}, on a grid {best}");
+        }
     }
 
     #[test]
@@ -139,6 +169,36 @@ mod tests {
             let d = (found.point - p).norm();
             assert!(d <= best + 1e-12 && d > best - 1e-4, "{d} against {best} on a grid of 0.005");
             assert!((found.shape.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// Quads folded over as a crushed tube has them: a node 2.6 from the inside, 3.0 from the rim. Newton's method from the middle
+    /// goes far out of the first; the second is the first a little later.
+    #[test]
+    fn a_nearest_point_inside_a_strongly_warped_quad_is_not_missed() {
+        let first = [
+            [30.154, -447.420, 120.686],
+            [45.470, -456.271, 124.389],
+            [36.194, -444.492, 150.504],
+            [33.950, -443.0, 147.162],
+        ];
+        let second = [
+            [30.036, -447.405, 120.687],
+            [45.329, -456.315, 124.416],
+            [36.018, -444.514, 150.518],
+            [33.810, -443.005, 147.166],
+        ];
+        for (quad, p) in [(first, [40.962, -456.242, 125.619]), (second, [40.842, -456.281, 125.646])] {
+            // Whichever corner comes first.
+            for turn in 0..4 {
+                let q: [V3; 4] = std::array::from_fn(|k| V3::from(quad[(k + turn) % 4]));
+                let (p, found) = (V3::from(p), nearest(&V3::from(p), &q, false).unwrap());
+                let grid =
+                    (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0)));
+                let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+                let d = (found.point - p).norm();
+                assert!(!found.rim && d <= best + 1e-12 && d > best - 1e-3, "turn {turn}: {d}, on a grid {best}");
+            }
         }
     }
 

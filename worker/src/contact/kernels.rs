@@ -200,19 +200,68 @@ fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
         }
     }
     let one = R::splat(1.0);
-    let rim = not::<R>(R::both(xi.abs().le(one), eta.abs().le(one)));
+    let mut rim = not::<R>(R::both(xi.abs().le(one), eta.abs().le(one)));
     let mut shape = bilinear(xi, eta);
     if R::any(rim) {
         let edge = nearest_edge::<R, 4>(p, q);
         shape = choose(rim, edge.shape, shape);
-        xi = R::select(rim, edge.place[0], xi);
-        eta = R::select(rim, edge.place[1], eta);
+        [xi, eta] = choose(rim, edge.place, [xi, eta]);
+        let leaves = R::both(rim, comes_nearer_inside(p, q, edge.place));
+        if R::any(leaves) {
+            let place = nearest_from(p, q, edge.place);
+            let inner = bilinear(place[0], place[1]);
+            let nearer = R::both(leaves, (blend(&inner, q) - p).square().lt(edge.far));
+            shape = choose(nearer, inner, shape);
+            [xi, eta] = choose(nearer, place, [xi, eta]);
+            let within = R::both(xi.abs().lt(one), eta.abs().lt(one));
+            rim = number::<R>(R::both(rim, not::<R>(R::both(nearer, within)))).gt(R::zero());
+        }
     }
     let (a, b) = tangents(xi, eta, q);
     let cross = a.cross(b);
     let size = cross.norm();
     let found = R::both(size.gt(R::zero()), flat.le(R::zero()));
     Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found }
+}
+
+/// Gradient of half the squared distance from `p` at a place of a quad, and its second derivatives: along xi, along eta, mixed
+/// without and with the term of the twist [length^2].
+#[inline(always)]
+fn derivatives<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [xi, eta]: [R; 2]) -> ([R; 2], [R; 4]) {
+    let twist = (q[0] - q[1] + q[2] - q[3]) * R::splat(0.25);
+    let (a, b) = tangents(xi, eta, q);
+    let r = blend(&bilinear(xi, eta), q) - p;
+    let mixed = a.dot(b);
+    ([a.dot(r), b.dot(r)], [a.dot(a), b.dot(b), mixed, mixed + twist.dot(r)])
+}
+
+/// Whether the distance from `p` falls where a quad's rim is left inwards at the nearest point of its edges. Then Newton's method has
+/// missed a nearest point inside: set out from the middle of a warped quad, it may be thrown far out. On a plane quad, and wherever
+/// the rim is right, the distance rises inwards.
+#[inline(always)]
+fn comes_nearer_inside<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], place: [R; 2]) -> R::Mask {
+    /// Steps of Newton's method that are round-off.
+    const LITTLE: f64 = 1e-6;
+    let ([g1, g2], [h11, h22, ..]) = derivatives(p, q, place);
+    let falls = |at: R, g: R, h: R| R::both(at.abs().ge(R::splat(1.0)), (at * g).gt(h * R::splat(LITTLE)));
+    R::either(falls(place[0], g1, h11), falls(place[1], g2, h22))
+}
+
+/// Newton's method from a place of the rim, kept within the quad: along the rim where it would leave.
+#[inline(always)]
+fn nearest_from<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [mut xi, mut eta]: [R; 2]) -> [R; 2] {
+    for _ in 0..NEWTON {
+        let ([g1, g2], [h11, h22, plain, exact]) = derivatives(p, q, [xi, eta]);
+        let leaves = |at: R, g: R| R::both(at.abs().ge(R::splat(1.0)), (at * g).le(R::zero()));
+        let (held1, held2) = (leaves(xi, g1), leaves(eta, g2));
+        let mixed = R::select((h11 * h22).gt(R::splat(1.0001) * exact * exact), exact, plain);
+        let mixed = R::select(R::either(held1, held2), R::zero(), mixed);
+        let (g1, g2) = (R::select(held1, R::zero(), g1), R::select(held2, R::zero(), g2));
+        let det = h11 * h22 - mixed * mixed;
+        xi = clamp(xi - (g1 * h22 - g2 * mixed) / det, -1.0, 1.0);
+        eta = clamp(eta - (g2 * h11 - g1 * mixed) / det, -1.0, 1.0);
+    }
+    [xi, eta]
 }
 
 #[inline(always)]

@@ -393,6 +393,58 @@ mod tests {
 
     const SCALE: f64 = 0.25;
 
+    /// A node 0.05 deep in the second of two shells side by side, with what it remembers of them: force and what was let be.
+    fn on_the_second_of_two(memory: &[Memory]) -> (f64, f64) {
+        const HALF: f64 = 0.1;
+        let row = |y: f64| [0.0, 1.0, 2.0].map(|x| [x, y, 0.0]);
+        let nodes = nodes_at(&[&row(0.0)[..], &row(1.0)[..], &[[1.3, 0.5, 0.15]]].concat());
+        let shell = |(id, nodes): (u64, [u32; 4])| Segment {
+            id: SegmentId(id),
+            nodes,
+            behind: [NOT_LOCAL; 4],
+            half: HALF,
+            scale: HALF,
+            part: 0,
+            own: true,
+        };
+        let mut surface = Surface {
+            segments: [(8, [0, 1, 4, 3]), (16, [1, 2, 5, 4])].map(shell).into(),
+            slaves: vec![6],
+            node_half: vec![HALF; 7],
+            node_scale: vec![HALF; 7],
+            speeds: vec![1.0],
+            ..Surface::default()
+        };
+        surface.link_faces(7);
+        let at = v3(&nodes.x[6]);
+        let near = nearest(&at, &surface.segments[1].corners(&nodes.x), false).unwrap();
+        let of = Neighbours { place: 0, segment: 1, ring: 0, is_lone: false };
+        let mut found = Vec::new();
+        find_pairs(&nodes, (&surface, &[true]), 0, &[Meeting { of, step: 0.0, near }], memory, 0.0, &mut found);
+        let [pair] = found[..] else { panic!("one pair, not {}", found.len()) };
+        assert!((pair.depth - 0.05).abs() < 1e-15 && pair.normal == V3::z());
+        (pair.force.z, pair.tolerated)
+    }
+
+    /// What was there in the last step is taken over before what was lost earlier, though that was of the same segment.
+    #[test]
+    fn memories_of_the_last_step_come_before_lost_ones() {
+        let pair = |segment: u64, force: f64, tolerated: f64| {
+            let name = Name::of_node(NodeId(7), SegmentId(segment));
+            let (normal, side) = (V3::z(), 1.0);
+            let of = Pair { normal, side, thickness: 0.2, ..Pair::unknown(name, SegmentId(segment), [6, 0, 0, 0, 0]) };
+            Pair { force: V3::z() * force, ..of.remembering(None, -0.05, tolerated) }.memory()
+        };
+        let lost = |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).lost().unwrap();
+        // Times without length give nothing back.
+        assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own, lost");
+        assert_eq!(on_the_second_of_two(&[pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own");
+        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01)]), (2.0, -0.01), "from where it slid");
+        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01), lost(16, -0.04)]), (2.0, -0.01), "not its own, lost");
+        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01), pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own first");
+        assert_eq!(on_the_second_of_two(&[lost(8, -0.02), lost(16, -0.04)]), (0.0, -0.04), "of lost ones its own");
+    }
+
     #[test]
     fn a_slave_with_a_past_is_given_faces_that_it_may_go_over_to() {
         let (nodes, surface) = face_and_slave([[0.0; 3]; 4], [0.5, 0.5, 0.3]);

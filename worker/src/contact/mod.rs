@@ -300,7 +300,7 @@ impl Contact {
 
     /// Which of them it could meet before the list of near segments is made over.
     fn pick_edges(&mut self, nodes: &Nodes) {
-        self.edges.pick(&self.surface, nodes, self.close.skin);
+        self.edges.pick(nodes, &self.surface, self.close.skin, self.close.step);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
     }
 
@@ -484,6 +484,9 @@ impl Contact {
             let old = self.memory_start[i] as usize..self.memory_start[i + 1] as usize;
             let start = self.memories.len();
             self.memory_start[i] = start as u32;
+            if old.is_empty() && own.peek().is_none_or(|p| p.nodes[0] != s) {
+                continue;
+            }
             while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
                 self.memories.push(p.memory());
             }

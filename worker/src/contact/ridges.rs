@@ -55,6 +55,10 @@ pub struct Edge {
     pub kind: Kind,
     first: u32,
     count: u32,
+    /// Half thickness, the largest of its shells, or of the lowest of two faces of solids [length].
+    pub half: f64,
+    /// Length that its gaps are judged by, of the same [length].
+    pub scale: f64,
 }
 
 impl Edge {
@@ -84,6 +88,8 @@ pub struct Lines {
     pub all: Vec<Edge>,
     /// Indices of the segments of each edge, ascending; run after run.
     segments: Vec<u32>,
+    /// Of each of them the two corners that are not the edge's, twice the same of a triangle.
+    far: Vec<[u32; 2]>,
 }
 
 impl Lines {
@@ -108,17 +114,28 @@ impl Lines {
                 (_, true) => continue,
             };
             let (first, count) = (lines.segments.len() as u32, run.len() as u32);
-            lines.all.push(Edge { nodes: run[0].0, kind, first, count });
+            let segments = run.iter().map(|side| &surface.segments[side.1 as usize]);
+            let shells = segments.clone().filter(|s| kind == Kind::Solid || !s.is_solid());
+            let counted = shells.take(if kind == Kind::Solid { 1 } else { run.len() });
+            let largest = |of: (f64, f64), s: &Segment| (of.0.max(s.half), of.1.max(s.scale));
+            let (half, scale) = counted.fold((0.0, 0.0), largest);
+            lines.all.push(Edge { nodes: run[0].0, kind, first, count, half, scale });
             lines.segments.extend(run.iter().map(|side| side.1));
+            lines.far.extend(segments.map(|s| {
+                let mut others = s.nodes.into_iter().filter(|n| !run[0].0.contains(n));
+                let one = others.next().unwrap_or(s.nodes[0]);
+                [one, others.next().unwrap_or(one)]
+            }));
         }
         lines.all.shrink_to_fit();
         lines.segments.shrink_to_fit();
+        lines.far.shrink_to_fit();
         lines
     }
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.all[..]) + size_of_val(&self.segments[..])
+        size_of_val(&self.all[..]) + size_of_val(&self.segments[..]) + size_of_val(&self.far[..])
     }
 
     /// Indices of the segments that have an edge, ascending.
@@ -131,25 +148,10 @@ impl Lines {
         &surface.segments[self.segments[edge.first as usize] as usize]
     }
 
-    /// Half thickness of an edge and the length that its gaps are judged by: the largest of its shells, or of the lowest of two
-    /// faces of solids [length].
-    pub fn size(&self, edge: &Edge, surface: &Surface) -> (f64, f64) {
-        let lowest = self.lowest(edge, surface);
-        let shells = self.segments(edge).iter().map(|&g| &surface.segments[g as usize]).filter(|s| !s.is_solid());
-        let size = shells.fold((0.0, 0.0), |(half, scale): (f64, f64), s| (half.max(s.half), scale.max(s.scale)));
-        if edge.kind == Kind::Solid { (lowest.half, lowest.scale) } else { size }
-    }
-
     /// Interface of two edges; `None` if they do not touch.
     pub fn interface(&self, edges: [&Edge; 2], surface: &Surface) -> Option<u16> {
         let [ahead, behind] = edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
         surface.interfaces.between(ahead, behind)
-    }
-
-    /// Half thicknesses of two edges together in an interface, and their scales [length].
-    pub fn sizes(&self, interface: u16, edges: [&Edge; 2], surface: &Surface) -> (f64, f64) {
-        let [a, b] = edges.map(|e| surface.interfaces.measure(interface, self.size(e, surface)));
-        (a.0 + b.0, a.1 + b.1)
     }
 
     /// Place of the edge between these local nodes, in the order in which edges have them.
@@ -163,35 +165,48 @@ impl Lines {
         self.segments(edge).iter().any(|&g| has(&surface.segments[g as usize]))
     }
 
+    /// Whether a segment of one edge and a segment of the other have a node in common.
+    pub fn are_neighbours(&self, edges: [&Edge; 2], surface: &Surface) -> bool {
+        let [mut one, other] = edges.map(|e| self.segments(e).iter().flat_map(|&g| surface.segments[g as usize].nodes));
+        one.any(|n| other.clone().any(|m| m == n))
+    }
+
     /// Outermost arms of an edge. `None` without an outside, or where a segment has no area.
-    pub fn wedge(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> Option<Wedge> {
+    pub fn wedge(&self, edge: &Edge, x: &[Row]) -> Option<Wedge> {
         let axis = Axis::of(edge, x);
-        let arm = |g: u32| axis.arm(&surface.segments[g as usize], x);
-        match *self.segments(edge) {
+        let arm = |far: &[u32; 2]| axis.arm(far, x);
+        match &self.far[edge.first as usize..(edge.first + edge.count) as usize] {
             [g] => Wedge::of(arm(g), arm(g)),
             [g, h] => Wedge::of(arm(g), arm(h)),
-            ref all => outermost(&all.iter().map(|&g| arm(g)).collect::<Vec<V3>>()),
+            all => outermost(&all.iter().map(arm).collect::<Vec<V3>>()),
         }
     }
 
     /// Whether an edge stands out, with nodes at `x`.
     pub fn stands_out(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> bool {
-        self.is_folded(edge, surface, x, 1.0)
+        let [out] = self.is_folded(edge, surface, x, [1.0]);
+        out
     }
 
-    /// Whether it is folded by this fraction of the angle at which it stands out.
-    pub fn is_folded(&self, edge: &Edge, surface: &Surface, x: &[Row], fraction: f64) -> bool {
+    /// Whether it is folded by these fractions of the angle at which it stands out.
+    pub fn is_folded<const N: usize>(&self, edge: &Edge, surface: &Surface, x: &[Row], by: [f64; N]) -> [bool; N] {
         if edge.kind == Kind::Rim {
-            return true;
+            return [true; N];
         }
-        let Some(Wedge { arms: [a, b], width }) = self.wedge(edge, surface, x) else { return false };
-        let least = match edge.kind {
-            Kind::Solid => SOLID_FOLD,
-            _ => limit(self.size(edge, surface).0, width),
-        };
-        // Of a solid it is convex: the other face lies behind this one.
-        let convex = || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
-        -a.dot(&b) < (fraction * least).cos() && (edge.kind != Kind::Solid || convex())
+        let Some(Wedge { arms: [a, b], width }) = self.wedge(edge, x) else { return [false; N] };
+        let turned = -a.dot(&b);
+        if edge.kind == Kind::Solid {
+            // Of a solid it is convex: the other face lies behind this one.
+            let convex = || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
+            return by.map(|fraction| turned < (fraction * SOLID_FOLD).cos() && convex());
+        }
+        by.map(|fraction| {
+            // Most are flatter or sharper than any limit: by bounds of the cosine they are told without it.
+            let [least, most] = [LEAST, FOLD].map(|angle| 0.5 * (fraction * angle) * (fraction * angle));
+            let flat = turned >= 1.0 - least + least * least / 6.0;
+            let sharp = turned < 1.0 - most;
+            !flat && (sharp || turned < (fraction * limit(edge.half, width)).cos())
+        })
     }
 }
 
@@ -200,26 +215,19 @@ struct Axis {
     from: V3,
     along: V3,
     length2: f64,
-    nodes: [u32; 2],
 }
 
 impl Axis {
     fn of(edge: &Edge, x: &[Row]) -> Self {
         let [p, q] = edge.ends(x);
-        Self { from: p, along: q - p, length2: (q - p).norm_squared(), nodes: edge.nodes }
+        Self { from: p, along: q - p, length2: (q - p).norm_squared() }
     }
 
-    /// Middle of a segment's corners that are not the edge's, and its place along the line, from 0 to 1 beside the edge.
-    fn far(&self, segment: &Segment, x: &[Row]) -> (V3, f64) {
-        let others = segment.nodes.iter().filter(|n| !self.nodes.contains(n));
-        let (sum, count) = others.fold((V3::zeros(), 0.0), |(s, c), &n| (s + V3::from(xyz(&x[n as usize])), c + 1.0));
-        let middle = sum / count;
-        (middle, (middle - self.from).dot(&self.along) / self.length2)
-    }
-
-    /// From the line to a segment's far side, at right angles [length].
-    fn arm(&self, segment: &Segment, x: &[Row]) -> V3 {
-        let (middle, place) = self.far(segment, x);
+    /// From the line to the middle of a segment's far corners, at right angles [length].
+    fn arm(&self, far: &[u32; 2], x: &[Row]) -> V3 {
+        let [one, two] = far.map(|n| V3::from(xyz(&x[n as usize])));
+        let middle = (one + two) / 2.0;
+        let place = (middle - self.from).dot(&self.along) / self.length2;
         middle - self.from - self.along * place
     }
 }
