@@ -13,7 +13,7 @@
 //! strips do not lock, as the hourglass rates leave rigid rotation out; coarse ones are stiff (`shell_benchmarks.rs`).
 
 use super::quad::{self, Capacity, DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response};
-use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section};
+use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::{Build, Built, ElementRow, let_go};
 use crate::lanes::Real;
@@ -186,7 +186,7 @@ impl BelytschkoTsay {
         let [theta, w, membrane] = match self.hourglass {
             HourglassForm::Viscous => {
                 let mass = R::splat(elastic.density) * t * g.area;
-                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(INERTIA_FLOOR) * g.area);
+                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(self.section.inertia_floor()) * g.area);
                 let damping = |k: R, m: R| R::splat(0.5 * r) * (k * m).sqrt();
                 [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
             }

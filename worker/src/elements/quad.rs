@@ -47,7 +47,7 @@
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
 use super::kinematics::{Frame, PlaneMotion, curvature};
-use super::section::{INERTIA_FLOOR, Limits, Section, Strains};
+use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
 use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
 use crate::lanes::{Lane, Lanes, Real, cross, dot};
@@ -104,10 +104,10 @@ struct Size<R> {
 impl<R: Real> Size<R> {
     /// With the inertia of shear of this kernel.
     #[inline(always)]
-    fn limits<K: Kernel>(&self) -> Limits<R> {
+    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
         let Self { area, length, s, h2 } = *self;
         let taper = R::splat(K::TAPER) * h2;
-        Limits { area, length, corners: 4.0, s, taper, floor: R::splat(INERTIA_FLOOR) * (area + taper) }
+        Limits { area, length, corners: 4.0, s, taper, floor: R::splat(section.inertia_floor()) * (area + taper) }
     }
 }
 
@@ -443,30 +443,30 @@ pub struct Quad<K>(pub K);
 
 impl<K: Kernel> Formulation for Quad<K> {
     const OWN: usize = K::OWN;
-    /// Shear takes less of it, 7 % where nu = 0: only there is `L/c` borne alone.
+    /// Shear may need up to 7 % more than `L/c`; the membrane of a lone square bears `L/c` where nu = 0 alone.
     const ALONE: f64 = 1.0 / LONE;
 
     fn section(&self) -> &Section {
         self.0.section()
     }
 
-    /// s is at least 1/A, so that an inertia of `(A + TAPER H^2)/7` holds the frequency of shear to that of the membrane,
-    /// but for 7 % where nu = 0.
+    /// s is at least 1/A, so that an inertia of [`Section::inertia_floor`] times `A + TAPER H^2` holds the frequency of shear to
+    /// that of the membrane, but for 7 %.
     fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
         let mass = 0.25 * section.elastic.density * section.thickness * g.area;
-        (mass, mass * section.inertia_per_mass(g.size(section.elastic.poisson).limits::<K>().floor))
+        (mass, mass * section.inertia_per_mass(g.size(section.elastic.poisson).limits::<K>(section).floor))
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]) {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        let floor = g.size(section.elastic.poisson).limits::<K>().floor;
+        let floor = g.size(section.elastic.poisson).limits::<K>(section).floor;
         section.measure(history, g.area, section.inertia_per_mass(floor));
     }
 
     fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>())
+        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>(section))
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
@@ -493,7 +493,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     ) -> Totals<L> {
         let response = self.0.respond::<L, N>(&gather(group, nodes), history, dt);
         scatter(&response, force, moment);
-        let factor = self.section().step_factor(history, &response.size.limits::<K>());
+        let factor = self.section().step_factor(history, &response.size.limits::<K>(self.section()));
         Totals { stable_dt: response.totals.stable_dt * (factor * L::splat(K::STEP)), ..response.totals }
     }
 

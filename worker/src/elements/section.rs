@@ -18,9 +18,9 @@ use super::{ElementFields, failed_column, let_go};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
-/// Least rotational inertia of a corner of a quad per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
-/// square elements where nu = 0: it then bears 0.894 of L/c, less than the usual safety factor; with 1/7, 0.934.
-pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
+/// Square of the frequency that shear of square elements may have, over that of the membrane, `(2 c/L)^2`: they then bear
+/// 0.934 of L/c, more than the usual safety factor of 0.9.
+const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
 /// Hourglass coefficient where the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Of a change of mass per area, in single precision: less is none, so that what only flies and turns keeps its step to the bit.
@@ -221,8 +221,16 @@ impl Section {
         history.is_nought_where(|column| column >= all || column % each >= SHEAR)
     }
 
-    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
-    /// membrane waves govern the step and not rotation (Hughes, Cohen & Haroun 1978).
+    /// Least rotational inertia of a corner of a quad per mass and area, with which membrane waves govern the step and not
+    /// rotation (Hughes, Cohen & Haroun 1978). Shear of squares of side L has the frequency `4 (5/6 G/rho) (1/L^2 + 1/(4 I))`, and
+    /// `5/6 G/rho = c^2 5/12 (1 - nu)`; with I = f L^2 it stays below [`SHEAR_OVER_MEMBRANE`] times `(2 c/L)^2` where
+    /// `5/12 (1 - nu) (1 + 1/(4 f))` does: f = 1/7 where nu = 0, 1/11.7 where nu = 0.3.
+    pub fn inertia_floor(&self) -> f64 {
+        let softer = 0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson);
+        0.25 / (SHEAR_OVER_MEMBRANE / softer - 1.0)
+    }
+
+    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`.
     pub fn inertia_per_mass(&self, floor: f64) -> f64 {
         (self.thickness * self.thickness / 12.0).max(floor)
     }
