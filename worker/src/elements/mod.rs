@@ -4,6 +4,7 @@
 
 mod beam;
 mod belytschko_tsay;
+mod bounds;
 mod c0_triangle;
 mod fully_integrated_quad;
 mod hexahedron;
@@ -19,6 +20,7 @@ mod section;
 mod shell;
 #[cfg(test)]
 mod shell_benchmarks;
+mod sides;
 #[cfg(test)]
 pub(crate) mod solid_testing;
 mod spring;
