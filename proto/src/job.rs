@@ -317,6 +317,12 @@ pub struct Part {
     /// Makes it a skin: it has mass and touches, but its elements bear nothing and do not limit the time step.
     #[serde(default)]
     pub skin: bool,
+    /// What becomes of a shell that is inverted: without area, or strained by more than a half in one step. `stop` ends the run
+    /// and names it; `delete` lets it fail as by a failure strain: it bears nothing from then on and leaves the contact surface,
+    /// the work done on it stays in the internal energy, and a warning names it. Coordinates or forces that are no numbers end
+    /// the run in either case, and so does a step that falls below `time.dt_min_ratio` of the first.
+    #[serde(default)]
+    pub inverted: Inverted,
     /// Update the thickness from the strain through it (`cases/studies/README.md`, panel).
     #[serde(default)]
     pub thinning: bool,
@@ -331,6 +337,17 @@ fn five() -> usize {
 }
 fn drilling() -> f64 {
     0.01
+}
+
+/// What becomes of an inverted shell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Inverted {
+    /// The run ends and names it.
+    #[default]
+    Stop,
+    /// It fails and leaves the contact surface.
+    Delete,
 }
 
 /// Hourglass control of one-point elements.

@@ -11,7 +11,7 @@ mod walls;
 
 use super::number::shortest;
 use crate::job::{Model, Report};
-use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time};
+use crumple_proto::job::{Contact, HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
 use curves::TimeCurves;
@@ -339,6 +339,9 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     }
     if part.thinning {
         own.insert("thinning".into(), true.into());
+    }
+    if part.inverted == Inverted::Delete {
+        own.insert("inverted".into(), "delete".into());
     }
     if !by_card && part.warping {
         own.insert("warping".into(), true.into());

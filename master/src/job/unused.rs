@@ -39,6 +39,7 @@ const OF_PARTS: &[User] = &[
     ),
     ("points", "shells", |_, u| shells(u)),
     ("thinning", "shells", |_, u| shells(u)),
+    ("inverted", "shells", |_, u| shells(u)),
     ("drilling", "shells", |_, u| shells(u)),
 ];
 

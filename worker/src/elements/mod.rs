@@ -8,6 +8,8 @@ mod bounds;
 mod c0_triangle;
 mod fully_integrated_quad;
 mod hexahedron;
+#[cfg(test)]
+mod inverted_tests;
 mod kinematics;
 #[cfg(test)]
 mod motion_tests;
@@ -182,11 +184,16 @@ pub trait Element: Send + Sync {
         None
     }
 
-    /// Whether the law of the element with this history has failed at every point. Such an element
-    /// gives no force, limits no step and is never in trouble.
+    /// Whether the law of the element with this history has failed at every point, or it was inverted and its part lets such
+    /// elements fail. Such an element gives no force, limits no step and is never in trouble.
     fn failed(&self, history: State<'_>) -> bool;
 
-    /// Whether its law can fail at all.
+    /// Whether it has failed because it was inverted.
+    fn is_deleted(&self, _history: State<'_>) -> bool {
+        false
+    }
+
+    /// Whether it can fail at all.
     fn can_fail(&self) -> bool;
 
     /// Fields of the element with this history at slot coordinates `x`.

@@ -68,6 +68,15 @@ pub struct Modes<R> {
     pub w: [[R; 3]; 4],
 }
 
+impl<R: Real> Modes<R> {
+    /// Sum of all magnitudes: not finite where one of them is not.
+    #[inline(always)]
+    fn sum(&self) -> R {
+        let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
+        all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
+    }
+}
+
 /// What one pass over a group gives, in global axes.
 pub struct Response<R: Real> {
     /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
@@ -76,6 +85,8 @@ pub struct Response<R: Real> {
     pub moment: [[R; 3]; 4],
     /// The stable step is that of the density of the material.
     pub totals: Totals<R>,
+    /// Lanes that have an area and the strains of a healthy step.
+    calm: R::Mask,
     size: Size<R>,
 }
 
@@ -333,14 +344,14 @@ impl<R: Real> Generalised<'_, R> {
 
 impl<R: Real> Response<R> {
     /// From corner modes in the axes of the element; `energies` are the internal and the hourglass one;
-    /// `sound` are the lanes whose strains are those of a healthy step.
+    /// `healthy` are the lanes whose strains are those of a healthy step.
     #[inline(always)]
     pub fn new(
         g: &Geometry<R>,
         section: &Section,
         (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
         [internal, hourglass]: [R; 2],
-        sound: R::Mask,
+        healthy: R::Mask,
     ) -> Self {
         let force = force.map(|f| g.frame.global(f));
         let moment = moment.map(|m| g.frame.global(m));
@@ -350,10 +361,11 @@ impl<R: Real> Response<R> {
             total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
-        let sound = R::both(R::both(sound, g.has_area), total.le(R::splat(R::LARGEST)));
+        let calm = R::both(healthy, g.has_area);
+        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
         let size = g.size(section.elastic.poisson);
         let stable_dt = size.length * R::splat(1.0 / section.elastic.plate_wave_speed());
-        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, size }
+        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm, size }
     }
 }
 
@@ -427,10 +439,16 @@ impl<K: Kernel> Formulation for Quad<K> {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let response = self.0.respond::<L, N>(&gather(group, nodes), history, dt);
+        let (section, modes) = (self.section(), gather(group, nodes));
+        let mut response = self.0.respond::<L, N>(&modes, history, dt);
+        let factor = section.step_factor(history, &response.size.limits::<K>(section));
+        response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
+        let (calm, sound) = (response.calm, response.totals.sound);
+        if let Some(gone) = section.delete_inverted(history, calm, sound, modes.sum()) {
+            response.let_go(gone);
+        }
         scatter(&response, force, moment);
-        let factor = self.section().step_factor(history, &response.size.limits::<K>(self.section()));
-        Totals { stable_dt: response.totals.stable_dt * (factor * L::splat(K::STEP)), ..response.totals }
+        response.totals
     }
 
     #[inline(never)]

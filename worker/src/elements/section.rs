@@ -11,7 +11,7 @@
 use crate::columns::State;
 use crate::lanes::Real;
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
-use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::job::{HourglassForm, Inverted, Part};
 use crumple_proto::problem::Problem;
 
 use super::{ElementFields, failed_column, let_go};
@@ -54,6 +54,8 @@ pub struct Section {
     /// Columns of a point: stress xx, yy, xy and the law's own.
     stride: usize,
     thinning: bool,
+    /// Whether inverted elements fail, instead of ending the run. Such a part has one column more, the last: 1 where one has.
+    pub deletes: bool,
     /// Where a point keeps its effective plastic strain, if its law has any.
     plastic_strain: Option<usize>,
     /// Where it marks that it has failed, if its law does.
@@ -157,6 +159,7 @@ impl Section {
             weight,
             stride: 3 + history.len(),
             thinning: part.thinning,
+            deletes: part.inverted == Inverted::Delete,
             plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| 3 + column),
             failed: failed_column(history).map(|column| 3 + column),
             law,
@@ -387,9 +390,44 @@ impl Section {
         Some(failed)
     }
 
-    /// Whether its law can fail.
+    /// Lets inverted elements fail; lanes where one has, now or before, `None` if the part does not want that. `calm` are the
+    /// lanes that have an area and the strains of a healthy step, `sound` those that are not in trouble, `moves` is a sum over
+    /// what moves: where it is not finite nothing is known, and the run has to end. What has failed keeps no state, since its
+    /// shape gives none.
+    #[inline(always)]
+    pub fn delete_inverted<R: Real>(
+        &self,
+        history: &mut [R],
+        calm: R::Mask,
+        sound: R::Mask,
+        moves: R,
+    ) -> Option<R::Mask> {
+        if !self.deletes {
+            return None;
+        }
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let (columns, each) = (self.columns(), self.each());
+        let (mark, state) = history.split_last_mut()?;
+        let inverted = R::select(R::either(calm, sound), zero, R::select(moves.le(R::splat(R::LARGEST)), one, zero));
+        *mark = Real::max(*mark, inverted);
+        let gone = mark.gt(R::splat(0.5));
+        if !R::any(gone) {
+            return Some(gone);
+        }
+        for (column, value) in state.iter_mut().enumerate() {
+            let kept = match column {
+                VOLUME | INERTIA => *value,
+                _ if column < columns && column % each == THICKNESS => R::splat(self.thickness),
+                _ => zero,
+            };
+            *value = R::select(gone, kept, *value);
+        }
+        Some(gone)
+    }
+
+    /// Whether elements can fail, by their law or where they are inverted.
     pub fn can_fail(&self) -> bool {
-        self.failed.is_some()
+        self.failed.is_some() || self.deletes
     }
 
     /// Whether all points of one element have failed.

@@ -3,7 +3,7 @@
 use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
 use crate::columns::Columns;
 use crate::materials::LAWS;
-use crumple_proto::job::{Part, Precision};
+use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
 
@@ -23,6 +23,7 @@ pub fn part(thickness: f64) -> Part {
         bulk_viscosity: None,
         warping: false,
         skin: false,
+        inverted: Inverted::Stop,
         thinning: false,
         drilling: 0.01,
     }
