@@ -77,7 +77,7 @@ const HOURGLASS_LIMIT: f64 = 0.05;
 /// Time over which the force on the head is averaged for its peak [s].
 const WINDOW: f64 = 1e-4;
 /// Shells that every tube is crushed with: all quads of the table.
-fn shells() -> impl Iterator<Item = &'static str> {
+pub fn shells() -> impl Iterator<Item = &'static str> {
     ELEMENTS.iter().filter(|row| row.shape == Shape::Quad4).map(|row| row.name)
 }
 

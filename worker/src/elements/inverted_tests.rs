@@ -23,7 +23,7 @@ fn fold(patch: &mut Patch, to: f64) -> super::PassTotals {
 }
 
 /// Onto a line, and through it.
-const FOLDS: [f64; 2] = [1.0, 0.2];
+const FOLDS: [f64; 2] = [1.0, 0.8];
 
 #[test]
 fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
