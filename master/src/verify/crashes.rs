@@ -86,7 +86,7 @@ impl Crash {
     }
 
     /// Rows against a reference.
-    fn against(&self, variant: &str, shown: &Shown, wanted: &Shown, source: &'static str, known: Known) -> Vec<Row> {
+    fn against(&self, variant: &str, shown: &Shown, wanted: &Shown, source: &'static str) -> Vec<Row> {
         let last = self.stations.last().copied().unwrap_or(0.0);
         let (force, ms) = (self.to_kn, self.to_ms);
         let mean = format!("mean force up to {} ms", ms * last);
@@ -99,12 +99,17 @@ impl Crash {
             let quantity = format!("energy absorbed at {} ms", ms * t);
             rows.push(Row::new(quantity, variant, "J", *ours).near(*expected, 0.1, source));
         }
-        let why = |row: &Row| {
-            let of = |k: &&(&str, &str, &'static str)| row.quantity.starts_with(k.0) && row.variant.starts_with(k.1);
-            known.iter().find(of).map(|k| k.2)
-        };
-        rows.into_iter().map(|row| if let Some(why) = why(&row) { row.known(why) } else { row }).collect()
+        rows
     }
+}
+
+/// Puts what is known to rows that fail.
+fn told(rows: Vec<Row>, known: Known) -> Vec<Row> {
+    let why = |row: &Row| {
+        let of = |k: &&(&str, &str, &'static str)| row.quantity.starts_with(k.0) && row.variant.starts_with(k.1);
+        known.iter().find(of).filter(|_| !row.passes()).map(|k| k.2)
+    };
+    rows.into_iter().map(|row| if let Some(why) = why(&row) { row.known(why) } else { row }).collect()
 }
 
 /// Side of the S-beam, its straight ends, the radius of the two arcs of 45 degrees between them, its thickness [m].
@@ -180,10 +185,10 @@ fn s_beam(bench: &Bench) -> Result<Vec<Row>, String> {
         let model = bench.model(&format!("B15 {shell}"), &s_beam_scene(shell, 12))?;
         let variant = format!("{shell}, 6.67 mm");
         let (shown, rows) = crash.run(&variant, &model)?;
-        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, 3.33 mm", known));
+        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, 3.33 mm"));
         all.extend(rows);
     }
-    Ok(all)
+    Ok(told(all, known))
 }
 
 /// Why rows of the short tube fail.
@@ -201,22 +206,35 @@ fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
         let model = bench.model_of(&format!("B19 {shell}"), JOB.into(), &sets)?;
         let variant = format!("{shell}, 2.5 mm");
         let (shown, rows) = crash.run(&variant, &model)?;
-        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, 1.25 mm", known));
+        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, 1.25 mm"));
         all.extend(rows);
     }
-    Ok(all)
+    Ok(told(all, known))
 }
 
 /// Why rows of the frame fail.
 const FRAME_MESH: &str = "the horns' folds take three to four shells of refine = 1: every formulation is too stiff there, as it is on the \
                           short tube";
 
+/// Why hourglass energy of the stabilised quad fails there.
+const RATES: &str = "the horns' steel has a rate, which the law does not filter: where its stress rises from one step to the next the \
+                     stabilisation counts it as hardening and relaxes less (1.7 % on the short tube without a rate, 4.1 % with \
+                     this one). Forces do not show it";
+/// Why contact gives energy there.
+const PUSHED: &str = "from 8 ms on the normal forces of a dozen pairs in the horns' folds give what friction takes, 1.9 kJ; contact as \
+                      a whole takes 0.15 kJ. Why has not been found yet; the other shells do not show it";
+
 fn frame(bench: &Bench) -> Result<Vec<Row>, String> {
     const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
     const PARTS: u32 = 8;
     let crash = Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
     let wanted = Shown { mean: 416.7, peak: 963.9, absorbed: vec![17291.0, 25392.0, 36325.0, 48019.0] };
-    let known: Known = &[("mean force", "", FRAME_MESH), ("energy absorbed", "", FRAME_MESH)];
+    let known: Known = &[
+        ("mean force", "", FRAME_MESH),
+        ("energy absorbed", "", FRAME_MESH),
+        ("hourglass energy", "stabilised_quad", RATES),
+        ("work given", "stabilised_quad", PUSHED),
+    ];
     let mut all = Vec::new();
     for shell in shells() {
         let mut sets: Vec<String> = (1..=PARTS).map(|id| format!("part.{id}.element=\"{shell}\"")).collect();
@@ -224,8 +242,8 @@ fn frame(bench: &Bench) -> Result<Vec<Row>, String> {
         let model = bench.model_of(&format!("B20 {shell}"), JOB.into(), &sets)?;
         let variant = format!("{shell}, refine = 1");
         let (shown, rows) = crash.run(&variant, &model)?;
-        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, refine = 2", known));
+        all.extend(crash.against(&variant, &shown, &wanted, "[C] own fully integrated shell, refine = 2"));
         all.extend(rows);
     }
-    Ok(all)
+    Ok(told(all, known))
 }
