@@ -282,11 +282,11 @@ pub struct Part {
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,
-    /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
-    /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
-    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a fifth more cost. Elsewhere they agree (plate-shells, panel,
-    /// beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane and no hourglass control: the reference for the
-    /// others, at about two and a half times the cost.
+    /// Formulation of the four-node shells or the solids. Shells: `stabilised_quad` if left out, which bends exactly where
+    /// quads are distorted, takes its hourglass stiffness from material and shape, and in folds is the nearest to converged
+    /// forces (`cases/studies/README.md`, crush and twist-thin); or `belytschko_tsay`, a fifth cheaper, which agrees with it
+    /// where nothing folds or twists (plate-shells, panel, beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane
+    /// and no hourglass control: the reference for the others, at about two and a half times the cost.
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,

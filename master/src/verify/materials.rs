@@ -48,7 +48,7 @@ impl Body {
         material(&mut scene);
         let nodes = match self {
             Self::Shell => {
-                scene.part(1, "metal", 1e-3, "");
+                scene.part(1, "metal", 1e-3, "element = \"belytschko_tsay\"");
                 scene.grid(1, [1, 1], |x, y| [SIDE * x, SIDE * y, 0.0]).all().to_vec()
             }
             Self::Cube => {
