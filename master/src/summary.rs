@@ -131,8 +131,14 @@ pub struct PartSummary {
     pub material: String,
     /// Integration points through the thickness.
     pub points: usize,
-    /// Elements.
+    /// Elements, without those that have failed.
     pub elements: u64,
+    /// Elements that have failed.
+    #[serde(default)]
+    pub failed: u64,
+    /// Those of them that were shells that were inverted, which `inverted = "delete"` of the part lets fail.
+    #[serde(default)]
+    pub inverted: u64,
     /// Largest effective plastic strain at the end.
     pub plastic_strain_max: f64,
     /// Largest von Mises stress at the end [force/length^2]; it may have been larger before.
@@ -171,6 +177,8 @@ pub fn parts(job: &Job, outline: &Outline, parts: &[Part], closings: &[Closing])
             material: part.material.clone(),
             points: if part.thickness > 0.0 { part.points } else { 1 }, // only shells have more
             elements: all.elements,
+            failed: all.failed,
+            inverted: all.inverted,
             plastic_strain_max: all.plastic_strain,
             von_mises_end: all.von_mises,
             strain_jump: all.strain_jump,

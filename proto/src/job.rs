@@ -285,11 +285,11 @@ pub struct Part {
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,
-    /// Formulation of the four-node shells or the solids. Shells: `belytschko_tsay` if left out, or `stabilised_quad`,
-    /// which bends exactly where quads are distorted, and takes its hourglass stiffness from material and shape; take it for
-    /// twisted sheets (`cases/studies/README.md`, twist-thin), at a fifth more cost. Elsewhere they agree (plate-shells, panel,
-    /// beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane and no hourglass control: the reference for the
-    /// others, at about two and a half times the cost.
+    /// Formulation of the four-node shells or the solids. Shells: `stabilised_quad` if left out, which bends exactly where
+    /// quads are distorted, takes its hourglass stiffness from material and shape, and in folds is the nearest to converged
+    /// forces (`cases/studies/README.md`, crush and twist-thin); or `belytschko_tsay`, a fifth cheaper, which agrees with it
+    /// where nothing folds or twists (plate-shells, panel, beam-shells). `fully_integrated_quad` has 2 x 2 points in its plane
+    /// and no hourglass control: the reference for the others, at about two and a half times the cost.
     /// Solids: `hexahedron`.
     #[serde(default)]
     pub element: Option<String>,
@@ -320,6 +320,12 @@ pub struct Part {
     /// Makes it a skin: it has mass and touches, but its elements bear nothing and do not limit the time step.
     #[serde(default)]
     pub skin: bool,
+    /// What becomes of a shell that is inverted: without area, or strained by more than a half in one step. `stop` ends the run
+    /// and names it; `delete` lets it fail as by a failure strain: it bears nothing from then on and leaves the contact surface,
+    /// the work done on it stays in the internal energy, and a warning names it. Coordinates or forces that are no numbers end
+    /// the run in either case, and so does a step that falls below `time.dt_min_ratio` of the first.
+    #[serde(default)]
+    pub inverted: Inverted,
     /// Update the thickness from the strain through it (`cases/studies/README.md`, panel).
     #[serde(default)]
     pub thinning: bool,
@@ -334,6 +340,17 @@ fn five() -> usize {
 }
 fn drilling() -> f64 {
     0.01
+}
+
+/// What becomes of an inverted shell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Inverted {
+    /// The run ends and names it.
+    #[default]
+    Stop,
+    /// It fails and leaves the contact surface.
+    Delete,
 }
 
 /// Hourglass control of one-point elements.

@@ -170,8 +170,12 @@ pub struct Closing {
 /// What became of one worker's elements of a part, and of the surfaces of the part that it saw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartRecord {
-    /// Elements at the end.
+    /// Elements at the end, without those that have failed.
     pub elements: u64,
+    /// Elements that have failed.
+    pub failed: u64,
+    /// Those of them that were inverted.
+    pub inverted: u64,
     /// Largest effective plastic strain at the end.
     pub plastic_strain: f64,
     /// Largest von Mises stress at the end [force/length^2].
@@ -195,6 +199,8 @@ impl PartRecord {
     /// Takes in what another worker knows of the part.
     pub fn add(&mut self, o: &Self) {
         self.elements += o.elements;
+        self.failed += o.failed;
+        self.inverted += o.inverted;
         self.plastic_strain = self.plastic_strain.max(o.plastic_strain);
         self.von_mises = self.von_mises.max(o.von_mises);
         self.strain_jump = self.strain_jump.max(o.strain_jump);

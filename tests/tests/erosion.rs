@@ -144,3 +144,87 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
         assert_eq!(many.digest(), alone.digest(), "{workers} workers");
     }
 }
+
+/// A sheet of 8 by 8 shells above another one; a node of the upper sheet is shot along it, through its neighbours.
+fn shot_sheet(inverted: &str, element: &str) -> Model {
+    const N: usize = 8;
+    let (mut nodes, mut quads) = (String::new(), String::new());
+    for sheet in 0..2 {
+        let (first, z) = (sheet * (N + 1) * (N + 1) + 1, 3.0 * sheet as f64);
+        let id = |i: usize, j: usize| first + j * (N + 1) + i;
+        for (i, j) in (0..=N).flat_map(|j| (0..=N).map(move |i| (i, j))) {
+            writeln!(nodes, "[{}, {:?}, {:?}, {z:?}],", id(i, j), SIDE * i as f64, SIDE * j as f64).unwrap();
+        }
+        for (i, j) in (0..N).flat_map(|j| (0..N).map(move |i| (i, j))) {
+            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string()).join(", ");
+            writeln!(quads, "[{}, {}, {corners}],", sheet * N * N + j * N + i + 1, sheet + 1).unwrap();
+        }
+    }
+    let shot = (N + 1) * (N + 1) + 1 + 4 * (N + 1) + 4;
+    let text = format!(
+        r#"
+        title = "A node that is shot through its neighbours"
+        units = "mm, ms, kg"
+        end_time = 0.03
+        [mesh]
+        nodes = [{nodes}]
+        shells = [{quads}]
+        node_sets = {{ shot = [{shot}] }}
+        [[material]]
+        name = "steel"
+        law = "j2"
+        density = 7.85e-6
+        youngs_modulus = 210.0
+        poisson = 0.3
+        yield_stress = 0.25
+        [[part]]
+        id = 1
+        name = "lower"
+        material = "steel"
+        thickness = 1.0
+        inverted = "{inverted}"
+        element = "{element}"
+        [[part]]
+        id = 2
+        name = "upper"
+        material = "steel"
+        thickness = 1.0
+        inverted = "{inverted}"
+        element = "{element}"
+        [[initial_velocity]]
+        nodes = "shot"
+        velocity = [6000.0, 300.0, -100.0]
+        [contact]
+        "#
+    );
+    job::read_text(PathBuf::from("shot.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// An inverted shell ends the run, or leaves the contact surface and the sums where its part lets it, whoever owns it.
+#[test]
+fn inverted_shells_end_the_run_or_leave_it() {
+    for element in ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"] {
+        let stopped = run_side_by_side(&shot_sheet("stop", element), 1, 400, 0);
+        assert!(stopped.trouble.is_some(), "{element}: the scene has to invert a shell");
+
+        let model = shot_sheet("delete", element);
+        let segments = |e: &crumple_worker::engine::Engine| e.contact.as_ref().map_or(0, |c| c.surface.segments.len());
+        let (mut at_start, mut named) = (None, 0);
+        let end = run_alone(&model, |e| {
+            at_start.get_or_insert(segments(e));
+            named = e.inverted.len();
+        });
+        let failed: Vec<_> = end.blocks.elements.iter().filter(|e| e.record.failed).map(|e| e.record.id).collect();
+        assert!(!failed.is_empty() && failed.len() < 16, "{element}: a few around the node, {}", failed.len());
+        assert_eq!(segments(&end), at_start.unwrap() - failed.len(), "{element}: each was one segment");
+        assert_eq!(named, failed.len(), "{element}: each is named");
+        assert!(failed.iter().all(|&id| end.blocks.is_deleted(id)));
+
+        let alone = run_side_by_side(&model, 1, 400, 0);
+        assert_eq!(alone.trouble, None, "{element}");
+        for (workers, every) in [(2, 0), (4, 7)] {
+            let many = run_side_by_side(&model, workers, 400, every);
+            assert_eq!(many.digest(), alone.digest(), "{element}, {workers} workers");
+        }
+    }
+}

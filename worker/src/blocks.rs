@@ -181,6 +181,15 @@ impl Blocks {
         })
     }
 
+    /// Whether an own element has failed because it was inverted.
+    pub fn is_deleted(&self, id: ElemId) -> bool {
+        let deleting = |b: &&Block| b.element.can_fail();
+        self.blocks.iter().filter(deleting).any(|b| {
+            let place = self.elements[b.first..b.first + b.count].iter().position(|e| e.record.id == id);
+            place.is_some_and(|i| b.element.is_deleted(b.state(i)))
+        })
+    }
+
     /// From here on forces of unstrained elements are computed too: for those who time kernels that are to stand for strained ones.
     pub fn compute_all(&mut self) {
         self.all_computed = true;
@@ -404,6 +413,9 @@ impl Blocks {
     /// Step that the element at place `i` of a block leaves, 0 if it is not a number.
     fn step_of(&self, b: &Block, i: usize, nodes: &Nodes) -> f64 {
         let e = &self.elements[b.first + i];
+        if b.element.can_fail() && b.element.failed(b.state(i)) {
+            return f64::INFINITY;
+        }
         let dt = b.element.stable_dt_now(b.state(i), &e.nodes.map(|n| xyz(&nodes.x[n as usize])));
         let dt = if dt.is_nan() { 0.0 } else { dt * (e.record.mass_factor * e.record.share).sqrt() };
         dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles)

@@ -136,6 +136,8 @@ pub struct Engine {
     pub agreement: Agreement,
     /// Time per phase.
     pub timer: Timer,
+    /// Own shells that were inverted and have failed for it, until someone takes note.
+    pub inverted: Vec<crumple_proto::ids::ElemId>,
     /// Mean element centre when the boxes were last renewed.
     centre: [f64; 3],
 }
@@ -171,6 +173,7 @@ impl Engine {
             histories: Histories::default(),
             balance: None,
             timer: Timer::new(),
+            inverted: Vec::new(),
             centre: [0.0; 3],
             nodes: local.nodes,
             blocks: local.blocks,
@@ -225,6 +228,7 @@ impl Engine {
     pub fn erode(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
         let failed = erode(wire, &mut self.blocks, &self.nodes)?;
+        self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));
         self.ties.release(wire, &failed, &mut self.nodes)?;
         self.renew(wire, self.tree.clone())
     }

@@ -44,7 +44,9 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut around = BTreeMap::new();
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-            if e.record.failed {
+            if b.element.can_fail() && b.element.failed(b.state(i)) {
+                let inverted = u64::from(b.element.is_deleted(b.state(i)));
+                parts[e.record.part as usize].add(&PartRecord { failed: 1, inverted, ..PartRecord::default() });
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));

@@ -32,7 +32,12 @@ pub struct Worker {
     stopped: bool,
     /// Whether edges have been seen in surfaces, and told of.
     crossed: bool,
+    /// Inverted shells that it has named.
+    named: u64,
 }
+
+/// Inverted shells that a worker names at most.
+const NAMED: u64 = 20;
 
 /// Weight of the newest cycle in the smoothed cost.
 const NEWEST: f64 = 0.02;
@@ -73,6 +78,7 @@ impl Worker {
             cost: 0.0,
             stopped: false,
             crossed: false,
+            named: 0,
         }
     }
 
@@ -93,6 +99,7 @@ impl Worker {
             if capped == 0 && self.capped() > 0 {
                 self.tell_of_caps(wire)?;
             }
+            self.tell_of_inverted(wire)?;
             if let Some(elem) = agreed.trouble {
                 self.tell_trouble(wire, elem)?;
                 break;
@@ -147,6 +154,28 @@ impl Worker {
 
     fn capped(&self) -> u64 {
         self.engine.contact.as_ref().map_or(0, |c| c.capped)
+    }
+
+    /// Names own shells that were inverted and have failed for it.
+    fn tell_of_inverted(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+        let inverted = std::mem::take(&mut self.engine.inverted);
+        let clock = &self.engine.clock;
+        for elem in inverted {
+            self.named += 1;
+            let end = match self.named {
+                ..NAMED => "the job lets such shells fail",
+                NAMED => {
+                    "the job lets such shells fail; this worker names no more, the summary has their number by part"
+                }
+                _ => return Ok(()),
+            };
+            let (cycle, time) = (clock.cycle, clock.time);
+            let warning = format!(
+                "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: {end} (part.inverted)"
+            );
+            post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
+        }
+        Ok(())
     }
 
     /// Says once that penalties are softer than the job asks; the summary says how many in the end.

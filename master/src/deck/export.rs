@@ -11,7 +11,7 @@ mod walls;
 
 use super::number::shortest;
 use crate::job::{Model, Report};
-use crumple_proto::job::{Contact, HourglassForm, Job, Output, Parallel, Part, Time};
+use crumple_proto::job::{Contact, HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param};
 use curves::TimeCurves;
@@ -300,9 +300,9 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
         return deck.card(&[Id(id), Id(1)]);
     }
     let elform = match (part.element.as_deref(), part.warping) {
-        (Some("stabilised_quad" | "fully_integrated_quad"), _) => 16,
-        (_, true) => 10,
-        (_, false) => 2,
+        (Some("belytschko_tsay"), true) => 10,
+        (Some("belytschko_tsay"), false) => 2,
+        _ => 16,
     };
     deck.keyword("SECTION_SHELL");
     deck.card(&[Id(id), Id(elform), Number(1.0), Id(part.points as u64)]);
@@ -311,7 +311,7 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
 
 /// Writes what a part says of hourglass control and viscosity; gives whether that is anything.
 fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
-    let by_card = !matches!(part.element.as_deref(), Some("stabilised_quad" | "fully_integrated_quad"));
+    let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
     let form = match part.hourglass {
         // A deck that names none means the viscous form.
         None if shells && by_card => 4,
@@ -339,6 +339,9 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     }
     if part.thinning {
         own.insert("thinning".into(), true.into());
+    }
+    if part.inverted == Inverted::Delete {
+        own.insert("inverted".into(), "delete".into());
     }
     if !by_card && part.warping {
         own.insert("warping".into(), true.into());

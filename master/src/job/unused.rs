@@ -39,6 +39,7 @@ const OF_PARTS: &[User] = &[
     ),
     ("points", "shells", |_, u| shells(u)),
     ("thinning", "shells", |_, u| shells(u)),
+    ("inverted", "shells", |_, u| shells(u)),
     ("drilling", "shells", |_, u| shells(u)),
 ];
 
@@ -52,7 +53,7 @@ fn shells(used: &Used) -> bool {
 
 /// Whether quads of a part have an hourglass control to be chosen.
 fn controlled(part: &Part) -> bool {
-    !matches!(part.element.as_deref(), Some("stabilised_quad" | "fully_integrated_quad"))
+    part.element.as_deref() == Some("belytschko_tsay")
 }
 
 /// Tells of them. `used` are the shapes of each part of the job; what a deck says is its own business, and reported there.
@@ -102,7 +103,9 @@ mod tests {
 
     #[test]
     fn what_nothing_uses_is_told_and_what_is_used_is_not() {
-        assert_eq!(warned(&["contact.law=penalty", "contact.penalty_scale=0.2", "part.one.warping=true"]), [""; 0]);
+        let plain = ["part.one.element=belytschko_tsay", "part.one.warping=true"];
+        assert_eq!(warned(&[&["contact.law=penalty", "contact.penalty_scale=0.2"][..], &plain].concat()), [""; 0]);
+        assert_eq!(warned(&["part.one.warping=true"]), ["part.0.warping"], "the default has no such terms");
         assert_eq!(warned(&["contact.partition=0.3", "contact.sweeps=5"]), ["contact.partition"]);
         assert_eq!(warned(&["contact.law=kinematic", "contact.iteration=split"]), ["contact.iteration"]);
         let stabilised = ["part.one.element=stabilised_quad", "part.one.hourglass=viscous"];

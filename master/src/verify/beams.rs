@@ -27,8 +27,9 @@ pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: false, run:
 /// A19 (d).
 pub const SPINNING_SHELL: Check = Check { name: "spinning shell", quick: true, run: spinning_shell };
 
-const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mass for the sake of the step: free ends and \
-                       higher modes of plates feel it; it vanishes with the second order of the mesh size";
+const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mass where nu = 0 (A/11.7 where nu = 0.3) for the sake \
+                       of the step: free ends and higher modes of plates feel it; it vanishes with the second order of the \
+                       mesh size";
 
 /// Small enough that nothing depends on it [m/s].
 const SPEED: f64 = 1e-3;

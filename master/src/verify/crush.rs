@@ -29,7 +29,7 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
     // A quarter: the middle at x = 0, the axis at y = 0, clamped at x = 127 mm.
     let grid = scene.grid(1, [N, 6], |x, y| [half * x, width * y, 0.0]);
     scene.plastic("aluminium", Elastic { e: 71.71e9, nu: 0.33, rho: 2789.0 }, 285.4e6, 0.0);
-    scene.part(1, "aluminium", depth, "points = 5");
+    scene.part(1, "aluminium", depth, "points = 5\nelement = \"belytschko_tsay\"");
     scene.fix(&grid.row(N), "x y z rx ry rz");
     scene.fix(&grid.row(0), "x ry rz");
     let axis: Vec<u32> = (0..=N).map(|i| grid.at(i, 0)).collect();
@@ -77,7 +77,7 @@ const HOURGLASS_LIMIT: f64 = 0.05;
 /// Time over which the force on the head is averaged for its peak [s].
 const WINDOW: f64 = 1e-4;
 /// Shells that every tube is crushed with: all quads of the table.
-fn shells() -> impl Iterator<Item = &'static str> {
+pub fn shells() -> impl Iterator<Item = &'static str> {
     ELEMENTS.iter().filter(|row| row.shape == Shape::Quad4).map(|row| row.name)
 }
 

@@ -253,7 +253,7 @@ fn square(side: f64, thickness: f64, lift: f64, first: usize, end: f64) -> Scene
     let order: Vec<u32> = (0..4).map(|k| ((first + k) % 4) as u32 + 1).collect();
     scene.shell(1, &order);
     scene.elastic("steel", STEEL);
-    scene.part(1, "steel", thickness, "");
+    scene.part(1, "steel", thickness, "element = \"belytschko_tsay\"");
     scene.fix(&[1, 2, 3, 4], ALL);
     scene
 }
@@ -452,7 +452,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut scene = Scene::new(5.2 / frequency);
     let grid = scene.grid(1, [1, 1], |x, y| [side * x, side * y, 0.0]);
     scene.elastic("steel", STEEL);
-    scene.part(1, "steel", 1e-3, &format!("hourglass_coefficient = {r:?}"));
+    scene.part(1, "steel", 1e-3, &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {r:?}"));
     // The ledger is off by a quarter of the square of omega dt.
     scene.time("safety = 0.1");
     let mode = [1.0, -1.0, 1.0, -1.0];

@@ -17,6 +17,8 @@ pub const PATHS: Check = Check { name: "led strain paths", quick: true, run: pat
 pub const CYCLIC: Check = Check { name: "cyclic loading", quick: true, run: cyclic };
 /// A27, Johnson and Cook.
 pub const JOHNSON_COOK: Check = Check { name: "johnson_cook", quick: true, run: johnson_cook };
+/// A27, laws with a rate.
+pub const RATES: Check = Check { name: "strain rates", quick: true, run: rates };
 /// A26 (c).
 pub const SQUASHED: Check = Check { name: "isochoric squash of a cube", quick: true, run: squashed };
 
@@ -46,7 +48,7 @@ impl Body {
         material(&mut scene);
         let nodes = match self {
             Self::Shell => {
-                scene.part(1, "metal", 1e-3, "");
+                scene.part(1, "metal", 1e-3, "element = \"belytschko_tsay\"");
                 scene.grid(1, [1, 1], |x, y| [SIDE * x, SIDE * y, 0.0]).all().to_vec()
             }
             Self::Cube => {
@@ -319,6 +321,55 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         let elastic = 2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
         let row = Row::new("plastic strain there", &variant, "", last.plastic_strain);
         all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, at the end less a step"));
+    }
+    Ok(all)
+}
+
+/// Yield stress over the static one at two rates, a decade apart, in plane stress and in three dimensions.
+fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
+    const SYMONDS: [f64; 2] = [40.0, 5.0];
+    const ALONG: f64 = 0.1;
+    let j2 = |scene: &mut Scene| {
+        scene.plastic("metal", STEEL, YIELD, MODULUS);
+        scene.add(&format!("cowper_symonds = {SYMONDS:?}"));
+    };
+    let johnson_cook = |scene: &mut Scene| {
+        scene.add(&format!(
+            "[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\ndensity = {:?}\nyoungs_modulus = {:?}\npoisson = {:?}\n\
+             a = {A:?}\nb = {B:?}\nn = {N}\nc = {C}\nreference_rate = 1.0",
+            STEEL.rho, STEEL.e, STEEL.nu
+        ));
+    };
+    let by_j2 = |p: f64, rate: f64| (YIELD + MODULUS * p) * (1.0 + (rate / SYMONDS[0]).powf(1.0 / SYMONDS[1]));
+    let by_johnson_cook = |p: f64, rate: f64| (A + B * p.powf(N)) * (1.0 + C * rate.ln());
+    type Law<'a> = (&'static str, AddMetal<'a>, &'a dyn Fn(f64, f64) -> f64, &'static str);
+    let laws: [Law<'_>; 2] = [
+        ("j2, cowper_symonds", &j2, &by_j2, "[D] (sigma_y + E_p p) (1 + (rate/C)^(1/p))"),
+        ("johnson_cook", &johnson_cook, &by_johnson_cook, "[D] (a + b p^n)(1 + c ln rate*)"),
+    ];
+    let mut all = Vec::new();
+    for (body, (law, metal, stress, source)) in Body::ALL.into_iter().flat_map(|body| laws.map(|law| (body, law))) {
+        for steps in [2000.0, 20_000.0] {
+            let mut last = ElementFields::default();
+            let name = format!("A27 {law} shear {} {steps}", body.name());
+            // Without change of volume: the strain is its own deviator.
+            let end = led(bench, (&name, body, metal), steps, |_, _, _| [ALONG, -ALONG, 0.0], |_, f| last = *f)?;
+            let rate = 2.0 / 3f64.sqrt() * ALONG / end;
+            let variant = format!("{law}, {}, {rate:.0}/s", body.name());
+            let row = Row::new("flow stress in pure shear", &variant, "MPa", 1e-6 * last.von_mises);
+            all.push(row.near(1e-6 * stress(last.plastic_strain, rate), 1e-6, source));
+            if body == Body::Cube {
+                continue;
+            }
+            let mut path = Uniaxial::new();
+            let name = format!("A27 {law} uniaxial {steps}");
+            let pull = |_: f64, dt: f64, f: &ElementFields| path.rates(ALONG, f.plastic_strain > 0.0, dt, f);
+            let end = led(bench, (&name, body, metal), steps, pull, |_, f| last = *f)?;
+            // Flow without change of volume has the rate of the strain along; the elastic part of it falls with E_p/E.
+            let variant = format!("{law}, {}, {:.0}/s", body.name(), ALONG / end);
+            let row = Row::new("uniaxial stress", &variant, "MPa", 1e-6 * last.stress[0]);
+            all.push(row.near(1e-6 * stress(last.plastic_strain, ALONG / end), 1e-4, source));
+        }
     }
     Ok(all)
 }

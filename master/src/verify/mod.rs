@@ -14,6 +14,7 @@ mod beams;
 pub mod bench;
 pub mod catalogue;
 mod contact;
+mod crashes;
 mod crush;
 mod edges;
 mod elements;

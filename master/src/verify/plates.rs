@@ -124,7 +124,12 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut scene = Scene::new(1.4e-3);
         let grid = scene.grid(1, [N, N], |x, y| [half * x, half * y, 0.0]);
         scene.elastic("aluminium", Elastic { e: 68.95e9, nu: 0.3, rho: 2765.8 });
-        scene.part(1, "aluminium", depth, &format!("hourglass_coefficient = {coefficient:?}"));
+        scene.part(
+            1,
+            "aluminium",
+            depth,
+            &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {coefficient:?}"),
+        );
         if support == "corners held" {
             // Nothing but the control keeps the w mode away.
             scene.fix(&[grid.at(0, 0), grid.at(N, N)], "x y z");

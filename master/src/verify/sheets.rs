@@ -17,6 +17,7 @@ pub const TRIANGLES: Check = Check { name: "plate of triangles", quick: true, ru
 const YIELD: f64 = 250e6;
 const THICKNESS: f64 = 1e-3;
 const SIDE: f64 = 0.01;
+const QUADS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"];
 
 /// A square shell, alone so that no neck can form, led apart evenly, along x by `stretch` and along y by `across` (free if `None`); `more` of the material.
 /// Starts and ends at rest, so that no waves are left.
@@ -53,7 +54,7 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
 fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] plastic flow keeps the volume, the elastic part (1 - 2 nu) p/E is a thousandth";
     let mut all = Vec::new();
-    for element in ["belytschko_tsay", "stabilised_quad"] {
+    for element in QUADS {
         for (how, stretch, across, thinner) in [
             ("uniaxial stress, 1.2", 1.2, None, 1.2f64.sqrt()),
             ("width held, 1.2", 1.2, Some(1.0), 1.2),
@@ -78,7 +79,7 @@ fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] work of a perfectly plastic sheet until it fails, in logarithmic strain; what fails keeps it in the ledger";
     let fails = 0.1;
     let mut all = Vec::new();
-    for element in ["belytschko_tsay", "stabilised_quad"] {
+    for element in QUADS {
         let scene = led(
             1.25,
             None,

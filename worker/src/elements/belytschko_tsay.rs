@@ -5,15 +5,16 @@
 //!   `r 5/6 G t^3 BB/12` of vz, `r E t A BB/8` of vx and vy (BB = B1 B1 + B2 B2), which for r = 1 is about that of
 //!   full integration. In the viscous form the coefficient is `(r/2) sqrt(K m)`, K the stiffness at r = 1 and m the
 //!   mass (or inertia): the fraction r of critical damping of the mode. In plastic parts these forces are bounded by
-//!   [`STRENGTH`] of what the section bears in their modes (`quad.rs`): elastic ones would grow without end in folds.
+//!   [`STRENGTH`] of what the section bears in their modes (`bounds.rs`): elastic ones would grow without end in folds.
 //! - Warping of Belytschko, Wong & Chiang 1992: curvature gets `Bc1 vx, Bc2 vy, Bc2 vx + Bc1 vy` with
 //!   `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here less what in-plane spin adds.
 //!
 //! Left out: a shear projection, so bending patches of distorted quads fail; `stabilised_quad.rs` has it. Thin twisted
 //! strips do not lock, as the hourglass rates leave rigid rotation out; coarse ones are stiff (`shell_benchmarks.rs`).
 
-use super::quad::{self, Capacity, DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response};
-use super::section::{INERTIA_FLOOR, Resultants, SHEAR_CORRECTION, Section};
+use super::bounds::{self, Capacity};
+use super::quad::{DRILLING, Generalised, Geometry, HOURGLASS, Kernel, Modes, Motion, Quad, Response};
+use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::{Build, Built, ElementRow, let_go};
 use crate::lanes::Real;
@@ -141,12 +142,12 @@ impl Kernel for BelytschkoTsay {
                 HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(per_time),
                 _ => stiffness[c].mul_add(rates[c], old),
             };
-            let new = bounds.map_or(new, |bounds| quad::bounded(new, bounds[c]));
+            let new = bounds.map_or(new, |bounds| bounds::bounded(new, bounds[c]));
             hourglass[c] = new;
             energy = (old + new).mul_add(rates[c], energy);
         }
-        let stiff = quad::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        energy = quad::drill(drill, stiff, motion.ahead(), capacity.as_ref(), energy);
+        let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
+        energy = bounds::drill(drill, stiff, motion.ahead(), capacity.as_ref(), energy);
 
         // 4. Corner forces, mode by mode.
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));
@@ -186,7 +187,7 @@ impl BelytschkoTsay {
         let [theta, w, membrane] = match self.hourglass {
             HourglassForm::Viscous => {
                 let mass = R::splat(elastic.density) * t * g.area;
-                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(INERTIA_FLOOR) * g.area);
+                let radius2 = Real::max(t2 * R::splat(1.0 / 12.0), R::splat(self.section.inertia_floor()) * g.area);
                 let damping = |k: R, m: R| R::splat(0.5 * r) * (k * m).sqrt();
                 [damping(theta, mass * radius2), damping(w, mass), damping(membrane, mass)]
             }

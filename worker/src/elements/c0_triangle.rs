@@ -68,6 +68,15 @@ pub struct Corners<R> {
     pub w: [[R; 3]; 3],
 }
 
+impl<R: Real> Corners<R> {
+    /// Sum of all magnitudes: not finite where one of them is not.
+    #[inline(always)]
+    fn sum(&self) -> R {
+        let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
+        all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
+    }
+}
+
 /// What one pass gives, in global axes.
 pub struct Response<R: Real> {
     /// Forces of corners 2 and 3; corner 1 has the negative of their sum [force].
@@ -75,6 +84,8 @@ pub struct Response<R: Real> {
     /// Moments of corners 1, 2, 3 [force length].
     pub moment: [[R; 3]; 3],
     totals: Totals<R>,
+    /// Lanes that have an area and the strains of a healthy step.
+    calm: R::Mask,
 }
 
 impl<R: Real> Response<R> {
@@ -232,7 +243,7 @@ impl C0Triangle {
 
         // 5. Stress.
         let strains = Strains { eps, kappa: curvature(tx, ty), gamma };
-        let sound = self.section.healthy(&strains, self.section.current_thickness(section));
+        let healthy = self.section.healthy(&strains, self.section.current_thickness(section));
         let resultants = self.section.update::<R, N>(section, &strains, dt);
         let thickness = resultants.thickness;
         let [nx, ny, nxy] = resultants.n.map(|n| n * g.area);
@@ -286,7 +297,8 @@ impl C0Triangle {
             total += force[0][c].abs() + force[1][c].abs();
             total += moment[0][c].abs() + moment[1][c].abs() + moment[2][c].abs();
         }
-        let sound = R::both(R::both(sound, g.sound()), total.le(R::splat(R::LARGEST)));
+        let calm = R::both(healthy, g.sound());
+        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
         let elastic = &self.section.elastic;
         let limits = g.limits(elastic.poisson);
         let as_built = limits.length * R::splat(1.0 / elastic.plate_wave_speed());
@@ -296,7 +308,7 @@ impl C0Triangle {
             hourglass: half * energy,
             sound,
         };
-        let mut response = Response { force, moment, totals };
+        let mut response = Response { force, moment, totals, calm };
         if let Some(failed) = self.section.failed_lanes(section) {
             response.let_go(failed);
             let_go(failed, own);
@@ -392,7 +404,12 @@ impl Formulation for C0Triangle {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let response = self.respond::<L, N>(&gather(group, nodes), history, dt);
+        let corners = gather(group, nodes);
+        let mut response = self.respond::<L, N>(&corners, history, dt);
+        let (calm, sound) = (response.calm, response.totals.sound);
+        if let Some(gone) = self.section.delete_inverted(history, calm, sound, corners.sum()) {
+            response.let_go(gone);
+        }
         scatter(&response, force, moment);
         response.totals
     }

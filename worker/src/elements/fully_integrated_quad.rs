@@ -26,10 +26,11 @@
 //! exactly; so inertia and stable step are those of `quad.rs`. Of a part's options, `hourglass`,
 //! `hourglass_coefficient` and `warping` are not read.
 
-use super::quad::{self, Capacity, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
+use super::bounds::{self, Capacity};
+use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
-use super::stabilised_quad::{Slopes, dot2};
+use super::sides::{OnSides, Sides, dot2};
 use super::{Build, Built, ElementRow, let_go};
 use crate::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
@@ -73,33 +74,18 @@ impl Kernel for FullyIntegratedQuad {
     fn respond<R: PointReal, const N: usize>(&self, modes: &Modes<R>, history: &mut [R], dt: f64) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let drill = &mut own[..DRILLING];
-        let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);
+        let quarter = R::splat(0.25);
         let gauss = R::splat(1.0 / 3.0_f64.sqrt());
 
         // 1. Frame, and everything that moves as seen in it.
         let g = Geometry::new(&modes.x);
-        let s = Slopes::new(&g);
         let (motion, mut strains) = Motion::new(&g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
 
-        // 2. Shear from the sides, and membrane strain of twisted ones, as in the stabilised shell.
-        let t = &motion.t;
-        let beta_p = [t[0][1] - t[1][1], t[1][0] - t[0][0]];
-        let beta_q = [t[0][1] + t[1][1], -(t[0][0] + t[1][0])];
-        let h = [g.x[2], g.y[2]];
-        let twist = quarter * (dot2(h, strains.gamma) + q_z);
-        let rate_xi = sixteenth.mul_add(dot2(beta_q, s.p), twist);
-        let rate_eta = sixteenth.mul_add(dot2(beta_p, s.q), twist);
-        let (by_xi, by_eta) = (dot2(beta_q, h) * sixteenth, dot2(beta_p, h) * sixteenth);
-        for c in 0..2 {
-            strains.gamma[c] = s.to_xi[c].neg_mul_add(by_xi, s.to_eta[c].neg_mul_add(by_eta, strains.gamma[c]));
-        }
-        let per_climb = sixteenth * s.inv_a * s.inv_a;
-        let climb = per_climb * g.hz;
-        let stretch = per_climb * R::splat(0.5).neg_mul_add(q_z, g.hz) * q_z;
-        strains.eps[0] = stretch.mul_add(s.j[0], strains.eps[0]);
-        strains.eps[1] = stretch.mul_add(s.j[1], strains.eps[1]);
-        strains.eps[2] = (stretch + stretch).mul_add(s.j[2], strains.eps[2]);
+        // 2. Shear from the sides, and membrane strain of twisted ones.
+        let sides = Sides::new(&g, &motion, q_z, &mut strains);
+        let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
+        let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
         // 3. What strains have more at the points (1, 1) and (-1, 1) over sqrt 3, and less at those across.
         let nu = R::splat(self.section.elastic.poisson);
@@ -172,42 +158,14 @@ impl Kernel for FullyIntegratedQuad {
         let on_xi = soft_xi * (dot2(s.to_xi, shear_1) + dot2(s.to_xi, shear_2));
         let on_eta = soft_eta * (dot2(s.to_eta, shear_1) - dot2(s.to_eta, shear_2));
 
-        let stiff = quad::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let mut ahead = motion.ahead();
-        let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
-        ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
-        ahead[3] = g.hz.neg_mul_add(on_13 - on_24, ahead[3]);
+        let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         let flow_stress = self.section.flow_stress::<R, N>(section);
         let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        let energy = quad::drill(drill, stiff, ahead, capacity.as_ref(), zero);
+        let energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), zero);
 
-        // 6. Corner forces: what acts on the rates of stage 2 goes to the modes that these are made of.
-        let on_twist = quarter * (on_xi + on_eta);
-        let on_q_z = climb.mul_add(n[0].mul_add(s.j[0], n[1].mul_add(s.j[1], (n[2] + n[2]) * s.j[2])), on_twist);
-        let forces = Generalised {
-            n,
-            m,
-            q: [h[0].mul_add(on_twist, q[0]), h[1].mul_add(on_twist, q[1])],
-            hourglass: [-minus_on_tx, on_ty, on_q_z, on_x, on_y],
-            drilling: drill,
-            couple: zero,
-        };
-        let (force, mut moment) = forces.corners(&g);
-        let (q_xi, q_eta) = (dot2(q, s.to_xi), dot2(q, s.to_eta));
-        let tilting = [-(g.hz * (drill[2] + drill[3])), -(g.hz * (drill[2] - drill[3]))];
-        for c in 0..2 {
-            moment[c][0] = g.b1[c].mul_add(tilting[c], moment[c][0]);
-            moment[c][1] = g.b2[c].mul_add(tilting[c], moment[c][1]);
-        }
-        let [[x_13, x_24], [y_13, y_24]] = [0, 1].map(|c| {
-            let on_beta_q = sixteenth * s.p[c].mul_add(on_xi, -(h[c] * q_xi));
-            let on_beta_p = sixteenth * s.q[c].mul_add(on_eta, -(h[c] * q_eta));
-            [on_beta_q + on_beta_p, on_beta_q - on_beta_p]
-        });
-        moment[0][1] += x_13;
-        moment[1][1] += x_24;
-        moment[0][0] -= y_13;
-        moment[1][0] -= y_24;
+        // 6. Corner forces.
+        let hourglass = [-minus_on_tx, on_ty, on_x, on_y];
+        let (force, moment) = sides.corners(&g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
         let mut response = Response::new(&g, &self.section, (force, moment), [work, R::splat(0.5) * energy], sound);
         if let Some(failed) = self.section.fail_with_the_last(section) {
             response.let_go(failed);

@@ -20,15 +20,7 @@
 //!   angular momentum.
 //! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element. In plastic parts its
 //!   moments are bounded: at a fold the spin of one face is the bending of the other, and a stiffness that never yields
-//!   would carry more than the plastic hinge there, all the more in coarse meshes.
-//!
-//! Bounds of plastic parts. A square of side a, of flow stress sig, is plastic through and through in the modes of the
-//! stabilising forces at
-//! ```text
-//! membrane Q_m = sig t a/4,   bending Q_b = Q_m t/4,   drilling of a node Q_d = sig t^2 a/16
-//! ```
-//! (stress of one sign on either side of the middle; Q_d is a quarter of the plastic moment of a side). Formulations say
-//! which fractions of these they bear at most.
+//!   would carry more than the plastic hinge there, all the more in coarse meshes (`bounds.rs`).
 //!
 //! Concave quads are sound: one point needs the area between the diagonals, and nothing at the corners. Crushed corners of
 //! tubes pass through such shapes, and the established codes go on there.
@@ -47,7 +39,7 @@
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
 use super::kinematics::{Frame, PlaneMotion, curvature};
-use super::section::{INERTIA_FLOOR, Limits, Section, Strains};
+use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
 use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
 use crate::lanes::{Lane, Lanes, Real, cross, dot};
@@ -63,8 +55,6 @@ pub const DRILLING: usize = 4;
 /// again.
 const LONE: f64 = 1.05;
 
-/// Drilling moments of a node in a plastic part, at most, as a fraction of [`Capacity::drilling`].
-const DRILLING_BOUND: f64 = 0.01;
 /// Least area over the sum of the squared diagonals: what is below has collapsed to a line.
 const LEAST_AREA: f64 = 1e-6;
 
@@ -78,6 +68,15 @@ pub struct Modes<R> {
     pub w: [[R; 3]; 4],
 }
 
+impl<R: Real> Modes<R> {
+    /// Sum of all magnitudes: not finite where one of them is not.
+    #[inline(always)]
+    fn sum(&self) -> R {
+        let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
+        all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
+    }
+}
+
 /// What one pass over a group gives, in global axes.
 pub struct Response<R: Real> {
     /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
@@ -86,6 +85,8 @@ pub struct Response<R: Real> {
     pub moment: [[R; 3]; 4],
     /// The stable step is that of the density of the material.
     pub totals: Totals<R>,
+    /// Lanes that have an area and the strains of a healthy step.
+    calm: R::Mask,
     size: Size<R>,
 }
 
@@ -104,10 +105,10 @@ struct Size<R> {
 impl<R: Real> Size<R> {
     /// With the inertia of shear of this kernel.
     #[inline(always)]
-    fn limits<K: Kernel>(&self) -> Limits<R> {
+    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
         let Self { area, length, s, h2 } = *self;
         let taper = R::splat(K::TAPER) * h2;
-        Limits { area, length, corners: 4.0, s, taper, floor: R::splat(INERTIA_FLOOR) * (area + taper) }
+        Limits { area, length, corners: 4.0, s, taper, floor: R::splat(section.inertia_floor()) * (area + taper) }
     }
 }
 
@@ -301,60 +302,6 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// What a plastic element bears in the modes of stabilising forces; see the head of this file.
-pub struct Capacity<R> {
-    /// On the rates of gam vx and gam vy [force].
-    pub membrane: R,
-    /// On those of gam tx and gam ty [force length].
-    pub bending: R,
-    /// Of a node about the normal [force length].
-    pub drilling: R,
-}
-
-impl<R: Real> Capacity<R> {
-    /// By flow stress [force/length^2], thickness and area.
-    #[inline(always)]
-    pub fn new(flow_stress: R, thickness: R, area: R) -> Self {
-        let membrane = R::splat(0.25) * flow_stress * thickness * area.sqrt();
-        let bending = R::splat(0.25) * thickness * membrane;
-        Self { membrane, bending, drilling: bending }
-    }
-}
-
-/// The value, or the bound with its sign.
-#[inline(always)]
-pub fn bounded<R: Real>(value: R, bound: R) -> R {
-    Real::max(Real::min(value, bound), -bound)
-}
-
-/// Brings the drilling moments up to date, bounded in plastic parts; gives twice the energy, on top of `energy`.
-#[inline(always)]
-pub fn drill<R: Real>(
-    moments: &mut [R],
-    stiff: R,
-    ahead: [R; DRILLING],
-    capacity: Option<&Capacity<R>>,
-    energy: R,
-) -> R {
-    let bound = capacity.map(|capacity| R::splat(DRILLING_BOUND) * capacity.drilling);
-    let mut energy = energy;
-    for c in 0..DRILLING {
-        let old = moments[c];
-        // Modes weigh one half and one quarter.
-        let new = (if c < 2 { stiff } else { R::splat(0.5) * stiff }).mul_add(ahead[c], old);
-        let new = bound.map_or(new, |bound| bounded(new, bound));
-        moments[c] = new;
-        energy = (old + new).mul_add(ahead[c], energy);
-    }
-    energy
-}
-
-/// Coefficient of [`drill`], for a stiffness of `alpha G t A/4` a node.
-#[inline(always)]
-pub fn drilling_stiffness<R: Real>(section: &Section, alpha: f64, thickness: R, area: R) -> R {
-    R::splat(0.125 * alpha * section.elastic.shear_modulus()) * thickness * area
-}
-
 /// What acts on the motions of an element, in its axes.
 pub struct Generalised<'a, R> {
     /// Resultants times the area: membrane [force], moments [force length], shear [force].
@@ -397,14 +344,14 @@ impl<R: Real> Generalised<'_, R> {
 
 impl<R: Real> Response<R> {
     /// From corner modes in the axes of the element; `energies` are the internal and the hourglass one;
-    /// `sound` are the lanes whose strains are those of a healthy step.
+    /// `healthy` are the lanes whose strains are those of a healthy step.
     #[inline(always)]
     pub fn new(
         g: &Geometry<R>,
         section: &Section,
         (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
         [internal, hourglass]: [R; 2],
-        sound: R::Mask,
+        healthy: R::Mask,
     ) -> Self {
         let force = force.map(|f| g.frame.global(f));
         let moment = moment.map(|m| g.frame.global(m));
@@ -414,10 +361,11 @@ impl<R: Real> Response<R> {
             total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
             total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
         }
-        let sound = R::both(R::both(sound, g.has_area), total.le(R::splat(R::LARGEST)));
+        let calm = R::both(healthy, g.has_area);
+        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
         let size = g.size(section.elastic.poisson);
         let stable_dt = size.length * R::splat(1.0 / section.elastic.plate_wave_speed());
-        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, size }
+        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm, size }
     }
 }
 
@@ -443,30 +391,30 @@ pub struct Quad<K>(pub K);
 
 impl<K: Kernel> Formulation for Quad<K> {
     const OWN: usize = K::OWN;
-    /// Shear takes less of it, 7 % where nu = 0: only there is `L/c` borne alone.
+    /// Shear may need up to 7 % more than `L/c`; the membrane of a lone square bears `L/c` where nu = 0 alone.
     const ALONE: f64 = 1.0 / LONE;
 
     fn section(&self) -> &Section {
         self.0.section()
     }
 
-    /// s is at least 1/A, so that an inertia of `(A + TAPER H^2)/7` holds the frequency of shear to that of the membrane,
-    /// but for 7 % where nu = 0.
+    /// s is at least 1/A, so that an inertia of [`Section::inertia_floor`] times `A + TAPER H^2` holds the frequency of shear to
+    /// that of the membrane, but for 7 %.
     fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
         let mass = 0.25 * section.elastic.density * section.thickness * g.area;
-        (mass, mass * section.inertia_per_mass(g.size(section.elastic.poisson).limits::<K>().floor))
+        (mass, mass * section.inertia_per_mass(g.size(section.elastic.poisson).limits::<K>(section).floor))
     }
 
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]) {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        let floor = g.size(section.elastic.poisson).limits::<K>().floor;
+        let floor = g.size(section.elastic.poisson).limits::<K>(section).floor;
         section.measure(history, g.area, section.inertia_per_mass(floor));
     }
 
     fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>())
+        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>(section))
     }
 
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
@@ -491,10 +439,16 @@ impl<K: Kernel> Formulation for Quad<K> {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let response = self.0.respond::<L, N>(&gather(group, nodes), history, dt);
+        let (section, modes) = (self.section(), gather(group, nodes));
+        let mut response = self.0.respond::<L, N>(&modes, history, dt);
+        let factor = section.step_factor(history, &response.size.limits::<K>(section));
+        response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
+        let (calm, sound) = (response.calm, response.totals.sound);
+        if let Some(gone) = section.delete_inverted(history, calm, sound, modes.sum()) {
+            response.let_go(gone);
+        }
         scatter(&response, force, moment);
-        let factor = self.section().step_factor(history, &response.size.limits::<K>());
-        Totals { stable_dt: response.totals.stable_dt * (factor * L::splat(K::STEP)), ..response.totals }
+        response.totals
     }
 
     #[inline(never)]

@@ -11,16 +11,16 @@
 use crate::columns::State;
 use crate::lanes::Real;
 use crate::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
-use crumple_proto::job::{HourglassForm, Part};
+use crumple_proto::job::{HourglassForm, Inverted, Part};
 use crumple_proto::problem::Problem;
 
 use super::{ElementFields, failed_column, let_go};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
-/// Least rotational inertia of a corner of a quad per mass and area. 1/8 is usual, but lets shear govern the step of a strip of
-/// square elements where nu = 0: it then bears 0.894 of L/c, less than the usual safety factor; with 1/7, 0.934.
-pub const INERTIA_FLOOR: f64 = 1.0 / 7.0;
+/// Square of the frequency that shear of square elements may have, over that of the membrane, `(2 c/L)^2`: they then bear
+/// 0.934 of L/c, more than the usual safety factor of 0.9.
+const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
 /// Hourglass coefficient where the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Of a change of mass per area, in single precision: less is none, so that what only flies and turns keeps its step to the bit.
@@ -54,6 +54,8 @@ pub struct Section {
     /// Columns of a point: stress xx, yy, xy and the law's own.
     stride: usize,
     thinning: bool,
+    /// Whether inverted elements fail, instead of ending the run. Such a part has one column more, the last: 1 where one has.
+    pub deletes: bool,
     /// Where a point keeps its effective plastic strain, if its law has any.
     plastic_strain: Option<usize>,
     /// Where it marks that it has failed, if its law does.
@@ -157,6 +159,7 @@ impl Section {
             weight,
             stride: 3 + history.len(),
             thinning: part.thinning,
+            deletes: part.inverted == Inverted::Delete,
             plastic_strain: history.iter().position(|&name| name == "plastic_strain").map(|column| 3 + column),
             failed: failed_column(history).map(|column| 3 + column),
             law,
@@ -221,8 +224,16 @@ impl Section {
         history.is_nought_where(|column| column >= all || column % each >= SHEAR)
     }
 
-    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`, with which
-    /// membrane waves govern the step and not rotation (Hughes, Cohen & Haroun 1978).
+    /// Least rotational inertia of a corner of a quad per mass and area, with which membrane waves govern the step and not
+    /// rotation (Hughes, Cohen & Haroun 1978). Shear of squares of side L has the frequency `4 (5/6 G/rho) (1/L^2 + 1/(4 I))`, and
+    /// `5/6 G/rho = c^2 5/12 (1 - nu)`; with I = f L^2 it stays below [`SHEAR_OVER_MEMBRANE`] times `(2 c/L)^2` where
+    /// `5/12 (1 - nu) (1 + 1/(4 f))` does: f = 1/7 where nu = 0, 1/11.7 where nu = 0.3.
+    pub fn inertia_floor(&self) -> f64 {
+        let softer = 0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson);
+        0.25 / (SHEAR_OVER_MEMBRANE / softer - 1.0)
+    }
+
+    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`.
     pub fn inertia_per_mass(&self, floor: f64) -> f64 {
         (self.thickness * self.thickness / 12.0).max(floor)
     }
@@ -379,9 +390,44 @@ impl Section {
         Some(failed)
     }
 
-    /// Whether its law can fail.
+    /// Lets inverted elements fail; lanes where one has, now or before, `None` if the part does not want that. `calm` are the
+    /// lanes that have an area and the strains of a healthy step, `sound` those that are not in trouble, `moves` is a sum over
+    /// what moves: where it is not finite nothing is known, and the run has to end. What has failed keeps no state, since its
+    /// shape gives none.
+    #[inline(always)]
+    pub fn delete_inverted<R: Real>(
+        &self,
+        history: &mut [R],
+        calm: R::Mask,
+        sound: R::Mask,
+        moves: R,
+    ) -> Option<R::Mask> {
+        if !self.deletes {
+            return None;
+        }
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let (columns, each) = (self.columns(), self.each());
+        let (mark, state) = history.split_last_mut()?;
+        let inverted = R::select(R::either(calm, sound), zero, R::select(moves.le(R::splat(R::LARGEST)), one, zero));
+        *mark = Real::max(*mark, inverted);
+        let gone = mark.gt(R::splat(0.5));
+        if !R::any(gone) {
+            return Some(gone);
+        }
+        for (column, value) in state.iter_mut().enumerate() {
+            let kept = match column {
+                VOLUME | INERTIA => *value,
+                _ if column < columns && column % each == THICKNESS => R::splat(self.thickness),
+                _ => zero,
+            };
+            *value = R::select(gone, kept, *value);
+        }
+        Some(gone)
+    }
+
+    /// Whether elements can fail, by their law or where they are inverted.
     pub fn can_fail(&self) -> bool {
-        self.failed.is_some()
+        self.failed.is_some() || self.deletes
     }
 
     /// Whether all points of one element have failed.

@@ -81,7 +81,7 @@ impl<F: Formulation> Shell<F> {
 
 impl<F: Formulation> Element for Shell<F> {
     fn columns(&self) -> usize {
-        self.section().columns() + F::OWN
+        self.section().columns() + F::OWN + usize::from(self.section().deletes)
     }
 
     fn any_precision(&self) -> bool {
@@ -122,7 +122,11 @@ impl<F: Formulation> Element for Shell<F> {
     }
 
     fn failed(&self, history: State<'_>) -> bool {
-        self.section().has_failed(history)
+        self.section().has_failed(history) || self.is_deleted(history)
+    }
+
+    fn is_deleted(&self, history: State<'_>) -> bool {
+        self.section().deletes && history.at(self.columns() - 1) > 0.5
     }
 
     fn can_fail(&self) -> bool {
@@ -130,6 +134,7 @@ impl<F: Formulation> Element for Shell<F> {
     }
 
     fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
-        self.section().fields(history, &F::axes(four(x)))
+        let fields = self.section().fields(history, &F::axes(four(x)));
+        ElementFields { failed: self.failed(history), ..fields }
     }
 }

@@ -36,9 +36,11 @@
 //! Valid where one layer of elements follows the stress; where the centre stays elastic nothing bounds the
 //! stabilising forces. Of a part's options, `hourglass` and `warping` are not read.
 
-use super::quad::{self, Capacity, DRILLING, Generalised, Geometry, Kernel, Modes, Motion, Quad, Response};
+use super::bounds::{self, Capacity};
+use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
+use super::sides::{OnSides, Sides, dot2};
 use super::{Build, Built, ElementRow, let_go};
 use crate::lanes::Real;
 use crate::materials::{PlaneStress, PointReal};
@@ -72,43 +74,6 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     Ok(Box::new(Shell(Quad(StabilisedQuad { section, drilling: part.drilling, least_stiffness }))))
 }
 
-/// What the stabilisation needs of the shape.
-pub struct Slopes<R> {
-    /// -4 dx/dxi and -4 dx/deta [length].
-    pub p: [R; 2],
-    pub q: [R; 2],
-    /// 1/A, and X, Y [1/length].
-    pub inv_a: R,
-    pub to_xi: [R; 2],
-    pub to_eta: [R; 2],
-    /// 3 A times J: xx, yy, xy [length^2].
-    pub j: [R; 3],
-}
-
-impl<R: Real> Slopes<R> {
-    #[inline(always)]
-    pub fn new(g: &Geometry<R>) -> Self {
-        let p = [g.x[0] - g.x[1], g.y[0] - g.y[1]];
-        let q = [g.x[0] + g.x[1], g.y[0] + g.y[1]];
-        let inv_a = g.inv_2a + g.inv_2a;
-        let sum = |a: R, b: R, c: R, d: R| a.mul_add(b, c * d);
-        Self {
-            p,
-            q,
-            inv_a,
-            to_xi: [-(q[1] * inv_a), q[0] * inv_a],
-            to_eta: [p[1] * inv_a, -(p[0] * inv_a)],
-            j: [sum(q[1], q[1], p[1], p[1]), sum(q[0], q[0], p[0], p[0]), -sum(q[0], q[1], p[0], p[1])],
-        }
-    }
-}
-
-/// Scalar product in the plane.
-#[inline(always)]
-pub fn dot2<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0].mul_add(b[0], a[1] * b[1])
-}
-
 impl Kernel for StabilisedQuad {
     const OWN: usize = STABILISING + DRILLING;
     /// The sides' shear at the centre is `(X (M2 H) + Y (M1 H))/4` of rotations that vary, and `XX + YY = 4 S`: tr S/4, and
@@ -123,45 +88,25 @@ impl Kernel for StabilisedQuad {
     fn respond<R: PointReal, const N: usize>(&self, modes: &Modes<R>, history: &mut [R], dt: f64) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (stabilising, drill) = own[..STABILISING + DRILLING].split_at_mut(STABILISING);
-        let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);
 
         // 1. Frame, and everything that moves as seen in it.
         let g = Geometry::new(&modes.x);
-        let s = Slopes::new(&g);
         let (motion, mut strains) = Motion::new(&g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
 
-        // 2. Shear from the sides. With beta, p is 4 (M1), q is 4 (M2), both less their sign.
-        let t = &motion.t;
-        let beta_p = [t[0][1] - t[1][1], t[1][0] - t[0][0]];
-        let beta_q = [t[0][1] + t[1][1], -(t[0][0] + t[1][0])];
-        let h = [g.x[2], g.y[2]];
-        let twist = quarter * (dot2(h, strains.gamma) + q_z);
-        let rate_xi = sixteenth.mul_add(dot2(beta_q, s.p), twist);
-        let rate_eta = sixteenth.mul_add(dot2(beta_p, s.q), twist);
-        let (by_xi, by_eta) = (dot2(beta_q, h) * sixteenth, dot2(beta_p, h) * sixteenth);
-        for c in 0..2 {
-            strains.gamma[c] = s.to_xi[c].neg_mul_add(by_xi, s.to_eta[c].neg_mul_add(by_eta, strains.gamma[c]));
-        }
+        // 2. Shear from the sides, and membrane strain of twisted ones.
+        let sides = Sides::new(&g, &motion, q_z, &mut strains);
+        let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
+        let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
-        // 3. Membrane strain of twisted sides.
-        let per_climb = sixteenth * s.inv_a * s.inv_a;
-        let climb = per_climb * g.hz;
-        // The strain goes with the square of hz, so its increment with the mean of hz: with that of now a vibration would
-        // stretch the element step by step.
-        let stretch = per_climb * R::splat(0.5).neg_mul_add(q_z, g.hz) * q_z;
-        strains.eps[0] = stretch.mul_add(s.j[0], strains.eps[0]);
-        strains.eps[1] = stretch.mul_add(s.j[1], strains.eps[1]);
-        strains.eps[2] = (stretch + stretch).mul_add(s.j[2], strains.eps[2]);
-
-        // 4. Stress.
+        // 3. Stress.
         let sound = self.section.healthy(&strains, self.section.current_thickness(section));
         let before = self.section.yielded::<R, N>(section);
         let Resultants { n, m, q, work, thickness } = self.section.update::<R, N>(section, &strains, dt);
         let [keep, tangent] = self.section.flow::<R, N>(section, &before);
         let (n, m, q) = (n.map(|n| n * g.area), m.map(|m| m * g.area), q.map(|q| q * g.area));
 
-        // 5. Stabilising and drilling forces.
+        // 4. Stabilising and drilling forces.
         let elastic = &self.section.elastic;
         let third = R::splat(1.0 / 3.0) * s.inv_a;
         let membrane = R::splat(elastic.youngs_modulus / 16.0) * thickness * third;
@@ -200,44 +145,15 @@ impl Kernel for StabilisedQuad {
             stabilising[c] = new;
             energy = (old + new).mul_add(rates[c], energy);
         }
-        let stiff = quad::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        let mut ahead = motion.ahead();
-
-        let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
-        ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
-        ahead[3] = g.hz.neg_mul_add(on_13 - on_24, ahead[3]);
+        let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         let flow_stress = self.section.flow_stress::<R, N>(section);
         let capacity = flow_stress.map(|stress| Capacity::new(stress, thickness, g.area));
-        energy = quad::drill(drill, stiff, ahead, capacity.as_ref(), energy);
+        energy = bounds::drill(drill, stiff, sides.ahead(&g, &motion), capacity.as_ref(), energy);
 
-        // 6. Corner forces: what acts on the rates of stages 2 and 3 goes to the modes that these are made of.
-        let [on_xi, on_eta] = [stabilising[2], stabilising[3]];
-        let on_twist = quarter * (on_xi + on_eta);
-        let on_q_z = climb.mul_add(n[0].mul_add(s.j[0], n[1].mul_add(s.j[1], (n[2] + n[2]) * s.j[2])), on_twist);
-        let forces = Generalised {
-            n,
-            m,
-            q: [h[0].mul_add(on_twist, q[0]), h[1].mul_add(on_twist, q[1])],
-            hourglass: [stabilising[0], stabilising[1], on_q_z, stabilising[4], stabilising[5]],
-            drilling: drill,
-            couple: R::zero(),
-        };
-        let (force, mut moment) = forces.corners(&g);
-        let (q_xi, q_eta) = (dot2(q, s.to_xi), dot2(q, s.to_eta));
-        let tilting = [-(g.hz * (drill[2] + drill[3])), -(g.hz * (drill[2] - drill[3]))];
-        for c in 0..2 {
-            moment[c][0] = g.b1[c].mul_add(tilting[c], moment[c][0]);
-            moment[c][1] = g.b2[c].mul_add(tilting[c], moment[c][1]);
-        }
-        let [[x_13, x_24], [y_13, y_24]] = [0, 1].map(|c| {
-            let on_beta_q = sixteenth * s.p[c].mul_add(on_xi, -(h[c] * q_xi));
-            let on_beta_p = sixteenth * s.q[c].mul_add(on_eta, -(h[c] * q_eta));
-            [on_beta_q + on_beta_p, on_beta_q - on_beta_p]
-        });
-        moment[0][1] += x_13;
-        moment[1][1] += x_24;
-        moment[0][0] -= y_13;
-        moment[1][0] -= y_24;
+        // 5. Corner forces.
+        let [on_tx, on_ty, on_xi, on_eta, on_x, on_y] = std::array::from_fn(|c| stabilising[c]);
+        let on_sides = OnSides { n, m, q, shear: [on_xi, on_eta], hourglass: [on_tx, on_ty, on_x, on_y], drill };
+        let (force, moment) = sides.corners(&g, &on_sides);
         let energies = [work * g.area, R::splat(0.5) * energy];
         let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {

@@ -3,7 +3,7 @@
 use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
 use crate::columns::Columns;
 use crate::materials::LAWS;
-use crumple_proto::job::{Part, Precision};
+use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
 
@@ -23,6 +23,7 @@ pub fn part(thickness: f64) -> Part {
         bulk_viscosity: None,
         warping: false,
         skin: false,
+        inverted: Inverted::Stop,
         thinning: false,
         drilling: 0.01,
     }
@@ -162,6 +163,11 @@ impl Patch {
         quads: &[[u32; 4]],
     ) -> Self {
         let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
+        // Tests that name no formulation are of the plainest.
+        let part = match (&part.element, shape) {
+            (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
+            _ => part,
+        };
         let element = build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
         let (groups, mut history) = lay(&*element, precision, quads);
         for place in 0..groups.len() / 4 {
