@@ -135,16 +135,32 @@ fn what_is_held_comes_from_cards_and_codes() {
 }
 
 #[test]
-fn contacts_are_one_with_the_largest_friction() {
+fn contacts_become_interfaces() {
     let model = with(
         "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,first\n1,0,3\n0.1,0.1\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\
         0.4,0.2,3.0\n\n2\n",
     );
     let contact = model.job.contact.as_ref().unwrap();
-    assert_eq!((contact.friction, contact.parts.as_slice()), (0.2, [1, 2].as_slice()), "with decay, the one at speed");
+    assert_eq!((contact.name.as_str(), contact.friction, contact.parts.as_slice()), ("first", 0.1, [1].as_slice()));
+    let [pair] = contact.interface.as_slice() else { panic!("one interface: {:?}", contact.interface) };
+    assert_eq!((pair.parts.as_slice(), pair.against.as_slice()), ([1].as_slice(), [2].as_slice()));
+    assert_eq!((pair.friction, pair.friction_dynamic, pair.friction_decay), (Some(0.4), Some(0.2), Some(3.0)));
+    assert_eq!((pair.thickness, pair.birth, pair.death), (None, None, None));
     assert!(crumple::check::describe(&model).contains("contact 2: soft 2 -> not used"));
-    assert!(model.warnings.iter().any(|w| w.message.contains("contacts have different friction")));
     assert!(with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n").job.contact.unwrap().parts.is_empty(), "all");
+}
+
+#[test]
+fn contacts_of_a_single_surface_come_before_those_of_two() {
+    let model = with(
+        "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n,,0.6,0.2\n\
+         *CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n0.1,0.1\n,,,,0.5\n",
+    );
+    let contact = model.job.contact.as_ref().unwrap();
+    assert!(contact.parts.is_empty(), "all");
+    assert_eq!((contact.friction, contact.thickness_scale), (0.1, 0.5));
+    let [pair] = contact.interface.as_slice() else { panic!("one interface: {:?}", contact.interface) };
+    assert_eq!((pair.friction, pair.thickness, pair.birth, pair.death), (Some(0.4), Some(0.4), Some(0.25), Some(0.5)));
 }
 
 #[test]
