@@ -2,6 +2,7 @@
 
 use crate::job::subcycles::{self, Classes};
 use crate::job::{Model, Report};
+use crumple_proto::job::Contact;
 use crumple_proto::mesh::Shape;
 use std::fmt::Write;
 
@@ -209,25 +210,49 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     }
     match &model.settings.contact {
         None => writeln!(out, "contact      none"),
-        Some(c) => writeln!(
-            out,
-            "contact      {} with friction {}, search by {} with skin {}",
-            c.law,
-            c.friction,
-            c.search,
-            figure(c.skin)
-        ),
+        Some(c) => writeln!(out, "contact      {}, search by {} with skin {}", touching(c), c.search, figure(c.skin)),
     }?;
-    for i in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
-        let list = |parts: &[u32]| match parts {
-            [] => "all parts".to_string(),
-            some => format!("parts {}", some.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
-        };
-        let against = if i.against.is_empty() { String::new() } else { format!(" against {}", list(&i.against)) };
-        writeln!(out, "  interface  {}{against}: {} with friction {}", list(&i.parts), i.law, i.friction)?;
+    for c in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
+        writeln!(out, "  interface  {}", touching(&c))?;
     }
     let fields = model.settings.field_times.len();
     writeln!(out, "output       a history row every {}, {fields} field files", figure(model.settings.history_interval))
+}
+
+/// What a contact or one of its interfaces says of parts and how they touch.
+fn touching(c: &Contact) -> String {
+    let list = |parts: &[u32]| match parts {
+        [] => "all parts".to_string(),
+        some => format!("parts {}", some.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
+    };
+    let mut words = if c.name.is_empty() { String::new() } else { format!("{}: ", c.name) };
+    words += &list(&c.parts);
+    if !c.against.is_empty() {
+        words += &format!(" against {}", list(&c.against));
+    }
+    if !c.exclude.is_empty() {
+        words += &format!(" without {}", list(&c.exclude));
+    }
+    if c.law == Contact::NO_LAW {
+        return words + ", which do not touch";
+    }
+    words += &format!(", {} with friction {}", c.law, figure(c.friction));
+    if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
+        words += &format!(" down to {} with the speed", figure(dynamic));
+    }
+    if let Some(thickness) = c.thickness {
+        words += &format!(", thickness {}", figure(thickness));
+    }
+    if c.thickness_scale != 1.0 {
+        words += &format!(", thickness times {}", figure(c.thickness_scale));
+    }
+    if c.birth > 0.0 {
+        words += &format!(", from time {}", figure(c.birth));
+    }
+    if let Some(death) = c.death.filter(|d| d.is_finite()) {
+        words += &format!(", to time {}", figure(death));
+    }
+    words
 }
 
 /// Five digits, without an exponent where a person would write none.

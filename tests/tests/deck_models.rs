@@ -145,7 +145,8 @@ fn contacts_become_interfaces() {
     let [pair] = contact.interface.as_slice() else { panic!("one interface: {:?}", contact.interface) };
     assert_eq!((pair.parts.as_slice(), pair.against.as_slice()), ([1].as_slice(), [2].as_slice()));
     assert_eq!((pair.friction, pair.friction_dynamic, pair.friction_decay), (Some(0.4), Some(0.2), Some(3.0)));
-    assert_eq!((pair.thickness, pair.birth, pair.death), (None, None, None));
+    let pair = contact.each().nth(1).unwrap();
+    assert_eq!((pair.thickness, pair.thickness_scale, pair.birth, pair.death), (None, 1.0, 0.0, None));
     assert!(crumple::check::describe(&model).contains("contact 2: soft 2 -> not used"));
     assert!(with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n").job.contact.unwrap().parts.is_empty(), "all");
 }
@@ -159,8 +160,13 @@ fn contacts_of_a_single_surface_come_before_those_of_two() {
     let contact = model.job.contact.as_ref().unwrap();
     assert!(contact.parts.is_empty(), "all");
     assert_eq!((contact.friction, contact.thickness_scale), (0.1, 0.5));
-    let [pair] = contact.interface.as_slice() else { panic!("one interface: {:?}", contact.interface) };
-    assert_eq!((pair.friction, pair.thickness, pair.birth, pair.death), (Some(0.4), Some(0.4), Some(0.25), Some(0.5)));
+    let pair = contact.each().nth(1).unwrap();
+    assert_eq!(
+        (pair.friction, pair.thickness, pair.thickness_scale),
+        (0.4, Some(0.4), 1.0),
+        "nothing of the first one"
+    );
+    assert_eq!((pair.birth, pair.death), (0.25, Some(0.5)));
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn edges_hold_what_would_pass_between_nodes() {
     let ends = [true, false].map(|edges| {
         let model = grid(&format!("edges = {edges}"), 13, [4.0, 2.0, -8.0], 0.0);
         let end = run_alone(&model, |_| {});
-        end.contact.as_ref().unwrap().crossings(&end.nodes).len()
+        end.contact.as_ref().unwrap().crossings(&end.nodes, end.clock.time).len()
     });
     assert_eq!(ends[0], 0);
     assert!(ends[1] > 0, "without edges strips go through: {ends:?}");

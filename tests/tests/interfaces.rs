@@ -196,6 +196,25 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
     assert!(energies.contact < 0.0, "contact takes: {energies:?}");
 }
 
+/// Friction by speed, a birth and a death: the same bits on any number of workers.
+#[test]
+fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
+    let numbers =
+        ["contact.friction=0.4", "contact.friction_dynamic=0.1", "contact.friction_decay=0.5", "contact.death=2.5"];
+    for scene in ["tumble", "slide"] {
+        let model = read(&case(scene), &[&numbers[..], &["time.max_cycles=900"]].concat());
+        let serial = run_side_by_side(&model, 1, 900, 0);
+        assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 500, "bodies do meet");
+        for (workers, force_every) in [(2, 0), (3, 11), (4, 0)] {
+            assert_eq!(
+                serial.digest(),
+                run_side_by_side(&model, workers, 900, force_every).digest(),
+                "{scene}: {workers}"
+            );
+        }
+    }
+}
+
 #[test]
 fn mistakes_in_interfaces_are_told_all_at_once() {
     let sets = [

@@ -1,6 +1,7 @@
 //! Bodies that start inside each other's thickness: contact lets that be, and makes no energy of it. Units mm, ms, kg.
 
 use crumple::job::{self, Model};
+use crumple_tests::program::{Ended, crumple_with, run};
 use crumple_tests::run_alone;
 use crumple_worker::engine::Engine;
 
@@ -105,4 +106,26 @@ fn a_folded_panel_in_flight_gains_nothing() {
         let first = first.unwrap();
         assert!(work < 1e-3 * first && most < 1.001 * first, "{law}: work {work}, {most} of {first}");
     }
+}
+
+/// Springs without a damper that are too stiff for the step throw bars apart with more than they came with: from 1 % on that is warned of,
+/// at 10 % it ends the run.
+#[test]
+fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
+    let bars = |scale: f64| {
+        let sets = ["law=penalty", "penalty_cap=false", "penalty_damping=0", &format!("penalty_scale={scale}")];
+        let sets = sets.map(|set| format!("contact.{set}"));
+        let set = sets.iter().flat_map(|set| ["--set", set]);
+        run(crumple_with(&["run", "cases/bars"].into_iter().chain(set).collect::<Vec<_>>()))
+    };
+    let created = |ended: &Ended| ended.summary()["energy"]["contact_created"].as_f64().unwrap();
+    let told = |ended: &Ended| ended.said().contains("contact has created");
+    let stable = bars(1.5).with_code(0);
+    assert!(created(&stable) < 0.01 && !told(&stable), "{}", created(&stable));
+    let warned = bars(1.7).with_code(0);
+    assert!((0.01..0.1).contains(&created(&warned)) && told(&warned), "{}", created(&warned));
+    let stopped = bars(3.0).with_code(3);
+    assert!(created(&stopped) > 0.1 && told(&stopped), "{}", created(&stopped));
+    let reason = stopped.summary()["reason"].as_str().unwrap().to_string();
+    assert!(reason.contains("contact has created"), "{reason}");
 }

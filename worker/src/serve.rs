@@ -193,7 +193,8 @@ impl Worker {
     /// Says once that edges have gone through surfaces where this contact does not see it.
     fn tell_of_crossings(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         let e = &self.engine;
-        let found = e.contact.as_ref().filter(|_| !self.crossed).map_or(Vec::new(), |c| c.crossings(&e.nodes));
+        let found =
+            e.contact.as_ref().filter(|_| !self.crossed).map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
         let Some(first) = found.first() else { return Ok(()) };
         self.crossed = true;
         let warning = format!(

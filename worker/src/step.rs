@@ -67,7 +67,12 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             timer.lap(Phase::Halo);
         }
         contact.look_at_folds(nodes, clock.cycle);
-        contact.refresh_candidates(nodes, Joined { bodies, ties }, steps.dt, engine.agreement.elements_dt);
+        contact.refresh_candidates(
+            nodes,
+            Joined { bodies, ties },
+            (clock.time, steps.dt),
+            engine.agreement.elements_dt,
+        );
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, clock.time, steps);
         timer.lap(Phase::Local);

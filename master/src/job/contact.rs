@@ -54,6 +54,10 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
         numbers.findings.add(Problem::error("time.safety", message, help));
     }
+    if contact.interface.len() >= usize::from(u16::MAX) {
+        let message = format!("{} interfaces", contact.interface.len());
+        numbers.findings.add(Problem::error("contact.interface", message, "65534 are the most"));
+    }
     if numbers.findings.any_faulty_below("part") {
         return;
     }
@@ -83,11 +87,17 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
 /// A warning for each interface that no two parts are in: later ones name them all, or nothing has been named.
 fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'_>) {
     let all: Vec<Contact> = contact.each().collect();
-    let last = |a: u32, b: u32| all.iter().rposition(|c| c.meets(a, b));
-    let ids = || job.part.iter().map(|p| p.id);
-    let found: Vec<Option<usize>> = ids().flat_map(|a| ids().map(move |b| (a, b))).map(|(a, b)| last(a, b)).collect();
+    let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let mut last = vec![0; ids.len() * ids.len()];
+    for (i, c) in all.iter().enumerate().skip(1) {
+        let [ahead, behind] = c.sides(&ids);
+        for (&a, &b) in ahead.iter().flat_map(|a| behind.iter().map(move |b| (a, b))) {
+            last[a * ids.len() + b] = i;
+            last[b * ids.len() + a] = i;
+        }
+    }
     for (i, path) in said.iter().enumerate().skip(1) {
-        if !found.contains(&Some(i)) {
+        if !last.contains(&i) {
             let what = if all[i].name.is_empty() { String::new() } else { format!(" `{}`", all[i].name) };
             let message = format!("no two parts are in the interface{what}");
             let help =
@@ -114,10 +124,11 @@ fn check_one(path: &str, contact: &Contact, is_own: impl Fn(&str) -> bool, numbe
     };
     let (beta, wanted) = (contact.partition, "between 0 and 1; 0.5 treats both surfaces alike");
     need((0.0..=1.0).contains(&beta), "partition", beta, wanted);
-    need(contact.friction >= 0.0, "friction", contact.friction, "0 or above");
+    let is_some = |x: f64| x >= 0.0 && x.is_finite();
+    need(is_some(contact.friction), "friction", contact.friction, "0 or above");
     let dynamic = contact.friction_dynamic.unwrap_or(0.0);
-    need(dynamic >= 0.0, "friction_dynamic", dynamic, "0 or above");
-    need(contact.friction_decay >= 0.0, "friction_decay", contact.friction_decay, "0 or above");
+    need(is_some(dynamic), "friction_dynamic", dynamic, "0 or above");
+    need(is_some(contact.friction_decay), "friction_decay", contact.friction_decay, "0 or above");
     let given = contact.thickness.unwrap_or(1.0);
     need(given > 0.0 && given.is_finite(), "thickness", given, "above 0");
     let factor = contact.thickness_scale;

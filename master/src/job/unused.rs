@@ -3,7 +3,7 @@
 use super::laws::Used;
 use super::tree::{Kind, Node, Place};
 use super::validate::Findings;
-use crumple_proto::job::{HourglassForm, Job, Part};
+use crumple_proto::job::{Contact, HourglassForm, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
@@ -62,15 +62,24 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
         table.get(key).is_some() && !matches!(tree.locate(&format!("{path}.{key}")), Place::Deck { .. })
     };
     if let (Some(table), Some(contact)) = (tree.get("contact"), &job.contact) {
-        for (key, laws) in
-            OF_LAWS.iter().filter(|(key, laws)| !laws.contains(&contact.law.as_str()) && written(table, "contact", key))
-        {
-            let message = format!("law = \"{}\" does not use `{key}`", contact.law);
-            findings.add(Problem::warning(
-                format!("contact.{key}"),
-                message,
-                format!("it belongs to law {}", laws.join(" and ")),
-            ));
+        let used_by = |one: &Contact, laws: &[&str]| laws.contains(&one.law.as_str());
+        let mut tell = |path: String, key: &str, law: &str, laws: &[&str]| {
+            let message = format!("law = \"{law}\" does not use `{key}`");
+            findings.add(Problem::warning(path, message, format!("it belongs to law {}", laws.join(" and "))));
+        };
+        let all: Vec<Contact> = contact.each().collect();
+        for (key, laws) in OF_LAWS {
+            // What it says is taken over by its interfaces.
+            if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
+                tell(format!("contact.{key}"), key, &contact.law, laws);
+            }
+            let Some(Kind::Array(interfaces)) = table.get("interface").map(|node| &node.kind) else { continue };
+            for (i, (table, one)) in interfaces.iter().zip(&all[1..]).enumerate() {
+                let path = format!("contact.interface.{i}");
+                if written(table, &path, key) && !used_by(one, laws) {
+                    tell(format!("{path}.{key}"), key, &one.law, laws);
+                }
+            }
         }
     }
     let Some(Kind::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };

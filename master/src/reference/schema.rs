@@ -1,7 +1,7 @@
 //! The schema of a job, with what its types do not know: names of laws, formulations and generators, and their keys.
 
 use crumple_cases::GENERATORS;
-use crumple_proto::job::Job;
+use crumple_proto::job::{Contact, Job};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
 use crumple_worker::contact::search::SEARCHES;
@@ -17,11 +17,13 @@ pub fn schema() -> Value {
     let mut schema = Job::schema();
     schema["$schema"] = DRAFT.into();
     let defs = &mut schema["$defs"];
-    let contact = &mut defs["Contact"]["properties"];
-    words(&mut contact["law"], CONTACT_LAWS.iter().map(|l| l.name));
-    words(&mut contact["search"], SEARCHES.iter().map(|s| s.name));
-    words(&mut contact["iteration"], ITERATIONS.iter().map(|i| i.0));
-    words(&mut contact["penalty_form"], PENALTY_FORMS.iter().copied());
+    words(&mut defs["Contact"]["properties"]["search"], SEARCHES.iter().map(|s| s.name));
+    for of in ["Contact", "Interface"] {
+        let contact = &mut defs[of]["properties"];
+        words(&mut contact["law"], CONTACT_LAWS.iter().map(|l| l.name).chain([Contact::NO_LAW]));
+        words(&mut contact["iteration"], ITERATIONS.iter().map(|i| i.0));
+        words(&mut contact["penalty_form"], PENALTY_FORMS.iter().copied());
+    }
     words(
         &mut defs["Part"]["properties"]["element"],
         ELEMENTS.iter().filter(|e| e.shape != Shape::Tri3).map(|e| e.name),

@@ -136,7 +136,8 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(Row::new("velocity of the struck strip / v", &variant, "", struck).within(reference, 0.05, BEAM));
             all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
             all.extend(run.energy_rows(&variant, 0.01));
-            let crossed = run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes).len());
+            let crossed =
+                run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
             all.push(Row::new("edges seen in surfaces", &variant, "", crossed as f64).at_most(0.0, "exact"));
         }
     }

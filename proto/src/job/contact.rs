@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Name for people and for `--set`, where `[[contact]]` is a list.
+    /// Name for people.
     pub name: String,
     /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`. All three hold where contact is strong
     /// (`cases/studies/README.md`, tube, corner, tumble); for contact stresses take one of the first two (hertz). With `none`
@@ -22,9 +22,10 @@ pub struct Contact {
     pub friction_decay: f64,
     /// Time from which there is contact [time].
     pub birth: f64,
-    /// Time at which contact ends [time]; never if left out.
+    /// Time at which contact ends [time]; never if left out. Before birth and after death its parts do not touch, not by an earlier
+    /// interface either.
     pub death: Option<f64>,
-    /// Thickness with which all shells are met, in place of their own [length].
+    /// Thickness with which all shells are met, in place of their own [length]; `thickness_limit` does not bound it.
     pub thickness: Option<f64>,
     /// Factor of the thickness with which shells are met.
     pub thickness_scale: f64,
@@ -196,13 +197,15 @@ impl Contact {
         std::iter::once(own).chain(self.interface.iter().map(|i| self.of(i)))
     }
 
-    /// Whether two parts are in contact by what it says itself, its interfaces left out.
-    pub fn meets(&self, one: u32, other: u32) -> bool {
-        let named = |list: &[u32], part: u32| list.is_empty() || list.contains(&part);
+    /// Which parts, by their places in `ids`, meet which others by what it says itself, its interfaces left out.
+    pub fn sides(&self, ids: &[u32]) -> [Vec<usize>; 2] {
+        let named = |list: &[u32], id: u32| list.is_empty() || list.contains(&id);
         let against = if self.against.is_empty() { &self.parts } else { &self.against };
-        let one_way = |a: u32, b: u32| named(&self.parts, a) && named(against, b);
-        let excluded = self.exclude.contains(&one) || self.exclude.contains(&other);
-        !excluded && (one_way(one, other) || one_way(other, one))
+        let side = |list: &[u32]| {
+            let is_in = |&(_, &id): &(usize, &u32)| named(list, id) && !self.exclude.contains(&id);
+            ids.iter().enumerate().filter(is_in).map(|(place, _)| place).collect()
+        };
+        [side(&self.parts), side(against)]
     }
 
     /// Whether a part takes part, by itself or by one of its interfaces.

@@ -24,7 +24,7 @@ pub struct Crossing {
 
 /// Crossings of own edges, by the nodes with the lower id: of all that shells have, and of those between two faces of solids. In
 /// ascending order, each once. To be called where all nodes of the surface are at the same time, but for a step.
-pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing> {
+pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
     let lines = Lines::of(surface, nodes);
     let edges: Vec<&Edge> = lines.all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
     let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
@@ -59,7 +59,8 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, find: Search) -> Vec<Crossing
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         let touch = || {
             let parts = lines.segments(e).iter().map(|&g| surface.segments[g as usize].part);
-            surface.interfaces.between(parts, std::iter::once(s.part)).is_some()
+            let interface = surface.interfaces.between(parts, std::iter::once(s.part));
+            interface.is_some_and(|i| surface.interfaces.is_alive(i, time))
         };
         if apart && touch() && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
             found.push(Crossing { edge: lines.lowest(e, surface).id.elem(), surface: s.id.elem() });

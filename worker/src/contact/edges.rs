@@ -218,7 +218,10 @@ impl Edges {
         let is_near = |pair: &&[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
             let most = |sum| surface.interfaces.most(sum);
-            let reach = most(a.half + b.half) + ACTIVE * most(a.scale + b.scale) + step + skin;
+            let scale = most(a.scale + b.scale);
+            let near = most(a.half + b.half) + ACTIVE * scale;
+            let deepest = if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
+            let reach = near.max(deepest) + step + skin;
             a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x)) && are_within(a, b, nodes, reach)
         };
         self.candidates.clear();
@@ -226,9 +229,10 @@ impl Edges {
     }
 
     /// As [`approach::rate`] of all that was found [1/time].
-    pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, dt: f64) -> f64 {
+    pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, (time, dt): (f64, f64)) -> f64 {
         let rate = |[a, b]: [&Edge; 2]| {
-            let Some(interface) = self.lines.interface([a, b], surface) else { return 0.0 };
+            let interface = self.lines.interface([a, b], surface).filter(|&i| !surface.interfaces.is_over(i, time));
+            let Some(interface) = interface else { return 0.0 };
             let scale = sizes(surface, interface, [a, b]).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
             let near = are_within(a, b, nodes, REACH * scale + approach::STEPS * dt * speed);
@@ -279,20 +283,22 @@ impl Edges {
         let [one, other] = edges;
         let (thickness, scale) = sizes(surface, interface, edges);
         let near = thickness + ACTIVE * scale;
+        // Shells that are through by more than the thickness are lost; solids have no other side.
+        let solid = edges.iter().any(|e| e.kind == Kind::Solid);
+        let deepest = if solid { REACH * scale } else { near };
         let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
         let [s, t] = met.along;
         // Most are too far away on whatever side they belong.
         let velocity = |n: u32| V3::from(xyz(&nodes.next_v[n as usize]));
         let slave = velocity(i) * (1.0 - s) + velocity(j) * s;
         let opening = (slave - velocity(k) * (1.0 - t) - velocity(l) * t).dot(&met.normal);
-        if met.height.abs() - dt * opening.abs() >= near {
+        if met.height.abs() - dt * opening.abs() >= near.max(deepest) {
             return None;
         }
         let name = Name::of_edges(one.ids(nodes), other.ids(nodes));
         let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
         let known = self.recall(&name, &met.normal).filter(|m| m.is_fresh(moved, scale));
         let stays = known.as_ref().is_some_and(|m| m.name == name);
-        let solid = edges.iter().any(|e| e.kind == Kind::Solid);
         let side = if solid {
             facing(lines, surface, nodes, edges, &met.normal)?
         } else {
@@ -312,8 +318,8 @@ impl Edges {
             own: true,
             ..Pair::unknown(name, two.id, [i, j, k, l, NOT_LOCAL])
         };
-        // What is tolerated is no gap: it can only make the pair less near. What is through by more than the thickness is lost.
-        if met.height * side + dt * opening * side >= near || met.height * side < -near {
+        // What is tolerated is no gap: it can only make the pair less near.
+        if met.height * side + dt * opening * side >= near || met.height * side < -deepest {
             return None;
         }
         if !stays && !places.iter().all(|&i| self.out[i as usize]) {

@@ -51,11 +51,17 @@ impl Interfaces {
         let numbers: Vec<Numbers> = all.iter().map(Numbers::of).collect();
         let mut table = Vec::new();
         if !contact.interface.is_empty() || !contact.against.is_empty() {
-            let cell = |a: u32, b: u32| {
-                let last = all.iter().rposition(|c| c.meets(a, b));
-                last.filter(|&i| all[i].law != Contact::NO_LAW).map_or(NONE, |i| i as u16)
-            };
-            table = parts.iter().flat_map(|a| parts.iter().map(move |b| (*a, *b))).map(|(a, b)| cell(a, b)).collect();
+            table = vec![NONE; parts.len() * parts.len()];
+            for (i, c) in (0u16..).zip(&all) {
+                let interface = if c.law == Contact::NO_LAW { NONE } else { i };
+                let [ahead, behind] = c.sides(parts);
+                for &a in &ahead {
+                    for &b in &behind {
+                        table[a * parts.len() + b] = interface;
+                        table[b * parts.len() + a] = interface;
+                    }
+                }
+            }
         }
         let (own, given): (Vec<&Numbers>, Vec<&Numbers>) = numbers.iter().partition(|n| n.half.is_none());
         let range = |of: &[&Numbers], start: (f64, f64)| {
@@ -121,6 +127,11 @@ impl Interfaces {
     pub fn is_alive(&self, interface: u16, time: f64) -> bool {
         let n = &self.numbers[interface as usize];
         n.birth <= time && time < n.death
+    }
+
+    /// Whether an interface has ended by a time.
+    pub fn is_over(&self, interface: u16, time: f64) -> bool {
+        time >= self.numbers[interface as usize].death
     }
 
     /// Number of interfaces.

@@ -195,8 +195,8 @@ impl Contact {
     }
 
     /// Edges that have gone through a surface, see [`crossing`].
-    pub fn crossings(&self, nodes: &Nodes) -> Vec<Crossing> {
-        crossing::crossings(&self.surface, nodes, self.find)
+    pub fn crossings(&self, nodes: &Nodes, time: f64) -> Vec<Crossing> {
+        crossing::crossings(&self.surface, nodes, time, self.find)
     }
 
     /// Range of the velocities of what can touch, see [`Surface::velocities`].
@@ -239,28 +239,28 @@ impl Contact {
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's. Finds
     /// [`Self::approach`] too; `stable` is the step that elements leave [time].
-    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, dt: f64, stable: f64) {
+    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, (time, dt): (f64, f64), stable: f64) {
         let spread = spread(&nodes.next_v);
         // Else no two nodes pass the thinnest of segments in a step of elements.
         let fast = stable * spread > self.surface.thinnest;
         self.refresh(nodes, joined, dt * spread, fast);
-        self.approach = if fast { self.approach_rate(nodes, dt) } else { 0.0 };
+        self.approach = if fast { self.approach_rate(nodes, time, dt) } else { 0.0 };
     }
 
     /// Largest rate at which something near passes what it could meet [1/time].
-    fn approach_rate(&self, nodes: &Nodes, dt: f64) -> f64 {
+    fn approach_rate(&self, nodes: &Nodes, time: f64, dt: f64) -> f64 {
         let s = &self.surface;
         let of_slave = |(i, &slave): (usize, &u32)| {
             let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
             let of_pair = |&g: &u32| {
                 let segment = &s.segments[g as usize];
-                let interface = s.interface(i, segment)?;
+                let interface = s.interface(i, segment).filter(|&k| !s.interfaces.is_over(k, time))?;
                 Some(approach::rate(nodes, slave, segment, s.sizes(interface, slave, segment).1, dt))
             };
             found.iter().filter_map(of_pair).fold(0.0, f64::max)
         };
         let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
-        of_nodes.max(self.edges.approach_rate(nodes, s, dt))
+        of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
     fn refresh(&mut self, nodes: &Nodes, joined: Joined<'_>, step: f64, fast: bool) {
@@ -403,7 +403,8 @@ impl Contact {
             }
             p.weigh_slave(nodes);
             let speed = || {
-                let velocity = p.relative_velocity(&nodes.v);
+                // Others' nodes are known with the velocities that they have before contact.
+                let velocity = p.relative_velocity(&nodes.next_v);
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction = self.surface.interfaces.friction(p.interface, speed);

@@ -27,16 +27,16 @@ pub struct Sweeps<'a> {
     pub steps: Steps,
 }
 
-/// Whose turn it is within a sweep: pairs of the interfaces that iterate in this way, as long as their laws want to.
+/// Pairs that are updated together within a sweep: those of the interfaces that iterate in this way, as long as their laws want to.
 #[derive(Clone, Copy)]
-struct Turn {
+struct Selection {
     iteration: Iteration,
     /// From 0.
     sweep: usize,
 }
 
-impl Turn {
-    /// The law of an own pair, if it is the pair's turn.
+impl Selection {
+    /// The law of an own pair, if the pair is one of them.
     fn law<'a>(&self, pair: &Pair, laws: &'a Laws) -> Option<&'a dyn ContactLaw> {
         let law = laws.of_pair(pair);
         (law.iteration() == self.iteration && self.sweep < law.sweeps()).then_some(law)
@@ -94,11 +94,11 @@ impl Sweeps<'_> {
             sweeps += 1;
             let mut changed = false;
             for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
-                let turn = Turn { iteration, sweep };
+                let some = Selection { iteration, sweep };
                 changed |= match iteration {
-                    Iteration::Split | Iteration::Jacobi => self.all_at_once(t, turn),
-                    Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, turn), Self::feel_at)?,
-                    Iteration::Correct { partition, little } => self.correct(t, turn, (partition, little), wire)?,
+                    Iteration::Split | Iteration::Jacobi => self.all_at_once(t, some),
+                    Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?,
+                    Iteration::Correct { partition, little } => self.correct(t, some, (partition, little), wire)?,
                 };
                 if left > 0 {
                     // The next interfaces feel what these have come to.
@@ -106,12 +106,16 @@ impl Sweeps<'_> {
                         t.swap_between(wire)?;
                     }
                     self.feel(t);
+                    t.look_at_all();
                 }
             }
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
             // One by one, what own and others' pairs have come to has been felt within the sweep.
             if iterations != [Iteration::GaussSeidel] {
                 self.feel(t);
+                if iterations.len() > 1 {
+                    t.look_at_all();
+                }
             }
             if self.coupled {
                 t.look_at_all();
@@ -136,16 +140,16 @@ impl Sweeps<'_> {
         self.bodies.feel(wire, self.nodes, (&t.touched, &t.total), self.walls, self.steps, changed)
     }
 
-    fn updated(&self, p: &Pair, turn: Turn) -> Option<V3> {
-        let law = turn.law(p, self.laws)?;
+    fn updated(&self, p: &Pair, some: Selection) -> Option<V3> {
+        let law = some.law(p, self.laws)?;
         law.update(p, &p.relative_velocity(&self.nodes.next_v), self.steps)
     }
 
-    /// All own pairs whose turn it is, from the same state; whether a force has changed.
-    fn all_at_once(&self, t: &mut PairTable, turn: Turn) -> bool {
+    /// Some of the own pairs, from the same state; whether a force has changed.
+    fn all_at_once(&self, t: &mut PairTable, some: Selection) -> bool {
         let mut changed = false;
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            if let Some(force) = self.updated(p, turn) {
+            if let Some(force) = self.updated(p, some) {
                 p.force = force;
                 changed = true;
             }
@@ -158,13 +162,13 @@ impl Sweeps<'_> {
     fn correct(
         &mut self,
         t: &mut PairTable,
-        turn: Turn,
+        some: Selection,
         (partition, little): (f64, f64),
         wire: &mut dyn Transport,
     ) -> Result<bool, Lost> {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
             let guess = |law: &dyn ContactLaw| law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
-            p.guess = turn.law(p, self.laws).map_or(V3::zeros(), guess);
+            p.guess = some.law(p, self.laws).map_or(V3::zeros(), guess);
         }
         if t.is_common() {
             t.swap_guesses(wire)?;
@@ -185,7 +189,7 @@ impl Sweeps<'_> {
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
             let moved = p.slave_velocity(&self.nodes.next_v);
             let velocity = p.relative_velocity(&self.nodes.next_v) + slave - moved;
-            if let Some(force) = turn.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
+            if let Some(force) = some.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
                 p.force = force;
                 changed = true;
             }

@@ -43,7 +43,15 @@ impl Build {
         }
         let mut tables = tables.into_iter();
         if let Some(mut first) = tables.next() {
-            let interfaces: Vec<Table> = tables.collect();
+            let mut interfaces: Vec<Table> = tables.collect();
+            // An interface takes over what it does not say.
+            let neutral = [("friction", 0.0), ("birth", 0.0), ("death", f64::INFINITY), ("thickness_scale", 1.0)];
+            for (key, value) in neutral {
+                let said = first.has(key) || key == "thickness_scale" && first.has("thickness");
+                for table in interfaces.iter_mut().filter(|table| said && !table.has(key)) {
+                    table.put(key, table.place(), value);
+                }
+            }
             let place = found[0].1.head;
             if !interfaces.is_empty() {
                 first.put("interface", place, interfaces);
@@ -192,12 +200,12 @@ impl Build {
         }
     }
 
-    /// The largest friction of `*PART_CONTACT`, which holds for all as that of several contacts does.
+    /// The largest friction of `*PART_CONTACT`, which holds for all parts of a contact.
     fn friction_of_parts(&mut self, record: &Record, name: &str) -> f64 {
         let own: BTreeSet<u64> = self.part_friction.values().map(|f| f.to_bits()).collect();
         let most = own.iter().map(|&f| f64::from_bits(f)).fold(0.0, f64::max);
         if own.len() > 1 {
-            let message = "parts have different friction; there is one for all here".to_string();
+            let message = "parts have different friction; a contact has one for all of them".to_string();
             let help = format!("{most} holds, the largest; give contact.friction in a job to change it");
             self.trouble.warning(record.place("fs"), message, help);
         }

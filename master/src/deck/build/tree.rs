@@ -28,6 +28,11 @@ impl Table {
         self
     }
 
+    /// Where the keyword is.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
     /// Whether a key is there.
     pub fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)
