@@ -13,11 +13,14 @@ use std::fs;
 /// Large enough that not all nodes fit into a cache.
 const FINE: &str = "scene.elements=24";
 const SHUFFLED: &str = "scene.shuffle=7";
+/// A stabilised quad makes 5e-7 of the internal energy from round-off within 20 cycles, without contact too; why has not been found.
+const PLAIN: &str = "part.tube.element=belytschko_tsay";
 
 #[test]
 fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     const CYCLES: u64 = 200;
-    let (rows, shuffled) = (read(&case("tube-crush"), &[FINE]), read(&case("tube-crush"), &[FINE, SHUFFLED]));
+    let (rows, shuffled) =
+        (read(&case("tube-crush"), &[FINE, PLAIN]), read(&case("tube-crush"), &[FINE, PLAIN, SHUFFLED]));
     assert_eq!(rows.renumbered, None);
     let renumbered = shuffled.renumbered.expect("ids are random");
     assert!(renumbered.before > 1.0 && renumbered.after < 0.2, "{renumbered:?}");
@@ -68,7 +71,9 @@ fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> Strin
     });
     let of = |range: std::ops::Range<usize>| range.map(&id).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
     let nodes: Vec<String> = nodes.iter().map(|(n, [x, y, z])| format!("[{n}, {x:?}, {y:?}, {z:?}]")).collect();
-    let part = |n: usize| format!("[[part]]\nid = {n}\nmaterial = \"steel\"\nthickness = 1.0\n");
+    let part = |n: usize| {
+        format!("[[part]]\nid = {n}\nmaterial = \"steel\"\nelement = \"belytschko_tsay\"\nthickness = 1.0\n")
+    };
     format!(
         "end_time = 1.0\nunits = \"mm, ms, kg\"\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [[9999, 5, {}, {}]]\n\
          node_sets = {{ held = [{}], foot = [{}], top = [{}], falling = [{}], end = [{}] }}\n\

@@ -238,13 +238,13 @@ pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64, dt: f64, spe
     ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
 }
 
-/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a step like this one, contact not yet felt [length].
+/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a step like the last one [length].
 pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, dt: f64, scale: f64) -> f64 {
     /// Steps may become shorter.
     const SHORTER: f64 = 2.0;
     /// A fraction of the scale that is no jump, above all none of round-off where nothing moves.
     const LITTLE: f64 = 1e-3;
-    let v = |n: u32| v3(&nodes.next_v[n as usize]); // which others tell of their nodes
+    let v = |n: u32| v3(&nodes.v[n as usize]);
     SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt() + LITTLE * scale
 }
 
