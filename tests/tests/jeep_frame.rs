@@ -58,11 +58,11 @@ fn balances(r: &Ended) {
     let [hourglass, internal] = ["hourglass", "internal"].map(|k| s["energy"][k].as_f64().unwrap());
     assert!(hourglass < 0.08 * internal, "hourglass {hourglass} of {internal}");
     // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front of the tangent plane of another one
-    // adds nothing to that (`PLANE` in `contact/local.rs`), so that a node is up to 0.02 deep in the next one when it goes over: 0.020
-    // here within 25 ms without edges. With them one pair of edges is 0.132 deep at 21 ms, why has not been found. A node past the
-    // middle of a shell has 1.
+    // adds nothing to that (`PLANE` in `contact/local.rs`), so that a node is up to 0.02 deep in the next one when it goes over. Folds
+    // flatter than what `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others: 0.009 here (0.13
+    // with `SINKS` of 0.5). A node past the middle of a shell has 1.
     let deepest = s["contact"]["penetration_max"].as_f64().unwrap();
-    assert!(deepest < 0.15, "penetration {deepest}");
+    assert!(deepest < 0.05, "penetration {deepest}");
     // Momentum is that of the present time, the impulse that of the last mid-step: they differ by the wall's force
     // over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
     let m = &s["momentum"];
@@ -71,8 +71,9 @@ fn balances(r: &Ended) {
         let left = end[c] - start[c] - wall[c];
         assert!(left.abs() < 1e-3 * start[0].abs(), "component {c}: {left} of {}", start[0]);
     }
-    // The barrier is flat and the frame symmetric: nothing pushes it sideways.
-    assert!(wall[0] > 100.0 && wall[1].abs() < 1e-3 * wall[0], "wall impulse {wall:?}");
+    // The barrier is flat and the frame symmetric: nothing pushes it sideways. Folds that lie on each other follow round-off:
+    // 1e-4 within 25 ms without contact, 7e-4 to 27e-4 with it.
+    assert!(wall[0] > 100.0 && wall[1].abs() < 4e-3 * wall[0], "wall impulse {wall:?}");
 }
 
 /// Every key that users rely on, with its type.

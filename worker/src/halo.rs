@@ -178,7 +178,8 @@ impl Halo {
         self.check_in = check_in;
     }
 
-    /// Brings exterior nodes up to date: coordinates, and velocities without contact at the next mid-step.
+    /// Brings exterior nodes up to date: coordinates, velocities at the last mid-step, and those
+    /// without contact at the next one.
     /// Workers also tell each other how their nodes have moved since the last renewal, those that are apart only when they
     /// check in: until then the range of all velocities bounds how much nearer they have come.
     /// Returns the largest relative motion as a fraction of what the exterior copies cover.
@@ -191,8 +192,8 @@ impl Halo {
             self.words.clear();
             self.words.extend(drift.to_words().map(f64::to_bits));
             for &i in &link.export {
-                let (x, v) = (&nodes.x[i as usize], &nodes.next_v[i as usize]);
-                self.words.extend(x[..3].iter().chain(&v[..3]).map(|a| a.to_bits()));
+                let rows = [&nodes.x, &nodes.v, &nodes.next_v].map(|rows| &rows[i as usize][..3]);
+                self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
             }
             wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
@@ -211,9 +212,11 @@ impl Halo {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
             let (head, body) = words.split_at(Drift::WORDS);
-            for (&i, six) in link.import.iter().zip(body.chunks_exact(6)) {
-                nodes.x[i as usize][..3].copy_from_slice(&six[..3]);
-                nodes.next_v[i as usize][..3].copy_from_slice(&six[3..]);
+            for (&i, nine) in link.import.iter().zip(body.chunks_exact(9)) {
+                let rows = [&mut nodes.x, &mut nodes.v, &mut nodes.next_v];
+                rows.into_iter().zip(nine.chunks_exact(3)).for_each(|(rows, three)| {
+                    rows[i as usize][..3].copy_from_slice(three);
+                });
             }
             if let Some(region) = &link.region {
                 let other = Drift::from_words(head);

@@ -12,12 +12,12 @@ use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Folds of shells that are sharper than this [rad] begin to meet other edges, here 20 degrees.
+/// Folds of shells begin to meet other edges where these would sink in by more than this fraction of the thickness before nodes meet
+/// segments: half the width of a segment times the tangent of half the fold.
+const SINKS: f64 = 0.1;
+/// They do so from 20 degrees on however narrow their segments are, and below 5 degrees however wide these are, they do not [rad].
 const FOLD: f64 = 0.349;
-/// So do those of wide and thin segments from this angle on [rad], here 5 degrees, if they would sink in by more than this fraction
-/// of the thickness before nodes meet segments: by half the width times the tangent of half the angle.
 const LEAST: f64 = 0.087;
-const SINKS: f64 = 0.5;
 /// Edges of solids begin at 45 degrees [rad].
 const SOLID_FOLD: f64 = 0.785;
 
@@ -294,12 +294,12 @@ mod tests {
     #[test]
     fn a_fold_stands_out_from_twenty_degrees_on_or_where_it_would_sink_in() {
         assert!(stands_out(&[30.0], 0.2), "a rim");
-        assert!(!stands_out(&[0.0, 180.0], 0.2), "flat");
-        assert!(!stands_out(&[0.0, 162.0], 0.2), "by 18 degrees");
-        assert!(stands_out(&[0.0, 158.0], 0.2) && stands_out(&[0.0, 202.0], 0.2), "by 22, either way");
-        assert!(stands_out(&[0.0, 0.0], 0.2), "folded up");
-        // Half the width of 1 times the tangent of half of 9 degrees is 0.039, half a thickness of 0.078.
-        assert!(stands_out(&[0.0, 171.0], 0.038) && !stands_out(&[0.0, 171.0], 0.041));
+        assert!(!stands_out(&[0.0, 180.0], 0.5), "flat");
+        assert!(!stands_out(&[0.0, 162.0], 0.5), "by 18 degrees");
+        assert!(stands_out(&[0.0, 158.0], 0.5) && stands_out(&[0.0, 202.0], 0.5), "by 22, either way");
+        assert!(stands_out(&[0.0, 0.0], 0.5), "folded up");
+        // Half the width of 1 times the tangent of half of 9 degrees is 0.039, a tenth of a thickness of 0.39.
+        assert!(stands_out(&[0.0, 171.0], 0.19) && !stands_out(&[0.0, 171.0], 0.205));
     }
 
     #[test]

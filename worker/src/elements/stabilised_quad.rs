@@ -136,8 +136,9 @@ impl Kernel for StabilisedQuad {
             let old = stabilising[c];
             let new = match kind[c] {
                 Some(kind) => {
-                    // Unloading is elastic: with the tangent it would give back more than it took.
-                    let loading = (old * more[c]).gt(R::zero());
+                    // Unloading is elastic: with the tangent it would give back more than it took. Loading is where the elastic
+                    // trial is the larger one in size, so that round-off of a force near zero has no say in it.
+                    let loading = (more[c] * (old + old + more[c])).gt(R::zero());
                     keep[kind] * R::select(loading, tangent[kind], one).mul_add(more[c], old)
                 }
                 None => old + more[c],
