@@ -257,3 +257,24 @@ fn any_lone_element_bears_its_step_with_the_usual_safety() {
     }
     assert!(worst.iter().all(|w| w.1 > 0.92), "0.933 for squares, where nu = 0: {worst:?}");
 }
+
+/// Squares whose corners stand by turns above and below their plane, up to upright sides.
+#[test]
+fn any_warped_element_bears_its_step_with_the_usual_safety() {
+    let mut worst = [("", f64::INFINITY, 0.0); QUADS.len()];
+    for warp in [0.1, 0.25, 0.5, 1.0, 2.0] {
+        let nodes = [[0.0, 0.0, warp], [1.0, 0.0, -warp], [1.0, 1.0, warp], [0.0, 1.0, -warp]];
+        for (k, element) in QUADS.into_iter().enumerate() {
+            for t in [0.02, 0.1, 0.5] {
+                let limit = critical(&nodes, &[[0, 1, 2, 3]], &part_of(element, t), 0.3);
+                if limit < worst[k].1 {
+                    worst[k] = (element, limit, warp);
+                }
+            }
+        }
+    }
+    assert!(
+        worst.iter().all(|w| w.1 > 0.91),
+        "0.920 of a stabilised one that climbs by a fifth of its side: {worst:?}"
+    );
+}

@@ -88,11 +88,13 @@ impl<R: Real> Sides<R> {
             strains.gamma[c] = s.to_xi[c].neg_mul_add(by_xi, s.to_eta[c].neg_mul_add(by_eta, strains.gamma[c]));
         }
 
-        // Membrane strain of twisted sides. It goes with the square of hz, so its increment with the mean of hz: with that of
-        // now a vibration would stretch the element step by step.
-        let per_climb = sixteenth * s.inv_a * s.inv_a;
+        // Membrane strain of twisted sides, by their own length where they are steep. It goes with the square of hz, so its
+        // increment with the mean of hz: with that of now a vibration would stretch the element step by step.
+        let mean = R::splat(0.5).neg_mul_add(q_z, g.hz);
+        let plane = sixteenth * s.inv_a * s.inv_a;
+        let per_climb = plane / (plane * mean * mean).mul_add(s.j[0] + s.j[1], R::splat(1.0));
         let climb = per_climb * g.hz;
-        let stretch = per_climb * R::splat(0.5).neg_mul_add(q_z, g.hz) * q_z;
+        let stretch = per_climb * mean * q_z;
         strains.eps[0] = stretch.mul_add(s.j[0], strains.eps[0]);
         strains.eps[1] = stretch.mul_add(s.j[1], strains.eps[1]);
         strains.eps[2] = (stretch + stretch).mul_add(s.j[2], strains.eps[2]);

@@ -21,9 +21,10 @@
 //!   energy `5/6 G t A/6 [X X (s + M2 a)^2 + Y Y (s + M1 b)^2]`, each term softer by what the bending of sides of
 //!   length L adds, `1 + 5/6 G t L^2 / (12 D)` (residual bending flexibility, MacNeal 1978).
 //! - Warped elements: a side that climbs by z0 = h z/4 against the plane is stretched by z0 q_z/4 when the element
-//!   is twisted. Its mean goes into the membrane strain, `eps += z0 q_z/4 (XX + YY)`; at the centre alone the twist
+//!   is twisted. Its mean goes into the membrane strain, `eps += f z0 q_z/4 (XX + YY)`; at the centre alone the twist
 //!   of a warped element would pass for stretching, and thin twisted strips lock. (Membrane strains tied at the sides
-//!   for the same reason: Ko, Lee & Bathe 2017.)
+//!   for the same reason: Ko, Lee & Bathe 2017.) `f = 1/(1 + z0^2 (X X + Y Y))` is the square of a side's length in the
+//!   plane over that in space: without it an element that is folded upright is stiffer than its step bears.
 //! - Drilling of `quad.rs`, but about the normals of the corners, `n - z0 (eta X + xi Y)`, so that a bent warped
 //!   element asks for none: the modes h and sum lose `h z` times `tx,x + ty,y` and what remains of it with the sign
 //!   of the second difference turned (the drill projection of Belytschko & Leviathan 1994).
