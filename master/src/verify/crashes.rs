@@ -193,12 +193,12 @@ fn s_beam(bench: &Bench) -> Result<Vec<Row>, String> {
 
 /// Why rows of the short tube fail.
 const COARSE: &str =
-    "2.5 mm are four shells over half a fold (9.5 mm): every formulation is 6 to 8 % above its own finer mesh";
+    "2.5 mm are four shells over half a fold (9.5 mm): every formulation is 6 to 9 % above its own finer mesh";
 
 fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
     const JOB: &str = include_str!("../../../cases/tube/job.toml");
     let crash = Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
-    let wanted = Shown { mean: 12.23, peak: 27.19, absorbed: vec![106.67, 180.22, 280.24, 357.24] };
+    let wanted = Shown { mean: 12.24, peak: 27.19, absorbed: vec![106.74, 180.11, 280.40, 357.43] };
     let known: Known = &[("mean force", "", COARSE), ("energy absorbed", "", COARSE)];
     let mut all = Vec::new();
     for shell in shells() {
@@ -220,20 +220,16 @@ const FRAME_MESH: &str = "the horns' folds take three to four shells of refine =
 const RATES: &str = "the horns' steel has a rate, which the law does not filter: where its stress rises from one step to the next the \
                      stabilisation counts it as hardening and relaxes less (1.7 % on the short tube without a rate, 4.1 % with \
                      this one). Forces do not show it";
-/// Why contact gives energy there.
-const PUSHED: &str = "from 8 ms on the normal forces of a dozen pairs in the horns' folds give what friction takes, 1.9 kJ; contact as \
-                      a whole takes 0.15 kJ. Why has not been found yet; the other shells do not show it";
 
 fn frame(bench: &Bench) -> Result<Vec<Row>, String> {
     const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
     const PARTS: u32 = 8;
     let crash = Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
-    let wanted = Shown { mean: 416.7, peak: 963.9, absorbed: vec![17291.0, 25392.0, 36325.0, 48019.0] };
+    let wanted = Shown { mean: 420.2, peak: 964.0, absorbed: vec![17355.0, 25737.0, 36625.0, 48444.0] };
     let known: Known = &[
         ("mean force", "", FRAME_MESH),
         ("energy absorbed", "", FRAME_MESH),
         ("hourglass energy", "stabilised_quad", RATES),
-        ("work given", "stabilised_quad", PUSHED),
     ];
     let mut all = Vec::new();
     for shell in shells() {
