@@ -507,6 +507,8 @@ impl<'a> Control<'a> {
                 penetration_max: self.history.penetration,
                 searches: mean(|c| c.searches),
                 sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
+                accelerated_steps: closings.iter().map(|c| c.unsettled[0]).max().unwrap_or(0),
+                unsettled_steps: closings.iter().map(|c| c.unsettled[1]).max().unwrap_or(0),
                 capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
             },
             unsupported: self.model.unsupported.clone(),

@@ -99,6 +99,10 @@ pub struct ContactSummary {
     pub searches: f64,
     /// Sweeps per cycle, mean over workers.
     pub sweeps_per_cycle: f64,
+    /// Steps with accelerated sweeps.
+    pub accelerated_steps: u64,
+    /// Steps that ended before the forces of all pairs were good enough.
+    pub unsettled_steps: u64,
     /// Pairs whose penalty stiffness was lowered so that the step stays stable, mean over cycles.
     pub capped_per_cycle: f64,
 }

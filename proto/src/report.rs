@@ -159,6 +159,8 @@ pub struct Closing {
     pub searches: u64,
     /// Contact sweeps done.
     pub sweeps: u64,
+    /// Steps whose sweeps were accelerated, and steps whose sweeps ended before all forces were good enough.
+    pub unsettled: [u64; 2],
     /// Contact pairs held softer than the job asks, summed over cycles.
     pub capped: u64,
     /// Whether the run was stopped by an order.

@@ -10,7 +10,7 @@ use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
-use crumple_proto::transport::{Lost, MaxReduction, Transport};
+use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport};
 use std::ops::Range;
 
 /// What workers agree on in a cycle.
@@ -94,7 +94,7 @@ impl Agreement {
     /// Nothing agreed yet.
     pub fn new() -> Self {
         let (elements_dt, contact_dt) = (f64::INFINITY, f64::INFINITY);
-        Self { reduction: MaxReduction::new(WORDS), order: 0, urgency: 0.0, elements_dt, contact_dt }
+        Self { reduction: MaxReduction::new(WORDS, Tag::Maximum), order: 0, urgency: 0.0, elements_dt, contact_dt }
     }
 
     /// Puts in what this worker knows after its element forces.

@@ -7,6 +7,7 @@
 
 use crate::agreement;
 use crate::blocks::LocalElement;
+use crate::contact::Contact;
 use crate::contact::pairs::quiet::distances;
 use crate::contact::pairs::{Pair, WIRE_WORDS};
 use crate::contact::surface::{Segment, Surface};
@@ -347,6 +348,11 @@ impl Count {
             words +=
                 (self.near_workers * halo::DRIFT_WORDS as u64) as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
             words += (self.told * WIRE_WORDS as u64) as f64;
+        }
+        if engine.contact.as_ref().is_some_and(Contact::accelerates) {
+            // Whether all sweeps have settled.
+            messages += hops;
+            words += hops;
         }
         if !engine.bodies.is_empty() {
             words += others * (1 + self.members * ACTING_WORDS as u64) as f64;

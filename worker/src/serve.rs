@@ -340,6 +340,7 @@ impl Worker {
             bytes: traffic.bytes,
             searches: e.contact.as_ref().map_or(0, |c| c.searches),
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
+            unsettled: e.contact.as_ref().map_or([0; 2], |c| c.unsettled),
             capped: e.contact.as_ref().map_or(0, |c| c.capped),
             stopped: self.stopped,
             parts: output::part_records(e),

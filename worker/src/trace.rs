@@ -2,7 +2,7 @@
 
 use crate::engine::Phase;
 use crumple_proto::trace::{Event, MOST_EVENTS, Moment, Recording, Span};
-use crumple_proto::transport::{Lost, MaxReduction, Transport, clock};
+use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, clock};
 use std::time::{Duration, Instant};
 
 /// Records until it has [`MOST_EVENTS`].
@@ -23,7 +23,7 @@ impl Recorder {
     /// # Errors
     /// A worker is gone.
     pub fn start(wire: &mut dyn Transport) -> Result<Self, Lost> {
-        let mut barrier = MaxReduction::new(1);
+        let mut barrier = MaxReduction::new(1, Tag::Maximum);
         let mut entered = Instant::now();
         for _ in 0..2 {
             entered = Instant::now();

@@ -12,6 +12,7 @@ const OF_LAWS: &[(&str, &[&str])] = &[
     ("iteration", &["lagrange"]),
     ("weighting", &["lagrange"]),
     ("sweeps", &["lagrange", "kinematic"]),
+    ("accelerated", &["lagrange", "kinematic"]),
     ("tolerance", &["lagrange", "kinematic"]),
     ("partition", &["kinematic"]),
     ("penalty_form", &["penalty"]),

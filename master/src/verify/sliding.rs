@@ -14,8 +14,7 @@ use std::fmt::Write;
 /// A07.
 pub const STOP: Check =
     Check { name: "stops by friction", quick: true, run: |b| stop(b, &Law::ALL.iter().collect::<Vec<_>>()) };
-/// A07 with masses split among pairs. `jacobi` is not run: nodes of either body are slaves of the other, and it gives up to 5 % of
-/// the energy here.
+/// A07 with masses split among pairs.
 pub const ITERATIONS: Check = Check { name: "stops by friction, split", quick: true, run: |b| stop(b, &[&Law::SPLIT]) };
 /// A07, in gravity.
 pub const HEAVY: Check = Check { name: "stops by friction, in gravity", quick: true, run: heavy };

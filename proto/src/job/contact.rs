@@ -37,14 +37,16 @@ pub struct Contact {
     pub skin: f64,
     /// How the forces of pairs that feel each other are brought into agreement (Lagrange): `gauss_seidel`, one after the
     /// other in ascending order of their names, the default (`cases/studies/README.md`, sandwich); `split`, all from the same
-    /// state with nodal masses split among their pairs, which needs more sweeps; `jacobi`, all from the same state with full
-    /// masses, which diverges where many or heavy nodes sit on one segment (slaves).
+    /// state with nodal masses split among their pairs, which needs more sweeps.
     pub iteration: String,
-    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D). Too few for layers
-    /// below a hundredth of their neighbours' mass: see `cases/studies/README.md`, sandwich.
+    /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D) before `accelerated`
+    /// ones.
     pub sweeps: usize,
-    /// Relative change below which a pair's force is left as it is (Lagrange, kinematic); see
-    /// `cases/studies/README.md`, bars.
+    /// Most accelerated sweeps after these in steps for which they are too few, as with layers below a hundredth of their
+    /// neighbours' mass; 0 for none. None follow a single sweep (Lagrange, kinematic); see `cases/studies/README.md`, sandwich.
+    pub accelerated: usize,
+    /// Velocity that a pair's force may leave unchanged, over the velocity that it is there to change (Lagrange); relative
+    /// change below which the force is left as it is (kinematic); see `cases/studies/README.md`, bars.
     pub tolerance: f64,
     /// How a contact force is shared among a segment's nodes: `shape` (N_k) or `mass` (m_k/M2 of Wang 2007, eq. 7), which
     /// keeps no angular momentum where the masses of a segment differ (Lagrange); see `cases/studies/README.md`, hertz and tumble.
@@ -182,6 +184,7 @@ impl Contact {
             search: self.search.clone(),
             skin: self.skin,
             weighting: self.weighting.clone(),
+            accelerated: self.accelerated,
             edges: self.edges,
             thickness_limit: self.thickness_limit,
             parts,
@@ -231,6 +234,7 @@ impl Default for Contact {
             skin: 0.0,
             iteration: "gauss_seidel".into(),
             sweeps: 20,
+            accelerated: 100,
             tolerance: 1e-3,
             weighting: "shape".into(),
             partition: 0.5,

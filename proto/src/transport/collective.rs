@@ -23,14 +23,15 @@ pub fn exchange_all(wire: &mut dyn Transport, mut parcels: Vec<Vec<u64>>) -> Res
 /// By dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds; a maximum may count a value twice.
 #[derive(Debug)]
 pub struct MaxReduction {
+    tag: Tag,
     values: Vec<f64>,
     buffer: Vec<u64>,
 }
 
 impl MaxReduction {
-    /// A reduction of `width` numbers.
-    pub fn new(width: usize) -> Self {
-        Self { values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
+    /// A reduction of `width` numbers. No other exchange with this tag may be under way at the same time.
+    pub fn new(width: usize, tag: Tag) -> Self {
+        Self { tag, values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
     }
 
     /// Rounds among so many workers; each sends one message in each.
@@ -58,7 +59,7 @@ impl MaxReduction {
             if hop > 1 {
                 self.send(wire, hop)?;
             }
-            wire.recv((me + workers - hop) % workers + 1, Tag::Maximum, &mut self.buffer)?;
+            wire.recv((me + workers - hop) % workers + 1, self.tag, &mut self.buffer)?;
             for (v, &o) in self.values.iter_mut().zip(&self.buffer) {
                 *v = v.max(f64::from_bits(o));
             }
@@ -69,34 +70,77 @@ impl MaxReduction {
 
     fn send(&self, wire: &mut dyn Transport, hop: usize) -> Result<(), Lost> {
         let (workers, me) = (wire.size() - 1, wire.rank() - 1);
-        wire.send((me + hop) % workers + 1, Tag::Maximum, bytemuck::cast_slice(&self.values))
+        wire.send((me + hop) % workers + 1, self.tag, bytemuck::cast_slice(&self.values))
     }
+}
+
+/// Adds the integers of all workers, place by place; every worker has the sums in `values` then. Up a binomial tree and down
+/// again: twice ceil(log2 P) rounds. Sums wrap around. No other exchange with this tag may be under way.
+///
+/// # Errors
+/// A worker is gone.
+pub fn sum_all(wire: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), Lost> {
+    let (workers, me) = (wire.size() - 1, wire.rank() - 1);
+    let mut buffer = Vec::new();
+    // The lowest bit of a worker's number is the round in which it hands its sum to the worker without this bit.
+    let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
+    let up: Vec<usize> = levels.take_while(|bit| me & (bit - 1) == 0).collect();
+    for bit in &up {
+        if me & bit != 0 {
+            wire.send(me - bit + 1, tag, bytemuck::cast_slice(values))?;
+        } else if me + bit < workers {
+            wire.recv(me + bit + 1, tag, &mut buffer)?;
+            values.iter_mut().zip(&buffer).for_each(|(v, &o)| *v = v.wrapping_add(o as i64));
+        }
+    }
+    for bit in up.iter().rev() {
+        if me & bit != 0 {
+            wire.recv(me - bit + 1, tag, &mut buffer)?;
+            values.copy_from_slice(bytemuck::cast_slice(&buffer));
+        } else if me + bit < workers {
+            wire.send(me + bit + 1, tag, bytemuck::cast_slice(values))?;
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::threads::connect;
+    use super::super::threads::{Threads, connect};
     use super::*;
+
+    /// What each of so many workers gets from `run`.
+    fn on_all<T: Send + 'static>(workers: usize, run: fn(&mut Threads) -> T) -> Vec<T> {
+        let mut ends = connect(workers + 1);
+        let _master = ends.remove(0);
+        let start = |mut end: Threads| std::thread::spawn(move || run(&mut end));
+        let threads: Vec<_> = ends.into_iter().map(start).collect();
+        threads.into_iter().map(|t| t.join().unwrap()).collect()
+    }
 
     #[test]
     fn every_worker_gets_the_maximum_for_any_number_of_workers() {
         for workers in 1..=7 {
-            let mut ends = connect(workers + 1);
-            let _master = ends.remove(0);
-            let threads: Vec<_> = ends
-                .into_iter()
-                .map(|mut end| {
-                    std::thread::spawn(move || {
-                        let me = end.rank() as f64;
-                        let mut max = MaxReduction::new(2);
-                        max.begin(&mut end, &[me, -me]).unwrap();
-                        max.finish(&mut end).unwrap().to_vec()
-                    })
-                })
-                .collect();
-            for t in threads {
-                assert_eq!(t.join().unwrap(), [workers as f64, -1.0]);
-            }
+            let all = on_all(workers, |end| {
+                let me = end.rank() as f64;
+                let mut max = MaxReduction::new(2, Tag::Maximum);
+                max.begin(end, &[me, -me]).unwrap();
+                max.finish(end).unwrap().to_vec()
+            });
+            assert_eq!(all, vec![[workers as f64, -1.0]; workers]);
+        }
+    }
+
+    #[test]
+    fn every_worker_gets_the_sum_for_any_number_of_workers() {
+        for workers in 1..=9 {
+            let all = on_all(workers, |end| {
+                let mut values = [end.rank() as i64, -1, i64::MAX];
+                sum_all(end, Tag::Settled, &mut values).unwrap();
+                values
+            });
+            let n = workers as i64;
+            assert_eq!(all, vec![[n * (n + 1) / 2, -n, i64::MAX.wrapping_mul(n)]; workers]);
         }
     }
 }

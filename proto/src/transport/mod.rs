@@ -8,7 +8,7 @@ mod collective;
 pub mod mpi;
 pub mod threads;
 
-pub use collective::{MaxReduction, exchange_all};
+pub use collective::{MaxReduction, exchange_all, sum_all};
 use std::time::Duration;
 
 /// The partner of a message is gone: it panicked, was killed or left early.
@@ -45,6 +45,8 @@ pub enum Tag {
     Maximum,
     /// Set-up and migration.
     Renewal,
+    /// Whether contact sweeps have settled, and what accelerates them.
+    Settled,
 }
 
 /// Messages and words sent so far.

@@ -7,11 +7,13 @@
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
+mod acceleration;
 pub mod approach;
 mod close;
 pub mod crossing;
 pub mod edges;
 pub mod enforce;
+mod exact_sum;
 pub mod geometry;
 pub mod initial;
 pub mod interfaces;
@@ -90,6 +92,10 @@ pub struct Contact {
     pub searches: u64,
     /// Sweeps so far.
     pub sweeps: u64,
+    /// Most accelerated sweeps in a step.
+    accelerated: usize,
+    /// Steps so far with accelerated sweeps, and steps whose sweeps ended before the forces of all pairs were good enough.
+    pub unsettled: [u64; 2],
     /// Pairs that were held softer than the job asks so that the step stays stable, summed over the steps so far.
     pub capped: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
@@ -143,6 +149,8 @@ impl Contact {
             record: Record::default(),
             searches: 0,
             sweeps: 0,
+            accelerated: job.accelerated,
+            unsettled: [0; 2],
             capped: 0,
             penetration: 0.0,
             approach: 0.0,
@@ -197,6 +205,11 @@ impl Contact {
     /// Edges that have gone through a surface, see [`crossing`].
     pub fn crossings(&self, nodes: &Nodes, time: f64) -> Vec<Crossing> {
         crossing::crossings(&self.surface, nodes, time, self.find)
+    }
+
+    /// Whether workers ask each other in every step if their sweeps have settled, to accelerate them if not.
+    pub fn accelerates(&self) -> bool {
+        self.accelerated > 0 && self.laws.converge()
     }
 
     /// Range of the velocities of what can touch, see [`Surface::velocities`].
@@ -442,11 +455,14 @@ impl Contact {
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
         let coupled = bodies.meet(wire, &t.touched, nodes)?;
-        if t.pairs.is_empty() && !coupled {
-            return Ok(());
+        let accelerated = if self.accelerates() { self.accelerated } else { 0 };
+        let mut sweeps =
+            Sweeps { laws: &self.laws, nodes, free: &self.free, walls, bodies, coupled, steps, accelerated };
+        let swept = sweeps.run(t, wire)?;
+        self.sweeps += swept.sweeps;
+        for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
+            *count += u64::from(is_so);
         }
-        let mut sweeps = Sweeps { laws: &self.laws, nodes, free: &self.free, walls, bodies, coupled, steps };
-        self.sweeps += sweeps.run(t, wire)?;
         Ok(())
     }
 

@@ -153,10 +153,11 @@ impl PairTable {
         }
         for pair in self.pairs.iter_mut().filter(|p| p.own) {
             let mut soft = [0.0; 2];
+            let mut sides = [0.0; 2];
             let split = match iteration(pair) {
                 Iteration::Split => true,
                 Iteration::Correct { .. } => pair.name.is_edge(),
-                Iteration::Jacobi | Iteration::GaussSeidel => false,
+                Iteration::GaussSeidel => false,
             };
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
             for r in (0..5).filter(|&r| pair.crowd[r] > 0.0) {
@@ -165,10 +166,13 @@ impl PairTable {
                 let together = split || bodies.of(pair.nodes[r]).is_some();
                 let moved = if together { pair.crowd[r] } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
-                soft[0] += moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
+                let along = moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
+                soft[0] += along;
+                sides[usize::from(pair.is_ahead(r as u8))] += along;
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
             }
             pair.compliance = soft;
+            pair.firm = sides[0].min(sides[1]);
         }
     }
 

@@ -1,13 +1,14 @@
 //! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by prediction and
-//! correction in one.
+//! correction in one. Where these do not settle, more sweeps follow that are accelerated (`acceleration.rs`).
 
-use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps};
+use crate::contact::acceleration::{Acceleration, Forces};
+use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps, demand};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::{Pair, PairTable, push};
 use crate::nodes::{Nodes, Row};
 use crate::rigid::Bodies;
 use crate::wall::Walls;
-use crumple_proto::transport::{Lost, Transport};
+use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport};
 
 /// What all pairs act on.
 pub struct Sweeps<'a> {
@@ -25,21 +26,46 @@ pub struct Sweeps<'a> {
     pub coupled: bool,
     /// Steps around the present time.
     pub steps: Steps,
+    /// Most accelerated sweeps if the others do not settle, the same on all workers; 0 if no law converges.
+    pub accelerated: usize,
+}
+
+/// What sweeps of a step have come to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Swept {
+    /// Number of sweeps.
+    pub sweeps: u64,
+    /// Whether some were accelerated.
+    pub accelerated: bool,
+    /// Whether forces of pairs are not good enough in the end: of own ones, or of any with accelerated sweeps.
+    pub unsettled: bool,
+}
+
+/// Where in a step a sweep is.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// The sweep with this number, from 0.
+    Plain(usize),
+    /// One of those that are accelerated.
+    Accelerated,
 }
 
 /// Pairs that are updated together within a sweep: those of the interfaces that iterate in this way, as long as their laws want to.
 #[derive(Clone, Copy)]
 struct Selection {
     iteration: Iteration,
-    /// From 0.
-    sweep: usize,
+    stage: Stage,
 }
 
 impl Selection {
     /// The law of an own pair, if the pair is one of them.
     fn law<'a>(&self, pair: &Pair, laws: &'a Laws) -> Option<&'a dyn ContactLaw> {
         let law = laws.of_pair(pair);
-        (law.iteration() == self.iteration && self.sweep < law.sweeps()).then_some(law)
+        let wants = match self.stage {
+            Stage::Plain(sweep) => sweep < law.sweeps(),
+            Stage::Accelerated => law.converges(),
+        };
+        (law.iteration() == self.iteration && wants).then_some(law)
     }
 }
 
@@ -65,7 +91,7 @@ impl Exchange {
         let quiet = quiet as f64;
         let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
         let of_one = |iteration: &Iteration| match iteration {
-            Iteration::Split | Iteration::Jacobi => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
+            Iteration::Split => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
             Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
             Iteration::GaussSeidel => [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps],
         };
@@ -77,59 +103,117 @@ impl Exchange {
 }
 
 impl Sweeps<'_> {
-    /// Sweeps until all forces are good enough or the law has had enough; returns the number of sweeps.
+    /// Sweeps until all forces are good enough or the law has had enough.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<u64, Lost> {
-        let iterations = self.laws.iterations();
+    pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<Swept, Lost> {
+        let touches = !t.pairs.is_empty() || self.coupled;
+        let mut swept = if touches { self.settle(t, wire)? } else { Swept::default() };
+        if self.accelerated > 0 {
+            let mut any = MaxReduction::new(1, Tag::Settled);
+            any.begin(wire, &[f64::from(swept.unsettled)])?;
+            swept.unsettled = any.finish(wire)?[0] > 0.0;
+            swept.accelerated = swept.unsettled;
+        }
+        if swept.accelerated {
+            self.accelerate(t, wire, &mut swept)?;
+        }
+        Ok(swept)
+    }
+
+    /// Sweeps as many as the laws ask for.
+    fn settle(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<Swept, Lost> {
         t.soften(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
-        if iterations.contains(&Iteration::GaussSeidel) {
+        for p in t.pairs.iter_mut().filter(|p| p.own) {
+            p.demand = demand(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+        }
+        if self.laws.iterations().contains(&Iteration::GaussSeidel) {
             t.lay_order(wire)?;
         }
         self.feel(t);
         self.move_bodies(t, wire, true)?;
-        let mut sweeps = 0;
+        let mut swept = Swept::default();
         for sweep in 0..self.laws.sweeps() {
-            sweeps += 1;
-            let mut changed = false;
-            for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
-                let some = Selection { iteration, sweep };
-                changed |= match iteration {
-                    Iteration::Split | Iteration::Jacobi => self.all_at_once(t, some),
-                    Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?,
-                    Iteration::Correct { partition, little } => self.correct(t, some, (partition, little), wire)?,
-                };
-                if left > 0 {
-                    // The next interfaces feel what these have come to.
-                    if t.is_common() {
-                        t.swap_between(wire)?;
-                    }
-                    self.feel(t);
-                    t.look_at_all();
-                }
-            }
+            swept.sweeps += 1;
+            let changed = self.sweep(t, Stage::Plain(sweep), wire)?;
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
-            // One by one, what own and others' pairs have come to has been felt within the sweep.
-            if iterations != [Iteration::GaussSeidel] {
-                self.feel(t);
-                if iterations.len() > 1 {
-                    t.look_at_all();
-                }
-            }
-            if self.coupled {
-                t.look_at_all();
-                // All workers hear of each other, and end together.
-                if !self.move_bodies(t, wire, changed)? {
-                    break;
-                }
-                continue;
-            }
-            if quiet {
+            self.feel_all(t);
+            // With bodies all workers hear of each other, and end together.
+            let over = if self.coupled { !self.move_bodies(t, wire, changed)? } else { quiet };
+            swept.unsettled = changed && !over && self.laws.converge();
+            if over {
                 break;
             }
         }
-        Ok(sweeps)
+        Ok(swept)
+    }
+
+    /// More sweeps, each from forces that the ones before it point to, until nothing changes on any worker.
+    fn accelerate(&mut self, t: &mut PairTable, wire: &mut dyn Transport, swept: &mut Swept) -> Result<(), Lost> {
+        let mut acceleration = Acceleration::default();
+        for left in (0..self.accelerated).rev() {
+            swept.sweeps += 1;
+            let before: Forces = t.pairs.iter().filter(|p| p.own).map(|p| p.force).collect();
+            let changed = self.sweep(t, Stage::Accelerated, wire)?;
+            self.feel_others(t, wire, changed)?;
+            let advice = acceleration.note(&t.pairs, &before, changed, wire)?;
+            swept.unsettled = advice.changed;
+            if !advice.changed {
+                break;
+            }
+            if let Some(forces) = advice.forces.filter(|_| left > 0) {
+                t.pairs.iter_mut().filter(|p| p.own).zip(forces).for_each(|(p, f)| p.force = f);
+                self.feel_others(t, wire, true)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets nodes and bodies feel the forces of own pairs and of others'.
+    fn feel_others(&mut self, t: &mut PairTable, wire: &mut dyn Transport, changed: bool) -> Result<(), Lost> {
+        if t.is_common() {
+            t.swap_between(wire)?;
+        }
+        self.feel(t);
+        t.look_at_all();
+        self.move_bodies(t, wire, changed)?;
+        Ok(())
+    }
+
+    /// One sweep over all pairs; whether a force of an own one has changed. In the end others are not told yet.
+    fn sweep(&mut self, t: &mut PairTable, stage: Stage, wire: &mut dyn Transport) -> Result<bool, Lost> {
+        let iterations = self.laws.iterations();
+        let mut changed = false;
+        for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
+            let some = Selection { iteration, stage };
+            changed |= match iteration {
+                Iteration::Split => self.all_at_once(t, some),
+                Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?,
+                Iteration::Correct { partition, little } => self.correct(t, some, (partition, little), wire)?,
+            };
+            if left > 0 {
+                // The next interfaces feel what these have come to.
+                if t.is_common() {
+                    t.swap_between(wire)?;
+                }
+                self.feel(t);
+                t.look_at_all();
+            }
+        }
+        Ok(changed)
+    }
+
+    /// Lets nodes feel what a sweep has come to, where they have not within it.
+    fn feel_all(&mut self, t: &mut PairTable) {
+        let iterations = self.laws.iterations();
+        // One by one, what own and others' pairs have come to has been felt within the sweep.
+        if iterations != [Iteration::GaussSeidel] {
+            self.feel(t);
+        }
+        if self.coupled || iterations.len() > 1 {
+            t.look_at_all();
+        }
     }
 
     /// Lets rigid bodies feel the forces of all pairs; whether `changed` holds on any worker.

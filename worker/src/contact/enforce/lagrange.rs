@@ -20,8 +20,7 @@ pub(super) const LAW: LawRow = LawRow {
 };
 
 /// Ways to iterate, as a job names them.
-pub const ITERATIONS: &[(&str, Iteration)] =
-    &[("split", Iteration::Split), ("gauss_seidel", Iteration::GaussSeidel), ("jacobi", Iteration::Jacobi)];
+pub const ITERATIONS: &[(&str, Iteration)] = &[("split", Iteration::Split), ("gauss_seidel", Iteration::GaussSeidel)];
 
 /// Fraction of the last step's normal force that sweeps start from. Where they do not converge, as with a light layer between
 /// heavy ones, a force that pushes too much dies out in a few steps; carried on whole it throws the layers apart with
@@ -62,11 +61,14 @@ impl ContactLaw for Lagrange {
         } else {
             V3::zeros()
         };
-        let change = (new_pressed - pressed).abs().max((new_sheared - sheared).norm());
-        let floor = GAP * pair.thickness / (steps.dt * soft_n);
+        // The velocity that is left to be changed, over what the pair is there to change: its approach, and what its
+        // force does to the side that answers less. Where masses differ much a small change of the force is no small
+        // velocity for the lighter side.
+        let left = (soft_n * (new_pressed - pressed).abs()).max(soft_t * (new_sheared - sheared).norm());
+        let whole = pair.demand.max(steps.push * pair.firm * new_pressed.max(pressed));
         // A force that has nothing left to do ends, however small: left as it is, it would go on pushing.
         let ends = pressed > 0.0 && new_pressed == 0.0;
-        (ends || change > floor.max(self.tolerance * new_pressed.max(pressed)))
+        (ends || left > (GAP * pair.thickness / steps.dt).max(self.tolerance * whole))
             .then(|| pair.normal * new_pressed + new_sheared)
     }
 

@@ -53,9 +53,6 @@ pub enum Iteration {
     /// All pairs are updated from the same state, each nodal mass split among the pairs that use it. Converges whatever
     /// the masses: an update is damped by no less than the coupling.
     Split,
-    /// The same with full masses. For n nodes of mass m on the centre of a segment of masses M each sweep multiplies the
-    /// error by `-(n-1) (1/4M) / (1/m + 1/4M)`: it diverges where many or heavy nodes sit on one segment.
-    Jacobi,
     /// One pair after the other in ascending (node, segment), each with full masses and feeling those before it.
     /// Projected Gauss-Seidel: converges whatever the masses, faster than `Split` where nodes have few pairs.
     GaussSeidel,
@@ -78,6 +75,10 @@ pub trait ContactLaw: Send + Sync {
     fn sweeps(&self) -> usize;
     /// How sweeps are made.
     fn iteration(&self) -> Iteration;
+    /// Whether more sweeps bring the force nearer to what it should be.
+    fn converges(&self) -> bool {
+        self.sweeps() > 1
+    }
     /// Stiffness that contact with a segment has, from its material and its initial shape at coordinates `x0`
     /// [force/length]; `None` from laws that want none.
     fn segment_stiffness(&self, _segment: &Segment, _x0: &[Row]) -> Option<f64> {
@@ -169,6 +170,11 @@ impl Laws {
         self.sweeps
     }
 
+    /// Whether any law has [`ContactLaw::converges`].
+    pub fn converge(&self) -> bool {
+        self.of.iter().flatten().any(|law| law.converges())
+    }
+
     /// See [`ContactLaw::segment_stiffness`]: laws that have one agree on it.
     pub fn segment_stiffness(&self, segment: &Segment, x0: &[Row]) -> Option<f64> {
         self.of.iter().flatten().find_map(|law| law.segment_stiffness(segment, x0))
@@ -214,6 +220,11 @@ fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
     if sticks { slip } else { V3::zeros() }
 }
 
+/// Speed at which a pair's gap would be passed in the step at this velocity, 0 if it would not be [length/time].
+pub fn demand(pair: &Pair, velocity: &V3, steps: Steps) -> f64 {
+    (-overlap(pair, steps) / steps.dt - velocity.dot(&pair.normal)).max(0.0)
+}
+
 /// The part of `f` along `normal`, and the rest.
 fn split(f: &V3, normal: &V3) -> (f64, V3) {
     let along = f.dot(normal);
@@ -221,7 +232,7 @@ fn split(f: &V3, normal: &V3) -> (f64, V3) {
 }
 
 /// Tangential force held within the friction cone of normal force `pressed`.
-fn within_cone(tangential: V3, pressed: f64, friction: f64) -> V3 {
+pub fn within_cone(tangential: V3, pressed: f64, friction: f64) -> V3 {
     let (size, limit) = (tangential.norm(), friction * pressed);
     if size > limit { tangential * (limit / size) } else { tangential }
 }

@@ -87,6 +87,10 @@ pub struct Pair {
     pub slip: V3,
     /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
     pub compliance: [f64; 2],
+    /// The part of the normal compliance that is of the side which answers less, 0 if that is held.
+    pub firm: f64,
+    /// Speed at which the gap would be passed in the step without contact, 0 if it would not be [length/time].
+    pub demand: f64,
     /// Sum of the shares of all pairs that touch each of the five nodes, 0 where this one has none.
     pub crowd: [f64; 5],
     /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
@@ -277,6 +281,8 @@ impl Pair {
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
+            firm: 0.0,
+            demand: 0.0,
             crowd: [0.0; 5],
             guess: V3::zeros(),
             turn: 1.0,

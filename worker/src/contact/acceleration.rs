@@ -1,0 +1,195 @@
+//! Anderson acceleration of sweeps that converge slowly (Anderson 1965; Walker & Ni 2011, eq. 2.1).
+//!
+//! A sweep takes the forces x to G(x). Where masses differ much it converges slowly: with a light layer of mass m between heavy
+//! ones of mass M a Gauss-Seidel sweep leaves `1 / (1 + m/M)^2` of an error. The residuals f = G(x) - x of the last sweeps
+//! tell what the next ones would do: with the coefficients that minimise `|f_k - sum_j c_j (f_{j+1} - f_j)|` the next
+//! forces are `G(x_k) - sum_j c_j (G(x_{j+1}) - G(x_j))`, then put back into their friction cones. On the pairs that touch,
+//! where G is linear, this is GMRES (Walker & Ni, theorem 2.2): it ends in as many steps as there are different rates of
+//! convergence, whatever these are.
+//!
+//! The norm is that of the energy which a force makes in the pair's own compliance, `c |f|^2`. Its sums are exact and so the same on
+//! any number of workers (`exact_sum.rs`). If pairs begin or cease to press, or a residual grows, G is not the function that it was:
+//! history is dropped, and the next forces are those of the sweep itself.
+
+use crate::contact::enforce::within_cone;
+use crate::contact::exact_sum::{ExactSum, WORDS};
+use crate::contact::geometry::V3;
+use crate::contact::pairs::Pair;
+use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, sum_all};
+use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
+
+/// Most earlier sweeps that one is combined with. With 2, a layer of two light nodes between heavy ones takes twice the sweeps of 5;
+/// more than 5 save none.
+const DEPTH: usize = 5;
+/// Directions whose squared sine to the others is below this are dropped: round-off of the sums, 1e-16, is felt in them.
+const PARALLEL: f64 = 1e-12;
+
+/// Sweeps are of another system if pairs have begun or ceased to press by more than this fraction of the residual.
+const SWITCHED: f64 = 0.01;
+
+/// Forces of own pairs, one after the other [force].
+pub type Forces = Vec<V3>;
+
+/// What is remembered of the sweeps of a step.
+#[derive(Debug, Default)]
+pub struct Acceleration {
+    /// Residual and end of the last sweep, with the squared norm of the residual.
+    last: Option<(Forces, Forces, f64)>,
+    /// Differences of residuals and of ends between neighbouring sweeps, the newest last.
+    differences: VecDeque<(Forces, Forces)>,
+    /// Products of the differences of residuals with each other, in their order.
+    products: DMatrix<f64>,
+}
+
+/// What all workers know after a sweep.
+#[derive(Debug)]
+pub struct Advice {
+    /// Whether a force has changed, on any worker.
+    pub changed: bool,
+    /// Forces to go on from; none where those of the sweep are as good.
+    pub forces: Option<Forces>,
+}
+
+impl Acceleration {
+    /// Takes note of a sweep of the own pairs among `pairs` that began with the forces `before` and has `changed` one of
+    /// them. All workers call it after each sweep.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn note(
+        &mut self,
+        pairs: &[Pair],
+        before: &[V3],
+        changed: bool,
+        wire: &mut dyn Transport,
+    ) -> Result<Advice, Lost> {
+        let own: Vec<&Pair> = pairs.iter().filter(|p| p.own).collect();
+        let ends: Forces = own.iter().map(|p| p.force).collect();
+        let residual = minus(&ends, before);
+        let mut switched = ExactSum::ZERO;
+        if let Some((residuals_before, ends_before, _)) = &self.last {
+            let both = own.iter().zip(&ends).zip(ends_before);
+            let switch = both.filter(|((p, end), before)| is_pressed(p, end) != is_pressed(p, before));
+            switch.for_each(|((p, end), before)| switched.add(weighted(p, &(end - before), &(end - before))));
+            self.differences.push_back((minus(&residual, residuals_before), minus(&ends, ends_before)));
+            if self.differences.len() > DEPTH {
+                self.differences.pop_front();
+                self.products = self.products.clone().remove_row(0).remove_column(0);
+            }
+        }
+        let n = self.differences.len();
+        // The newest difference by all differences, the residual by all differences and by itself.
+        let newest = self.differences.back();
+        let of_newest = self.differences.iter().map(|d| newest.map(|(r, _)| (r, &d.0)));
+        let of_residual = self.differences.iter().map(|d| Some((&residual, &d.0)));
+        let all = of_newest.chain(of_residual).flatten().chain([(&residual, &residual)]);
+        let mut words: Vec<i64> = all.flat_map(|(a, b)| *product(&own, a, b).words()).collect();
+        words.extend(switched.words());
+        words.push(changed.into());
+        sum_all(wire, Tag::Settled, &mut words)?;
+        let changed = words[words.len() - 1] > 0;
+        let sums: Vec<f64> = words.chunks_exact(WORDS).map(ExactSum::value).collect();
+        let size = sums[2 * n];
+        if n > 0 {
+            if self.products.nrows() < n {
+                self.products = std::mem::take(&mut self.products).resize(n, n, 0.0);
+            }
+            for (i, &sum) in sums[..n].iter().enumerate() {
+                self.products[(i, n - 1)] = sum;
+                self.products[(n - 1, i)] = sum;
+            }
+        }
+        let is_other =
+            self.last.as_ref().is_some_and(|(_, _, before)| size > *before) || sums[2 * n + 1] > SWITCHED * size;
+        self.last = Some((residual, ends.clone(), size));
+        if is_other || !size.is_finite() {
+            self.differences.clear();
+            self.products = DMatrix::zeros(0, 0);
+            return Ok(Advice { changed, forces: None });
+        }
+        if !changed || n == 0 {
+            return Ok(Advice { changed, forces: None });
+        }
+        let mut way = vec![V3::zeros(); ends.len()];
+        for ((_, difference), c) in self.differences.iter().zip(least_squares(&self.products, &sums[n..2 * n])) {
+            way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
+        }
+        let part = part(&own, &ends, &way, wire)?;
+        let go = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
+        let forces = own.iter().zip(&ends).zip(&way).map(go).collect();
+        Ok(Advice { changed, forces: Some(forces) })
+    }
+}
+
+/// The part of the way from the forces `ends` that is gone: up to where the first of the pairs that press would begin to pull, but no
+/// less than half of it. Those that would pull beyond are cut to 0, which leaves what they press on out of balance.
+///
+/// # Errors
+/// A worker is gone.
+fn part(own: &[&Pair], ends: &[V3], way: &[V3], wire: &mut dyn Transport) -> Result<f64, Lost> {
+    let part = |((p, end), way): ((&&Pair, &V3), &V3)| {
+        let (pressed, more) = (end.dot(&p.normal), way.dot(&p.normal));
+        if pressed > 0.0 && pressed + more < 0.0 { pressed / -more } else { 1.0 }
+    };
+    let least = own.iter().zip(ends).zip(way).map(part).fold(1.0, f64::min);
+    let mut all = MaxReduction::new(1, Tag::Settled);
+    all.begin(wire, &[-least])?;
+    Ok((-all.finish(wire)?[0]).max(0.5))
+}
+
+/// The force of a pair held in its friction cone, nought if it pulls.
+fn within(pair: &Pair, force: V3) -> V3 {
+    let pressed = force.dot(&pair.normal).max(0.0);
+    let sheared = force - pair.normal * force.dot(&pair.normal);
+    pair.normal * pressed + within_cone(sheared, pressed, pair.friction)
+}
+
+/// Whether the own pair bears something under a force.
+fn is_pressed(pair: &Pair, force: &V3) -> bool {
+    force.dot(&pair.normal) > 0.0
+}
+
+fn minus(a: &[V3], b: &[V3]) -> Forces {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Product of two sets of forces, each weighted by how softly its pair answers along it.
+fn product(own: &[&Pair], a: &[V3], b: &[V3]) -> ExactSum {
+    let mut sum = ExactSum::ZERO;
+    for ((p, a), b) in own.iter().zip(a).zip(b) {
+        sum.add(weighted(p, a, b));
+    }
+    sum
+}
+
+/// Product of two forces of a pair, weighted by how softly it answers along them.
+fn weighted(pair: &Pair, a: &V3, b: &V3) -> f64 {
+    let along = a.dot(&pair.normal) * b.dot(&pair.normal);
+    pair.compliance[0] * along + pair.compliance[1] * (a.dot(b) - along)
+}
+
+/// Coefficients c that minimise `c' P c - 2 c' b`, for directions with the products `P`. Newer directions go before older ones, and
+/// those that are nearly combinations of them get 0.
+fn least_squares(products: &DMatrix<f64>, b: &[f64]) -> Vec<f64> {
+    let n = b.len();
+    let scale: Vec<f64> = (0..n).map(|i| products[(i, i)].sqrt()).collect();
+    let mut kept: Vec<usize> = Vec::new();
+    let mut solution = DVector::zeros(0);
+    for i in (0..n).rev().filter(|&i| scale[i] > 0.0) {
+        kept.push(i);
+        let size = kept.len();
+        let scaled =
+            DMatrix::from_fn(size, size, |r, c| products[(kept[r], kept[c])] / (scale[kept[r]] * scale[kept[c]]));
+        let right = DVector::from_fn(size, |r, _| b[kept[r]] / scale[kept[r]]);
+        match scaled.cholesky().filter(|c| c.l_dirty()[(size - 1, size - 1)].powi(2) > PARALLEL) {
+            Some(factors) => solution = factors.solve(&right),
+            None => {
+                kept.pop();
+            }
+        }
+    }
+    let mut coefficients = vec![0.0; n];
+    kept.iter().zip(solution.iter()).for_each(|(&i, c)| coefficients[i] = c / scale[i]);
+    coefficients
+}
