@@ -451,11 +451,11 @@ impl Contact {
         bodies: &mut Bodies,
         steps: Steps,
     ) -> Result<(), Lost> {
+        let accelerated = if self.accelerates() { self.accelerated } else { 0 };
         let t = &mut self.table;
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
         let coupled = bodies.meet(wire, &t.touched, nodes)?;
-        let accelerated = if self.accelerates() { self.accelerated } else { 0 };
         let mut sweeps =
             Sweeps { laws: &self.laws, nodes, free: &self.free, walls, bodies, coupled, steps, accelerated };
         let swept = sweeps.run(t, wire)?;

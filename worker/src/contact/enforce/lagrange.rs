@@ -22,11 +22,6 @@ pub(super) const LAW: LawRow = LawRow {
 /// Ways to iterate, as a job names them.
 pub const ITERATIONS: &[(&str, Iteration)] = &[("split", Iteration::Split), ("gauss_seidel", Iteration::GaussSeidel)];
 
-/// Fraction of the last step's normal force that sweeps start from. Where they do not converge, as with a light layer between
-/// heavy ones, a force that pushes too much dies out in a few steps; carried on whole it throws the layers apart with
-/// several times the energy that they came with (`cases/studies/README.md`, sandwich).
-const CARRY: f64 = 0.5;
-
 struct Lagrange {
     sweeps: usize,
     tolerance: f64,
@@ -44,7 +39,7 @@ impl ContactLaw for Lagrange {
 
     fn start(&self, pair: &Pair, _: Steps) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
-        let pressed = pressed.max(0.0) * CARRY;
+        let pressed = pressed.max(0.0);
         pair.normal * pressed + within_cone(sheared, pressed, pair.friction)
     }
 
