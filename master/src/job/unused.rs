@@ -12,7 +12,7 @@ const OF_LAWS: &[(&str, &[&str])] = &[
     ("iteration", &["lagrange"]),
     ("weighting", &["lagrange"]),
     ("sweeps", &["lagrange", "kinematic"]),
-    ("accelerated", &["lagrange", "kinematic"]),
+    ("accelerated", &["lagrange"]),
     ("tolerance", &["lagrange", "kinematic"]),
     ("partition", &["kinematic"]),
     ("penalty_form", &["penalty"]),

@@ -43,7 +43,7 @@ pub struct Contact {
     /// ones.
     pub sweeps: usize,
     /// Most accelerated sweeps after these in steps for which they are too few, as with layers below a hundredth of their
-    /// neighbours' mass; 0 for none. None follow a single sweep (Lagrange, kinematic); see `cases/studies/README.md`, sandwich.
+    /// neighbours' mass; 0 for none. None follow a single sweep (Lagrange); see `cases/studies/README.md`, sandwich.
     pub accelerated: usize,
     /// Velocity that a pair's force may leave unchanged, over the velocity that it is there to change (Lagrange); relative
     /// change below which the force is left as it is (kinematic); see `cases/studies/README.md`, bars.
@@ -235,7 +235,7 @@ impl Default for Contact {
             iteration: "gauss_seidel".into(),
             sweeps: 20,
             accelerated: 100,
-            tolerance: 1e-3,
+            tolerance: 1e-5,
             weighting: "shape".into(),
             partition: 0.5,
             penalty_form: "soft".into(),

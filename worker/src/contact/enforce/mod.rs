@@ -75,9 +75,11 @@ pub trait ContactLaw: Send + Sync {
     fn sweeps(&self) -> usize;
     /// How sweeps are made.
     fn iteration(&self) -> Iteration;
-    /// Whether more sweeps bring the force nearer to what it should be.
+    /// Whether sweeps go on until every pair has the force that it should have, so that more of them, or faster ones, are
+    /// nearer to it. Passes of prediction and correction are no such sweeps: where they are left off they have taken
+    /// energy, and where they are accelerated they give it.
     fn converges(&self) -> bool {
-        self.sweeps() > 1
+        false
     }
     /// Stiffness that contact with a segment has, from its material and its initial shape at coordinates `x0`
     /// [force/length]; `None` from laws that want none.

@@ -70,11 +70,11 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
 }
 
 /// Light layers of any number between heavy ones, with masses as 1 to 1 and down to 1 to 10,000: accelerated sweeps settle
-/// within a bound that does not depend on the masses, by each law that iterates. A layer of n light bodies has n + 1
+/// within a bound that does not depend on the masses, however they are made. A layer of n light bodies has n + 1
 /// different rates of convergence.
 #[test]
 fn accelerated_sweeps_settle_whatever_the_masses() {
-    for law in [lagrange("gauss_seidel", 20), lagrange("split", 20), job("kinematic")] {
+    for law in [lagrange("gauss_seidel", 20), lagrange("split", 20)] {
         let law = ContactJob { tolerance: 1e-9, accelerated: 100, ..law };
         for ratio in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
             for light in [1, 2, 3, 5] {
@@ -153,7 +153,7 @@ fn too_few_sweeps_leave_penetration_that_shows() {
 /// speed at which penetration is taken out.
 #[test]
 fn a_light_plate_between_heavy_ones_is_at_rest_with_them() {
-    for (law, iteration) in [("lagrange", "gauss_seidel"), ("lagrange", "split"), ("kinematic", "gauss_seidel")] {
+    for iteration in ["split", "gauss_seidel"] {
         for (ratio, dt) in [(1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 1e-3), (1e-3, 0.04)] {
             let at = |z: f64, side: f64, v: f64, m: f64| {
                 square([m; 4]).into_iter().map(move |p| mass([side * p.x[0], side * p.x[1], z], [0.0, 0.0, v], m))
@@ -162,13 +162,13 @@ fn a_light_plate_between_heavy_ones_is_at_rest_with_them() {
             let plates = [at(-reach, 1.0, 1.0, 0.25), at(0.0, 0.25, 0.0, 0.25 * ratio), at(reach, 1.0, -1.0, 0.25)];
             let points: Vec<_> = plates.into_iter().flatten().collect();
             let segments = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]];
-            let job = ContactJob { iteration: iteration.into(), ..job(law) };
+            let job = ContactJob { iteration: iteration.into(), ..job("lagrange") };
             let slaves: Vec<u32> = (0..12).collect();
             let mut scene = Scene::new(&job, &points, &segments, &slaves, dt);
             for _ in 0..100 {
                 scene.step();
             }
-            let case = format!("{law} {iteration}, 1 to {ratio}, step {dt}");
+            let case = format!("{iteration}, 1 to {ratio}, step {dt}");
             let fastest = (0..12).map(|i| scene.v(i).norm()).fold(0.0, f64::max);
             let [steps, open] = scene.contact.unsettled;
             eprintln!(
