@@ -24,6 +24,8 @@ impl Law {
         Self { name: "lagrange", law: "lagrange", more: "" },
         Self { name: "kinematic", law: "kinematic", more: "" },
         Self { name: "penalty", law: "penalty", more: "" },
+        Self { name: "mortar", law: "mortar", more: "" },
+        Self { name: "mortar stiffness", law: "mortar", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
         Self { name: "penalty stiffness", law: "penalty", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
     ];
 
@@ -42,13 +44,18 @@ impl Law {
 
     /// Whether it is a penalty.
     pub fn is_spring(&self) -> bool {
-        self.law == "penalty"
+        is_spring(self.law)
     }
 
     /// Whether it is much softer than the elements beside it.
     pub fn is_soft(&self) -> bool {
-        self.name == "penalty"
+        ["penalty", "mortar"].contains(&self.name)
     }
+}
+
+/// Whether the law of this name is one of springs.
+pub fn is_spring(law: &str) -> bool {
+    ["penalty", "mortar"].contains(&law)
 }
 
 /// What leaves contact without damping.
