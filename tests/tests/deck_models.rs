@@ -151,6 +151,20 @@ fn contacts_become_interfaces() {
     assert!(with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n").job.contact.unwrap().parts.is_empty(), "all");
 }
 
+/// Only the contact that says so is of segments; the map of the deck tells.
+#[test]
+fn mortar_contacts_take_the_law_of_segments() {
+    let pair = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_MORTAR_ID\n2,second\n1,2,3,3\n\n\n";
+    let law = |model: &Model| model.job.contact.as_ref().unwrap().each().map(|c| c.law).collect::<Vec<_>>();
+    let model = with(&format!("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n{pair}"));
+    assert_eq!(law(&model), ["lagrange", "mortar"]);
+    assert!(crumple::check::describe(&model).contains("second: MORTAR -> law mortar"));
+    let model = with(
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_MORTAR\n1,0,3\n\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\n\n",
+    );
+    assert_eq!(law(&model), ["mortar", "lagrange"]);
+}
+
 #[test]
 fn contacts_of_a_single_surface_come_before_those_of_two() {
     let model = with(

@@ -8,8 +8,8 @@
 use crate::agreement;
 use crate::blocks::LocalElement;
 use crate::contact::Contact;
+use crate::contact::pairs::Pair;
 use crate::contact::pairs::quiet::distances;
-use crate::contact::pairs::{Pair, WIRE_WORDS};
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
 use crate::halo;
@@ -59,6 +59,8 @@ pub struct Count {
     pub pairs: u64,
     /// Tellings of own pairs to other workers.
     pub told: u64,
+    /// Words of these messages.
+    pub told_words: u64,
     /// Workers that it has contact pairs in common with.
     pub partners: u64,
     /// Rounds after which it knows that nobody it has to do with through contact pairs, one with the next, changes anything.
@@ -132,6 +134,7 @@ impl Census {
             others.retain(|&w| w != owner);
             self.counts[owner as usize].pairs += 1;
             self.counts[owner as usize].told += others.len() as u64;
+            self.counts[owner as usize].told_words += (others.len() * pair.words()) as u64;
             partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
         }
         partners.sort_unstable();
@@ -318,8 +321,13 @@ impl Census {
         all
     }
 
-    /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that has the edge.
+    /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that has the edge,
+    /// a segment's to that of the segment.
     fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
+        if pair.name.is_segment() {
+            let of_slave = worker_of(workers, pair.name.slave_quarter().0.elem());
+            return of_slave.unwrap_or_else(|| self.owner(pair.nodes[0]) as u32);
+        }
         let [slave, far] = [pair.nodes[0], pair.nodes[1]];
         let of_edge = || {
             let place = surface.slaves.binary_search(&slave).ok()?;
@@ -347,7 +355,7 @@ impl Count {
             messages += (self.near_workers + self.meets) as f64;
             words +=
                 (self.near_workers * halo::DRIFT_WORDS as u64) as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
-            words += (self.told * WIRE_WORDS as u64) as f64;
+            words += self.told_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
             // Whether all sweeps have settled.

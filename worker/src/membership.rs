@@ -5,6 +5,7 @@
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
 use crate::contact::edges::outline;
+use crate::contact::enforce::by_segments;
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Memory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
@@ -210,9 +211,9 @@ pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64)
     contact::reach(interfaces, largest_scale, largest_scale) + settings.buffer
 }
 
-/// Box around a worker's own slaves and edges; `surface` has its own segments only.
+/// Box around a worker's own slaves, edges and, where they meet each other, segments; `surface` has its own segments only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
-    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges);
+    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges || by_segments(c));
     let of_edges = if with_edges { outline(surface) } else { Vec::new() };
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }

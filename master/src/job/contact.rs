@@ -49,8 +49,10 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         let own = i.checked_sub(1).and_then(|i| toml::Table::try_from(&contact.interface[i]).ok());
         check_one(path, &one, |key| own.as_ref().is_none_or(|own| own.contains_key(key)), numbers);
     }
-    if contact.each().any(|c| c.law == "penalty" && c.penalty_cap) && job.time.safety >= 1.0 {
-        let message = format!("safety = {} leaves a penalty no room below the stable step", job.time.safety);
+    if contact.each().any(|c| ["penalty", "mortar"].contains(&c.law.as_str()) && c.penalty_cap)
+        && job.time.safety >= 1.0
+    {
+        let message = format!("safety = {} leaves springs no room below the stable step", job.time.safety);
         let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
         numbers.findings.add(Problem::error("time.safety", message, help));
     }

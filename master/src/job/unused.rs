@@ -15,10 +15,10 @@ const OF_LAWS: &[(&str, &[&str])] = &[
     ("accelerated", &["lagrange"]),
     ("tolerance", &["lagrange", "kinematic"]),
     ("partition", &["kinematic"]),
-    ("penalty_form", &["penalty"]),
-    ("penalty_scale", &["penalty"]),
-    ("penalty_damping", &["penalty"]),
-    ("penalty_cap", &["penalty"]),
+    ("penalty_form", &["penalty", "mortar"]),
+    ("penalty_scale", &["penalty", "mortar"]),
+    ("penalty_damping", &["penalty", "mortar"]),
+    ("penalty_cap", &["penalty", "mortar"]),
 ];
 
 /// What uses a key of a part, and whether this part has that.

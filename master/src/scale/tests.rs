@@ -68,6 +68,7 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
         for pair in contact.own_table() {
             let told: BTreeSet<u32> = pair.touching().flat_map(|n| engine.halo.users_of(n)).copied().collect();
             (count.pairs, count.told) = (count.pairs + 1, count.told + told.len() as u64);
+            count.told_words += (told.len() * pair.words()) as u64;
         }
         let own = |n: &u32| engine.nodes.is_own(*n as usize);
         count.members = engine.bodies.acted_on(&engine.nodes).filter(own).count() as u64;

@@ -2,7 +2,7 @@
 //! `c = sqrt(E/rho)` and nothing else.
 
 use super::bench::Finished;
-use super::contact::UNDAMPED;
+use super::contact::{UNDAMPED, is_spring};
 use super::measure::{Push, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
@@ -116,7 +116,7 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             all.extend(
                 rows(&met, &variant, v)
                     .into_iter()
-                    .map(|r| if law == "penalty" && r.known.is_empty() { r.known(SOFT) } else { r }),
+                    .map(|r| if is_spring(law) && r.known.is_empty() { r.known(SOFT) } else { r }),
             );
             if across > 1 {
                 continue;
@@ -124,12 +124,10 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             // The end nodes, 1/2N of a bar each, take a common velocity: 1/2 m_red v^2.
             let share = if v[1] == 0.0 { 0.25 } else { 0.5 } / N as f64;
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
-            all.push(match law {
-                "penalty" => {
-                    lost.within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A").known(SOFT)
-                }
+            all.push(match is_spring(law) {
+                true => lost.within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A").known(SOFT),
                 // 1/2N of E0 at +-v/2, 1/4N at v and 0.
-                _ => stopped(lost, share),
+                false => stopped(lost, share),
             });
             all.push(met.run.closing_row(&variant, 1e-3));
         }
@@ -156,7 +154,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("order of 1 - restitution", variant(), "", to_one)
                 .beside(1.0, "[D] first order, and what the front disperses"),
         );
-        if law != "penalty" {
+        if !is_spring(law) {
             let order = halving(met.each_ref().map(|m| -m.work));
             all.push(Row::new("order of the energy lost", variant(), "", order).near(1.0, 0.05, "[D] 1/2N"));
         }

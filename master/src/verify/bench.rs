@@ -141,7 +141,7 @@ pub fn run_watched(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFl
         given,
         stored,
         touches: contact.is_some() || !model.job.wall.is_empty(),
-        springs: contact.is_some_and(|c| c.law == "penalty"),
+        springs: contact.is_some_and(|c| super::contact::is_spring(&c.law)),
         momentum: start,
         trouble,
     })

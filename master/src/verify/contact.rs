@@ -24,6 +24,8 @@ impl Law {
         Self { name: "lagrange", law: "lagrange", more: "" },
         Self { name: "kinematic", law: "kinematic", more: "" },
         Self { name: "penalty", law: "penalty", more: "" },
+        Self { name: "mortar", law: "mortar", more: "" },
+        Self { name: "mortar stiffness", law: "mortar", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
         Self { name: "penalty stiffness", law: "penalty", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
     ];
 
@@ -42,13 +44,23 @@ impl Law {
 
     /// Whether it is a penalty.
     pub fn is_spring(&self) -> bool {
-        self.law == "penalty"
+        is_spring(self.law)
+    }
+
+    /// Whether segments press on segments, which gives uniform pressure whatever the meshes.
+    pub fn by_segments(&self) -> bool {
+        self.law == "mortar"
     }
 
     /// Whether it is much softer than the elements beside it.
     pub fn is_soft(&self) -> bool {
-        self.name == "penalty"
+        ["penalty", "mortar"].contains(&self.name)
     }
+}
+
+/// Whether the law of this name is one of springs.
+pub fn is_spring(law: &str) -> bool {
+    ["penalty", "mortar"].contains(&law)
 }
 
 /// What leaves contact without damping.
@@ -159,7 +171,7 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
                 // Of the node, of the segment; a plastic impact, or an elastic one.
                 (common - rebound * (v - common), common + rebound * common)
             };
-            let (of_node, of_segment) = pair(if law == "penalty" { 1.0 } else { 0.0 });
+            let (of_node, of_segment) = pair(if is_spring(law) { 1.0 } else { 0.0 });
             let down = |nodes: &[u32]| -mean_velocity(&run.engine, nodes, 2);
             // An elastic one is off by what a spring of this stiffness loses or gains in whole steps.
             const D: &str = "[D] plastic impact, or elastic for penalty";
@@ -290,9 +302,9 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         let fastest = b.abs().max(m.abs()).max(a.abs());
         let row = Row::new("largest velocity after", &variant, "m/s", fastest);
-        all.push(match law {
-            "penalty" => row.beside(1.0, "[D] springs throw the plates back"),
-            _ => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
+        all.push(match is_spring(law) {
+            true => row.beside(1.0, "[D] springs throw the plates back"),
+            false => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
         });
         all.push(run.given_row(&variant));
         let share = (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
@@ -336,7 +348,7 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(
             Row::new("largest velocity of the others", &variant, "m/s", others)
                 .at_most(0.05, "limit of the catalogue")
-                .known(if law == "penalty" { SOFT } else { "" }),
+                .known(if is_spring(law) { SOFT } else { "" }),
         );
         let scale = mass(&run.engine, bars[0].all());
         all.push(

@@ -1,5 +1,6 @@
 //! Strips that meet with their edges, between nodes (C04).
 
+use super::contact::is_spring;
 use super::measure::{mean_velocity, position};
 use super::row::Row;
 use super::scene::{Grid, STEEL, Scene};
@@ -121,7 +122,7 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.add(&format!("[contact]\nlaw = \"{law}\""));
             let run = bench.watch(&format!("C04 {law} {}", crossing.name), &scene, |_| {})?;
             let variant = format!("{law}, strips upright {}", crossing.name);
-            let hold = if law == "penalty" {
+            let hold = if is_spring(law) {
                 // Four nodes with half the mass of an element; the default scale and damping.
                 let node = 0.5 * STEEL.rho * THICKNESS * LENGTH * WIDTH / (cells[0] * cells[1]) as f64;
                 let s = (cells[0] as f64 * (0.5 + crossing.off / LENGTH)).fract();

@@ -2,7 +2,7 @@
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
-use super::contact::UNDAMPED;
+use super::contact::{UNDAMPED, is_spring};
 use super::measure::{Push, displacement, mass, mean_velocity};
 use super::row::Row;
 use super::scene::{Elastic, Grid, Scene};
@@ -163,7 +163,7 @@ fn targets(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in bench.laws() {
         let s = f.run(bench, &format!("A03c {law}"), 100, Target::Shell(law))?;
         let variant = format!("{law}, on a fixed shell");
-        all.push(row(&variant, &s).known(if law == "penalty" { SOFT } else { "" }));
+        all.push(row(&variant, &s).known(if is_spring(law) { SOFT } else { "" }));
         all.extend(s.run.energy_rows(&variant, 1e-3));
     }
     Ok(all)

@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 pub struct Contact {
     /// Name for people.
     pub name: String,
-    /// Name of the law in the worker's table: `lagrange`, `kinematic` or `penalty`. All three hold where contact is strong
-    /// (`cases/studies/README.md`, tube, corner, tumble); for contact stresses take one of the first two (hertz). With `none`
-    /// only the parts of interfaces touch.
+    /// Name of the law in the worker's table: `lagrange`, `kinematic`, `penalty` or `mortar`. The first three hold where contact is
+    /// strong (`cases/studies/README.md`, tube, corner, tumble); for contact stresses take one of the first two (hertz), or
+    /// `mortar` where the meshes of two faces do not match (`tests/VERIFICATION.md`, A22). With `none` only the parts of
+    /// interfaces touch.
     pub law: String,
     /// Static coefficient of Coulomb friction.
     pub friction: f64,
@@ -55,18 +56,18 @@ pub struct Contact {
     /// the rest as slave of the first; pairs whose surfaces are not slaves of each other are not partitioned (kinematic).
     /// See `cases/studies/README.md`, bars-solids.
     pub partition: f64,
-    /// Stiffness of the penalty (penalty): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
+    /// Stiffness of the penalty (penalty; mortar, where it is that of a pressure): `soft`, from nodal masses and the step; `stiffness`, from the segment's Young's
     /// modulus and area, E A / d with a solid's shortest edge or a shell's longest diagonal d. See `cases/studies/README.md`,
     /// reversal and hertz.
     pub penalty_form: String,
-    /// Scale of the penalty stiffness, of either form (penalty); see `cases/studies/README.md`, bars, reversal and
+    /// Scale of the penalty stiffness, of either form (penalty, mortar); see `cases/studies/README.md`, bars, reversal and
     /// penalty-map.
     pub penalty_scale: f64,
-    /// Normal damping of the penalty, as a fraction of the critical damping of the masses that meet (penalty). Without it
+    /// Normal damping of the penalty, as a fraction of the critical damping of the masses that meet (penalty, mortar). Without it
     /// what slides on springs chatters and feels too little friction (`cases/studies/README.md`, slide); an impact of bars
     /// loses as much with 0.1 as with the Lagrange law.
     pub penalty_damping: f64,
-    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty). Without it a run may blow up
+    /// Lower penalty stiffness where it would make the step unstable, and say so (penalty, mortar). Without it a run may blow up
     /// (`cases/studies/README.md`, penalty-map).
     pub penalty_cap: bool,
     /// Whether edges meet edges too: free ones of shells, folds, and sharp ones of solids. Without it they pass each

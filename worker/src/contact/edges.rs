@@ -24,7 +24,7 @@
 use crate::contact::approach;
 use crate::contact::geometry::{Passing, V3, apart, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
-use crate::contact::pairs::{Memory, Name, Pair};
+use crate::contact::pairs::{Memory, Name, Pair, by_role};
 use crate::contact::ridges::{Edge, Kind, Lines, Wedge};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
@@ -51,7 +51,7 @@ const SUNK: f64 = 0.5;
 const NEARLY: f64 = 0.7;
 
 /// All nodes of own segments, possibly several times: the edges between them may come to stand out, whatever others have beside
-/// them. `surface` has own segments only.
+/// them, and the segments themselves may meet others. `surface` has own segments only.
 pub fn outline(surface: &Surface) -> Vec<u32> {
     surface.segments.iter().flat_map(|s| s.nodes).collect()
 }
@@ -307,7 +307,7 @@ impl Edges {
         let mut side = if side < 0.0 { -1.0 } else { 1.0 };
         let old = known.filter(|m| m.normal.dot(&met.normal) * side > 0.0);
         let [one, two] = edges.map(|e| lines.lowest(e, surface));
-        let shape = [1.0 - s, s, 1.0 - t, t, 0.0];
+        let shape = by_role([1.0 - s, s, 1.0 - t, t]);
         let mut pair = Pair {
             shape,
             weight: shape,
@@ -316,7 +316,7 @@ impl Edges {
             speed: surface.slower(one.part, two.part),
             first: (one.part, one.id) < (two.part, two.id),
             own: true,
-            ..Pair::unknown(name, two.id, [i, j, k, l, NOT_LOCAL])
+            ..Pair::unknown(name, two.id, [i, j, k, l])
         };
         // What is tolerated is no gap: it can only make the pair less near.
         if met.height * side + dt * opening * side >= near || met.height * side < -deepest {

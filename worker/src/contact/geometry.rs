@@ -53,6 +53,21 @@ impl Sphere {
         Self { centre, radius }
     }
 
+    /// Its centre [length].
+    pub fn centre(&self) -> V3 {
+        self.centre
+    }
+
+    /// Its radius [length].
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Whether another segment is farther than `reach` from this one for certain.
+    pub fn is_apart(&self, other: &Self, reach: f64) -> bool {
+        self.is_farther(&other.centre, reach + other.radius)
+    }
+
     /// Whether a point is farther than `reach` from the segment for certain.
     pub fn is_farther(&self, at: &V3, reach: f64) -> bool {
         (at - self.centre).norm_squared() > (reach + self.radius) * (reach + self.radius)

@@ -11,7 +11,7 @@
 
 use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::meet::Meeting;
-use crate::contact::pairs::{Memory, Name, Pair};
+use crate::contact::pairs::{Memory, Name, Pair, by_role};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
@@ -307,7 +307,7 @@ fn look(
     let impact =
         if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
     let [a, b, c, d] = near.shape;
-    let shape = [1.0, a, b, c, d];
+    let shape = by_role([1.0, a, b, c, d]);
     let [i, j, k, l] = segment.nodes;
     let pair = Pair {
         shape,

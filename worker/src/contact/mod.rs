@@ -2,8 +2,8 @@
 //!
 //! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search, and which edges
 //!    an edge?
-//! 2. local search (`local.rs` for nodes, `edges.rs` for edges), every step: which of those that are near
-//!    (`close.rs`) does it meet in this step?
+//! 2. local search (`local.rs` for nodes, `edges.rs` for edges, `facets.rs` for segments), every step: which of those that
+//!    are near (`close.rs`) does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
 
@@ -14,6 +14,7 @@ pub mod crossing;
 pub mod edges;
 pub mod enforce;
 mod exact_sum;
+mod facets;
 pub mod geometry;
 pub mod initial;
 pub mod interfaces;
@@ -21,6 +22,7 @@ pub mod kernels;
 pub mod local;
 mod meet;
 mod neighbours;
+mod overlap;
 pub mod pairs;
 pub mod record;
 mod resultants;
@@ -43,6 +45,7 @@ use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::transport::{Lost, Transport};
 use edges::Edges;
 use enforce::{Elasticity, Laws, Steps};
+use facets::Facets;
 use geometry::{Sphere, V3};
 use interfaces::Interfaces;
 use meet::Meetings;
@@ -84,6 +87,8 @@ pub struct Contact {
     memories: Vec<Memory>,
     /// Edges that could meet each other, with what they remember.
     edges: Edges,
+    /// Segments that could meet each other, with what they remember.
+    facets: Facets,
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
     free: Vec<Row>,
@@ -126,6 +131,7 @@ impl Contact {
             SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
             begun: vec![false; laws.count()],
+            facets: Facets::new(laws.by_segments()),
             laws,
             find: method.find,
             skin: job.skin,
@@ -172,10 +178,12 @@ impl Contact {
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
             let start = self.memories.len();
-            self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| !m.name.is_edge()));
+            self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
             self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
         self.memory_start.push(self.memories.len() as u32);
+        self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
+        self.table.by_area = self.facets.are_wanted();
         if self.with_edges {
             self.edges = Edges::of(&self.surface, nodes, memory_of);
         }
@@ -193,13 +201,15 @@ impl Contact {
             + self.meetings.bytes()
             + self.record.bytes()
             + self.edges.bytes()
+            + self.facets.bytes()
     }
 
-    /// What each slave remembers; edges under all nodes of their pairs.
+    /// What each slave remembers; edges under all nodes of their pairs, segments under their own.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
         let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         let of_nodes = self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)));
-        of_nodes.chain(self.edges.memories().map(|(n, m)| (n, std::slice::from_ref(m))))
+        let others = self.edges.memories().chain(self.facets.memories());
+        of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))
     }
 
     /// Edges that have gone through a surface, see [`crossing`].
@@ -286,7 +296,7 @@ impl Contact {
         if fresh && moved <= self.close.skin && step <= self.close.step && !used_up {
             if self.edges.is_stale() {
                 self.search_edges(nodes, joined);
-                self.pick_edges(nodes);
+                self.pick(nodes);
             }
             return;
         }
@@ -296,6 +306,7 @@ impl Contact {
         if !fresh || self.moved + self.close.skin + ahead > self.skin {
             self.search(nodes, &spheres, joined);
             self.search_edges(nodes, joined);
+            self.facets.search((&self.surface, &spheres), nodes, joined, self.find, self.skin);
             self.moved = 0.0;
         } else if self.edges.is_stale() {
             self.search_edges(nodes, joined);
@@ -303,7 +314,7 @@ impl Contact {
         let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
         let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
         self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
-        self.pick_edges(nodes);
+        self.pick(nodes);
     }
 
     /// Which edges each edge could meet before the next search.
@@ -311,10 +322,12 @@ impl Contact {
         self.edges.search(&self.surface, nodes, joined, self.find, self.skin);
     }
 
-    /// Which of them it could meet before the list of near segments is made over.
-    fn pick_edges(&mut self, nodes: &Nodes) {
+    /// Which edges and segments could meet others before the list of near segments is made over.
+    fn pick(&mut self, nodes: &Nodes) {
         self.edges.pick(nodes, &self.surface, self.close.skin, self.close.step);
         self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
+        self.facets.pick(nodes, &self.surface, self.close.skin, self.close.step);
+        self.facets.near(&self.surface).for_each(|(slave, met)| self.record.near(slave, met));
     }
 
     /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are where their owners have them.
@@ -404,8 +417,16 @@ impl Contact {
                 p.stiffness = at.map_or(0.0, |i| self.stiffness[i]);
             }
         }
+        let with_segments = self.facets.are_wanted();
+        if with_segments {
+            pairs.retain(|p| !self.facets.covers(&self.surface, nodes, p));
+        }
         let of_nodes = pairs.len();
         self.edges.find_pairs(nodes, (&self.surface, &alive), &self.stiffness, steps.dt, &mut pairs);
+        if with_segments {
+            pairs.iter_mut().for_each(|p| p.area = p.thickness * p.thickness);
+            self.facets.find_pairs(nodes, (&self.surface, &alive), steps.dt, &mut pairs);
+        }
         if pairs.len() > of_nodes {
             pairs.sort_unstable_by_key(|p| p.name);
         }
@@ -421,7 +442,7 @@ impl Contact {
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction = self.surface.interfaces.friction(p.interface, speed);
-            self.record.touched(p.nodes);
+            self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
         }
@@ -496,7 +517,7 @@ impl Contact {
             work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
         }
         let before = std::mem::take(&mut self.memories);
-        let mut own = t.pairs.iter().filter(|p| p.own && !p.name.is_edge()).peekable();
+        let mut own = t.pairs.iter().filter(|p| p.own && p.name.is_node()).peekable();
         for (i, &s) in self.surface.slaves.iter().enumerate() {
             let old = self.memory_start[i] as usize..self.memory_start[i + 1] as usize;
             let start = self.memories.len();
@@ -519,6 +540,7 @@ impl Contact {
             *end = self.memories.len() as u32;
         }
         self.edges.remember(t.pairs.iter());
+        self.facets.remember(t.pairs.iter());
         work
     }
 }

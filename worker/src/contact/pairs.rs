@@ -8,7 +8,7 @@ mod order;
 mod pair;
 pub mod quiet;
 
-pub use pair::{HELD, Memory, Name, Opposed, Pair, WIRE_WORDS};
+pub use pair::{HELD, Memory, Name, Opposed, Pair, ROLES, by_role};
 
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
@@ -17,7 +17,6 @@ use crate::halo::Halo;
 use crate::nodes::{Nodes, Row, row};
 use crate::rigid::Bodies;
 use crumple_proto::transport::{Lost, Tag, Transport};
-use pair::WirePair;
 
 /// The pairs that one other worker and this one both know.
 #[derive(Debug, Default)]
@@ -40,7 +39,11 @@ pub struct PairTable {
     pub total: Vec<V3>,
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
+    /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one does not; see [`Self::soften`].
+    crowds: Vec<[f64; ROLES]>,
     common: Vec<Common>,
+    /// Whether pairs count for areas, see [`Pair::area`].
+    pub by_area: bool,
     quiet: quiet::Quiet,
     order: order::Order,
     incidence: Vec<(u32, u32, u8)>,
@@ -61,8 +64,7 @@ impl PairTable {
             let sent: Vec<u32> =
                 (0..self.pairs.len()).filter(|&i| concerns(&self.pairs[i])).map(|i| i as u32).collect();
             for &i in &sent {
-                let p = WirePair::of(&self.pairs[i as usize], nodes);
-                self.words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&p)));
+                self.pairs[i as usize].tell(nodes, &mut self.words);
             }
             wire.send(link.worker + 1, Tag::Pairs, &self.words)?;
             self.common.push(Common { worker: link.worker, sent, received: Vec::new() });
@@ -71,9 +73,15 @@ impl PairTable {
         let mut source = vec![(usize::MAX, 0u32); own];
         for (c, common) in self.common.iter_mut().enumerate() {
             wire.recv(common.worker + 1, Tag::Pairs, &mut self.words)?;
-            for (k, words) in self.words.chunks_exact(WIRE_WORDS).enumerate() {
-                self.pairs.push(bytemuck::pod_read_unaligned::<WirePair>(bytemuck::cast_slice(words)).pair(nodes));
-                source.push((c, k as u32));
+            let (mut rest, mut k) = (&self.words[..], 0);
+            while !rest.is_empty() {
+                let (mut pair, after) = Pair::told(rest, nodes);
+                if self.by_area && !pair.name.is_segment() {
+                    pair.area = pair.thickness * pair.thickness;
+                }
+                self.pairs.push(pair);
+                source.push((c, k));
+                (rest, k) = (after, k + 1);
             }
         }
         if self.pairs.len() > own {
@@ -104,7 +112,8 @@ impl PairTable {
     fn index(&mut self) {
         self.incidence.clear();
         for (p, pair) in self.pairs.iter().enumerate() {
-            let roles = pair.nodes.iter().enumerate().filter(|&(r, &n)| n != NOT_LOCAL && pair.share(r) != 0.0);
+            let nodes = pair.nodes[..pair.roles()].iter().enumerate();
+            let roles = nodes.filter(|&(r, &n)| n != NOT_LOCAL && pair.share(r) != 0.0);
             self.incidence.extend(roles.map(|(r, &n)| (n, p as u32, r as u8)));
         }
         self.incidence.sort_unstable();
@@ -124,14 +133,14 @@ impl PairTable {
     }
 
     /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq. 7 and 11:
-    /// m_k / M2 = M_k N_k / sum_j M_j N_j. Edges keep their shape values. To be done before others are told.
+    /// m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their shape values. To be done before others are told.
     pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
-        for pair in self.pairs.iter_mut().filter(|p| p.own && !p.name.is_edge()) {
+        for pair in self.pairs.iter_mut().filter(|p| p.own && p.name.is_node()) {
             let m: [f64; 4] =
                 std::array::from_fn(|k| nodes.contact_mass(pair.nodes[k + 1] as usize) * pair.shape[k + 1]);
             let sum: f64 = m.iter().sum();
             if sum > 0.0 {
-                pair.weight[1..].iter_mut().zip(m).for_each(|(w, a)| *w = a / sum);
+                pair.weight[1..5].iter_mut().zip(m).for_each(|(w, a)| *w = a / sum);
             }
         }
     }
@@ -140,18 +149,24 @@ impl PairTable {
     /// proportion to their shares in it. That lets simultaneous updates converge whatever the masses: for shares w > 0 the
     /// matrix diag(w_p sum_q w_q) - w w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than
     /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
+    /// Pairs may count for more or less than others, by [`Pair::area`] A: with c the sum of the A of all pairs of a node by their shares,
+    /// a pair has the part A/c of its mass, and the same holds.
     /// With prediction and correction the masses of edges are split: a slave edge may be in several pairs, which do not see
     /// each other's corrections as pairs on one segment do.
     pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: impl Fn(&Pair) -> Iteration) {
-        self.pairs.iter_mut().for_each(|p| p.crowd = [0.0; 5]);
+        self.crowds.clear();
+        self.crowds.resize(self.pairs.len(), [0.0; ROLES]);
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
-            let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| self.pairs[p as usize].share(r as usize)).sum();
+            let counts = |p: u32, r: u8| self.pairs[p as usize].area * self.pairs[p as usize].share(r as usize);
+            let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| counts(p, r)).sum();
             for &(p, r) in &self.roles[roles] {
-                self.pairs[p as usize].crowd[r as usize] = crowd;
+                self.crowds[p as usize][r as usize] = crowd;
             }
         }
-        for pair in self.pairs.iter_mut().filter(|p| p.own) {
+        // Where two segments have nothing in contact yet there is nothing to answer.
+        let answers = |p: &Pair| p.own && p.area > 0.0;
+        for (pair, crowd) in self.pairs.iter_mut().zip(&self.crowds).filter(|(p, _)| answers(p)) {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
             let split = match iteration(pair) {
@@ -160,11 +175,11 @@ impl PairTable {
                 Iteration::GaussSeidel => false,
             };
             // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
-            for r in (0..5).filter(|&r| pair.crowd[r] > 0.0) {
+            for r in (0..pair.roles()).filter(|&r| crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
                 // The nodes of a rigid body feel a sweep's forces together, when it is over.
                 let together = split || bodies.of(pair.nodes[r]).is_some();
-                let moved = if together { pair.crowd[r] } else { pair.share(r) } * pair.follows(r);
+                let moved = if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
                 let along = moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
                 soft[0] += along;
@@ -217,7 +232,7 @@ impl PairTable {
     /// guess is below the fraction `little` of their force have settled.
     pub fn opposed(&self, pair: &Pair, little: f64) -> Opposed {
         let mut found = Opposed { free: false, held: false, settled: true };
-        let places = (pair.ahead()..5).filter(|&r| pair.share(r) != 0.0);
+        let places = (pair.ahead()..pair.roles()).filter(|&r| pair.share(r) != 0.0);
         let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
         for &(q, _) in places.flat_map(|t| self.roles_at(t)).filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r)) {
             let other = &self.pairs[q as usize];

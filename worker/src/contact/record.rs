@@ -31,7 +31,7 @@ impl Record {
     }
 
     /// Marks the nodes of a pair.
-    pub fn touched(&mut self, nodes: [u32; 5]) {
+    pub fn touched(&mut self, nodes: &[u32]) {
         nodes.iter().filter(|&&n| n != NOT_LOCAL).for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
     }
 
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(record.part(&before, 0), (true, false));
         assert_eq!(record.part(&before, 1), (true, false));
         assert_eq!(record.part(&before, 2), (false, false));
-        record.touched([5, 0, 1, 2, 3]);
+        record.touched(&[5, 0, 1, 2, 3]);
         record.renew(&before, 4);
         let after = [segment(2, [0, 1, 2, 3])];
         assert_eq!([0, 1, 2].map(|p| record.part(&after, p)), [(true, true), (true, true), (false, false)]);

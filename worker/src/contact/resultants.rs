@@ -28,7 +28,7 @@ impl Contact {
         for pair in self.own_table() {
             let Some([slave, met]) = self.parts_of(pair) else { continue };
             let ids = pair.nodes.map(|n| nodes.id.get(n as usize).copied().unwrap_or(NodeId(0)));
-            let (first, rest) = if pair.name.is_edge() { ids[..4].split_at(2) } else { ids.split_at(1) };
+            let (first, rest) = ids[..pair.roles()].split_at(pair.ahead());
             for (transducer, number) in transducers.iter().zip(0..) {
                 let (on, from) = (&transducer.on, &transducer.from);
                 let pushed = on.has(slave, first) && from.has(met, rest);
@@ -50,7 +50,9 @@ impl Contact {
     fn parts_of(&self, pair: &Pair) -> Option<[u32; 2]> {
         let s = &self.surface;
         let met = s.segments[s.segments.binary_search_by_key(&pair.segment, |g| g.id).ok()?].part;
-        let slave = if pair.name.is_edge() {
+        let slave = if pair.name.is_segment() {
+            s.segments[s.segments.binary_search_by_key(&pair.name.slave_quarter().0, |g| g.id).ok()?].part
+        } else if pair.name.is_edge() {
             s.segments[self.edges.segment_of([pair.nodes[0], pair.nodes[1]])? as usize].part
         } else {
             s.first(s.slaves.binary_search(&pair.nodes[0]).ok()?).0

@@ -4,6 +4,7 @@ use super::Build;
 use super::tree::Table;
 use crate::deck::record::Record;
 use crate::job::tree::Place;
+use crumple_proto::job::Contact;
 use std::collections::BTreeSet;
 
 const KEYWORDS: [(&str, bool); 11] = [
@@ -20,7 +21,7 @@ const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_ERODING_NODES_TO_SURFACE", false),
 ];
 
-/// Fields with no bearing on a contact that needs no stiffness, and what a blank stands for.
+/// Fields with no bearing on a contact that needs no stiffness of its own, and what a blank stands for.
 const IGNORED: [&str; 20] = [
     "vdc", "penchk", "sfsa", "sfsb", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth", "bsort", "frcfrq",
     "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
@@ -45,6 +46,10 @@ impl Build {
         if let Some(mut first) = tables.next() {
             let mut interfaces: Vec<Table> = tables.collect();
             // An interface takes over what it does not say.
+            let default = Contact::default().law;
+            for table in interfaces.iter_mut().filter(|table| first.has("law") && !table.has("law")) {
+                table.put("law", table.place(), default.as_str());
+            }
             let neutral = [("friction", 0.0), ("birth", 0.0), ("death", f64::INFINITY), ("thickness_scale", 1.0)];
             for (key, value) in neutral {
                 let said = first.has(key) || key == "thickness_scale" && first.has("thickness");
@@ -80,6 +85,10 @@ impl Build {
                 return None;
             }
             table.put(key, record.place(side), parts);
+        }
+        if record.has("MORTAR") {
+            table.put("law", record.head, "mortar");
+            self.map(name, "MORTAR", "law mortar, its stiffness from masses and the step");
         }
         self.friction(record, name, &mut table);
         self.thickness(record, name, single, &mut table);

@@ -23,9 +23,11 @@ const CARDS: &[(&str, Times)] = &[
 ];
 
 const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
-     sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds";
+     sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds. With MORTAR, where it may be, the `law` is `mortar`";
 const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
     sides";
+
+const WITH_MORTAR: &[&str] = &["ID", "TITLE", "MPP", "MORTAR"];
 
 const TRANSDUCER: &str = "`[[output.transducer]]`: the contact force on surfa, from surfb or, if that is blank, from all. Segments count by \
                           their nodes";
@@ -67,10 +69,10 @@ const fn geometric(name: &'static str, cards: &'static [(&'static str, Times)], 
 }
 
 pub const KEYWORDS: &[Keyword] = &[
-    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE).options(WITH_MORTAR),
     contact("CONTACT_AUTOMATIC_GENERAL", SINGLE),
     contact("CONTACT_SINGLE_SURFACE", SINGLE),
-    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR).options(WITH_MORTAR),
     contact("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_AUTOMATIC_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_SURFACE_TO_SURFACE", PAIR),

@@ -2,6 +2,7 @@
 
 mod kinematic;
 mod lagrange;
+mod mortar;
 mod penalty;
 #[cfg(test)]
 mod tests;
@@ -81,6 +82,10 @@ pub trait ContactLaw: Send + Sync {
     fn converges(&self) -> bool {
         false
     }
+    /// Whether segments meet segments, where they face each other, in place of nodes.
+    fn by_segments(&self) -> bool {
+        false
+    }
     /// Stiffness that contact with a segment has, from its material and its initial shape at coordinates `x0`
     /// [force/length]; `None` from laws that want none.
     fn segment_stiffness(&self, _segment: &Segment, _x0: &[Row]) -> Option<f64> {
@@ -115,7 +120,12 @@ pub struct LawRow {
 }
 
 /// All contact laws.
-pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW];
+pub const CONTACT_LAWS: &[LawRow] = &[lagrange::LAW, kinematic::LAW, penalty::LAW, mortar::LAW];
+
+/// Whether segments meet segments in an interface of a job.
+pub fn by_segments(job: &Contact) -> bool {
+    job.each().any(|c| c.law == mortar::LAW.name)
+}
 
 /// The laws of a job's interfaces.
 pub struct Laws {
@@ -152,6 +162,11 @@ impl Laws {
     /// Number of interfaces.
     pub fn count(&self) -> usize {
         self.of.len()
+    }
+
+    /// By interface, whether segments meet segments there.
+    pub fn by_segments(&self) -> Vec<bool> {
+        self.of.iter().map(|law| law.as_ref().is_some_and(|law| law.by_segments())).collect()
     }
 
     /// The law of an own pair.

@@ -36,7 +36,7 @@ pub(super) const LAW: LawRow = LawRow {
 /// Forms of the stiffness, as a job names them.
 pub const FORMS: &[&str] = &["soft", "stiffness"];
 
-struct Penalty {
+pub(super) struct Penalty {
     scale: f64,
     /// Fraction of critical damping.
     damping: f64,
@@ -47,7 +47,7 @@ struct Penalty {
 }
 
 impl Penalty {
-    fn new(job: &Contact, parts: &Elasticity) -> Self {
+    pub(super) fn new(job: &Contact, parts: &Elasticity) -> Self {
         let moduli = (job.penalty_form == "stiffness").then(|| parts.moduli.clone());
         let room = 0.5 * 4.0 * (1.0 - parts.safety * parts.safety);
         let most = if job.penalty_cap { room.max(0.0) } else { f64::INFINITY };

@@ -2,6 +2,7 @@
 //! elements. The search and the sweeps are those of a real run.
 
 mod kinematic;
+mod mortar;
 mod penalty;
 mod rubbing;
 mod sweeps;
@@ -433,5 +434,5 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
 #[test]
 fn the_table_of_laws_has_all() {
     let names: Vec<&str> = CONTACT_LAWS.iter().map(|l| l.name).collect();
-    assert_eq!(names, ["lagrange", "kinematic", "penalty"]);
+    assert_eq!(names, ["lagrange", "kinematic", "penalty", "mortar"]);
 }

@@ -6,7 +6,7 @@
 //! pairs in ascending order, but for those that would answer as when they were last asked, then forces travel. What is computed is what one worker alone computes, to the last bit;
 //! phases are a timetable and nothing of them is left in the result.
 
-use super::{Pair, PairTable};
+use super::{Pair, PairTable, ROLES};
 use crate::contact::geometry::V3;
 use crumple_proto::transport::{Lost, Tag, Transport};
 
@@ -19,7 +19,7 @@ pub struct Order {
     /// Phase of each pair.
     phase: Vec<u32>,
     /// For each pair the places of its nodes in the table's `touched`, or [`NOWHERE`].
-    slots: Vec<[u32; 5]>,
+    slots: Vec<[u32; ROLES]>,
     /// Own pairs in ascending (phase, name).
     own: Vec<u32>,
     /// Number of phases of the pairs that are known here.
@@ -49,7 +49,7 @@ impl PairTable {
     pub fn lay_order(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         let mut order = std::mem::take(&mut self.order);
         order.slots.clear();
-        order.slots.resize(self.pairs.len(), [NOWHERE; 5]);
+        order.slots.resize(self.pairs.len(), [NOWHERE; ROLES]);
         for t in 0..self.touched.len() {
             for &(p, r) in self.roles_at(t) {
                 order.slots[p as usize][r as usize] = t as u32;

@@ -9,15 +9,27 @@ use crumple_proto::ids::{NodeId, SegmentId};
 /// A node that is held fixed counts as this many times the mass of the segment that it meets.
 pub const HELD: f64 = 1e6;
 
+/// Most roles of a pair: the corners of two segments.
+pub const ROLES: usize = 8;
+/// Stands for the other node of a slave edge where the slave is a segment; no node is called so.
+const SEGMENT: NodeId = NodeId(u64::MAX);
+
+/// Values of the first roles, and nought for the others.
+pub fn by_role<const N: usize>(values: [f64; N]) -> [f64; ROLES] {
+    std::array::from_fn(|r| values.get(r).copied().unwrap_or(0.0))
+}
+
 /// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 pub struct Name {
-    /// The node, or the node of the slave edge with the lower id.
+    /// The node, or the node of the slave edge with the lower id, or the number of the slave segment.
     pub slave: NodeId,
-    /// The other node of the slave edge; 0 where the slave is a node, as no edge has.
+    /// The other node of the slave edge; 0 where the slave is a node, as no edge has, and the largest number where it is a
+    /// segment.
     pub far: NodeId,
-    /// The segment and 0, or the nodes of the edge that is met, ascending.
+    /// The segment and 0, or the nodes of the edge that is met, ascending; or the segment, and which quarters of the slave
+    /// and of it.
     pub met: [u64; 2],
 }
 
@@ -32,6 +44,26 @@ impl Name {
         Self { slave: slave[0], far: slave[1], met: other.map(|n| n.0) }
     }
 
+    /// A quarter of a segment on a quarter of another one.
+    pub fn of_segments([slave, met]: [SegmentId; 2], [of_slave, of_met]: [usize; 2]) -> Self {
+        Self { slave: NodeId(slave.0), far: SEGMENT, met: [met.0, (4 * of_slave + of_met) as u64] }
+    }
+
+    /// Whether the slave is a segment.
+    pub fn is_segment(&self) -> bool {
+        self.far == SEGMENT
+    }
+
+    /// The slave segment, and which quarter of it.
+    pub fn slave_quarter(&self) -> (SegmentId, usize) {
+        (SegmentId(self.slave.0), (self.met[1] / 4) as usize)
+    }
+
+    /// Whether the slave is a node.
+    pub fn is_node(&self) -> bool {
+        self.far == NodeId(0)
+    }
+
     /// The nodes of the slave edge and of the other one.
     pub fn edge_nodes(&self) -> [NodeId; 4] {
         [self.slave, self.far, NodeId(self.met[0]), NodeId(self.met[1])]
@@ -39,15 +71,16 @@ impl Name {
 
     /// Whether the slave is an edge.
     pub fn is_edge(&self) -> bool {
-        self.far != NodeId(0)
+        !self.is_node() && !self.is_segment()
     }
 }
 
-/// A node on a segment, or a point of an edge (the slave edge) on a point of another one.
+/// A node on a segment, or a point of an edge (the slave edge) on a point of another one, or what two quarters of segments
+/// have over each other.
 ///
 /// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A slave edge has roles 0 and 1,
-/// the other edge 2 and 3, and role 4 is empty. The force acts on the slave's roles by their shares, and with the opposite
-/// sign on the others.
+/// the other edge 2 and 3. A slave segment has roles 0 to 3, the other segment 4 to 7. What is left is empty. The force acts on
+/// the slave's roles by their shares, and with the opposite sign on the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// Which pair it is.
@@ -55,11 +88,14 @@ pub struct Pair {
     /// The segment, or the lowest one that has the edge which is met.
     pub segment: SegmentId,
     /// Local numbers of the nodes by role, or [`NOT_LOCAL`].
-    pub nodes: [u32; 5],
+    pub nodes: [u32; ROLES],
     /// Shape values N_k of the contact point by role; they sum to 1 on either side.
-    pub shape: [f64; 5],
+    pub shape: [f64; ROLES],
     /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
-    pub weight: [f64; 5],
+    pub weight: [f64; ROLES],
+    /// What the pair counts for where nodal masses are split: the area that two segments have in contact, 0 while there is
+    /// none, and 1 where no segments meet segments [length^2].
+    pub area: f64,
     /// Unit normal that points to the slave's side.
     pub normal: V3,
     /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1 or -1.
@@ -91,8 +127,6 @@ pub struct Pair {
     pub firm: f64,
     /// Speed at which the gap would be passed in the step without contact, 0 if it would not be [length/time].
     pub demand: f64,
-    /// Sum of the shares of all pairs that touch each of the five nodes, 0 where this one has none.
-    pub crowd: [f64; 5],
     /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
     /// gets, for laws that predict and correct [force].
     pub guess: V3,
@@ -225,11 +259,11 @@ pub struct Opposed {
 /// A pair as others need it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct WirePair {
+struct WirePair {
     name: Name,
     segment: SegmentId,
-    nodes: [NodeId; 5],
-    weight: [f64; 5],
+    nodes: [NodeId; FIRST],
+    weight: [f64; FIRST],
     normal: [f64; 3],
     tolerated: f64,
     kept: f64,
@@ -240,8 +274,20 @@ pub(super) struct WirePair {
     held: u64,
 }
 const NAME_WORDS: usize = size_of::<Name>() / 8;
-/// Words of a pair in a message to others.
-pub const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
+/// Roles of a pair in [`WirePair`], and those of two segments that follow it in [`WireRest`].
+const FIRST: usize = 5;
+const REST: usize = ROLES - FIRST;
+
+/// What is told of two segments beside.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireRest {
+    nodes: [NodeId; REST],
+    weight: [f64; REST],
+    area: f64,
+}
+const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
+const REST_WORDS: usize = size_of::<WireRest>() / 8;
 
 impl Pair {
     /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
@@ -261,13 +307,14 @@ impl Pair {
     }
 
     /// A pair of which no more is known.
-    pub fn unknown(name: Name, segment: SegmentId, nodes: [u32; 5]) -> Self {
+    pub fn unknown<const N: usize>(name: Name, segment: SegmentId, nodes: [u32; N]) -> Self {
         Self {
             name,
             segment,
-            nodes,
-            shape: [0.0; 5],
-            weight: [0.0; 5],
+            nodes: std::array::from_fn(|r| nodes.get(r).copied().unwrap_or(NOT_LOCAL)),
+            shape: [0.0; ROLES],
+            weight: [0.0; ROLES],
+            area: 1.0,
             normal: V3::zeros(),
             side: 0.0,
             gap: 0.0,
@@ -283,7 +330,6 @@ impl Pair {
             compliance: [0.0; 2],
             firm: 0.0,
             demand: 0.0,
-            crowd: [0.0; 5],
             guess: V3::zeros(),
             turn: 1.0,
             mass: 0.0,
@@ -295,8 +341,21 @@ impl Pair {
     }
 
     /// Number of roles on the slave's side.
-    pub(super) fn ahead(&self) -> usize {
-        if self.name.is_edge() { 2 } else { 1 }
+    pub fn ahead(&self) -> usize {
+        match self.name.far {
+            NodeId(0) => 1,
+            SEGMENT => 4,
+            _ => 2,
+        }
+    }
+
+    /// Number of roles.
+    pub fn roles(&self) -> usize {
+        match self.name.far {
+            NodeId(0) => 5,
+            SEGMENT => 8,
+            _ => 4,
+        }
     }
 
     /// Whether role `r` is on the slave's side.
@@ -347,19 +406,33 @@ impl Pair {
 
     /// Local nodes that the pair's force acts on.
     pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
-        self.nodes.iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
+        self.nodes[..self.roles()].iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
     }
 
     /// Velocity of the slave, own pairs only [length/time].
     pub fn slave_velocity(&self, v: &[Row]) -> V3 {
         let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
-        if self.name.is_edge() { at(0) * self.shape[0] + at(1) * self.shape[1] } else { at(0) }
+        match self.name.far {
+            NodeId(0) => at(0),
+            SEGMENT => self.mean(v, 0),
+            _ => at(0) * self.shape[0] + at(1) * self.shape[1],
+        }
+    }
+
+    /// Mean of the vectors at four nodes from a role on, by their shape values.
+    fn mean(&self, v: &[Row], from: usize) -> V3 {
+        let part = |r: usize| V3::from(xyz(&v[self.nodes[from + r] as usize])) * self.shape[from + r];
+        part(0) + part(1) + part(2) + part(3)
     }
 
     /// Velocity of the slave relative to the contact point, own pairs only [length/time].
     pub fn relative_velocity(&self, v: &[Row]) -> V3 {
         let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
-        let point = if self.name.is_edge() { part(2) + part(3) } else { part(1) + part(2) + part(3) + part(4) };
+        let point = match self.name.far {
+            NodeId(0) => self.mean(v, 1),
+            SEGMENT => self.mean(v, 4),
+            _ => part(2) + part(3),
+        };
         self.slave_velocity(v) - point
     }
 
@@ -380,29 +453,20 @@ impl Pair {
     }
 }
 
-impl WirePair {
-    pub(super) fn of(p: &Pair, nodes: &Nodes) -> Self {
-        let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
-        Self {
-            name: p.name,
-            segment: p.segment,
-            nodes: p.nodes.map(id),
-            weight: p.weight,
-            normal: p.normal.into(),
-            tolerated: p.tolerated,
-            kept: p.kept,
-            depth: p.depth,
-            thickness: p.thickness,
-            force: p.force.into(),
-            mass: p.mass,
-            held: p.held.into(),
-        }
+impl Pair {
+    /// Words of the pair in a message to others.
+    pub fn words(&self) -> usize {
+        WIRE_WORDS + if self.name.is_segment() { REST_WORDS } else { 0 }
     }
 
-    pub(super) fn pair(&self, nodes: &Nodes) -> Pair {
-        let local = |id: NodeId| nodes.number(id).unwrap_or(NOT_LOCAL);
-        Pair {
-            weight: self.weight,
+    /// Appends what others need of it.
+    pub(super) fn tell(&self, nodes: &Nodes, words: &mut Vec<u64>) {
+        let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
+        let first = WirePair {
+            name: self.name,
+            segment: self.segment,
+            nodes: std::array::from_fn(|r| id(self.nodes[r])),
+            weight: std::array::from_fn(|r| self.weight[r]),
             normal: self.normal.into(),
             tolerated: self.tolerated,
             kept: self.kept,
@@ -410,8 +474,44 @@ impl WirePair {
             thickness: self.thickness,
             force: self.force.into(),
             mass: self.mass,
-            held: self.held != 0,
-            ..Pair::unknown(self.name, self.segment, self.nodes.map(local))
+            held: self.held.into(),
+        };
+        words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&first)));
+        if self.name.is_segment() {
+            let rest = WireRest {
+                nodes: std::array::from_fn(|r| id(self.nodes[FIRST + r])),
+                weight: std::array::from_fn(|r| self.weight[FIRST + r]),
+                area: self.area,
+            };
+            words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&rest)));
         }
+    }
+
+    /// The first pair in a message, and what follows it.
+    pub(super) fn told<'a>(words: &'a [u64], nodes: &Nodes) -> (Self, &'a [u64]) {
+        let local = |id: NodeId| nodes.number(id).unwrap_or(NOT_LOCAL);
+        let (first, mut after) = words.split_at(WIRE_WORDS);
+        let first: WirePair = bytemuck::pod_read_unaligned(bytemuck::cast_slice(first));
+        let mut pair = Self {
+            weight: by_role(first.weight),
+            normal: first.normal.into(),
+            tolerated: first.tolerated,
+            kept: first.kept,
+            depth: first.depth,
+            thickness: first.thickness,
+            force: first.force.into(),
+            mass: first.mass,
+            held: first.held != 0,
+            ..Self::unknown(first.name, first.segment, first.nodes.map(local))
+        };
+        if pair.name.is_segment() {
+            let rest;
+            (rest, after) = after.split_at(REST_WORDS);
+            let rest: WireRest = bytemuck::pod_read_unaligned(bytemuck::cast_slice(rest));
+            pair.nodes[FIRST..].copy_from_slice(&rest.nodes.map(local));
+            pair.weight[FIRST..].copy_from_slice(&rest.weight);
+            pair.area = rest.area;
+        }
+        (pair, after)
     }
 }

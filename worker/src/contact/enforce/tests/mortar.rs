@@ -1,0 +1,144 @@
+//! Segments that press on segments.
+
+use super::*;
+use crate::contact::surface::Surface;
+
+/// A plate of `n` by `n` segments of a square of side 2, its nodes with masses by their areas; height and velocity.
+struct Plate {
+    points: Vec<NodeRecord>,
+    segments: Vec<[u32; 4]>,
+    /// Area of each node.
+    areas: Vec<f64>,
+}
+
+fn plate(n: usize, first: usize, at: impl Fn(f64, f64) -> f64, v: [f64; 3]) -> Plate {
+    let side = 2.0 / n as f64;
+    let (mut points, mut areas, mut segments) = (Vec::new(), Vec::new(), Vec::new());
+    for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+        let half = |k: usize| if k == 0 || k == n { 0.5 } else { 1.0 };
+        let area = half(i) * half(j) * side * side;
+        let (x, y) = (side * i as f64 - 1.0, side * j as f64 - 1.0);
+        points.push(mass([x, y, at(x, y)], v, area));
+        areas.push(area);
+        if i < n && j < n {
+            let a = (first + j * (n + 1) + i) as u32;
+            let up = (n + 1) as u32;
+            segments.push([a, a + 1, a + up + 1, a + up]);
+        }
+    }
+    Plate { points, segments, areas }
+}
+
+fn forms() -> [ContactJob; 2] {
+    // E A / d of a segment is 1 / (n sqrt 2) here.
+    let stiff = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 2e5, ..job("mortar") };
+    [job("mortar"), stiff]
+}
+
+/// Two plates one above the other: their scene, and the area of each node.
+fn two(of: &ContactJob, [below, above]: [usize; 2], at: impl Fn(f64, f64) -> f64, v: [f64; 3]) -> (Scene, Vec<f64>) {
+    let one = plate(below, 0, |_, _| 0.0, [0.0; 3]);
+    let two = plate(above, one.points.len(), at, v);
+    let points = [one.points, two.points].concat();
+    let slaves: Vec<u32> = (0..points.len() as u32).collect();
+    let scene = Scene::new(of, &points, &[one.segments, two.segments].concat(), &slaves, 1e-3);
+    (scene, [one.areas, two.areas].concat())
+}
+
+/// A22: plates that come together flat are pressed uniformly, on both sides and whatever their meshes.
+#[test]
+fn flat_plates_press_uniformly_whatever_their_meshes() {
+    for of in forms() {
+        for meshes in [[2, 2], [2, 3], [4, 3], [1, 3]] {
+            let (mut scene, areas) = two(&of, meshes, |_, _| THICK + 1.3e-3, [0.0, 0.0, -1.0]);
+            let (mut pressed, before) = (0, scene.energy());
+            let momentum = scene.momentum();
+            for _ in 0..20 {
+                scene.step();
+                let forces: Vec<V3> = (0..areas.len()).map(|i| scene.contact.force_on(i as u32)).collect();
+                let pressure = forces.iter().map(|f| f.z.abs()).sum::<f64>() / 8.0;
+                if pressure == 0.0 {
+                    continue;
+                }
+                pressed += 1;
+                for (f, a) in forces.iter().zip(&areas) {
+                    let off = (f.z.abs() / (pressure * a) - 1.0).abs();
+                    assert!(off < 1e-9 && f.xy().norm() < 1e-9 * f.norm(), "{meshes:?}: {off:e} at a node of {a}");
+                }
+            }
+            assert!(pressed > 2, "{} {meshes:?}: they touch in {pressed} steps", of.penalty_form);
+            let upper = scene.v(areas.len() - 1).z;
+            assert!(scene.pairs().iter().all(|p| p.force.norm() == 0.0) && upper > -0.2, "apart again: {upper}");
+            assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
+            // Central differences are in doubt by the part of a step in which the spring comes on and goes off.
+            let kept = scene.energy() / before;
+            assert!((kept - 1.0).abs() < 0.2, "{} {meshes:?}: energy kept {kept}", of.penalty_form);
+            assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
+        }
+    }
+}
+
+/// A warped and tilted plate that slides as it comes down: both momenta stay, and contact gives little more than it took.
+#[test]
+fn tilted_plates_keep_both_momenta() {
+    for of in forms() {
+        let at = |x: f64, y: f64| THICK + 0.35 + 0.25 * x - 0.05 * y + 0.03 * x * y;
+        let (mut scene, _) = two(&of, [3, 4], at, [0.4, 0.2, -2.0]);
+        let (momentum, spin, before) = (scene.momentum(), scene.spin(), scene.energy());
+        let mut touched = 0;
+        for _ in 0..250 {
+            scene.step();
+            touched += usize::from(scene.pairs().iter().any(|p| p.force.norm() > 0.0));
+        }
+        assert!(touched > 20, "they touch in {touched} steps");
+        assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
+        assert!((scene.spin() - spin).norm() < 1e-11 * momentum.norm(), "round-off: {}", scene.spin() - spin);
+        let work = scene.work / before;
+        eprintln!("{}: work of contact / energy {work:.4}", of.penalty_form);
+        assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
+        assert!(work < 5e-3, "{}: contact gave {work} of the energy", of.penalty_form);
+    }
+}
+
+/// A07: friction slows a plate that slides over another one, whose segments it does not match, with mu times what presses it.
+#[test]
+fn friction_slows_a_plate_over_many_segments() {
+    let (mu, load, v) = (0.3, 2.0, 1.0);
+    for of in forms() {
+        let (mut scene, areas) = two(&ContactJob { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
+        let first = areas.len() - 4;
+        (0..first).for_each(|i| scene.nodes.inv_mass[i] = [0.0; 4]);
+        for i in first..areas.len() {
+            // Small enough to stay on the plate below all the way.
+            (scene.nodes.x[i][0], scene.nodes.x[i][1]) =
+                (0.31 * scene.nodes.x[i][0] - 0.55, 0.31 * scene.nodes.x[i][1]);
+            scene.load[i].z = -load * areas[i];
+        }
+        scene.settle(100, 0.1);
+        (first..areas.len()).for_each(|i| scene.nodes.v[i] = [v, 0.0, 0.0, 0.0]);
+        let steps = 200;
+        (0..steps).for_each(|_| _ = scene.step());
+        let expected = v - mu * load * f64::from(steps) * 1e-3;
+        let now = (first..areas.len()).map(|i| scene.v(i).x).sum::<f64>() / 4.0;
+        assert!(((now - expected) / (v - expected)).abs() < 0.02, "{}: {now} and not {expected}", of.penalty_form);
+    }
+}
+
+/// A pair of the neighbour of a slave on the same segment goes on as it was: what a surface slides onto does not let it sink in
+/// anew. Pairs of a step of one surface only cannot be of two numbers.
+#[test]
+fn of_two_segments_one_is_the_slave() {
+    let (mut scene, _) = two(&job("mortar"), [2, 3], |_, _| THICK - 1e-3, [0.0; 3]);
+    scene.step();
+    let surface: &Surface = &scene.contact.surface;
+    assert!(!scene.pairs().is_empty());
+    for p in scene.pairs() {
+        assert!(p.name.is_segment() && p.name.slave_quarter().0 < p.segment && p.ahead() == 4);
+        let of = |s: SegmentId| surface.segments.iter().find(|g| g.id == s).unwrap().nodes;
+        assert_eq!([&p.nodes[..4], &p.nodes[4..]].concat(), [of(p.name.slave_quarter().0), of(p.segment)].concat());
+        // What is there at the start is let be.
+        assert!((p.depth - 1e-3).abs() < 1e-15 && p.gap.abs() < 1e-15 && p.force == V3::zeros());
+    }
+    let area: f64 = scene.pairs().iter().map(|p| p.area).sum();
+    assert!((area - 4.0).abs() < 1e-12, "all of the plates: {area}");
+}

@@ -1,0 +1,391 @@
+//! Segments against segments, for laws that want them: what quarters of two segments have over each other (`overlap.rs`).
+//!
+//! Two segments face each other where the product of their normals, each on the side where the other one is, is below
+//! `-FACING`. They are laid on the plane across the mean of these normals, so that neither comes before the other. Of two segments
+//! the one with the lower number is the slave, so that no pair is there twice, and its worker owns the pairs: its exterior
+//! copies are made to reach as far around all nodes of own segments as around slaves (`membership.rs`).
+//!
+//! What cannot be seen so are nodes and edges of shells that stand on a face or meet another rim: there nodes meet segments
+//! ([`Facets::covers`]), and edges edges.
+//!
+//! What is new in a place goes on from what was beside it, so that nothing begins anew where a surface slides over the next
+//! segment: another pair of the same quarter, or of the same slave, with its stick point; or, without that, one of a neighbour of
+//! the slave on the same segment. The latter may belong to another worker, so pairs that are known here are remembered, not only
+//! own ones, as with edges.
+
+use crate::contact::geometry::{Sphere, V3};
+use crate::contact::local::{ACTIVE, BEHIND, REACH, moved, tolerated};
+use crate::contact::overlap::{Laid, Overlap, Plane};
+use crate::contact::pairs::{Memory, Name, Pair};
+use crate::contact::search::Search;
+use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
+use crate::nodes::{Nodes, xyz};
+use crate::ties::Joined;
+use crumple_proto::boxes::Aabb;
+use crumple_proto::ids::{NodeId, SegmentId};
+
+/// See above: some 70 degrees.
+const FACING: f64 = 0.3;
+/// Memories of pairs beside each other are of the same contact if their normals have a product above this.
+const ALIKE: f64 = 0.7;
+
+/// What is remembered of a pair.
+#[derive(Clone, Copy, Debug)]
+struct Remembered {
+    memory: Memory,
+    /// Local nodes of the slave, or [`NOT_LOCAL`].
+    nodes: [u32; 4],
+    /// Whether the slave is this worker's own.
+    own: bool,
+}
+
+/// Pairs of segments that could touch, and what own ones remember.
+#[derive(Debug, Default)]
+pub struct Facets {
+    /// By interface, whether segments meet segments there.
+    wanted: Vec<bool>,
+    /// Per segment the stiffness that contact with it has for its area at the start, or empty [force/length^3].
+    stiffness: Vec<f64>,
+    /// Slave and other segment of all pairs that could touch before the next search, ascending.
+    found: Vec<[u32; 2]>,
+    /// Those of them that are near.
+    near: Vec<[u32; 2]>,
+    /// In ascending order of names.
+    memories: Vec<Remembered>,
+    /// The segments that they met, ascending, with their places.
+    by_met: Vec<(SegmentId, u32)>,
+    /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
+    gathered: bool,
+}
+
+impl Facets {
+    /// Nothing found yet; `wanted` tells of each interface whether segments meet segments there.
+    pub fn new(wanted: Vec<bool>) -> Self {
+        Self { wanted, ..Self::default() }
+    }
+
+    /// Whether there are such interfaces.
+    pub fn are_wanted(&self) -> bool {
+        self.wanted.contains(&true)
+    }
+
+    /// Takes a new surface and what is remembered at its nodes. `stiffness` is per segment, or empty [force/length].
+    pub fn renew(
+        &mut self,
+        surface: &Surface,
+        stiffness: &[f64],
+        nodes: &Nodes,
+        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+    ) {
+        if !self.are_wanted() {
+            return;
+        }
+        let per_area = |(s, k): (&Segment, &f64)| {
+            let [a, b, c, d] = s.corners(&nodes.x0);
+            k / (0.5 * (c - a).cross(&(d - b)).norm())
+        };
+        self.stiffness = surface.segments.iter().zip(stiffness).map(per_area).collect();
+        (self.found, self.near) = (Vec::new(), Vec::new());
+        let mut corners: Vec<NodeId> = own(surface).flat_map(|(_, s)| s.nodes).map(|n| nodes.id[n as usize]).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let mut memories: Vec<Memory> =
+            corners.into_iter().flat_map(memory_of).filter(|m| m.name.is_segment()).collect();
+        memories.sort_unstable_by_key(|m| m.name);
+        memories.dedup_by_key(|m| m.name);
+        let remembered = |memory: Memory| {
+            let slave = place(surface, memory.name.slave_quarter().0).map(|i| &surface.segments[i]);
+            Remembered { memory, nodes: slave.map_or([NOT_LOCAL; 4], |s| s.nodes), own: slave.is_some_and(|s| s.own) }
+        };
+        self.memories = memories.into_iter().map(remembered).collect();
+        self.gathered = true;
+        self.index();
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.stiffness[..]) + size_of_val(&self.found[..]) + size_of_val(&self.near[..])
+    }
+
+    /// Which own segments could meet which others before nodes have moved by more than `skin` against each other [length].
+    /// [`Self::pick`] comes after it.
+    pub fn search(
+        &mut self,
+        (surface, spheres): (&Surface, &[Sphere]),
+        nodes: &Nodes,
+        joined: Joined<'_>,
+        find: Search,
+        skin: f64,
+    ) {
+        self.found.clear();
+        if !self.are_wanted() {
+            return;
+        }
+        let slaves: Vec<u32> = own(surface).map(|(i, _)| i as u32).collect();
+        let centres: Vec<[f64; 3]> = slaves.iter().map(|&i| spheres[i as usize].centre().into()).collect();
+        let most = |of: &dyn Fn(u32) -> f64| slaves.iter().map(|&i| of(i)).fold(0.0, f64::max);
+        let largest = most(&|i| surface.segments[i as usize].scale);
+        let widest = most(&|i| spheres[i as usize].radius());
+        let reach = |one: f64, other: f64| REACH * surface.interfaces.most(one + other) + skin;
+        let grown = |s: &Segment| s.bounds(&nodes.x, reach(s.scale, largest) + widest);
+        let boxes: Vec<Aabb> = surface.segments.iter().map(grown).collect();
+        find(&boxes, &centres, &mut |b, p| {
+            let places = [slaves[p as usize], b];
+            let [slave, met] = places.map(|i| &surface.segments[i as usize]);
+            let [one, other] = places.map(|i| &spheres[i as usize]);
+            let may_meet = slave.id < met.id
+                && slave.id.elem() != met.id.elem()
+                && !one.is_apart(other, reach(slave.scale, met.scale))
+                && !slave.nodes.iter().any(|n| met.nodes.contains(n))
+                && !slave.nodes.iter().any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
+                && !met.nodes.iter().any(|&n| joined.are_one(n, &slave.nodes))
+                && self.interface(surface, [slave, met]).is_some();
+            if may_meet {
+                self.found.push(places);
+            }
+        });
+        self.found.sort_unstable();
+    }
+
+    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than `step` against each other, before
+    /// they have moved by more than `skin` [length].
+    pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
+        let is_near = |pair: &&[u32; 2]| {
+            let segments = pair.map(|i| &surface.segments[i as usize]);
+            let [one, other] = segments.map(|s| Sphere::around(&s.corners(&nodes.x)));
+            let reach = REACH * surface.interfaces.most(segments[0].scale + segments[1].scale) + skin + step;
+            !one.is_apart(&other, reach)
+                && segments[0].bounds(&nodes.x, reach).touches(&segments[1].bounds(&nodes.x, 0.0))
+        };
+        self.near.clear();
+        self.near.extend(self.found.iter().filter(is_near));
+    }
+
+    /// A node of the slave and the other segment of each pair that is near.
+    pub fn near<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = (u32, &'a Segment)> {
+        self.near.iter().map(|&[a, b]| (surface.segments[a as usize].nodes[0], &surface.segments[b as usize]))
+    }
+
+    fn interface(&self, surface: &Surface, [slave, met]: [&Segment; 2]) -> Option<u16> {
+        let of = |s: &Segment| std::iter::once(s.part);
+        surface.interfaces.between(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
+    }
+
+    /// Whether what a node meets is met by a segment around it too: the pair of the node is then left out.
+    pub fn covers(&self, surface: &Surface, nodes: &Nodes, pair: &Pair) -> bool {
+        if !self.wanted[pair.interface as usize] {
+            return false;
+        }
+        let (Ok(slave), Some(met)) = (surface.slaves.binary_search(&pair.nodes[0]), place(surface, pair.segment))
+        else {
+            return false;
+        };
+        let met = &surface.segments[met];
+        let Some(normal) = met.middle_normal(&nodes.x) else { return false };
+        surface.around(slave).any(|s| {
+            let faces = |outward: &V3, other: &V3, both: bool| {
+                let along = outward.dot(other);
+                if both { along.abs() > FACING } else { along < -FACING }
+            };
+            s.id.elem() != met.id.elem()
+                && !s.nodes.iter().any(|n| met.nodes.contains(n))
+                && s.middle_normal(&nodes.x).is_some_and(|outward| {
+                    faces(&outward, &pair.normal, !s.is_solid())
+                        && faces(&outward, &normal, !s.is_solid() || !met.is_solid())
+                })
+        })
+    }
+
+    /// Active pairs of own segments in this step, appended; `alive` tells which interfaces are there.
+    pub fn find_pairs(&self, nodes: &Nodes, (surface, alive): (&Surface, &[bool]), dt: f64, out: &mut Vec<Pair>) {
+        for &places in &self.near {
+            let segments = places.map(|i| &surface.segments[i as usize]);
+            let interface = self.interface(surface, segments).filter(|&i| alive[i as usize]);
+            let Some(interface) = interface else { continue };
+            if let Some(visit) = self.visit(nodes, surface, interface, places) {
+                visit.find_pairs(self, dt, out);
+            }
+        }
+    }
+
+    /// How two segments lie to each other; `None` if they cannot touch.
+    fn visit<'a>(&self, nodes: &'a Nodes, surface: &'a Surface, interface: u16, places: [u32; 2]) -> Option<Visit<'a>> {
+        let segments = places.map(|i| &surface.segments[i as usize]);
+        let [slave, met] = segments;
+        let corners = segments.map(|s| s.corners(&nodes.x));
+        let [one, other] = [0, 1].map(|i| Sphere::around(&corners[i]));
+        let [ahead, behind] = segments.map(|s| surface.interfaces.measure(interface, (s.half, s.scale)));
+        let (thickness, scale) = (ahead.0 + behind.0, ahead.1 + behind.1);
+        if one.is_apart(&other, REACH * scale) {
+            return None;
+        }
+        let (of_slave, of_met) = (slave.middle_normal(&nodes.x)?, met.middle_normal(&nodes.x)?);
+        // The side of the other segment on which the slave is, along that one's normal.
+        let side = match (slave.is_solid(), met.is_solid()) {
+            (_, true) => 1.0,
+            (true, false) => -of_slave.dot(&of_met).signum(),
+            (false, false) => {
+                let before = self.side(slave.id, &of_met);
+                before.unwrap_or_else(|| (one.centre() - other.centre()).dot(&of_met)).signum()
+            }
+        };
+        let away = of_met * side;
+        let to = if slave.is_solid() { of_slave } else { of_slave * -of_slave.dot(&away).signum() };
+        if to.dot(&away) >= -FACING {
+            return None;
+        }
+        let normal = (away - to).normalize();
+        let per_area = places.map(|i| self.stiffness.get(i as usize).copied().unwrap_or(0.0));
+        Some(Visit { nodes, surface, segments, interface, thickness, scale, corners, normal, side, per_area })
+    }
+
+    /// Product of the normal of what a slave remembers with that of a segment which looks alike.
+    fn side(&self, slave: SegmentId, normal: &V3) -> Option<f64> {
+        let products = self.of_slave(slave).iter().map(|r| (r.memory.age, r.memory.normal.dot(normal)));
+        products.filter(|p| p.1.abs() > ALIKE).min_by_key(|p| p.0).map(|p| p.1)
+    }
+
+    fn of_slave(&self, slave: SegmentId) -> &[Remembered] {
+        let number = NodeId(slave.0);
+        let from = self.memories.partition_point(|r| r.memory.name.slave < number);
+        let to = self.memories.partition_point(|r| r.memory.name.slave <= number);
+        &self.memories[from..to]
+    }
+
+    /// What is remembered of a pair with this normal, or of one that it follows on.
+    fn recall(&self, name: &Name, normal: &V3, surface: &Surface, slave: &Segment) -> Option<Memory> {
+        let alike = |m: &Memory| m.normal.dot(normal) > ALIKE;
+        let own = self.of_slave(slave.id).iter().map(|r| r.memory).filter(alike);
+        // What is touched before what was lost, what is nearest, then by name.
+        let rank = |m: &Memory| {
+            let other = m.name.slave_quarter() != name.slave_quarter();
+            (m.age > 0, m.name != *name, other, m.name.met[0] != name.met[0], m.age, m.name)
+        };
+        let same = own.min_by_key(rank);
+        same.or_else(|| {
+            let met = SegmentId(name.met[0]);
+            let from = self.by_met.partition_point(|e| e.0 < met);
+            let of_met = self.by_met[from..].iter().take_while(|e| e.0 == met);
+            let beside = of_met.map(|e| self.memories[e.1 as usize].memory).filter(|m| {
+                let before = m.name.slave_quarter().0;
+                before != slave.id && alike(m) && surface.is_beside(before, slave)
+            });
+            // Others are not told where it sticks.
+            beside.min_by_key(|m| (m.age, m.name)).map(|m| Memory { slip: V3::zeros(), ..m })
+        })
+    }
+
+    /// Remembers the pairs of a step, all that are known here, and for some steps those that are lost.
+    pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
+        if !self.are_wanted() {
+            return;
+        }
+        let before = std::mem::take(&mut self.memories);
+        self.gathered = false;
+        self.memories.extend(pairs.filter(|p| p.name.is_segment()).map(|p| Remembered {
+            memory: p.memory(),
+            nodes: [0, 1, 2, 3].map(|r: usize| p.nodes[r]),
+            own: p.own,
+        }));
+        let touched = self.memories.len();
+        for r in before {
+            let found = self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
+            if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
+                // What others have told has no side, and needs none.
+                self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
+            }
+        }
+        self.memories.sort_unstable_by_key(|r| r.memory.name);
+        self.index();
+    }
+
+    fn index(&mut self) {
+        self.by_met.clear();
+        self.by_met.extend((0..).zip(&self.memories).map(|(i, r)| (SegmentId(r.memory.name.met[0]), i)));
+        self.by_met.sort_unstable();
+    }
+
+    /// What own segments remember, under each of their nodes; see [`Edges::memories`](super::edges::Edges::memories).
+    pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
+        let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
+        told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
+    }
+}
+
+fn own(surface: &Surface) -> impl Iterator<Item = (usize, &Segment)> {
+    surface.segments.iter().enumerate().filter(|(_, s)| s.own)
+}
+
+fn place(surface: &Surface, id: SegmentId) -> Option<usize> {
+    surface.segments.binary_search_by_key(&id, |s| s.id).ok()
+}
+
+/// Two segments that face each other.
+struct Visit<'a> {
+    nodes: &'a Nodes,
+    surface: &'a Surface,
+    /// The slave, and what it meets.
+    segments: [&'a Segment; 2],
+    interface: u16,
+    /// Distance at which they touch [length].
+    thickness: f64,
+    /// Length that gaps are judged by [length].
+    scale: f64,
+    corners: [[V3; 4]; 2],
+    /// From the other segment to the slave.
+    normal: V3,
+    side: f64,
+    /// Stiffness for their areas [force/length^3].
+    per_area: [f64; 2],
+}
+
+impl Visit<'_> {
+    fn find_pairs(&self, facets: &Facets, dt: f64, out: &mut Vec<Pair>) {
+        let [slave, met] = self.segments;
+        let plane = Plane::across(self.normal, self.corners[1].iter().sum::<V3>() * 0.25);
+        let laid = [0, 1].map(|i| Laid::on(&plane, &self.corners[i], self.segments[i].is_triangle()));
+        let [Some(above), Some(below)] = laid else { return };
+        let along = |n: &u32| V3::from(xyz(&self.nodes.next_v[*n as usize])).dot(&self.normal);
+        let least = slave.nodes.iter().map(along).fold(f64::INFINITY, f64::min);
+        let closing = (met.nodes.iter().map(along).fold(f64::NEG_INFINITY, f64::max) - least).max(0.0);
+        let moved = slave.nodes.iter().map(|&n| moved(self.nodes, met.nodes.into_iter(), n, dt, self.scale));
+        let moved = moved.fold(0.0, f64::max);
+        above.over(&below, self.thickness, |quarters, overlap| {
+            if overlap.gap - dt * closing < ACTIVE * self.scale {
+                out.extend(self.pair(facets, quarters, &overlap, moved, dt));
+            }
+        });
+    }
+
+    fn pair(&self, facets: &Facets, quarters: [usize; 2], overlap: &Overlap, moved: f64, dt: f64) -> Option<Pair> {
+        let [slave, met] = self.segments;
+        let name = Name::of_segments([slave.id, met.id], quarters);
+        let old = facets.recall(&name, &self.normal, self.surface, slave).filter(|m| m.is_fresh(moved, self.scale));
+        let solid = slave.is_solid() || met.is_solid();
+        let deepest = if old.is_none() && solid { BEHIND } else { REACH };
+        if overlap.gap < -deepest * self.scale {
+            return None;
+        }
+        let [a, b] = overlap.shape;
+        let shape = std::array::from_fn(|r| if r < 4 { a[r] } else { b[r - 4] });
+        let speed = self.surface.slower(slave.part, met.part);
+        let [i, j, k, l] = slave.nodes;
+        let [p, q, r, s] = met.nodes;
+        let pair = Pair {
+            shape,
+            weight: shape,
+            area: overlap.area,
+            normal: self.normal,
+            side: self.side,
+            interface: self.interface,
+            thickness: self.scale,
+            speed,
+            stiffness: self.per_area[0].min(self.per_area[1]) * overlap.area,
+            first: (slave.part, slave.id) < (met.part, met.id),
+            own: true,
+            ..Pair::unknown(name, met.id, [i, j, k, l, p, q, r, s])
+        };
+        let tolerated = tolerated(old.as_ref(), overlap.gap, moved, dt, speed);
+        Some(pair.remembering(old.as_ref(), overlap.gap, tolerated))
+    }
+}
