@@ -4,6 +4,7 @@
 
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
+use crate::contact::beams::with_edges;
 use crate::contact::edges::outline;
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Memory;
@@ -212,8 +213,7 @@ pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64)
 
 /// Box around a worker's own slaves and edges; `surface` has its own segments only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
-    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges);
-    let of_edges = if with_edges { outline(surface) } else { Vec::new() };
+    let of_edges = if with_edges(settings) { outline(surface) } else { Vec::new() };
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }
 
