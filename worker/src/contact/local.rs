@@ -303,9 +303,9 @@ fn look(
         if surface.has_lines && segment.is_line() {
             around_line(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
         } else {
-        let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
-        let on_side = || memory.iter().filter(past).find_map(turned);
-        beside_shell(visit, &offset, known.map(|m| m.side), on_side)
+            let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
+            let on_side = || memory.iter().filter(past).find_map(turned);
+            beside_shell(visit, &offset, known.map(|m| m.side), on_side)
         }
     };
     let gap = reached - thickness;
