@@ -36,13 +36,18 @@ impl Rows {
     fn bar(&mut self, part: u32, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<usize> {
         let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
         let nodes: Vec<usize> = (0..=n).map(|i| self.node(at(i))).collect();
+        self.beams(part, &nodes);
+        nodes
+    }
+
+    /// Beams from node to node.
+    fn beams(&mut self, part: u32, nodes: &[usize]) {
         // Where the second axis points does not matter to tubes.
-        let third = self.node([from[0] + 31.0, from[1] + 47.0, from[2] + 59.0]);
+        let third = self.node([310.0, 470.0, 590.0]);
         for pair in nodes.windows(2) {
             self.element += 1;
             writeln!(self.beams, "[{}, {part}, {}, {}, {third}],", self.element, pair[0], pair[1]).unwrap();
         }
-        nodes
     }
 
     /// A grid of quads over a rectangle, `at` by its fractions; gives its nodes.
@@ -297,9 +302,8 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     for law in LAWS {
         let mut rows = Rows::default();
         // Bent down by 6 degrees at each joint.
-        let mut track = Vec::new();
         let (mut x, mut z) = (-60.0, 0.0);
-        let ids: Vec<usize> = (0..=12)
+        let track: Vec<usize> = (0..=12)
             .map(|i| {
                 let id = rows.node([x, 0.0, z]);
                 let slope = (6.0 * (f64::from(i) - 6.0)).to_radians();
@@ -307,12 +311,7 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
                 id
             })
             .collect();
-        let third = rows.node([0.0, 500.0, 20.0]);
-        for pair in ids.windows(2) {
-            rows.element += 1;
-            writeln!(rows.beams, "[{}, 1, {}, {}, {third}],", rows.element, pair[0], pair[1]).unwrap();
-        }
-        track.extend(ids);
+        rows.beams(1, &track);
         let middle = 2.0 * RADIUS + 10.0 * (0..6).map(|i| (6.0 * (6.0 - f64::from(i))).to_radians().sin()).sum::<f64>();
         let rider = rows.bar(2, 3, [-5.0, -15.0, middle + 0.05], [-5.0, 15.0, middle + 0.05]);
         let rest = format!(
@@ -351,6 +350,13 @@ fn pile(contact: &str) -> Model {
     let sheet = rows.sheet(3, [9, 7], |x, y| [100.0 * (x - 0.5), 90.0 * (y - 0.5), -5.2]);
     let lid = rows.sheet(3, [5, 4], |x, y| [61.0 * (x - 0.4), 43.0 * (y - 0.5), 5.4]);
     upper.extend(&lid);
+    // Ribs along edges of both, and a post under the lid's corner.
+    let ribs = [(&sheet, 8, 3), (&sheet, 8, 5), (&lid, 5, 2)];
+    let ribs = ribs.map(|(of, step, from)| of.iter().copied().skip(from).step_by(step).collect::<Vec<_>>());
+    ribs.iter().for_each(|rib| rows.beams(2, rib));
+    let below = rows.node([61.0 * -0.4, 43.0 * -0.5, 3.0]);
+    rows.beams(1, &[lid[0], below]);
+    upper.push(below);
     let mut nodes = Vec::new();
     for i in 0..=5 {
         for [y, z] in [[0.0, 6.2], [4.0, 10.2], [0.0, 14.2], [-4.0, 10.2]] {
