@@ -23,7 +23,7 @@ const LENGTH: f64 = 0.1;
 const RADIUS: f64 = 2e-3;
 const THICKNESS: f64 = 1e-3;
 const V: f64 = 5.0;
-/// How fast rigid ones do: penetration is taken out with 0.2 m/s in steel at most, which shows as a rebound [m/s].
+/// How fast rigid ones do [m/s].
 const FAST: f64 = 20.0;
 /// Beams of a bar that is rigid: no node where it is met.
 const CELLS: usize = 11;
@@ -57,8 +57,7 @@ fn given_off(off: f64) -> f64 {
     1.0 / (1.0 + off * off / inertia)
 }
 
-const CLOSED: &str = "[D] impulse and momentum of rigid bars; inertia of the sections themselves and the speed with which \
-                      penetration is taken out, each below 1 %";
+const CLOSED: &str = "[D] impulse and momentum of rigid bars; inertia of the sections themselves, below 1 %";
 const EXACT: &str = "exact; round-off of some thousand steps";
 const TURNED: &str = "exact; nodes of rigid bodies go along chords, by (w dt)^2 and so";
 
@@ -98,6 +97,8 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.time("dt_max = 2e-7");
             scene.start(&above, [0.0, 0.0, -FAST], [0.0; 3]);
             scene.add(&law.undamped());
+            // With the default tolerance of 1e-3 the forces on rigid bodies end up to 1.1 % off.
+            scene.add("tolerance = 1e-6\nsweeps = 200");
             let variant = format!("{}, rigid, {} mm off the middles", law.name, 1e3 * off);
             let run = bench.watch(&format!("C20 {variant}"), &scene, |_| {})?;
             // Bars whose contact lets nothing give way stay together, those on a spring without damping part as fast as they came.
