@@ -2,8 +2,9 @@
 
 use crate::job::subcycles::{self, Classes};
 use crate::job::{Model, Report};
-use crumple_proto::job::Contact;
+use crumple_proto::job::{Contact, Part};
 use crumple_proto::mesh::Shape;
+use crumple_worker::contact::beams;
 use std::fmt::Write;
 
 /// What `crumple check` prints of a job without running any of it.
@@ -212,6 +213,13 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
         None => writeln!(out, "contact      none"),
         Some(c) => writeln!(out, "contact      {}, search by {} with skin {}", touching(c), c.search, figure(c.skin)),
     }?;
+    for c in model.settings.contact.iter() {
+        let radius = |p: &Part| Some(format!("part {} with radius {}", p.id, figure(beams::half(c, p)?)));
+        let beams: Vec<String> = model.settings.parts.iter().filter_map(radius).collect();
+        if !beams.is_empty() {
+            writeln!(out, "             beams meet as lines: {}", beams.join(", "))?;
+        }
+    }
     for c in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
         writeln!(out, "  interface  {}", touching(&c))?;
     }

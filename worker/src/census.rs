@@ -9,6 +9,7 @@ use crate::agreement;
 use crate::blocks::LocalElement;
 use crate::contact::Contact;
 use crate::contact::pairs::Pair;
+use crate::contact::beams::with_edges;
 use crate::contact::pairs::quiet::distances;
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
@@ -241,7 +242,7 @@ impl Census {
         let worker = |s: &Segment| worker_of(&of_element, s.id.elem()).expect("segments are of own elements");
         let of_segment: Vec<u32> = surface.segments.iter().map(worker).collect();
         let mut parts: Vec<Surface> = self.counts.iter().map(|_| Surface::default()).collect();
-        let with_edges = engine.settings.contact.as_ref().is_some_and(|c| c.edges);
+        let with_edges = with_edges(&engine.settings);
         for (s, &w) in surface.segments.iter().zip(&of_segment) {
             self.counts[w as usize].segments += 1;
             if with_edges {

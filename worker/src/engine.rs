@@ -4,6 +4,7 @@ pub use crate::agreement::Agreed;
 use crate::agreement::Agreement;
 use crate::blocks::Blocks;
 use crate::contact::Contact;
+use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
@@ -379,5 +380,5 @@ fn elasticity(settings: &Settings) -> Elasticity {
         law.map_or((0.0, 0.0), |law| (law.elastic().youngs_modulus, law.elastic().plate_wave_speed()))
     };
     let (moduli, speeds) = settings.parts.iter().map(of).unzip();
-    Elasticity { safety: settings.safety, moduli, speeds }
+    Elasticity { safety: settings.safety, moduli, speeds, with_edges: with_edges(settings) }
 }

@@ -4,6 +4,7 @@
 
 use crate::blocks::{Blocks, ForeignCorner, LocalElement};
 use crate::contact;
+use crate::contact::beams::with_edges;
 use crate::contact::edges::outline;
 use crate::contact::enforce::by_segments;
 use crate::contact::interfaces::Interfaces;
@@ -213,8 +214,8 @@ pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64)
 
 /// Box around a worker's own slaves, edges and, where they meet each other, segments; `surface` has its own segments only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
-    let with_edges = settings.contact.as_ref().is_some_and(|c| c.edges || by_segments(c));
-    let of_edges = if with_edges { outline(surface) } else { Vec::new() };
+    let is_met = with_edges(settings) || settings.contact.as_ref().is_some_and(by_segments);
+    let of_edges = if is_met { outline(surface) } else { Vec::new() };
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }
 

@@ -5,6 +5,7 @@ use crate::nodes::{Row, xyz};
 use crate::vtu::{self, Cells, Piece};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
+use crumple_proto::mesh::Shape;
 use crumple_proto::report::PartRecord;
 use std::collections::BTreeMap;
 use std::io;
@@ -125,7 +126,11 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
     let mut c = CellColumns::default();
     let segments = engine.contact.iter().flat_map(|k| &k.surface.segments);
     for s in segments.filter(|s| !s.own) {
-        let shape = if s.is_triangle() { crumple_proto::mesh::Shape::Tri3 } else { crumple_proto::mesh::Shape::Quad4 };
+        let shape = match s {
+            _ if s.is_line() => Shape::Beam2,
+            _ if s.is_triangle() => Shape::Tri3,
+            _ => Shape::Quad4,
+        };
         c.cells.push(shape, &s.nodes);
         // A copy has its place and its thickness only; its stress is with its owner.
         c.plastic_strain.push(0.0);

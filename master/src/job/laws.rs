@@ -104,15 +104,16 @@ impl Blocks {
     }
 }
 
-/// A warning if contact meets shells with less than their thickness.
+/// A warning if contact meets shells or beams with less than their thickness.
 pub fn thinned(settings: &Settings, initial: &Initial) -> Option<Problem> {
     let (count, least) = initial.thinned?;
     let limit = settings.contact.as_ref()?.thickness_limit;
     let message = format!(
-        "{count} shells are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for {:.0} % of it",
+        "{count} shells or beams are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for \
+         {:.0} % of it",
         100.0 * least
     );
-    let help = "mesh no finer than the sheet is thick, or set contact.thickness_limit (0 for no limit)";
+    let help = "mesh no finer than the sheet or beam is thick, or set contact.thickness_limit (0 for no limit)";
     Some(Problem::warning("contact.thickness_limit", message, help))
 }
 
@@ -129,7 +130,7 @@ pub fn penetrations(initial: &Initial) -> Vec<Problem> {
     };
     let kept = "they are let be, without force, and are met at that depth from there on; move the parts apart to be rid of them";
     let never = "parts pass through each other there; move them apart";
-    let seen = tell(&seen, "the thickness of shells, or other solids", kept);
+    let seen = tell(&seen, "the thickness of shells, beams, or other solids", kept);
     let unseen = tell(&unseen, "other solids, too deep for contact to see", never);
     seen.into_iter().chain(unseen).collect()
 }

@@ -8,6 +8,7 @@ use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{Material, Param, Settings};
 use crumple_proto::problem::Problem;
+use crumple_worker::contact::beams;
 use std::collections::HashMap;
 
 /// Field files of one run, at most.
@@ -171,7 +172,8 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
     let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
     let contact = job.contact.clone().map(|contact| {
         let touches = |part: &&Part| contact.takes_part(part.id);
-        let thickest = parts.iter().filter(touches).map(|part| part.thickness).fold(0.0, f64::max);
+        let thickness = |part: &Part| beams::half(&contact, part).map_or(part.thickness, |radius| 2.0 * radius);
+        let thickest = parts.iter().filter(touches).map(thickness).fold(0.0, f64::max);
         let skin = (0.25 * median).max((0.4 * thickest).min(median));
         Contact { skin: or(contact.skin, skin), ..contact }
     });

@@ -6,12 +6,13 @@ use super::springs;
 use super::units;
 use super::validate::{Findings, nearest};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Job, MaterialSpec};
-use crumple_proto::mesh::{Mesh, Shape};
+use crumple_proto::job::{Contact, Job, MaterialSpec, Part};
+use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
 use crumple_proto::wall::WallMotion;
+use crumple_worker::contact::beams;
 use std::collections::HashMap;
 
 /// Per node, in the order of the mesh.
@@ -278,10 +279,7 @@ pub fn warnings(
             ));
         }
     }
-    if settings.contact.is_some() && mesh.elements.iter().any(|e| e.shape == Shape::Beam2) {
-        let message = "beams take no part in contact: other things pass through them";
-        warnings.push(Problem::warning("contact", message, "put shells around them where that matters"));
-    }
+    warnings.extend(settings.contact.as_ref().and_then(|c| beams_without_contact(c, settings, mesh)));
     let meets = |t: &Tie| settings.walls.iter().any(|w| w.admits(t.node));
     if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
         let message = format!("{count} tied nodes do not meet rigid walls, which see only what carries them");
@@ -312,6 +310,18 @@ pub fn warnings(
         warnings.push(Problem::warning("", message, help));
     }
     warnings
+}
+
+/// A warning if beams other than welds take no part in contact.
+fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) -> Option<Problem> {
+    let without = |p: &&Part| {
+        let is_bare = p.beam.as_ref().is_some_and(|b| b.weld.is_none()) && beams::half(contact, p).is_none();
+        is_bare && mesh.elements.iter().any(|e| e.part == p.id)
+    };
+    let ids: Vec<String> = settings.parts.iter().filter(without).map(|p| p.id.to_string()).collect();
+    let message = format!("beams take no part in contact: other things pass through them (parts {})", ids.join(", "));
+    let help = "contact.beams = true lets them, or put shells around them where that matters";
+    (!ids.is_empty()).then(|| Problem::warning("contact.beams", message, help))
 }
 
 /// The largest `sqrt(E/rho)` of a job's materials [length/time].

@@ -1,9 +1,9 @@
 //! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
 
 use super::{
-    Entry, bars, beams, contact, crashes, crush, edges, elements, experiments, facets, hertz, invariance, joined,
-    lines, materials, plates, press, relaxed, ridges, rigid, sheets, sliding, solid_bars, solid_cells, solid_patches,
-    stability, stacked, steps, taylor, walls,
+    Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets, hertz, invariance,
+    joined, lines, materials, plates, press, relaxed, ridges, rigid, sheets, sliding, solid_bars, solid_cells,
+    solid_patches, stability, stacked, steps, taylor, walls,
 };
 
 const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {
@@ -191,6 +191,7 @@ pub const CATALOGUE: &[Entry] = &[
         &[facets::FLAT, facets::EDGE, facets::DRUM],
         "a node that rests beside the free edge of a shell",
     ),
+    entry("C20", "Beams as lines", &[crossed::RIGID, crossed::ELASTIC, crossed::EDGE, crossed::REST], ""),
 ];
 
 #[cfg(test)]
@@ -204,6 +205,6 @@ mod tests {
         for e in CATALOGUE {
             assert!(!e.checks.is_empty() || !e.open.is_empty(), "{}: neither run nor explained", e.id);
         }
-        assert_eq!(CATALOGUE.len(), 66, "the catalogue has 66 entries");
+        assert_eq!(CATALOGUE.len(), 67, "the catalogue has 67 entries");
     }
 }

@@ -37,8 +37,10 @@ const CROSSINGS: &[Crossing] = &[
 
 /// What holds two beams apart: nothing that gives way, or a spring and a dashpot [N/m], [N s/m].
 #[derive(Clone, Copy)]
-enum Hold {
+pub enum Hold {
+    /// Nothing that gives way.
     Stiff,
+    /// Stiffness and damping.
     Soft(f64, f64),
 }
 
@@ -48,7 +50,7 @@ enum Hold {
 /// central differences; with 40 elements the result is the same within 0.003.
 ///
 /// Beams bend and go on ringing, so that velocities are not swapped in full: 0.90 and not 1 in the middle.
-fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
+pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
     const N: usize = 100;
     let (area, second) = (THICKNESS * WIDTH, THICKNESS * WIDTH.powi(3) / 12.0);
     let shear = 5.0 / 6.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)) * area;

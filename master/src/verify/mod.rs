@@ -15,6 +15,7 @@ pub mod bench;
 pub mod catalogue;
 mod contact;
 mod crashes;
+mod crossed;
 mod crush;
 mod edges;
 mod elements;

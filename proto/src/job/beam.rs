@@ -45,6 +45,11 @@ pub struct Beam {
     /// Makes beams welds that break.
     #[serde(default)]
     pub weld: Option<Weld>,
+    /// Radius with which its beams are met in contact [length]. Without it the outer radius of a tube, for a rectangle and a general
+    /// section that of the circle of the same area, for an I that of the rectangle around it; welds take no part without it.
+    /// `contact.thickness_limit` bounds it by the beam's length.
+    #[serde(default)]
+    pub contact_radius: Option<f64>,
 }
 
 /// When a beam breaks as a spot weld does: once `(N/normal)^n + (V/shear)^m + (M/bending)^2 + (T/torsion)^2 >= 1`, with the tension

@@ -26,9 +26,9 @@ pub struct Contact {
     /// Time at which contact ends [time]; never if left out. Before birth and after death its parts do not touch, not by an earlier
     /// interface either.
     pub death: Option<f64>,
-    /// Thickness with which all shells are met, in place of their own [length]; `thickness_limit` does not bound it.
+    /// Thickness with which all shells and beams are met, in place of their own [length]; `thickness_limit` does not bound it.
     pub thickness: Option<f64>,
-    /// Factor of the thickness with which shells are met.
+    /// Factor of the thickness with which shells and beams are met.
     pub thickness_scale: f64,
     /// Global search: `cells` (linked cells) or `boxes` (point in box by sorted lists).
     pub search: String,
@@ -73,9 +73,13 @@ pub struct Contact {
     /// Whether edges meet edges too: free ones of shells, folds, and sharp ones of solids. Without it they pass each
     /// other between their nodes (`tests/VERIFICATION.md`, C04).
     pub edges: bool,
-    /// Largest thickness with which a shell is met, as a multiple of its shortest side; 0 for no limit. Shells finer than they
-    /// are thick would touch what stands at an angle to them round a corner, from the start and at great cost
-    /// (`cases/bench/RESULTS.md`).
+    /// Whether beams take part, as lines with a radius (`part.beam.contact_radius`): they meet each other and the edges of shells
+    /// and solids along their length, and nodes meet them all along. As `edges` if left out. Without it other things pass through
+    /// them.
+    pub beams: Option<bool>,
+    /// Largest thickness with which a shell is met, as a multiple of its shortest side, or a beam, as a multiple of its length; 0 for
+    /// no limit. Shells finer than they are thick would touch what stands at an angle to them round a corner, from the start and at
+    /// great cost (`cases/bench/RESULTS.md`).
     pub thickness_limit: f64,
     /// Parts that meet those of `against`, or each other and themselves without it; all parts if empty.
     pub parts: Vec<u32>,
@@ -131,6 +135,8 @@ pub struct Interface {
     pub penalty_damping: Option<f64>,
     /// As in `[contact]`.
     pub penalty_cap: Option<bool>,
+    /// As in `[contact]`. An interface without beams says nothing of them: what an earlier one says holds.
+    pub beams: Option<bool>,
 }
 
 impl Contact {
@@ -160,6 +166,7 @@ impl Contact {
             penalty_scale,
             penalty_damping,
             penalty_cap,
+            beams,
         } = interface.clone();
         let default = Self::default().law;
         let of_all = if self.law == Self::NO_LAW { &default } else { &self.law };
@@ -187,6 +194,7 @@ impl Contact {
             weighting: self.weighting.clone(),
             accelerated: self.accelerated,
             edges: self.edges,
+            beams: beams.or(self.beams),
             thickness_limit: self.thickness_limit,
             parts,
             against,
@@ -210,6 +218,11 @@ impl Contact {
             ids.iter().enumerate().filter(is_in).map(|(place, _)| place).collect()
         };
         [side(&self.parts), side(against)]
+    }
+
+    /// Whether beams take part by what it says itself.
+    pub fn has_beams(&self) -> bool {
+        self.beams.unwrap_or(self.edges)
     }
 
     /// Whether a part takes part, by itself or by one of its interfaces.
@@ -244,6 +257,7 @@ impl Default for Contact {
             penalty_damping: 0.1,
             penalty_cap: true,
             edges: true,
+            beams: None,
             thickness_limit: 1.0,
             parts: Vec::new(),
             against: Vec::new(),

@@ -6,7 +6,7 @@
 //! It is decided by places and velocities alone, so that neither search nor workers show; a search has to know all that is so near
 //! ([`STEPS`]).
 
-use crate::contact::geometry::{V3, nearest};
+use crate::contact::geometry::V3;
 use crate::contact::local::REACH;
 use crate::contact::surface::Segment;
 use crate::nodes::{Nodes, Row, xyz};
@@ -30,7 +30,7 @@ pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
 pub fn rate(nodes: &Nodes, slave: u32, segment: &Segment, scale: f64, dt: f64) -> f64 {
     let speed = speed(nodes, &[slave], &segment.nodes);
     let at = v3(&nodes.x[slave as usize]);
-    let Some(near) = nearest(&at, &segment.corners(&nodes.x), segment.is_triangle()) else { return 0.0 };
+    let Some(near) = segment.nearest(&at, &nodes.x) else { return 0.0 };
     if (at - near.point).norm() <= REACH * scale + STEPS * dt * speed { speed / scale } else { 0.0 }
 }
 

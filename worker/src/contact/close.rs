@@ -98,7 +98,10 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
                 continue;
             }
             let shared = |k: usize| u8::from(!segment.is_solid() && self.ring.contains(&segment.nodes[k])) << k;
-            let ring = (0..4).map(shared).sum();
+            let ring: u8 = (0..4).map(shared).sum();
+            if ring != 0 && surface.has_lines && segment.is_line() {
+                continue; // a line cannot fold over
+            }
             let of = Neighbours { place: place as u32, segment: g, ring, is_lone: memory.is_empty() };
             self.held.push((of, reach + self.skin));
         }

@@ -1,4 +1,4 @@
-//! Edges against edges: what passes between the nodes that the local search looks at.
+//! Edges against edges: what passes between the nodes that the local search looks at. Beams are edges too.
 //!
 //! The edges that matter are those that stand out (`ridges.rs`). A pair is a point of one edge, the slave, on a point of
 //! another, wherever the two edges are nearest to each other between their ends; ends are nodes, which the local search has. Of
@@ -90,11 +90,14 @@ pub struct Edges {
     by_node: Vec<(NodeId, u32)>,
     /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
     gathered: bool,
+    /// Whether none but beams meet others.
+    of_beams: bool,
 }
 
 impl Edges {
-    /// The edges of a new surface, and what is remembered at their nodes.
-    pub fn of(surface: &Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) -> Self {
+    /// The edges of a new surface, and what is remembered at their nodes. With `of_beams` none meet but those of beams and
+    /// others.
+    pub fn of(surface: &Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>, of_beams: bool) -> Self {
         let lines = Lines::of(surface, nodes);
         let is_own = |e: &Edge| lines.lowest(e, surface).own;
         let own: Vec<u32> = (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
@@ -117,6 +120,7 @@ impl Edges {
             lines,
             own,
             gathered: true,
+            of_beams,
             ..Self::default()
         };
         edges.look_at_folds(surface, nodes);
@@ -199,6 +203,7 @@ impl Edges {
             }
             let [j, k] = met.nodes;
             let may_meet = slave.ids(nodes) < met.ids(nodes)
+                && (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
                 && are_within(slave, met, nodes, reach)
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)

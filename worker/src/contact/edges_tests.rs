@@ -57,7 +57,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
     let flanks = |fold: f64| [-0.5 * fold, 180.0 + 0.5 * fold];
     for (fold, beforehand) in [(7.5, true), (5.5, false)] {
         let (mut nodes, surface) = ridge_and_rim(flanks(fold), 2.0 * HALF);
-        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new());
+        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
         assert!(!edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(), "it does not stand out");
         let (folded, _) = ridge_and_rim(flanks(10.0), 2.0 * HALF);
@@ -79,7 +79,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
 fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     let met_at = |height: f64| {
         let (nodes, surface) = ridge_and_rim([15.0, 240.0], height * 2.0 * HALF);
-        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new());
+        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
         pairs(&edges, &surface, &nodes).contains(&ridge_on_rim())
     };

@@ -38,6 +38,23 @@ pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
+/// Nearest point of a line between two ends to `p`, its normal the direction in which `p` lies from there: the same around an end as
+/// along the line. For `p` on the line it is some direction square to that.
+pub fn nearest_on_line(p: &V3, [from, to]: [&V3; 2]) -> Nearest {
+    let along = to - from;
+    let length2 = along.norm_squared();
+    let s = if length2 > 0.0 { ((p - from).dot(&along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    let point = from * (1.0 - s) + to * s;
+    let normal = (p - point).try_normalize(0.0).unwrap_or_else(|| square_to(&along));
+    Nearest { shape: [1.0 - s, s, 0.0, 0.0], point, normal, rim: true }
+}
+
+/// A unit vector square to another one.
+fn square_to(v: &V3) -> V3 {
+    let least = (0..3).min_by(|&a, &b| v[a].abs().total_cmp(&v[b].abs())).unwrap_or(0);
+    v.cross(&V3::ith(least, 1.0)).try_normalize(0.0).unwrap_or_else(V3::z)
+}
+
 /// A sphere around a segment, which lies within the hull of its corners; centre and radius in [length].
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
@@ -286,6 +303,18 @@ mod tests {
                 prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_point_of_a_line_is_between_its_ends() {
+        let (from, to) = (V3::new(1.0, 0.0, 0.0), V3::new(3.0, 0.0, 0.0));
+        let near = |x: f64, y: f64| nearest_on_line(&V3::new(x, y, 0.0), [&from, &to]);
+        assert_eq!((near(1.5, -2.0).shape, near(1.5, -2.0).normal), ([0.75, 0.25, 0.0, 0.0], -V3::y()));
+        assert_eq!((near(4.0, 0.0).point, near(4.0, 0.0).normal), (to, V3::x()), "beyond an end, all around it");
+        let on = near(2.0, 0.0);
+        assert!(on.normal.x == 0.0 && (on.normal.norm() - 1.0).abs() < 1e-15, "{}", on.normal);
+        let point = nearest_on_line(&V3::z(), [&from, &from]);
+        assert!(point.point == from && point.normal.dot(&V3::new(-1.0, 0.0, 1.0)) > 1.41, "no length");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! its thickness.
 
 use crate::blocks::LocalElement;
+use crate::contact::beams::radius;
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::local::{BEHIND, BESIDE, is_opposed};
 use crate::contact::search::linked_cells;
@@ -9,16 +10,17 @@ use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use std::collections::HashSet;
 
-/// A node that starts inside a shell's thickness or a solid.
+/// A node that starts inside a shell's thickness, a beam or a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penetration {
     /// The node.
     pub node: NodeId,
-    /// The shell or solid.
+    /// The shell, beam or solid.
     pub elem: ElemId,
     /// How far their surfaces overlap [length].
     pub depth: f64,
@@ -35,7 +37,7 @@ pub struct Initial {
     /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face of a solid that it is in. The run
     /// tolerates what it sees until the gap opens by itself.
     pub penetrations: Vec<Penetration>,
-    /// How many shells are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
+    /// How many shells and beams are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
     /// fraction of it that is left; `None` if all are met as they are.
     pub thinned: Option<(usize, f64)>,
 }
@@ -71,8 +73,12 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
         if s.nodes.contains(&slave) || is_tied(slave, &s.nodes) {
             return;
         }
+        // Lines next to a node's own do not meet it.
+        if s.is_line() && surface.around(p as usize).any(|own| own.nodes.iter().any(|n| s.nodes.contains(n))) {
+            return;
+        }
         let at = V3::from(xyz(&nodes.x[slave as usize]));
-        let Some(near) = nearest(&at, &s.corners(&nodes.x), s.is_triangle()) else { return };
+        let Some(near) = s.nearest(&at, &nodes.x) else { return };
         let Some(interface) = surface.interface(p as usize, s) else { return };
         let (thickness, scale) = surface.sizes(interface, slave, s);
         let depth = thickness - (at - near.point).norm();
@@ -190,7 +196,8 @@ fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
 
 fn thinned(settings: &Settings, surface: &Surface) -> Option<(usize, f64)> {
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
-    let shares = shells.map(|s| 2.0 * s.half / settings.parts[s.part as usize].thickness).filter(|&share| share < 1.0);
+    let half = |part: &Part| part.beam.as_ref().and_then(radius).unwrap_or(0.5 * part.thickness);
+    let shares = shells.map(|s| s.half / half(&settings.parts[s.part as usize])).filter(|&share| share < 1.0);
     shares.fold(None, |sum, share| {
         Some(sum.map_or((1, share), |(count, least): (usize, f64)| (count + 1, least.min(share))))
     })

@@ -3,7 +3,7 @@
 //! Surface, search and solver are common to all interfaces. A pair belongs to the interface of its two parts; where a node or an
 //! edge belongs to several parts, to the last interface among theirs.
 
-use crumple_proto::job::Contact;
+use crumple_proto::job::{Contact, Part};
 
 /// Marks two parts that do not touch.
 const NONE: u16 = u16::MAX;
@@ -45,8 +45,18 @@ impl Default for Interfaces {
 }
 
 impl Interfaces {
-    /// Of a job's contact, with the ids of its parts by their indices.
+    /// Of a job's contact, with its parts.
+    pub fn of_parts(contact: &Contact, parts: &[Part]) -> Self {
+        let ids: Vec<u32> = parts.iter().map(|p| p.id).collect();
+        Self::with(contact, &ids, |part| parts[part].beam.is_some())
+    }
+
+    /// Of a job's contact, with the ids of its parts by their indices, none of them of beams.
     pub fn of(contact: &Contact, parts: &[u32]) -> Self {
+        Self::with(contact, parts, |_| false)
+    }
+
+    fn with(contact: &Contact, parts: &[u32], is_beam: impl Fn(usize) -> bool) -> Self {
         let all: Vec<Contact> = contact.each().collect();
         let numbers: Vec<Numbers> = all.iter().map(Numbers::of).collect();
         let mut table = Vec::new();
@@ -54,9 +64,10 @@ impl Interfaces {
             table = vec![NONE; parts.len() * parts.len()];
             for (i, c) in (0u16..).zip(&all) {
                 let interface = if c.law == Contact::NO_LAW { NONE } else { i };
+                let named = |part: &usize| c.has_beams() || !is_beam(*part);
                 let [ahead, behind] = c.sides(parts);
-                for &a in &ahead {
-                    for &b in &behind {
+                for &a in ahead.iter().filter(|a| named(a)) {
+                    for &b in behind.iter().filter(|b| named(b)) {
                         table[a * parts.len() + b] = interface;
                         table[b * parts.len() + a] = interface;
                     }
@@ -198,6 +209,20 @@ mod tests {
         let all = Interface { friction: Some(0.5), ..Interface::default() };
         let i = Interfaces::of(&contact("none", vec![all]), &PARTS);
         assert_eq!([between(&i, 0, 0), between(&i, 0, 2)], [Some(1); 2]);
+    }
+
+    #[test]
+    fn an_interface_without_beams_says_nothing_of_them() {
+        let own = Interface { parts: vec![1, 2], beams: Some(false), ..Interface::default() };
+        let with = |c: Contact| Interfaces::with(&c, &PARTS, |part| part == 1);
+        let i = with(contact("lagrange", vec![own.clone()]));
+        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), Some(0), Some(0)]);
+        let i = with(Contact { edges: false, ..contact("lagrange", vec![Interface { beams: None, ..own.clone() }]) });
+        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), None, None]);
+        let some = Interface { beams: Some(true), ..own };
+        let i = with(Contact { beams: Some(false), ..contact("lagrange", vec![some]) });
+        assert_eq!([between(&i, 0, 1), between(&i, 1, 2)], [Some(1), None], "beams of this one alone");
+        assert!(i.takes_part(1));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! The decision uses positions, velocities without contact and the node's memory, nothing else; above all not
 //! when or by whom the candidates were collected.
 //!
-//! A shell's segment is touched from both sides at half its thickness, around its rim too. A solid's segment is touched
+//! A shell's segment is touched from both sides at half its thickness, around its rim too; a beam's line all around. A solid's segment is touched
 //! from outside: a new contact is a node that is in front of it (or only just behind) now and, seen from the moving
 //! segment, behind its inside at the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node
 //! is over the segment. A new contact also wants opposed surfaces: a block that slides over another one does not meet the
@@ -75,6 +75,9 @@ struct Find {
     opening: f64,
     /// Segment to node [length].
     offset: V3,
+    /// See [`Visit::thickness`].
+    thickness: f64,
+    is_line: bool,
     /// Gap between surfaces, penetration that is tolerated not taken off [length].
     gap: f64,
 }
@@ -112,8 +115,11 @@ pub fn find_pairs(
         // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off this segment;
         // on a concave one it does not.
         let f = &finds[i];
-        let covered =
-            |a: &Find| f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) - PLANE * f.pair.thickness;
+        let covered = |a: &Find| {
+            // A beam may stand out of the shell that it lies on.
+            let stands_out = if f.is_line || a.is_line { f.thickness - a.thickness } else { 0.0 };
+            f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.thickness
+        };
         if accepted < MOST && !finds[..accepted].iter().any(covered) {
             finds.swap(accepted, i);
             accepted += 1;
@@ -192,6 +198,14 @@ fn beside_shell(visit: &Visit<'_>, offset: &V3, known: Option<f64>, beside: impl
     let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
     let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
     Place { normal, side, reached }
+}
+
+/// All around a line the normal turns with the node. One that was on the other side, by the normal that is remembered, and has come
+/// through is still kept on that side.
+fn around_line(visit: &Visit<'_>, offset: &V3, known: Option<V3>) -> Place {
+    let near = visit.near;
+    let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
+    Place { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
 }
 
 /// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face: it belongs to the
@@ -286,9 +300,13 @@ fn look(
     } else {
         // A node that is past the middle of one segment has not come to the other side of the next.
         let past = |m: &&Memory| m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment);
-        let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
-        let on_side = || memory.iter().filter(past).find_map(turned);
-        beside_shell(visit, &offset, known.map(|m| m.side), on_side)
+        if surface.has_lines && segment.is_line() {
+            around_line(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
+        } else {
+            let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
+            let on_side = || memory.iter().filter(past).find_map(turned);
+            beside_shell(visit, &offset, known.map(|m| m.side), on_side)
+        }
     };
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
@@ -321,7 +339,8 @@ fn look(
         own: true,
         ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
     };
-    Some(Find { pair: pair.remembering(old, gap, tolerated), impact, opening, offset, gap })
+    let is_line = surface.has_lines && segment.is_line();
+    Some(Find { pair: pair.remembering(old, gap, tolerated), impact, opening, offset, thickness, is_line, gap })
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! Which near segments come into reach of their slaves in the step, and where they are nearest: several at once, whoever their
 //! slaves are.
 
-use crate::contact::geometry::Nearest;
+use crate::contact::geometry::{Nearest, V3};
 use crate::contact::kernels::{is_beside, is_in, is_within, project, slab};
 use crate::contact::local::{reach, reach_of_old};
 use crate::contact::neighbours::{Four, Neighbours};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
 use crate::lanes::{LANES, Lane};
-use crate::nodes::Nodes;
+use crate::nodes::{Nodes, xyz};
 
 /// Neighbours that may touch in the step.
 #[derive(Debug)]
@@ -54,7 +54,12 @@ impl Meetings {
             let four = Four::of(surface, some, |s| s.0);
             let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
             for (lane, &(of, step)) in some.iter().enumerate() {
-                self.all.extend(Nearest::of(&found, lane).map(|near| Meeting { of, step, near }));
+                let segment = four.segment[lane];
+                let near = match surface.has_lines && segment.is_line() {
+                    true => segment.nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
+                    false => Nearest::of(&found, lane),
+                };
+                self.all.extend(near.map(|near| Meeting { of, step, near }));
             }
         }
     }

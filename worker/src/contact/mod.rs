@@ -9,6 +9,7 @@
 
 mod acceleration;
 pub mod approach;
+pub mod beams;
 mod close;
 pub mod crossing;
 pub mod edges;
@@ -66,6 +67,8 @@ pub struct Contact {
     /// Wave speed per part [length/time].
     speeds: Vec<f64>,
     with_edges: bool,
+    /// Whether of edges none but beams meet others.
+    of_beams: bool,
     /// What can touch.
     pub surface: Surface,
     /// Candidate segments per slave: start of each slave's run, and segments ascending.
@@ -137,7 +140,8 @@ impl Contact {
             skin: job.skin,
             by_mass: job.weighting == "mass",
             speeds: parts.speeds.clone(),
-            with_edges: job.edges,
+            with_edges: parts.with_edges,
+            of_beams: !job.edges,
             surface: Surface::default(),
             candidate_start: Vec::new(),
             candidates: Vec::new(),
@@ -185,7 +189,7 @@ impl Contact {
         self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
         self.table.by_area = self.facets.are_wanted();
         if self.with_edges {
-            self.edges = Edges::of(&self.surface, nodes, memory_of);
+            self.edges = Edges::of(&self.surface, nodes, memory_of, self.of_beams);
         }
     }
 

@@ -1,5 +1,5 @@
-//! Edges of the surface, and which of them stand out: rims of shells, folds, edges of more than two segments, and sharp
-//! convex edges of solids.
+//! Edges of the surface, and which of them stand out: rims of shells, folds, edges of more than two segments, sharp
+//! convex edges of solids, and beams.
 //!
 //! How sharp an edge is depends on where its nodes were when surfaces were last looked at for folds ([`Nodes::seen`]): in the same
 //! cycle on all workers, and known to those too that have the edge since. From an edge every segment that has it goes off in a direction at right angles to it, its arm. Where all arms lie within less
@@ -44,6 +44,8 @@ pub enum Kind {
     Fold,
     /// Of two faces of solids.
     Solid,
+    /// A beam, whatever else has its nodes for an edge.
+    Beam,
 }
 
 /// An edge of the surface that stands out, or could.
@@ -55,7 +57,7 @@ pub struct Edge {
     pub kind: Kind,
     first: u32,
     count: u32,
-    /// Half thickness, the largest of its shells, or of the lowest of two faces of solids [length].
+    /// Half thickness, the largest of its shells and beams, or of the lowest of two faces of solids [length].
     pub half: f64,
     /// Length that its gaps are judged by, of the same [length].
     pub scale: f64,
@@ -98,7 +100,7 @@ impl Lines {
         let mut sides: Vec<Side> = Vec::with_capacity(4 * surface.segments.len());
         for (g, s) in surface.segments.iter().enumerate() {
             let corners = if s.is_triangle() { 3 } else { 4 };
-            for k in 0..corners {
+            for k in 0..if s.is_line() { 1 } else { corners } {
                 let (a, b) = (s.nodes[k], s.nodes[(k + 1) % corners]);
                 sides.push((if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] }, g as u32));
             }
@@ -107,7 +109,9 @@ impl Lines {
         let mut lines = Self::default();
         for run in sides.chunk_by(|a, b| a.0 == b.0) {
             let is_solid = |side: &Side| surface.segments[side.1 as usize].is_solid();
+            let is_line = |side: &Side| surface.segments[side.1 as usize].is_line();
             let kind = match (run, run.iter().all(is_solid)) {
+                _ if surface.has_lines && run.iter().any(is_line) => Kind::Beam,
                 ([_], false) => Kind::Rim,
                 (_, false) => Kind::Fold,
                 ([_, _], true) => Kind::Solid,
@@ -190,7 +194,7 @@ impl Lines {
 
     /// Whether it is folded by these fractions of the angle at which it stands out.
     pub fn is_folded<const N: usize>(&self, edge: &Edge, surface: &Surface, x: &[Row], by: [f64; N]) -> [bool; N] {
-        if edge.kind == Kind::Rim {
+        if matches!(edge.kind, Kind::Rim | Kind::Beam) {
             return [true; N];
         }
         let Some(Wedge { arms: [a, b], width }) = self.wedge(edge, x) else { return [false; N] };

@@ -1,13 +1,15 @@
-//! What can touch: both sides of shells with thickness, and the faces of solids that no other solid repeats.
+//! What can touch: both sides of shells with thickness, the faces of solids that no other solid repeats, and beams all around.
 //! Nodes of these against their segments.
 
 use crate::blocks::LocalElement;
-use crate::contact::geometry::V3;
+use crate::contact::beams;
+use crate::contact::geometry::{Nearest, V3, nearest, nearest_on_line};
 use crate::contact::interfaces::Interfaces;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;
 use crumple_proto::job::Part;
+use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,16 +21,16 @@ pub const NOT_LOCAL: u32 = u32::MAX;
 /// within REACH times half an edge, and what is in the middle of one is not yet behind it.
 const SOLID_SCALE: f64 = 0.25;
 
-/// A face that nodes can touch.
+/// A face that nodes can touch, or the line of a beam.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     /// Element and face.
     pub id: SegmentId,
-    /// Local nodes (a triangle repeats its third).
+    /// Local nodes (a triangle repeats its third, a line its second).
     pub nodes: [u32; 4],
     /// Corners of a solid that are opposite to this face; they can never touch it. [`NOT_LOCAL`] for a shell.
     pub behind: [u32; 4],
-    /// Half the shell's thickness; 0 for a solid [length].
+    /// Half the shell's thickness, or the beam's radius; 0 for a solid [length].
     pub half: f64,
     /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge [length].
     pub scale: f64,
@@ -45,7 +47,7 @@ pub struct Surface {
     pub segments: Vec<Segment>,
     /// Owned nodes that may touch segments, ascending.
     pub slaves: Vec<u32>,
-    /// Half thickness per held node, the largest of its shells; 0 for nodes of solids and off the surface [length].
+    /// Half thickness per held node, the largest of its shells and beams; 0 for nodes of solids and off the surface [length].
     pub node_half: Vec<f64>,
     /// [`Segment::scale`] per held node, the largest of its segments; 0 off the surface [length].
     pub node_scale: Vec<f64>,
@@ -67,12 +69,25 @@ pub struct Surface {
     pub part_set: Vec<u32>,
     /// Sets of parts' indices, ascending.
     pub part_sets: Vec<Vec<u32>>,
+    /// Whether some segments are lines; see [`Surface::link_faces`].
+    pub has_lines: bool,
 }
 
 impl Segment {
     /// Whether the segment is a solid's face, which is touched from outside only.
     pub fn is_solid(&self) -> bool {
         self.half == 0.0
+    }
+
+    /// Whether it is the line of a beam.
+    pub fn is_line(&self) -> bool {
+        self.nodes[1] == self.nodes[2] && self.is_triangle()
+    }
+
+    /// Its nearest point to `p`; `None` for a face without area.
+    pub fn nearest(&self, p: &V3, x: &[Row]) -> Option<Nearest> {
+        let q = self.corners(x);
+        if self.is_line() { Some(nearest_on_line(p, [&q[0], &q[1]])) } else { nearest(p, &q, self.is_triangle()) }
     }
 
     /// Whether the segment is a triangle.
@@ -104,9 +119,9 @@ impl Segment {
 
 /// Which parts take part in contact, and how thick they are for it.
 pub struct ContactParts {
-    /// Half thickness of those that do, 0 for solids [length].
+    /// Half thickness of those that do, radius of beams, 0 for solids [length].
     half: Vec<Option<f64>>,
-    /// Largest thickness of a shell as a multiple of its shortest side.
+    /// Largest thickness of a shell as a multiple of its shortest side, or of a beam of its length.
     limit: f64,
     interfaces: Arc<Interfaces>,
 }
@@ -115,11 +130,11 @@ impl ContactParts {
     /// Of a job.
     pub fn of(settings: &Settings) -> Self {
         let contact = settings.contact.as_ref();
-        let ids: Vec<u32> = settings.parts.iter().map(|p| p.id).collect();
-        let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of(c, &ids)));
+        let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of_parts(c, &settings.parts)));
         let half = |(i, p): (usize, &Part)| {
             let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
-            takes_part.then_some(0.5 * p.thickness)
+            let half = |c| if p.beam.is_some() { beams::half(c, p) } else { Some(0.5 * p.thickness) };
+            contact.filter(|_| takes_part).and_then(half)
         };
         Self {
             half: settings.parts.iter().enumerate().map(half).collect(),
@@ -133,6 +148,9 @@ impl ContactParts {
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
     let Some(half) = parts.half[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
     let shape = e.record.shape;
+    if shape == Shape::Beam2 {
+        return line_of(e, nodes, half, parts.limit).into_iter().collect();
+    }
     let shell = shape.is_shell();
     let shortest = shortest_edge(e, nodes);
     // Shells thicker than their sides would touch what is round the next corner.
@@ -157,6 +175,23 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
         }
     };
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
+}
+
+/// The line of a beam with a radius; `None` for one without length, where that limits the radius.
+fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<Segment> {
+    let [a, b] = [e.nodes[0], e.nodes[1]];
+    let [from, to] = [a, b].map(|n| V3::from(xyz(&nodes.x0[n as usize])));
+    // Else beams next but one to each other would touch from the start.
+    let half = if limit > 0.0 { radius.min(0.5 * limit * (to - from).norm()) } else { radius };
+    (half > 0.0).then_some(Segment {
+        id: SegmentId::new(e.record.id, 0),
+        nodes: [a, b, b, b],
+        behind: [NOT_LOCAL; 4],
+        half,
+        scale: half,
+        part: e.record.part,
+        own: true,
+    })
 }
 
 /// Shortest edge of an element at the start [length].
@@ -195,6 +230,7 @@ impl Surface {
     /// Notes the segments around each slave. All of them are local to the worker that owns it: what a slave could
     /// meet is, and it lies on these.
     pub fn link_faces(&mut self, held: usize) {
+        self.has_lines = self.segments.iter().any(Segment::is_line);
         let mut place = vec![u32::MAX; held];
         self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let mut around: Vec<(u32, u32)> = Vec::new();

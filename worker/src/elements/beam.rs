@@ -143,6 +143,9 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
     for (k, area) in beam.shear_areas.into_iter().enumerate().filter(|(_, area)| *area < 0.0) {
         say(&format!("beam.shear_areas.{k}"), format!("a shear area is {area}"), "give an area, or 0 for no shear");
     }
+    if let Some(radius) = beam.contact_radius.filter(|radius| !(*radius > 0.0 && radius.is_finite())) {
+        say("beam.contact_radius", format!("contact_radius is {radius}"), "it has to be above 0");
+    }
     if let Some(Weld { normal, shear, bending, torsion, exponents: [n, m] }) = beam.weld {
         let limits = [("normal", normal), ("shear", shear), ("bending", bending), ("torsion", torsion)];
         for (key, value) in limits.into_iter().filter(|limit| limit.1 < 0.0) {

@@ -7,6 +7,9 @@ use crate::job::tree::Place;
 use crumple_proto::job::Contact;
 use std::collections::BTreeSet;
 
+/// Contacts that consider the thickness of beams (LS-DYNA support, contact types 13 and 26).
+const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
+
 const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_AUTOMATIC_SINGLE_SURFACE", true),
     ("CONTACT_AUTOMATIC_GENERAL", true),
@@ -106,8 +109,25 @@ impl Build {
             false => "the parts of both sides with each other, nodes of either on faces of the other",
         };
         self.map(name, said.to_lowercase().replace('_', " "), used);
+        self.with_beams(record, name, &mut table);
         self.options(record, name);
         Some(table)
+    }
+
+    /// Whether beams take part, said if there are any.
+    fn with_beams(&mut self, record: &Record, name: &str, table: &mut Table) {
+        if self.rows.beams.is_empty() {
+            return;
+        }
+        let keyword = record.row.keyword.name;
+        let take_part = WITH_BEAMS.contains(&keyword);
+        table.put("beams", record.head, take_part);
+        let used = match take_part {
+            true if keyword.ends_with("GENERAL") => "they meet as lines, edges of shells and solids too",
+            true => "they meet as lines, edges of shells and solids too, as in AUTOMATIC_GENERAL",
+            false => "they take no part: AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL are those that have them",
+        };
+        self.map(name, "beams", used);
     }
 
     /// Parts of one side; `None` for all.

@@ -46,6 +46,8 @@ pub struct Elasticity {
     pub moduli: Vec<f64>,
     /// Wave speed per part, that of a plate [length/time].
     pub speeds: Vec<f64>,
+    /// See [`with_edges`](crate::contact::beams::with_edges).
+    pub with_edges: bool,
 }
 
 /// How the forces of all pairs, which feel each other through common nodes, come about within a step.

@@ -5,8 +5,8 @@
 //!   material (the kind that LS-DYNA calls SOFT=1; Hallquist, LS-DYNA theory manual, ch. 29);
 //! - *stiffness*, from the segment's material and shape as the mesh is given: `k = scale E A / d` with the face's area A
 //!   and a shell's longest diagonal (same source, ch. 29, the standard penalty), or a solid's depth, for d: there A^2/V is
-//!   A/d, and the source's bulk modulus is replaced by E, so that a scale of 1 is as stiff as a bar of the elements. The
-//!   step may be too long for it.
+//!   A/d, and the source's bulk modulus is replaced by E, so that a scale of 1 is as stiff as a bar of the elements. A beam is a
+//!   strip as wide as it is thick, d its length. The step may be too long for it.
 //!
 //! **Damping.** A dashpot of `2 damping sqrt(k / c)` beside the normal spring, never pulling: without it what slides or rests
 //! on springs chatters. Its force is that of the velocity which it leaves, so it does not lower the stable step.
@@ -86,7 +86,9 @@ impl ContactLaw for Penalty {
         let third = if segment.is_triangle() { (b - a).norm() } else { 0.0 };
         let shell = one.norm().max(other.norm()).max(third);
         let depth = if segment.is_solid() { segment.depth() } else { shell };
-        let area = 0.5 * one.cross(&other).norm();
+        // A line is a strip as wide as the beam.
+        let line = 2.0 * segment.half * third;
+        let area = if segment.is_line() { line } else { 0.5 * one.cross(&other).norm() };
         self.moduli.as_ref().map(|moduli| moduli[segment.part as usize] * area / depth)
     }
 

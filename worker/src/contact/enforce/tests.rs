@@ -97,7 +97,10 @@ impl Scene {
             interfaces: Arc::new(Interfaces::of(job, &[])),
             ..Surface::default()
         };
-        let mut contact = Contact::new(job, &Elasticity { safety: 0.9, moduli: vec![MODULUS], speeds: vec![SPEED] });
+        let mut contact = Contact::new(
+            job,
+            &Elasticity { safety: 0.9, moduli: vec![MODULUS], speeds: vec![SPEED], with_edges: job.edges },
+        );
         contact.renew(surface, &nodes, |_| Vec::new());
         let mut ends = connect(2);
         let wire = ends.remove(1);

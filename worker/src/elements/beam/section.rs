@@ -126,6 +126,7 @@ mod tests {
             torsion: 17.0,
             shear_areas: [0.0; 2],
             weld: None,
+            contact_radius: None,
         }
     }
 

@@ -20,6 +20,7 @@ fn rectangle() -> BeamJob {
         torsion: 0.0,
         shear_areas: [0.0; 2],
         weld: None,
+        contact_radius: None,
     }
 }
 
