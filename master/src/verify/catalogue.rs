@@ -2,8 +2,8 @@
 
 use super::{
     Entry, bars, beams, contact, crashes, crush, edges, elements, experiments, facets, hertz, invariance, joined,
-    lines, materials, plates, press, relaxed, ridges, rigid, sheets, sliding, solid_bars, solid_cells, solid_patches,
-    stability, stacked, steps, taylor, walls,
+    lines, materials, plates, press, relaxed, ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells,
+    solid_patches, stability, stacked, steps, taylor, walls,
 };
 
 const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {
@@ -104,6 +104,13 @@ pub const CATALOGUE: &[Entry] = &[
     entry("A38", "Triangles in motion", &[sheets::TRIANGLES], ""),
     entry("A39", "Mass scaling with contact", &[steps::SCALED], ""),
     entry("A40", "Subcycles", &[steps::SUBCYCLES], "with contact, which the job has to ask for"),
+    entry("A41", "Thicknesses of single shells", &[sections::STEPPED], "contact: tests/tests/sections.rs"),
+    entry(
+        "A42",
+        "Shells whose middle is beside their nodes",
+        &[sections::PULLED],
+        "contact meets them about their nodes",
+    ),
     entry(
         "B01",
         "Taylor bar, linear hardening",
@@ -204,6 +211,6 @@ mod tests {
         for e in CATALOGUE {
             assert!(!e.checks.is_empty() || !e.open.is_empty(), "{}: neither run nor explained", e.id);
         }
-        assert_eq!(CATALOGUE.len(), 66, "the catalogue has 66 entries");
+        assert_eq!(CATALOGUE.len(), 68, "the catalogue has 68 entries");
     }
 }

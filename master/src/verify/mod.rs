@@ -34,6 +34,7 @@ mod ridges;
 mod rigid;
 mod row;
 mod scene;
+mod sections;
 mod sheets;
 mod sliding;
 mod solid_bars;

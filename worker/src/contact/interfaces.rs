@@ -34,6 +34,8 @@ struct Numbers {
     dynamic: f64,
     /// [time/length]
     decay: f64,
+    /// Largest shear stress of friction [force/length^2].
+    limit: f64,
     birth: f64,
     death: f64,
 }
@@ -123,6 +125,11 @@ impl Interfaces {
         n.dynamic + (n.friction - n.dynamic) * (-n.decay * speed()).exp()
     }
 
+    /// Largest shear stress of friction, infinite without a limit [force/length^2].
+    pub fn friction_limit(&self, interface: u16) -> f64 {
+        self.numbers[interface as usize].limit
+    }
+
     /// Whether an interface is there at a time.
     pub fn is_alive(&self, interface: u16, time: f64) -> bool {
         let n = &self.numbers[interface as usize];
@@ -148,6 +155,7 @@ impl Numbers {
             friction: contact.friction,
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,
+            limit: contact.friction_limit.unwrap_or(f64::INFINITY),
             birth: contact.birth,
             death: contact.death.unwrap_or(f64::INFINITY),
         }

@@ -408,6 +408,10 @@ impl Contact {
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction = self.surface.interfaces.friction(p.interface, speed);
+            let limit = self.surface.interfaces.friction_limit(p.interface);
+            if limit < f64::INFINITY && !p.name.is_edge() {
+                p.limit_friction(limit, self.surface.area_of(p, &nodes.x));
+            }
             self.record.touched(p.nodes);
             p.force = self.laws.of_pair(p).start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
@@ -471,6 +475,11 @@ impl Contact {
             // Friction is judged by where the node slides to; half of that by the present time.
             let slid = 0.5 * steps.mid * sheared.dot(&velocity);
             work.friction += Work { before: slid, after: slid };
+            let limit = self.surface.interfaces.friction_limit(p.interface);
+            if limit < f64::INFINITY && !p.name.is_edge() {
+                let total = t.touched.binary_search(&p.nodes[0]).map_or(V3::zeros(), |k| t.total[k]);
+                p.note_pressure(total.dot(&p.normal), self.surface.area_of(p, &nodes.x));
+            }
             let law = self.laws.of_pair(p);
             p.slip = law.slip(p, &velocity, steps);
             self.capped += u64::from(law.is_capped(p, steps));

@@ -4,11 +4,12 @@
 use crate::blocks::LocalElement;
 use crate::contact::geometry::V3;
 use crate::contact::interfaces::Interfaces;
+use crate::contact::pairs::Pair;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;
 use crumple_proto::job::Part;
-use crumple_proto::partition::Settings;
+use crumple_proto::partition::{ElementRecord, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -104,8 +105,9 @@ impl Segment {
 
 /// Which parts take part in contact, and how thick they are for it.
 pub struct ContactParts {
-    /// Half thickness of those that do, 0 for solids [length].
-    half: Vec<Option<f64>>,
+    /// Half thickness of those that do, 0 for solids [length], whether it is in place of that which single shells have, and the
+    /// factor of either.
+    half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side.
     limit: f64,
     interfaces: Arc<Interfaces>,
@@ -119,7 +121,8 @@ impl ContactParts {
         let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of(c, &ids)));
         let half = |(i, p): (usize, &Part)| {
             let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
-            takes_part.then_some(0.5 * p.thickness)
+            let given = p.contact_thickness;
+            takes_part.then_some((0.5 * given.unwrap_or(p.thickness), given.is_some(), p.contact_thickness_scale))
         };
         Self {
             half: settings.parts.iter().enumerate().map(half).collect(),
@@ -127,11 +130,18 @@ impl ContactParts {
             interfaces,
         }
     }
+
+    /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a solid [length].
+    pub fn half(&self, record: &ElementRecord) -> Option<f64> {
+        let (of_part, instead, scale) = self.half[record.part as usize]?;
+        let half = if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
+        Some(half * scale)
+    }
 }
 
 /// The segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
-    let Some(half) = parts.half[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
+    let Some(half) = parts.half(&e.record).filter(|_| !e.record.failed) else { return Vec::new() };
     let shape = e.record.shape;
     let shell = shape.is_shell();
     let shortest = shortest_edge(e, nodes);
@@ -269,6 +279,18 @@ impl Surface {
     pub fn around(&self, i: usize) -> impl Iterator<Item = &Segment> {
         let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
+    }
+
+    /// Area of the surface around the slave node of an own pair that is its own, a quarter of each quad and a third of each triangle
+    /// [length^2]; of solids what of it faces against the pair's normal.
+    pub fn area_of(&self, pair: &Pair, x: &[Row]) -> f64 {
+        let of = |s: &Segment| {
+            let [a, b, c, d] = s.corners(x);
+            let area = (c - a).cross(&(d - b)) * 0.5;
+            let seen = if s.is_solid() { (-area.dot(&pair.normal)).max(0.0) } else { area.norm() };
+            seen / if s.is_triangle() { 3.0 } else { 4.0 }
+        };
+        self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
     }
 
     /// Bytes in use, spare room of lists left out.

@@ -23,7 +23,7 @@ const CARDS: &[(&str, Times)] = &[
 ];
 
 const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
-     sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds";
+     vc its limit, sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds";
 const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
     sides";
 
