@@ -248,7 +248,7 @@ fn touching(c: &Contact) -> String {
     if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
         words += &format!(" down to {} with the speed", figure(dynamic));
     }
-    if let Some(limit) = c.friction_limit.filter(|l| l.is_finite()) {
+    if let Some(limit) = c.friction_limit.filter(|&l| l > 0.0) {
         words += &format!(", friction up to {}", figure(limit));
     }
     if let Some(thickness) = c.thickness {

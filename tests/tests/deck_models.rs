@@ -187,7 +187,7 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
             meets(&a, one) && meets(&b, other) || meets(&a, other) && meets(&b, one)
         };
         let c = all.iter().rfind(between).unwrap();
-        (c.friction, c.friction_dynamic, c.friction_decay, c.friction_limit.filter(|l| l.is_finite()))
+        (c.friction, c.friction_dynamic, c.friction_decay, c.friction_limit.filter(|&l| l > 0.0))
     };
     assert_eq!(of(1, 1), (0.3, Some(0.1), 2.0, Some(0.05)));
     assert_eq!((of(2, 2).0, of(2, 2).1, of(2, 2).3), (0.1, None, None));
@@ -205,7 +205,7 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
 /// What is exported and read again is the same contact: several cards, sets of parts, and what cards do not say.
 #[test]
 fn exported_contacts_are_read_as_they_were() {
-    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3\n,,,,0.5\n\
+    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
          *CONTACT_AUTOMATIC_SINGLE_SURFACE\n1,0,3\n0.2,0.2\n,,1.5\n\
          *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID\n2,pair\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n\n";
     let job = read_with(&["contact.interface.pair.law=penalty", "contact.sweeps=7"], contacts);
@@ -214,9 +214,9 @@ fn exported_contacts_are_read_as_they_were() {
         let all = model.job.contact.as_ref().unwrap().each();
         let plain = |c: crumple_proto::job::Contact| {
             let sides = c.sides(&ids);
-            // An infinite limit is none, and sides are told by their parts.
-            let limit = c.friction_limit.filter(|l| l.is_finite());
-            let death = c.death.filter(|t| t.is_finite());
+            // A limit of 0 is none, and sides are told by their parts.
+            let limit = c.friction_limit.filter(|&l| l > 0.0);
+            let death = c.death.filter(|&t| t < model.job.end_time);
             format!(
                 "{sides:?} {:?}",
                 crumple_proto::job::Contact { friction_limit: limit, death, parts: vec![], against: vec![], ..c }

@@ -194,26 +194,59 @@ fn sliding(e: &Engine) -> f64 {
     nodes.iter().map(|&n| e.nodes.v[n as usize][0]).sum::<f64>() / nodes.len() as f64
 }
 
-/// A third of what Coulomb's friction would be slows the block down, once that is reached: `a = tau A/m`.
-#[test]
-fn friction_is_no_more_than_its_limit_times_the_area() {
+/// Runs the block of `cases/slide` with each law under a third of what Coulomb's friction would be: it has lost `tau A/m` a time once
+/// that is reached. Gives the loss over that by law.
+fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 3] {
     let (friction, end) = (0.3, 1.5);
     let limit = friction * WEIGHT / FOOT / 3.0;
     // Coulomb's friction grows in the ramp up to the limit, in a third of it.
     let lost = limit * FOOT / MASS * (end - 0.5 * RAMP / 3.0);
-    for law in ["lagrange", "kinematic", "penalty"] {
-        let law = format!("contact.law={law}");
-        let numbers = [format!("contact.friction_limit={limit:?}"), format!("end_time={end:?}"), law.clone()];
-        let numbers: Vec<&str> = numbers.iter().map(String::as_str).collect();
-        let engine = run_alone(&read(&case("slide"), &numbers), |_| {});
-        let found = SPEED - sliding(&engine);
-        println!("{law}: lost {found}, {lost} by hand: {}", found / lost);
-        near(found, lost, 0.1, &law);
+    ["lagrange", "kinematic", "penalty"].map(|law| {
+        let sets =
+            [format!("contact.law={law}"), format!("contact.friction_limit={limit:?}"), format!("end_time={end:?}")];
+        let engine = run_alone(&read(&sets.each_ref().map(String::as_str)), |_| {});
+        (SPEED - sliding(&engine)) / lost
+    })
+}
+
+/// The block on one large fixed facet: all that touches are its own nodes, whose areas are known.
+#[test]
+fn friction_is_no_more_than_its_limit_times_the_area() {
+    let mut text =
+        "end_time = 1.5\n[mesh]\nnodes = [[101, -60.0, -40.0, 0.0], [102, 60.0, -40.0, 0.0], [103, 60.0, 40.0, 0.0], \
+                    [104, -60.0, 40.0, 0.0],"
+            .to_string();
+    for n in 0..18 {
+        let at = [10.0 * (n % 3) as f64, 10.0 * (n / 3 % 3) as f64, 1.0 + 10.0 * (n / 9) as f64];
+        write!(text, "[{}, {:?}, {:?}, {:?}],", n + 1, at[0] - 30.0, at[1] - 10.0, at[2]).unwrap();
     }
-    let high = read(&case("slide"), &["time.max_cycles=300", "contact.friction_limit=1.0"]);
-    let none = read(&case("slide"), &["time.max_cycles=300"]);
-    let digest = |model: &Model| run_side_by_side(model, 1, 300, 0).digest();
-    assert_eq!(digest(&high), digest(&none), "a limit that is never reached changes nothing");
+    text += "]\nshells = [[100, 1, 101, 102, 103, 104]]\nsolids = [";
+    for (e, first) in [1, 2, 4, 5].into_iter().enumerate() {
+        let face = [first, first + 1, first + 4, first + 3];
+        let [a, b, c, d] = face;
+        write!(text, "[{}, 2, {a}, {b}, {c}, {d}, {}, {}, {}, {}],", e + 1, a + 9, b + 9, c + 9, d + 9).unwrap();
+    }
+    text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\nblock = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
+             18]\ntop = [10, 11, 12, 13, 14, 15, 16, 17, 18]\n";
+    let job = std::fs::read_to_string(case("slide").join("job.toml")).unwrap();
+    text += &job[job.find("[output]").unwrap()..];
+    // As in the catalogue, A07: bricks of assumed strain flutter.
+    let read = |sets: &[&str]| model_of(&text, &[sets, &["part.2.hourglass=stiffness"]].concat());
+    for (found, law) in limited(read).into_iter().zip(["lagrange", "kinematic", "penalty"]) {
+        near(found, 1.0, 0.02, law);
+    }
+    let [high, none] = [&["time.max_cycles=300", "contact.friction_limit=1.0"][..], &["time.max_cycles=300"]];
+    let digest = |sets| run_side_by_side(&read(sets), 1, 300, 0).digest();
+    assert_eq!(digest(high), digest(none), "a limit that is never reached changes nothing");
+}
+
+/// On facets as large as a half of it: nodes of the base bear too, and where the block ends between them is not known.
+#[test]
+fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
+    for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(["lagrange", "kinematic", "penalty"])
+    {
+        near(found, 1.0, 0.1, law);
+    }
 }
 
 #[test]

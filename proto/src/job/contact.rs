@@ -20,7 +20,7 @@ pub struct Contact {
     pub friction_dynamic: Option<f64>,
     /// How fast friction decays with the sliding speed [time/length].
     pub friction_decay: f64,
-    /// Largest shear stress of friction [force/length^2]; none if left out. Where the normal pressure on a node, the
+    /// Largest shear stress of friction [force/length^2]; none if left out or 0. Where the normal pressure on a node, the
     /// mean of about ten steps, is above this by the coefficient of friction, the coefficient is this by the pressure. Edges on edges
     /// have no area and are not limited.
     pub friction_limit: Option<f64>,

@@ -130,6 +130,11 @@ impl Interfaces {
         self.numbers[interface as usize].limit
     }
 
+    /// Whether any interface has a limit of friction.
+    pub fn limits_friction(&self) -> bool {
+        self.numbers.iter().any(|n| n.limit < f64::INFINITY)
+    }
+
     /// Whether an interface is there at a time.
     pub fn is_alive(&self, interface: u16, time: f64) -> bool {
         let n = &self.numbers[interface as usize];
@@ -155,7 +160,7 @@ impl Numbers {
             friction: contact.friction,
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,
-            limit: contact.friction_limit.unwrap_or(f64::INFINITY),
+            limit: contact.friction_limit.filter(|&limit| limit > 0.0).unwrap_or(f64::INFINITY),
             birth: contact.birth,
             death: contact.death.unwrap_or(f64::INFINITY),
         }

@@ -282,13 +282,16 @@ impl Surface {
     }
 
     /// Area of the surface around the slave node of an own pair that is its own, a quarter of each quad and a third of each triangle
-    /// [length^2]; of solids what of it faces against the pair's normal.
-    pub fn area_of(&self, pair: &Pair, x: &[Row]) -> f64 {
+    /// [length^2]; of solids what of it faces against the pair's normal. Of a segment some of whose nodes bear nothing, that share
+    /// is left out: what it stands on ends below it.
+    pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
         let of = |s: &Segment| {
             let [a, b, c, d] = s.corners(x);
             let area = (c - a).cross(&(d - b)) * 0.5;
             let seen = if s.is_solid() { (-area.dot(&pair.normal)).max(0.0) } else { area.norm() };
-            seen / if s.is_triangle() { 3.0 } else { 4.0 }
+            let corners = if s.is_triangle() { &s.nodes[..3] } else { &s.nodes[..] };
+            let (count, borne) = (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
+            seen * borne / (count * count)
         };
         self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
     }

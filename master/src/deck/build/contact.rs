@@ -81,9 +81,9 @@ impl Build {
             // An interface takes over what it does not say.
             let neutral = [
                 ("friction", 0.0),
-                ("friction_limit", f64::INFINITY),
+                ("friction_limit", 0.0),
                 ("birth", 0.0),
-                ("death", f64::INFINITY),
+                ("death", f64::MAX),
                 ("thickness_scale", 1.0),
             ];
             for (key, value) in neutral {

@@ -33,13 +33,13 @@ pub fn write(deck: &mut Deck, job: &Job) {
     let mut sets = 0;
     if !(in_order && all.iter().all(touches)) {
         let plain = Contact { friction: contact.friction, parts: contact.parts.clone(), ..Contact::default() };
-        card(deck, &plain, &ids, None, &mut sets);
+        card(deck, &plain, (&ids, job.end_time), None, &mut sets);
         return differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
     }
     let names = names(&all);
     for (number, (one, name)) in (1..).zip(all.iter().zip(&names)) {
         let heading = (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
-        card(deck, one, &ids, heading, &mut sets);
+        card(deck, one, (&ids, job.end_time), heading, &mut sets);
     }
     let beside: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
     differing(deck, "contact", contact, &Contact::default(), &beside);
@@ -53,18 +53,14 @@ pub fn write(deck: &mut Deck, job: &Job) {
 
 /// What each is called, all differently.
 fn names(all: &[Contact]) -> Vec<String> {
-    let given: Vec<String> = all.iter().map(|c| line(&c.name).chars().take(70).collect()).collect();
-    let told_apart = given.iter().filter(|n| !n.is_empty()).collect::<BTreeSet<_>>();
-    if told_apart.len() == given.iter().filter(|n| !n.is_empty()).count()
-        && !given.iter().any(|n| n.starts_with("contact "))
-    {
-        let name = |(number, name): (usize, &String)| match name.is_empty() {
-            true => format!("contact {number}"),
-            false => name.clone(),
-        };
-        return (1..).zip(&given).map(name).collect();
-    }
-    (1..=all.len()).map(|number| format!("contact {number}")).collect()
+    let numbered = |number: usize| format!("contact {number}");
+    let name = |(number, c): (usize, &Contact)| match line(&c.name).chars().take(70).collect::<String>() {
+        name if name.is_empty() => numbered(number),
+        name => name,
+    };
+    let names: Vec<String> = (1..).zip(all).map(name).collect();
+    let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    if told_apart { names } else { (1..=all.len()).map(numbered).collect() }
 }
 
 /// What no card says of an interface; `None` if nothing.
@@ -80,8 +76,8 @@ fn rest(interface: &Interface, name: &str) -> Option<Value> {
     Some(Value::Table(said))
 }
 
-/// One card, with its heading and the sets that it names.
-fn card(deck: &mut Deck, c: &Contact, ids: &[u32], heading: Option<(u64, &str)>, sets: &mut u64) {
+/// One card, with its heading and the sets that it names, of a job that ends at `end` [time].
+fn card(deck: &mut Deck, c: &Contact, (ids, end): (&[u32], f64), heading: Option<(u64, &str)>, sets: &mut u64) {
     let single = c.against.is_empty();
     let keyword = if single { "CONTACT_AUTOMATIC_SINGLE_SURFACE" } else { "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE" };
     // Sets go before: the card is the last thing that its numbers are in.
@@ -109,7 +105,7 @@ fn card(deck: &mut Deck, c: &Contact, ids: &[u32], heading: Option<(u64, &str)>,
     let dynamic = c.friction_dynamic.unwrap_or(c.friction);
     let or_blank = |x: f64| if x > 0.0 && x.is_finite() { Number(x) } else { Blank };
     let limit = or_blank(c.friction_limit.unwrap_or(0.0));
-    let (birth, death) = (or_blank(c.birth), or_blank(c.death.unwrap_or(0.0)));
+    let (birth, death) = (or_blank(c.birth), or_blank(c.death.filter(|&t| t < end).unwrap_or(0.0)));
     deck.card(&[Number(c.friction), Number(dynamic), or_blank(c.friction_decay), limit, Blank, Blank, birth, death]);
     let thickness = or_blank(c.thickness.unwrap_or(0.0));
     let scale = if c.thickness_scale == 1.0 { Blank } else { Number(c.thickness_scale) };
