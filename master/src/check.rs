@@ -69,10 +69,14 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
 fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
     let parts = &model.settings.parts;
     let mut figures = vec![(0usize, 0.0f64); parts.len()];
+    let mut own = vec![(f64::INFINITY, 0.0f64); parts.len()];
     for (i, &part) in model.elements.part.iter().enumerate() {
         let figure = &mut figures[part as usize];
         figure.0 += 1;
         figure.1 += model.elements.mass_with_scaling(i);
+        let (of, element) = (&mut own[part as usize], &model.mesh.elements[i]);
+        let thickness = if element.thickness > 0.0 { element.thickness } else { parts[part as usize].thickness };
+        *of = (of.0.min(thickness), of.1.max(thickness));
     }
     let mut rows = vec![["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from)];
     for (index, (part, (count, mass))) in parts.iter().zip(figures).enumerate() {
@@ -81,7 +85,11 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
             part.name.clone(),
             model.blocks.names(part, index).join(", "),
             part.material.clone(),
-            part.thickness.to_string(),
+            if own[index].0 < own[index].1 {
+                format!("{} to {}", figure(own[index].0), figure(own[index].1))
+            } else {
+                part.thickness.to_string()
+            },
             count.to_string(),
             figure(mass),
         ]);
@@ -247,6 +255,9 @@ fn touching(c: &Contact) -> String {
     words += &format!(", {} with friction {}", c.law, figure(c.friction));
     if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
         words += &format!(" down to {} with the speed", figure(dynamic));
+    }
+    if let Some(limit) = c.friction_limit.filter(|&l| l > 0.0) {
+        words += &format!(", friction up to {}", figure(limit));
     }
     if let Some(thickness) = c.thickness {
         words += &format!(", thickness {}", figure(thickness));

@@ -96,6 +96,7 @@ mod tests {
             part,
             shape: Shape::Tri3,
             nodes: corner_nodes(&nodes.map(NodeId)),
+            thickness: 0.0,
         };
         let mesh = Mesh {
             elements: vec![element(1, 1, [1, 2, 3]), element(2, 1, [4, 5, 6]), element(3, 2, [3, 4, 7])],

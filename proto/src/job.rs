@@ -146,6 +146,10 @@ pub struct MeshSource {
     /// Springs and dampers as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
+    /// Thicknesses of single shells as `[id, thickness]` [length]; all others have that of their part. Also for the shells of a
+    /// generator or a deck; a mesh file has its own.
+    #[serde(default)]
+    pub thicknesses: Vec<[f64; 2]>,
     /// Named sets of node ids; with a deck, further ones.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
@@ -285,6 +289,18 @@ pub struct Part {
     /// Shell thickness [length]; a part of solids has none.
     #[serde(default)]
     pub thickness: f64,
+    /// Where the middle of shells lies from their nodes along the normal, as a fraction of half the thickness: 1 if the nodes are on
+    /// the face that the normal leaves behind, -1 if they are on the one that it points to, 0 in the middle. Membrane and bending
+    /// are then coupled. The stable step is that of shells without offset times `1/sqrt(1 + |e|/sqrt(t^2/12 + e^2))`, e the distance
+    /// of the middle from the nodes, or nearer to one where sides are much longer than the thickness t.
+    #[serde(default)]
+    pub offset: f64,
+    /// Thickness with which its shells are met in contact, in place of their own [length]; an interface may say another.
+    #[serde(default)]
+    pub contact_thickness: Option<f64>,
+    /// Factor of the thickness with which its shells are met in contact.
+    #[serde(default = "one")]
+    pub contact_thickness_scale: f64,
     /// Formulation of the four-node shells or the solids. Shells: `stabilised_quad` if left out, which bends exactly where
     /// quads are distorted, takes its hourglass stiffness from material and shape, and in folds is the nearest to converged
     /// forces (`cases/studies/README.md`, crush and twist-thin); or `belytschko_tsay`, a fifth cheaper, which agrees with it
@@ -335,6 +351,9 @@ pub struct Part {
     pub drilling: f64,
 }
 
+fn one() -> f64 {
+    1.0
+}
 fn five() -> usize {
     5
 }

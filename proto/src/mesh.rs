@@ -102,6 +102,8 @@ pub struct MeshElement {
     pub shape: Shape,
     /// Corner nodes in the order of the shape.
     pub nodes: CornerNodes,
+    /// Thickness of a shell that has one of its own; 0 for that of its part [length].
+    pub thickness: f64,
 }
 
 impl MeshElement {
@@ -110,7 +112,7 @@ impl MeshElement {
     /// # Panics
     /// Without any corner, or with more than eight.
     pub fn new(id: ElemId, part: u32, shape: Shape, corners: &[NodeId]) -> Self {
-        Self { id, part, shape, nodes: corner_nodes(corners) }
+        Self { id, part, shape, nodes: corner_nodes(corners), thickness: 0.0 }
     }
 
     /// The corner nodes that are in use.

@@ -136,6 +136,8 @@ pub struct ElementRecord {
     pub free_faces: u8,
     /// Whether it has failed and left the contact surface.
     pub failed: bool,
+    /// Thickness at the start of a shell that has one of its own; 0 for that of its part [length].
+    pub thickness: f64,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
     /// Fraction of its mass that its stable step counts on: springs and ties that share its nodes count on the rest.

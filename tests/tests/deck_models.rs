@@ -183,18 +183,79 @@ fn contacts_of_a_single_surface_come_before_those_of_two() {
     assert_eq!((pair.birth, pair.death), (0.25, Some(0.5)));
 }
 
+/// Of three parts two have the same friction: of each two kinds that meet, the mean.
 #[test]
 fn friction_of_parts_is_what_a_contact_asks_for() {
     let deck = BASE.replace(
         "*PART\nplate\n1,1,1\ncube\n2,2,1\n",
-        "*PART_CONTACT\nplate\n1,1,1\n0.3,0.1,0,0,1.5\ncube\n2,2,1\n0.2,0.2\n",
+        "*PART_CONTACT\nplate\n1,1,1\n0.3,0.1,2.0,0.05,1.5,0.8\ncube\n2,2,1\n0.1,0.1\n",
     );
     let contact = "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n-1.0\n\n";
     let model = model_of(&format!("{deck}{STEEL}{MOVES}{contact}"));
-    assert_eq!(model.job.contact.as_ref().unwrap().friction, 0.3, "the largest");
-    assert!(model.warnings.iter().any(|w| w.message.contains("parts have different friction")));
+    let all: Vec<_> = model.job.contact.as_ref().unwrap().each().collect();
+    let of = |one: u32, other: u32| {
+        let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
+        let meets = |side: &[usize], part: u32| side.iter().any(|&place| ids[place] == part);
+        let between = |c: &&crumple_proto::job::Contact| {
+            let [a, b] = c.sides(&ids);
+            meets(&a, one) && meets(&b, other) || meets(&a, other) && meets(&b, one)
+        };
+        let c = all.iter().rfind(between).unwrap();
+        (c.friction, c.friction_dynamic, c.friction_decay, c.friction_limit.filter(|&l| l > 0.0))
+    };
+    assert_eq!(of(1, 1), (0.3, Some(0.1), 2.0, Some(0.05)));
+    assert_eq!((of(2, 2).0, of(2, 2).1, of(2, 2).3), (0.1, None, None));
+    assert_eq!(of(1, 2), (0.2, Some(0.1), 1.0, Some(0.05)), "the mean, and the lower limit");
+    let plate = &model.job.part[0];
+    assert_eq!((plate.contact_thickness, plate.contact_thickness_scale), (Some(1.5), 0.8));
     let said = crumple::check::describe(&model);
-    assert!(said.contains("part 1: optt 1.5 for contact -> it is as thick as its shells"), "{said}");
+    assert!(said.contains("fs -1: friction of the parts -> 3 interfaces; of two parts the mean of theirs"), "{said}");
+    let alike = deck.replace("0.1,0.1\n", "0.3,0.1,2.0,0.05\n");
+    let model = model_of(&format!("{alike}{STEEL}{MOVES}{contact}"));
+    let contact = model.job.contact.as_ref().unwrap();
+    assert_eq!((contact.friction, contact.friction_limit, contact.interface.len()), (0.3, Some(0.05), 0));
+}
+
+/// What is exported and read again is the same contact: several cards, sets of parts, and what cards do not say.
+#[test]
+fn exported_contacts_are_read_as_they_were() {
+    let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
+         *CONTACT_AUTOMATIC_SINGLE_SURFACE\n1,0,3\n0.2,0.2\n,,1.5\n\
+         *CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID\n2,pair\n1,2,3,3\n0.4,0.4,,,,,0.25,0.5\n\n";
+    let job = read_with(&["contact.interface.pair.law=penalty", "contact.sweeps=7"], contacts);
+    let numbers = |model: &Model| -> Vec<String> {
+        let ids: Vec<u32> = model.job.part.iter().map(|p| p.id).collect();
+        let all = model.job.contact.as_ref().unwrap().each();
+        let plain = |c: crumple_proto::job::Contact| {
+            let sides = c.sides(&ids);
+            // A limit of 0 is none, and sides are told by their parts.
+            let limit = c.friction_limit.filter(|&l| l > 0.0);
+            let death = c.death.filter(|&t| t < model.job.end_time);
+            format!(
+                "{sides:?} {:?}",
+                crumple_proto::job::Contact { friction_limit: limit, death, parts: vec![], against: vec![], ..c }
+            )
+        };
+        all.map(plain).collect()
+    };
+    let text = crumple::deck::export::export(&job).unwrap();
+    for card in ["*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID", "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID", "*SET_PART_LIST"] {
+        assert!(text.lines().any(|l| l == card), "no {card} in\n{text}");
+    }
+    assert_eq!(text.matches("*CONTACT_").count(), 3, "{text}");
+    let again = model_of(&text.replace("*END\n", ""));
+    assert_eq!(numbers(&job), numbers(&again), "{text}");
+    let twice = crumple::deck::export::export(&again).unwrap();
+    assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
+}
+
+/// The base with these lines, and with `--set`.
+fn read_with(sets: &[&str], lines: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
 }
 
 #[test]
@@ -218,6 +279,20 @@ fn single_thicknesses_and_masses() {
     );
     let model = model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
     assert_eq!(model.job.part[0].thickness, 2.5);
+    assert!(model.mesh.elements.iter().all(|e| e.thickness == 0.0), "that of the part");
+    // The corners without one have the section's, 1.
+    let several = shells.replacen("2.5,2.5,2.5,2.5", "2.5,0.0,2.0,2.5", 1);
+    let two = model_of(&format!("{several}{STEEL}{MOVES}"));
+    let own: Vec<f64> = two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.thickness).collect();
+    assert_eq!((own, two.job.part[0].thickness), (vec![2.0, 2.5], 1.0));
+    let text = crumple::deck::export::export(&two).unwrap();
+    assert!(text.contains("*ELEMENT_SHELL_THICKNESS\n"), "{text}");
+    assert_eq!(model_of(&text.replace("*END\n", "")).mesh.elements, two.mesh.elements);
+    let below =
+        model_of(&format!("{}{STEEL}{MOVES}", BASE.replace("1,2,1.0,3\n1.0\n", "1,2,1.0,3\n1.0,1.0,1.0,1.0,-1.0\n")));
+    assert_eq!(below.job.part[0].offset, 1.0, "nodes on the lower face");
+    let text = crumple::deck::export::export(&below).unwrap();
+    assert_eq!(model_of(&text.replace("*END\n", "")).job.part[0].offset, 1.0);
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
     assert_eq!(masses, [0.5, 1.0], "two nodes of a quarter, one of one");
 }

@@ -364,7 +364,8 @@ impl Blocks {
             for place in 0..b.unstrained.len() * b.lanes() {
                 let e = &self.elements[b.first + place.min(b.count - 1)];
                 let mut history = b.history.of(place).to_vec();
-                b.element.measure(&mut history, &e.nodes.map(|n| xyz(&nodes.x0[n as usize])));
+                let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+                b.element.measure(&mut history, &x, e.record.thickness);
                 b.history.set(place, &history);
             }
         }
@@ -376,7 +377,8 @@ impl Blocks {
         for b in &self.blocks {
             let own = b.first..b.first + b.count;
             for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
-                let (m, j) = b.element.corner_mass(&e.nodes.map(|n| xyz(&nodes.x0[n as usize])));
+                let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+                let (m, j) = b.element.corner_mass(&x, e.record.thickness);
                 for c in 0..e.record.shape.corners() {
                     self.force[slot + c] = [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
                 }
@@ -494,7 +496,7 @@ impl Block {
             (0..slots).for_each(|c| b.groups[(place / lanes * slots + c) * lanes + place % lanes] = run[i].nodes[c]);
             if histories[i].is_empty() {
                 fresh.fill(0.0);
-                b.element.start(&mut fresh);
+                b.element.start(&mut fresh, run[i].record.thickness);
                 if let Ok(at) = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0) {
                     b.element.orient(&mut fresh, settings.axes[at].1);
                 }

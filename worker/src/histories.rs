@@ -186,7 +186,8 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
     for b in &blocks.blocks {
         for e in &blocks.elements[b.first..b.first + b.count] {
             let part = &mut parts[e.record.part as usize];
-            let (mass, inertia) = b.element.corner_mass(&e.nodes.map(|n| xyz(&nodes.x0[n as usize])));
+            let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+            let (mass, inertia) = b.element.corner_mass(&x, e.record.thickness);
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
             for n in e.nodes[..e.record.shape.corners()].iter().map(|&n| n as usize) {
                 let (v, next) = (&nodes.v[n], &nodes.next_v[n]);

@@ -23,6 +23,7 @@ struct WireElement {
     /// Free faces, and above these bits for failure and for slowness.
     free_faces: u16,
     nodes: CornerNodes,
+    thickness: f64,
     mass_factor: f64,
     share: f64,
     stable_dt: f64,
@@ -130,6 +131,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         shape: e.shape as u16,
         free_faces: u16::from(e.free_faces) | u16::from(e.failed) << 8 | u16::from(e.slow) << 9,
         nodes: e.nodes,
+        thickness: e.thickness,
         mass_factor: e.mass_factor,
         share: e.share,
         stable_dt: e.stable_dt,
@@ -153,6 +155,7 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
             free_faces: e.free_faces as u8,
             failed: e.free_faces >> 8 & 1 == 1,
             slow: e.free_faces >> 9 & 1 == 1,
+            thickness: e.thickness,
             mass_factor: e.mass_factor,
             share: e.share,
             stable_dt: e.stable_dt,
@@ -209,6 +212,7 @@ mod tests {
             free_faces: part as u8,
             failed: part == 5,
             slow: id == 3 || id == 7,
+            thickness: 0.3 * (id % 4) as f64,
             mass_factor: 1.0 + 0.1 * id as f64,
             share: 1.0 / (1.0 + 0.1 * id as f64),
             stable_dt: if part == 2 { f64::INFINITY } else { 0.3 },
@@ -230,6 +234,7 @@ mod tests {
             force: V3::new(1.0 / 3.0, 2.0, -3.0),
             slip: V3::new(0.0, -0.0, 1e-300),
             thickness: 0.3,
+            pressure: 0.7,
             age: 17,
         };
         let remembered =

@@ -4,6 +4,7 @@
 //! `$crumple:`, where other programs do not see them.
 
 mod bodies;
+mod contact;
 mod curves;
 mod loads;
 mod springs;
@@ -11,8 +12,8 @@ mod walls;
 
 use super::number::shortest;
 use crate::job::{Model, Report};
-use crumple_proto::job::{Contact, HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
-use crumple_proto::mesh::Shape;
+use crumple_proto::job::{HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
+use crumple_proto::mesh::{MeshElement, Shape};
 use crumple_proto::partition::{Material, Param};
 use curves::TimeCurves;
 use std::collections::{BTreeMap, BTreeSet};
@@ -137,7 +138,7 @@ pub fn export(model: &Model) -> Result<String, String> {
     loads::on_nodes(&mut deck, model, set, &mut curves);
     bodies::write(&mut deck, job, &bodies, set, &mut curves);
     walls::write(&mut deck, job, set, &mut curves);
-    contact(&mut deck, job);
+    contact::write(&mut deck, job);
     mesh(&mut deck, model);
     left_over(&mut deck, job, &mut curves);
     Ok(deck.finish(&model.path.display().to_string()))
@@ -306,7 +307,11 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
     };
     deck.keyword("SECTION_SHELL");
     deck.card(&[Id(id), Id(elform), Number(1.0), Id(part.points as u64)]);
-    deck.card(&[Number(part.thickness)]);
+    let t = Number(part.thickness);
+    if part.offset == 0.0 {
+        return deck.card(&[t]);
+    }
+    deck.card(&[t, t, t, t, Number(-part.offset)]);
 }
 
 /// Writes what a part says of hourglass control and viscosity; gives whether that is anything.
@@ -403,23 +408,6 @@ fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
     }
 }
 
-fn contact(deck: &mut Deck, job: &Job) {
-    let Some(contact) = &job.contact else { return };
-    deck.keyword("CONTACT_AUTOMATIC_SINGLE_SURFACE");
-    match contact.parts.is_empty() {
-        true => deck.card(&[Id(0), Blank, Id(5)]),
-        false => deck.card(&[Id(1), Blank, Id(2)]),
-    }
-    deck.card(&[Number(contact.friction), Number(contact.friction)]);
-    deck.card(&[]);
-    if !contact.parts.is_empty() {
-        deck.keyword("SET_PART_LIST");
-        deck.card(&[Id(1)]);
-        let parts: Vec<Field> = contact.parts.iter().map(|&p| Id(u64::from(p))).collect();
-        parts.chunks(8).for_each(|eight| deck.card(eight));
-    }
-}
-
 fn mesh(deck: &mut Deck, model: &Model) {
     deck.keyword("NODE");
     for node in &model.mesh.nodes {
@@ -431,15 +419,26 @@ fn mesh(deck: &mut Deck, model: &Model) {
         if !model.mesh.elements.iter().any(|e| of(e.shape)) {
             continue;
         }
-        deck.keyword(keyword);
-        for element in model.mesh.elements.iter().filter(|e| of(e.shape)) {
-            let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
-            fields.extend(element.corners().iter().map(|n| Id(n.label())));
-            if element.shape == Shape::Tri3 {
-                fields.extend(element.corners().last().map(|n| Id(n.label())));
+        let (own, plain): (Vec<_>, Vec<_>) =
+            model.mesh.elements.iter().filter(|e| of(e.shape)).partition(|e| e.thickness > 0.0);
+        for (option, elements) in [("", plain), ("_THICKNESS", own)].into_iter().filter(|list| !list.1.is_empty()) {
+            deck.keyword(&format!("{keyword}{option}"));
+            for element in elements {
+                write_element(deck, element);
             }
-            deck.card(&fields);
         }
+    }
+}
+
+fn write_element(deck: &mut Deck, element: &MeshElement) {
+    let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
+    fields.extend(element.corners().iter().map(|n| Id(n.label())));
+    if element.shape == Shape::Tri3 {
+        fields.extend(element.corners().last().map(|n| Id(n.label())));
+    }
+    deck.card(&fields);
+    if element.thickness > 0.0 {
+        deck.card(&[element.thickness; 4].map(Number));
     }
 }
 
@@ -455,9 +454,6 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     let carried: Vec<&str> = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
     differing(deck, "output", &job.output, &Output::default(), &carried);
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
-    if let Some(contact) = &job.contact {
-        differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
-    }
     // The reader of cards lifts the limit where a deck asks for mass scaling.
     if job.time.mass_scaling_dt > 0.0 {
         let limit = Table::from_iter([("mass_scaling_limit".to_string(), Value::from(job.time.mass_scaling_limit))]);

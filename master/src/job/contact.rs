@@ -131,6 +131,8 @@ fn check_one(path: &str, contact: &Contact, is_own: impl Fn(&str) -> bool, numbe
     let dynamic = contact.friction_dynamic.unwrap_or(0.0);
     need(is_some(dynamic), "friction_dynamic", dynamic, "0 or above");
     need(is_some(contact.friction_decay), "friction_decay", contact.friction_decay, "0 or above");
+    let limit = contact.friction_limit.unwrap_or(0.0);
+    need(is_some(limit), "friction_limit", limit, "above 0, or 0 for none");
     let given = contact.thickness.unwrap_or(1.0);
     need(given > 0.0 && given.is_finite(), "thickness", given, "above 0");
     let factor = contact.thickness_scale;

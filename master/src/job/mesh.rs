@@ -100,6 +100,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
         mesh.elements
             .extend(element(row, &kind, index, &mut few, |corners| (corners.len() == 2).then_some(Shape::Line2)));
     }
+    thicken(&mut mesh, &source.thicknesses, &mut few);
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
@@ -113,6 +114,42 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
     whole.then_some(Read { mesh, written: Some(lists) })
+}
+
+/// Gives shells thicknesses of their own, as the `thicknesses` of a job say.
+pub fn with_thicknesses(mut read: Read, rows: &[[f64; 2]], findings: &mut Findings) -> Read {
+    thicken(&mut read.mesh, rows, &mut Few::new(findings));
+    read
+}
+
+fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
+    if rows.is_empty() {
+        return;
+    }
+    let at: HashMap<ElemId, usize> = mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
+    let mut given = HashSet::with_capacity(rows.len());
+    for (index, &[id, thickness]) in rows.iter().enumerate() {
+        let path = || format!("mesh.thicknesses.{index}");
+        let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
+        let Some(&place) = at.get(&ElemId(id as u64)).filter(|_| whole) else {
+            few.error("no shell", path(), format!("there is no element {id}"), "a row is [id of a shell, thickness]");
+            continue;
+        };
+        let element = &mut mesh.elements[place];
+        if !element.shape.is_shell() {
+            let message = format!("element {id} is no shell: it has no thickness");
+            few.error("no shell", path(), message, "take it out");
+        }
+        if !(thickness > 0.0 && thickness.is_finite()) {
+            let message = format!("element {id}: its thickness is {thickness:?}");
+            few.error("thickness", path(), message, "it has to be above 0; without a row a shell has that of its part");
+        }
+        if !given.insert(place) {
+            let message = format!("element {id} is given a thickness twice");
+            few.error("thickness twice", path(), message, "take one of the two rows out");
+        }
+        element.thickness = thickness;
+    }
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";

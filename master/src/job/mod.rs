@@ -47,6 +47,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
 use crumple_worker::contact::initial::initial;
 use report::{DeckSource, Source};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tree::Node;
 use validate::Findings;
@@ -241,7 +242,10 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
         .map(|mesh| ties::resolve(&job, mesh, findings))
         .unwrap_or_default();
     let figures = mesh.as_ref().and_then(quality);
-    let (mut settings, order) = resolve::settings(&job, figures.as_ref().map(|q| (q.min_side.value, q.median_side)));
+    let (mut settings, order) = {
+        let sides = figures.as_ref().map(|q| (q.min_side.value, q.median_side));
+        resolve::settings(&job, sides, &mesh.as_ref().map(thickest).unwrap_or_default())
+    };
     settings.axes = axes.unwrap_or_default();
     settings.ties = ties;
     let used = match &mesh {
@@ -290,6 +294,16 @@ fn build(sources: &mut Sources, path: &Path, sets: &[String], findings: &mut Fin
     })
 }
 
+/// Parts of shells that have a thickness of their own, with the largest of these [length].
+fn thickest(mesh: &Mesh) -> BTreeMap<u32, f64> {
+    let mut thickest = BTreeMap::new();
+    for e in mesh.elements.iter().filter(|e| e.thickness > 0.0) {
+        let most: &mut f64 = thickest.entry(e.part).or_default();
+        *most = most.max(e.thickness);
+    }
+    thickest
+}
+
 /// The mesh from wherever the job says; `None`, and why, if there is none to look at.
 fn read_mesh(
     job: &Job,
@@ -298,7 +312,7 @@ fn read_mesh(
     sources: &mut Sources,
     findings: &mut Findings,
 ) -> Option<mesh::Read> {
-    let MeshSource { generator, file, nodes, shells, solids, beams, springs, node_sets, .. } = &job.mesh;
+    let MeshSource { generator, file, nodes, shells, solids, beams, springs, node_sets, thicknesses, .. } = &job.mesh;
     let rows = ![nodes.is_empty(), shells.is_empty(), solids.is_empty(), beams.is_empty(), springs.is_empty()]
         .iter()
         .all(|&empty| empty);
@@ -309,7 +323,7 @@ fn read_mesh(
         let mut mesh = deck.mesh;
         let own = node_sets.iter().map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
         mesh.node_sets.extend(own);
-        return Some(mesh::Read::of_deck(mesh, deck.lists));
+        return Some(mesh::with_thicknesses(mesh::Read::of_deck(mesh, deck.lists), thicknesses, findings));
     }
     match (generator, file, rows) {
         (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
@@ -317,7 +331,15 @@ fn read_mesh(
             findings.add(Problem::error("mesh.node_sets", "mesh.node_sets belongs to mesh.nodes", help));
             None
         }
-        (Some(generator), None, false) => mesh::generate(generator, job, findings),
+        (None, Some(_), false) if !thicknesses.is_empty() => {
+            let message = "mesh.thicknesses belongs to mesh.nodes, a generator or a deck";
+            findings.add(Problem::error("mesh.thicknesses", message, "write it in the mesh file"));
+            None
+        }
+        (Some(generator), None, false) => {
+            let read = mesh::generate(generator, job, findings)?;
+            Some(mesh::with_thicknesses(read, thicknesses, findings))
+        }
         (None, Some(file), false) => {
             let file = path.parent().unwrap_or(Path::new("")).join(file);
             read_mesh_file(&file, sources, findings)
@@ -433,6 +455,7 @@ impl Model {
             mass_factor: self.elements.mass_factor[i],
             share: self.elements.share[i],
             slow: self.elements.slow.get(i).is_some_and(|&slow| slow),
+            thickness: e.thickness,
             stable_dt: self.elements.massless_dt(i),
         };
         let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {

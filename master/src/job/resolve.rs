@@ -9,7 +9,7 @@ use crumple_proto::loads::Loads;
 use crumple_proto::partition::{Material, Param, Settings};
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::beams;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Field files of one run, at most.
 const MOST_FIELDS: f64 = 100_000.0;
@@ -161,8 +161,9 @@ impl Numbers<'_> {
 }
 
 /// The settings that all workers get, defaults filled in; lengths come from the smallest and the median side of the mesh's elements.
-/// Walls, loads and rigid bodies need the mesh and come later. Beside them, for each of their parts its place in the job.
-pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) {
+/// Walls, loads and rigid bodies need the mesh and come later; `own` are the parts of shells with a thickness of their own, with the
+/// largest of these [length]. Beside them, for each of their parts its place in the job.
+pub fn settings(job: &Job, sides: Option<(f64, f64)>, own: &BTreeMap<u32, f64>) -> (Settings, Vec<usize>) {
     /// A buffer of more of the smallest sides would make workers copy much of a fine zone in a coarse mesh.
     const COARSE: f64 = 4.0;
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
@@ -172,7 +173,10 @@ pub fn settings(job: &Job, sides: Option<(f64, f64)>) -> (Settings, Vec<usize>) 
     let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
     let contact = job.contact.clone().map(|contact| {
         let touches = |part: &&Part| contact.takes_part(part.id);
-        let thickness = |part: &Part| beams::half(&contact, part).map_or(part.thickness, |radius| 2.0 * radius);
+        let thickness = |part: &Part| {
+            let shell = || own.get(&part.id).map_or(part.thickness, |t| t.max(part.thickness));
+            beams::half(&contact, part).map_or_else(shell, |radius| 2.0 * radius)
+        };
         let thickest = parts.iter().filter(touches).map(thickness).fold(0.0, f64::max);
         let skin = (0.25 * median).max((0.4 * thickest).min(median));
         Contact { skin: or(contact.skin, skin), ..contact }
@@ -262,7 +266,7 @@ mod tests {
 
     #[test]
     fn buffers_are_of_the_median_side_and_of_four_of_the_smallest_at_most() {
-        let buffer = |text: &str, sides| settings(&job(text), Some(sides)).0.buffer;
+        let buffer = |text: &str, sides| settings(&job(text), Some(sides), &BTreeMap::new()).0.buffer;
         assert_eq!(buffer("", (1.0, 3.0)), 3.0);
         assert_eq!(buffer("", (1.0, 10.0)), 4.0, "a fine zone in a coarse mesh");
         assert_eq!(buffer("[parallel]\nbuffer = 7.0", (1.0, 10.0)), 7.0, "as given");

@@ -6,7 +6,7 @@ use super::validate::{Findings, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, Tie as TieSpec};
 use crumple_proto::loads::Motion;
-use crumple_proto::mesh::{Mesh, Shape, free_faces};
+use crumple_proto::mesh::{Mesh, MeshElement, Shape, free_faces};
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
 use crumple_proto::tie::Tie;
@@ -169,7 +169,7 @@ fn of_entry(spec: &TieSpec, entry: usize, ground: &Ground<'_>, findings: &mut Fi
         if spec.thicknesses[1] > 0.0 {
             return spec.thicknesses[1];
         }
-        if element.shape.is_shell() { thick.get(&element.part).copied().unwrap_or(0.0) } else { 0.0 }
+        if element.shape.is_shell() { of_shell(element, thick) } else { 0.0 }
     };
     let id = |p: usize| mesh.nodes[nodes[p]].id;
     let of_node = |p: usize| match spec.thicknesses[0] {
@@ -308,11 +308,16 @@ fn face_back(ground: &Ground<'_>, stands: &mut [Stand], surface: &[(usize, usize
     }
 }
 
+/// Thickness of a shell.
+fn of_shell(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
+    if e.thickness > 0.0 { e.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
+}
+
 /// Thickness of the thickest shell at each node.
 fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
     let mut all: HashMap<NodeId, f64> = HashMap::new();
     for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
-        let own = thick.get(&e.part).copied().unwrap_or(0.0);
+        let own = of_shell(e, thick);
         for &n in e.corners() {
             let most = all.entry(n).or_insert(own);
             *most = most.max(own);

@@ -2,7 +2,7 @@
 
 use super::{
     Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets, hertz, invariance,
-    joined, lines, materials, plates, press, relaxed, ridges, rigid, sheets, sliding, solid_bars, solid_cells,
+    joined, lines, materials, plates, press, relaxed, ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells,
     solid_patches, stability, stacked, steps, taylor, walls,
 };
 
@@ -104,6 +104,13 @@ pub const CATALOGUE: &[Entry] = &[
     entry("A38", "Triangles in motion", &[sheets::TRIANGLES], ""),
     entry("A39", "Mass scaling with contact", &[steps::SCALED], ""),
     entry("A40", "Subcycles", &[steps::SUBCYCLES], "with contact, which the job has to ask for"),
+    entry("A41", "Thicknesses of single shells", &[sections::STEPPED], "contact: tests/tests/sections.rs"),
+    entry(
+        "A42",
+        "Shells whose middle is beside their nodes",
+        &[sections::PULLED],
+        "contact meets them about their nodes",
+    ),
     entry(
         "B01",
         "Taylor bar, linear hardening",
@@ -205,6 +212,6 @@ mod tests {
         for e in CATALOGUE {
             assert!(!e.checks.is_empty() || !e.open.is_empty(), "{}: neither run nor explained", e.id);
         }
-        assert_eq!(CATALOGUE.len(), 67, "the catalogue has 67 entries");
+        assert_eq!(CATALOGUE.len(), 69, "the catalogue has 69 entries");
     }
 }

@@ -35,6 +35,7 @@ mod ridges;
 mod rigid;
 mod row;
 mod scene;
+mod sections;
 mod sheets;
 mod sliding;
 mod solid_bars;

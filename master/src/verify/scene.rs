@@ -42,6 +42,8 @@ pub struct Scene {
     solids: Vec<Vec<u32>>,
     beams: Vec<Vec<u32>>,
     springs: Vec<Vec<u32>>,
+    /// Shells with thicknesses of their own.
+    thicknesses: Vec<(u32, f64)>,
     sets: Vec<(String, Vec<u32>)>,
     keys: String,
     /// Top-level tables that must be one: lines of `[time]`.
@@ -125,6 +127,11 @@ impl Scene {
     pub fn shell(&mut self, part: u32, corners: &[u32]) -> u32 {
         self.shells.push(std::iter::once(part).chain(corners.iter().copied()).collect());
         self.shells.len() as u32
+    }
+
+    /// Gives a shell a thickness of its own [m].
+    pub fn thicken(&mut self, shell: u32, thickness: f64) {
+        self.thicknesses.push((shell, thickness));
     }
 
     /// Adds a solid of a part: a face whose normal points into it, then the nodes opposite. Their ids follow those of the
@@ -273,7 +280,8 @@ impl Scene {
                 let _ = writeln!(text, "[{id}, {}],", row.join(", "));
             }
         }
-        text.push_str("]\n[mesh.node_sets]\n");
+        let rows: Vec<String> = self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
+        let _ = writeln!(text, "]\nthicknesses = [{}]\n[mesh.node_sets]", rows.join(", "));
         for (name, nodes) in &self.sets {
             let _ = writeln!(text, "{name} = {nodes:?}");
         }

@@ -21,6 +21,10 @@ pub struct Contact {
     pub friction_dynamic: Option<f64>,
     /// How fast friction decays with the sliding speed [time/length].
     pub friction_decay: f64,
+    /// Largest shear stress of friction [force/length^2]; none if left out or 0. Where the normal pressure on a node, the
+    /// mean of about ten steps, is above this by the coefficient of friction, the coefficient is this by the pressure. Edges on edges
+    /// have no area and are not limited.
+    pub friction_limit: Option<f64>,
     /// Time from which there is contact [time].
     pub birth: f64,
     /// Time at which contact ends [time]; never if left out. Before birth and after death its parts do not touch, not by an earlier
@@ -111,6 +115,8 @@ pub struct Interface {
     pub friction_dynamic: Option<f64>,
     /// As in `[contact]` [time/length].
     pub friction_decay: Option<f64>,
+    /// As in `[contact]` [force/length^2].
+    pub friction_limit: Option<f64>,
     /// As in `[contact]` [time].
     pub birth: Option<f64>,
     /// As in `[contact]` [time].
@@ -154,6 +160,7 @@ impl Contact {
             friction,
             friction_dynamic,
             friction_decay,
+            friction_limit,
             birth,
             death,
             thickness,
@@ -177,6 +184,7 @@ impl Contact {
             friction: friction.unwrap_or(self.friction),
             friction_dynamic: dynamic,
             friction_decay: friction_decay.unwrap_or(self.friction_decay),
+            friction_limit: friction_limit.or(self.friction_limit),
             birth: birth.unwrap_or(self.birth),
             death: death.or(self.death),
             thickness: thickness.or(self.thickness.filter(|_| thickness_scale.is_none())),
@@ -240,6 +248,7 @@ impl Default for Contact {
             friction: 0.0,
             friction_dynamic: None,
             friction_decay: 0.0,
+            friction_limit: None,
             birth: 0.0,
             death: None,
             thickness: None,

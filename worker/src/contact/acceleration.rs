@@ -142,7 +142,7 @@ fn part(own: &[&Pair], ends: &[V3], way: &[V3], wire: &mut dyn Transport) -> Res
 fn within(pair: &Pair, force: V3) -> V3 {
     let pressed = force.dot(&pair.normal).max(0.0);
     let sheared = force - pair.normal * force.dot(&pair.normal);
-    pair.normal * pressed + within_cone(sheared, pressed, pair.friction)
+    pair.normal * pressed + within_cone(sheared, pressed, pair)
 }
 
 /// Whether the own pair bears something under a force.

@@ -13,7 +13,7 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// A node that starts inside a shell's thickness, a beam or a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
     found.extend(in_solids(&nodes, &surface, elements, is_tied));
     found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));
     found.dedup_by_key(|p| p.node);
-    Initial { penetrations: found, thinned: thinned(settings, &surface) }
+    Initial { penetrations: found, thinned: thinned(settings, elements, &surface) }
 }
 
 fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> bool) -> Vec<Penetration> {
@@ -194,10 +194,12 @@ fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
     })
 }
 
-fn thinned(settings: &Settings, surface: &Surface) -> Option<(usize, f64)> {
+fn thinned(settings: &Settings, elements: &[ElementRecord], surface: &Surface) -> Option<(usize, f64)> {
+    let parts = ContactParts::of(settings);
+    let given: HashMap<ElemId, f64> = elements.iter().filter_map(|e| Some((e.id, parts.half(e)?))).collect();
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
-    let half = |part: &Part| part.beam.as_ref().and_then(radius).unwrap_or(0.5 * part.thickness);
-    let shares = shells.map(|s| s.half / half(&settings.parts[s.part as usize])).filter(|&share| share < 1.0);
+    let shares =
+        shells.map(|s| s.half / given.get(&s.id.elem()).copied().unwrap_or(s.half)).filter(|&share| share < 1.0);
     shares.fold(None, |sum, share| {
         Some(sum.map_or((1, share), |(count, least): (usize, f64)| (count + 1, least.min(share))))
     })

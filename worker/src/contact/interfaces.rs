@@ -34,6 +34,8 @@ struct Numbers {
     dynamic: f64,
     /// [time/length]
     decay: f64,
+    /// Largest shear stress of friction [force/length^2].
+    limit: f64,
     birth: f64,
     death: f64,
 }
@@ -134,6 +136,16 @@ impl Interfaces {
         n.dynamic + (n.friction - n.dynamic) * (-n.decay * speed()).exp()
     }
 
+    /// Largest shear stress of friction, infinite without a limit [force/length^2].
+    pub fn friction_limit(&self, interface: u16) -> f64 {
+        self.numbers[interface as usize].limit
+    }
+
+    /// Whether any interface has a limit of friction.
+    pub fn limits_friction(&self) -> bool {
+        self.numbers.iter().any(|n| n.limit < f64::INFINITY)
+    }
+
     /// Whether an interface is there at a time.
     pub fn is_alive(&self, interface: u16, time: f64) -> bool {
         let n = &self.numbers[interface as usize];
@@ -159,6 +171,7 @@ impl Numbers {
             friction: contact.friction,
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,
+            limit: contact.friction_limit.filter(|&limit| limit > 0.0).unwrap_or(f64::INFINITY),
             birth: contact.birth,
             death: contact.death.unwrap_or(f64::INFINITY),
         }

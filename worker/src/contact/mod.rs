@@ -446,6 +446,10 @@ impl Contact {
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction = self.surface.interfaces.friction(p.interface, speed);
+            let limit = self.surface.interfaces.friction_limit(p.interface);
+            if limit < f64::INFINITY && !p.name.is_edge() {
+                p.limit_friction(limit, self.surface.area_of(p, &nodes.x, |_| true));
+            }
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).start(p, steps);
             self.penetration = self.penetration.max(p.depth / p.thickness);
@@ -502,8 +506,28 @@ impl Contact {
         self.table.touched.binary_search(&n).map_or(V3::zeros(), |k| self.table.total[k])
     }
 
+    /// Lets own pairs whose friction is limited know the pressure on their slaves.
+    fn note_pressures(&mut self, nodes: &Nodes) {
+        let (surface, t) = (&self.surface, &self.table);
+        if !surface.interfaces.limits_friction() {
+            return;
+        }
+        let is_limited =
+            |p: &Pair| p.own && !p.name.is_edge() && surface.interfaces.friction_limit(p.interface) < f64::INFINITY;
+        let noted = |(q, p): (usize, &Pair)| {
+            let area = surface.area_of(p, &nodes.x, |n| t.bears(n, &p.normal));
+            (q, self.force_on(p.nodes[0]).dot(&p.normal), area)
+        };
+        let all: Vec<(usize, f64, f64)> =
+            t.pairs.iter().enumerate().filter(|(_, p)| is_limited(p)).map(noted).collect();
+        for (q, pressed, area) in all {
+            self.table.pairs[q].note_pressure(pressed, area);
+        }
+    }
+
     /// Books the work done with the velocities at hand and lets the slaves remember their pairs.
     pub fn close(&mut self, nodes: &Nodes, steps: Steps) -> ContactWork {
+        self.note_pressures(nodes);
         let t = &mut self.table;
         let mut work = ContactWork::default();
         for p in t.pairs.iter_mut().filter(|p| p.own) {

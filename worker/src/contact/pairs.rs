@@ -246,6 +246,16 @@ impl PairTable {
         found
     }
 
+    /// Whether a local node is the slave of a pair whose normal is about this one.
+    pub fn bears(&self, node: u32, normal: &V3) -> bool {
+        let Ok(t) = self.touched.binary_search(&node) else { return false };
+        let of = |&(q, r): &(u32, u8)| {
+            let pair = &self.pairs[q as usize];
+            r == 0 && !pair.name.is_edge() && pair.normal.dot(normal) > 0.5
+        };
+        self.roles_at(t).iter().any(of)
+    }
+
     /// Whether other workers know some of these pairs.
     pub fn is_common(&self) -> bool {
         !self.common.is_empty()

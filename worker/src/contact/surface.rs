@@ -5,12 +5,13 @@ use crate::blocks::LocalElement;
 use crate::contact::beams;
 use crate::contact::geometry::{Nearest, V3, nearest, nearest_on_line};
 use crate::contact::interfaces::Interfaces;
+use crate::contact::pairs::Pair;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
-use crumple_proto::partition::Settings;
+use crumple_proto::partition::{ElementRecord, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -119,8 +120,9 @@ impl Segment {
 
 /// Which parts take part in contact, and how thick they are for it.
 pub struct ContactParts {
-    /// Half thickness of those that do, radius of beams, 0 for solids [length].
-    half: Vec<Option<f64>>,
+    /// Half thickness of those that do, radius of beams, 0 for solids [length], whether it is in place of that which single
+    /// shells have, and the factor of either.
+    half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam of its length.
     limit: f64,
     interfaces: Arc<Interfaces>,
@@ -133,8 +135,11 @@ impl ContactParts {
         let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of_parts(c, &settings.parts)));
         let half = |(i, p): (usize, &Part)| {
             let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
-            let half = |c| if p.beam.is_some() { beams::half(c, p) } else { Some(0.5 * p.thickness) };
-            contact.filter(|_| takes_part).and_then(half)
+            if p.beam.is_some() {
+                return contact.filter(|_| takes_part).and_then(|c| beams::half(c, p)).map(|radius| (radius, true, 1.0));
+            }
+            let given = p.contact_thickness;
+            takes_part.then_some((0.5 * given.unwrap_or(p.thickness), given.is_some(), p.contact_thickness_scale))
         };
         Self {
             half: settings.parts.iter().enumerate().map(half).collect(),
@@ -142,11 +147,18 @@ impl ContactParts {
             interfaces,
         }
     }
+
+    /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a solid [length].
+    pub fn half(&self, record: &ElementRecord) -> Option<f64> {
+        let (of_part, instead, scale) = self.half[record.part as usize]?;
+        let half = if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
+        Some(half * scale)
+    }
 }
 
 /// The segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
-    let Some(half) = parts.half[e.record.part as usize].filter(|_| !e.record.failed) else { return Vec::new() };
+    let Some(half) = parts.half(&e.record).filter(|_| !e.record.failed) else { return Vec::new() };
     let shape = e.record.shape;
     if shape == Shape::Beam2 {
         return line_of(e, nodes, half, parts.limit).into_iter().collect();
@@ -305,6 +317,21 @@ impl Surface {
     pub fn around(&self, i: usize) -> impl Iterator<Item = &Segment> {
         let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
+    }
+
+    /// Area of the surface around the slave node of an own pair that is its own, a quarter of each quad and a third of each triangle
+    /// [length^2]; of solids what of it faces against the pair's normal. Of a segment some of whose nodes bear nothing, that share
+    /// is left out: what it stands on ends below it.
+    pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
+        let of = |s: &Segment| {
+            let [a, b, c, d] = s.corners(x);
+            let area = (c - a).cross(&(d - b)) * 0.5;
+            let seen = if s.is_solid() { (-area.dot(&pair.normal)).max(0.0) } else { area.norm() };
+            let corners = if s.is_triangle() { &s.nodes[..3] } else { &s.nodes[..] };
+            let (count, borne) = (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
+            seen * borne / (count * count)
+        };
+        self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
     }
 
     /// Bytes in use, spare room of lists left out.

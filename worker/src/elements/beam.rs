@@ -353,7 +353,7 @@ impl Element for Beam {
         history[TRIADS..].iter_mut().zip(towards).for_each(|(column, c)| *column = c);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]], _: f64) -> (f64, f64) {
         self.masses((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
@@ -404,7 +404,7 @@ impl Element for Beam {
         totals
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
         self.step((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 

@@ -26,7 +26,7 @@
 //! I the rotational inertia per mass, transverse shear has `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`, exactly, so that
 //! `I = (8 A^2/P + P/24)/5` holds it to that of the membrane, but for 5 % where nu = 0 (1/s is at most 8 A^2/P).
 
-use super::kinematics::{Frame, PlaneMotion, curvature};
+use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
 use super::{Build, Built, ElementRow, GroupCorners, GroupNodes, NodeView, Totals, let_go};
@@ -88,7 +88,31 @@ pub struct Response<R: Real> {
     calm: R::Mask,
 }
 
+impl<R: Real> Corners<R> {
+    /// As for quads: velocities of the middle, which is `e` from the nodes along the normal [length]; gives `e n`.
+    #[inline(always)]
+    fn to_middle(&mut self, e: R) -> [R; 3] {
+        let arm = along_normal(e, self.x[0], self.x[1]);
+        for (v, w) in self.v.iter_mut().zip(&self.w) {
+            let more = cross(*w, arm);
+            (0..3).for_each(|i| v[i] += more[i]);
+        }
+        arm
+    }
+}
+
 impl<R: Real> Response<R> {
+    /// As for quads: adds to the moments those of the forces, which act at `arm` from the nodes.
+    #[inline(always)]
+    fn to_nodes(&mut self, arm: [R; 3]) {
+        let [f2, f3] = self.force;
+        let first: [R; 3] = std::array::from_fn(|i| -(f2[i] + f3[i]));
+        for (m, f) in self.moment.iter_mut().zip([first, f2, f3]) {
+            let more = cross(arm, f);
+            (0..3).for_each(|i| m[i] += more[i]);
+        }
+    }
+
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
     fn let_go(&mut self, failed: R::Mask) {
@@ -367,15 +391,15 @@ impl Formulation for C0Triangle {
         &self.section
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
-        let g = Geometry::new(sides(x));
-        let mass = self.section.elastic.density * self.section.thickness * g.area / 3.0;
-        (mass, mass * self.section.inertia_per_mass(g.inertia()))
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
+        let [area, floor] = self.size(x);
+        let mass = self.section.elastic.density * self.section.thickness_at_start(own) * area / 3.0;
+        (mass, mass * self.section.inertia_per_mass(own, floor))
     }
 
-    fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]) {
+    fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
         let g = Geometry::new(sides(x));
-        self.section.measure(history, g.area, self.section.inertia_per_mass(g.inertia()));
+        [g.area, g.inertia()]
     }
 
     fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
@@ -404,8 +428,12 @@ impl Formulation for C0Triangle {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let corners = gather(group, nodes);
+        let mut corners = gather(group, nodes);
+        let arm = self.section.arm(history).map(|arm| corners.to_middle(arm));
         let mut response = self.respond::<L, N>(&corners, history, dt);
+        if let Some(arm) = arm {
+            response.to_nodes(arm);
+        }
         let (calm, sound) = (response.calm, response.totals.sound);
         if let Some(gone) = self.section.delete_inverted(history, calm, sound, corners.sum()) {
             response.let_go(gone);
@@ -415,14 +443,21 @@ impl Formulation for C0Triangle {
     }
 
     #[inline(never)]
-    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L> {
         let mut rows = [[L::row(Lane::splat(0.0)); W]; 2];
         for lane in 0..W {
             let [a, b, c] = std::array::from_fn(|c| Lane::new(nodes.x[group[c][lane] as usize]));
             [rows[0][lane], rows[1][lane]] = [b - a, c - a].map(L::row);
         }
         let geometry = Geometry::new(rows.map(L::from_rows));
-        Totals::forceless(geometry.stable_dt(&self.section.elastic), geometry.sound())
+        let stable_dt = geometry.stable_dt(&self.section.elastic);
+        let stable_dt = self.section.offset_factor(history).map_or(stable_dt, |factor| stable_dt * factor);
+        Totals::forceless(stable_dt, geometry.sound())
     }
 }
 

@@ -200,7 +200,7 @@ fn spectrum(nodes: &[[f64; 3]; 4], t: f64, nu: f64) -> (Vec<f64>, f64) {
     assert!(off < 1e-6 * k.abs().max(), "not symmetric by {off}");
     let mut all: Vec<f64> = (0.5 * (&k + k.transpose())).symmetric_eigenvalues().iter().copied().collect();
     all.sort_by(f64::total_cmp);
-    (all, patch.element.stable_dt(nodes))
+    (all, patch.element.stable_dt(nodes, 0.0))
 }
 
 /// The step is that of the highest frequency of a lone element, of any shape, or 1.05 of it (see `quad.rs`), and at nu

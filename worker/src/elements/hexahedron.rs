@@ -373,7 +373,7 @@ impl Element for Hexahedron {
         true
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
+    fn corner_mass(&self, x: &[[f64; 3]], _: f64) -> (f64, f64) {
         (0.125 * self.elastic.density * Gradient::new(&modes_of_corners(eight(x))).volume(), 0.0)
     }
 
@@ -382,7 +382,7 @@ impl Element for Hexahedron {
     }
 
     /// Viscosity of the square of the rate left out.
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
+    fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
         let gradient = Gradient::new(&modes_of_corners(eight(x)));
         if !gradient.whole() {
             return f64::NAN;
@@ -394,7 +394,7 @@ impl Element for Hexahedron {
 
     fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
         let (first, volume) = (history.at(self.first_volume()), Gradient::new(&modes_of_corners(eight(x))).volume());
-        self.stable_dt(x) * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
+        self.stable_dt(x, 0.0) * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
     }
 
     fn is_unstrained(&self, history: State<'_>) -> bool {

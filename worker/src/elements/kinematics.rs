@@ -85,3 +85,12 @@ fn angle_by_sine<R: Real>(sine_squared: R) -> R {
     let [a, b, c] = [15.0 / 336.0, 3.0 / 40.0, 1.0 / 6.0].map(R::splat);
     s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
 }
+
+/// A vector of length `e` along the cross product; nought where that is, as in elements that have failed and collapsed.
+#[inline(always)]
+pub fn along_normal<R: Real>(e: R, a: [R; 3], b: [R; 3]) -> [R; 3] {
+    let normal = cross(a, b);
+    let length = dot(normal, normal).sqrt();
+    let scale = R::select(length.gt(R::zero()), e / length, R::zero());
+    normal.map(|c| c * scale)
+}

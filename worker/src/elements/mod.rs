@@ -14,6 +14,8 @@ mod kinematics;
 #[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
+mod offset_tests;
+#[cfg(test)]
 mod plate_tests;
 #[cfg(test)]
 mod precision_tests;
@@ -143,18 +145,19 @@ pub trait Element: Send + Sync {
         false
     }
 
-    /// Sets what is not nought in the history of a fresh element (thickness and the like).
-    fn start(&self, _history: &mut [f64]) {}
+    /// Sets what is not nought in the history of a fresh element. `own` is the thickness of a shell that has one of its own, else
+    /// nought, here and below [length].
+    fn start(&self, _history: &mut [f64], _own: f64) {}
 
     /// Lets the history of a fresh element know the shape that its mass goes by, at the coordinates `x` of its slots at the start.
-    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]]) {}
+    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: f64) {}
 
     /// Turns a fresh beam with this history: its second axis lies towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
     /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its corners.
     /// `x` are the coordinates of its slots.
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64);
+    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64);
 
     /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the mid-step velocities.
     fn forces(&self, pass: Pass<'_>) -> PassTotals;
@@ -167,11 +170,11 @@ pub trait Element: Send + Sync {
 
     /// Stable step of one element at the density of its material, before the safety factor [time]; NaN if it is inverted or not
     /// finite. `x` are the coordinates of its slots.
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64;
+    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64;
 
     /// The same of an element with this history, with the mass that it has had since the start.
     fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
-        self.stable_dt(x)
+        self.stable_dt(x, 0.0)
     }
 
     /// Fraction of its stable step that an element bears alone, without others of its kind around it.
@@ -427,7 +430,12 @@ trait ShellGroups {
     ) -> Totals<L>;
 
     /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are nought.
-    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L>;
 }
 
 /// Groups of eight-node solids, in lanes of any kind.
@@ -504,13 +512,14 @@ impl<L> Pass<'_, &mut [L]> {
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
         let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
         let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force.iter_mut().zip(moment));
-        let respond = |(((group, state), unstrained), (force, moment)): (((&_, _), &mut bool), (&mut _, &mut _))| {
-            if stays_unstrained(unstrained, group, &nodes, true) {
-                (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
-                return kernel.forceless(group, &nodes);
-            }
-            kernel.group(group, &nodes, state, dt, [force, moment])
-        };
+        let respond =
+            |(((group, state), unstrained), (force, moment)): (((&_, &mut [L]), &mut bool), (&mut _, &mut _))| {
+                if stays_unstrained(unstrained, group, &nodes, true) {
+                    (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
+                    return kernel.forceless(group, &nodes, state);
+                }
+                kernel.group(group, &nodes, state, dt, [force, moment])
+            };
         total(range, count, each.map(respond))
     }
 

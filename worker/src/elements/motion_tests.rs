@@ -26,7 +26,13 @@ fn shells() -> Vec<(String, Patch)> {
         let plain = part_of(element, 0.01);
         let mut all = Part { warping: true, thinning: true, drilling: 0.1, points: 4, ..plain.clone() };
         all.hourglass = Some(HourglassForm::Viscous);
-        [(element.to_string(), plain), (format!("{element}, all options"), all)].map(|(name, part)| {
+        let beside = Part { offset: 1.0, ..all.clone() };
+        let named = [
+            (element.to_string(), plain),
+            (format!("{element}, all options"), all),
+            (format!("{element}, offset"), beside),
+        ];
+        named.map(|(name, part)| {
             let mut patch = patch(part, triangular);
             let mut noise = Noise(3);
             patch.x.iter_mut().for_each(|x| x[2] = 0.02 * noise.next());
@@ -325,7 +331,7 @@ fn trouble_is_told() {
         let mut patch = Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &quads);
         let element = &patch.element;
         let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
-        assert!(element.stable_dt(&line).is_nan(), "a line has no area");
+        assert!(element.stable_dt(&line, 0.0).is_nan(), "a line has no area");
         patch.x[0] = [1.0, 1.0, 0.0, 0.0];
         assert!(patch.forces(1.0).trouble.is_some(), "a corner on the opposite one is trouble in the step too");
     }

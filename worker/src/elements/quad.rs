@@ -38,7 +38,7 @@
 //! Everything about four corners is held as three or four modes, of which the corners are sums:
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
-use super::kinematics::{Frame, PlaneMotion, curvature};
+use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
 use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
@@ -74,6 +74,18 @@ impl<R: Real> Modes<R> {
     fn sum(&self) -> R {
         let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
         all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
+    }
+
+    /// Turns velocities of nodes into those of the middle of the thickness, `v + w x e n`, which is `e` from them along the normal
+    /// [length]; gives `e n`. Modes of the coordinates are the same of both.
+    #[inline(always)]
+    fn to_middle(&mut self, e: R) -> [R; 3] {
+        let arm = along_normal(e, self.x[0], self.x[1]);
+        for (v, w) in self.v.iter_mut().zip(&self.w) {
+            let more = cross(*w, arm);
+            (0..3).for_each(|i| v[i] += more[i]);
+        }
+        arm
     }
 }
 
@@ -113,6 +125,16 @@ impl<R: Real> Size<R> {
 }
 
 impl<R: Real> Response<R> {
+    /// Adds to the moments those of the forces, which act at `arm` from the nodes: the work on nodes is that on the middle
+    /// ([`Modes::to_middle`]).
+    #[inline(always)]
+    fn to_nodes(&mut self, arm: [R; 3]) {
+        for (m, f) in self.moment.iter_mut().zip(&self.force) {
+            let more = cross(arm, *f);
+            (0..3).for_each(|i| m[i] += more[i]);
+        }
+    }
+
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
     pub fn let_go(&mut self, failed: R::Mask) {
@@ -401,16 +423,15 @@ impl<K: Kernel> Formulation for Quad<K> {
 
     /// s is at least 1/A, so that an inertia of [`Section::inertia_floor`] times `A + TAPER H^2` holds the frequency of shear to
     /// that of the membrane, but for 7 %.
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64) {
-        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        let mass = 0.25 * section.elastic.density * section.thickness * g.area;
-        (mass, mass * section.inertia_per_mass(g.size(section.elastic.poisson).limits::<K>(section).floor))
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
+        let (section, [area, floor]) = (self.section(), self.size(x));
+        let mass = 0.25 * section.elastic.density * section.thickness_at_start(own) * area;
+        (mass, mass * section.inertia_per_mass(own, floor))
     }
 
-    fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]) {
+    fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
         let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
-        let floor = g.size(section.elastic.poisson).limits::<K>(section).floor;
-        section.measure(history, g.area, section.inertia_per_mass(floor));
+        [g.area, g.size(section.elastic.poisson).limits::<K>(section).floor]
     }
 
     fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
@@ -440,8 +461,12 @@ impl<K: Kernel> Formulation for Quad<K> {
         dt: f64,
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
-        let (section, modes) = (self.section(), gather(group, nodes));
+        let (section, mut modes) = (self.section(), gather(group, nodes));
+        let arm = section.arm(history).map(|arm| modes.to_middle(arm));
         let mut response = self.0.respond::<L, N>(&modes, history, dt);
+        if let Some(arm) = arm {
+            response.to_nodes(arm);
+        }
         let factor = section.step_factor(history, &response.size.limits::<K>(section));
         response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
         let (calm, sound) = (response.calm, response.totals.sound);
@@ -453,9 +478,16 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 
     #[inline(never)]
-    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L> {
         let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
-        Totals::forceless(geometry.stable_dt(self.section()) * L::splat(K::STEP), geometry.has_area)
+        let step = L::splat(K::STEP);
+        let step = self.section().offset_factor(history).map_or(step, |factor| factor * step);
+        Totals::forceless(geometry.stable_dt(self.section()) * step, geometry.has_area)
     }
 }
 
@@ -531,57 +563,5 @@ pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
 }
 
 #[cfg(test)]
-pub mod tests {
-    use super::super::testing::Noise;
-    use super::super::{Element, ElementFields};
-    use super::*;
-    use crate::columns::Columns;
-    use crate::lanes::LANES;
-    use crumple_proto::job::Precision;
-
-    /// Runs one kernel on lanes and on single numbers through the same motions, small in the first lane and large in
-    /// the last, and compares bits; gives the fields of the lanes.
-    pub fn singles_and_lanes(
-        shell: &dyn Element,
-        lanes_of: impl Fn(&Modes<Lane>, &mut [Lane]) -> Response<Lane>,
-        one_of: impl Fn(&Modes<f64>, &mut [f64]) -> Response<f64>,
-    ) -> [ElementFields; LANES] {
-        let mut noise = Noise(41);
-        let mut fresh = vec![0.0; shell.columns()];
-        shell.start(&mut fresh);
-        let mut wide: Vec<Lane> = fresh.iter().map(|&c| Lane::splat(c)).collect();
-        let mut alone = vec![fresh; LANES];
-        for _ in 0..40 {
-            let mut random = |size: f64| -> [f64; LANES] {
-                let sizes = [0.0, 0.01, 1.0, 10.0];
-                std::array::from_fn(|lane| size * sizes[lane] * noise.next())
-            };
-            let shape = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.1, 0.05]];
-            let x: [[[f64; LANES]; 3]; 3] = shape.map(|row| row.map(|c| random(0.002).map(|r| c + r)));
-            let v: [[[f64; LANES]; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
-            let w: [[[f64; LANES]; 3]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
-            let to = |v: [f64; LANES]| Lane::new(v);
-            let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
-            let lanes = lanes_of(&modes, &mut wide);
-            for (lane, history) in alone.iter_mut().enumerate() {
-                let to = |v: [f64; LANES]| v[lane];
-                let modes = Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
-                let one = one_of(&modes, history);
-                let pairs = lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));
-                for (many, one) in pairs.flat_map(|(many, one)| many.iter().zip(one)) {
-                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
-                }
-                for (many, one) in wide.iter().zip(history) {
-                    assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
-                }
-                assert_eq!(lanes.totals.stable_dt.as_array()[lane].to_bits(), one.totals.stable_dt.to_bits());
-                assert_eq!(lanes.totals.internal.as_array()[lane].to_bits(), one.totals.internal.to_bits());
-                assert_eq!(lanes.totals.hourglass.as_array()[lane].to_bits(), one.totals.hourglass.to_bits());
-            }
-        }
-        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-        let mut columns = Columns::new(Precision::Double, LANES, shell.columns());
-        alone.iter().enumerate().for_each(|(lane, state)| columns.set(lane, state));
-        std::array::from_fn(|lane| shell.fields(columns.of(lane), &square))
-    }
-}
+#[path = "quad_tests.rs"]
+pub mod tests;

@@ -5,6 +5,9 @@
 //! eps(z) = eps_m + z kappa,  z = zeta t/2,   N = sum sig w,  M = sum sig z w,  w = W t/2,   Q = t tau
 //! tau <- tau + 5/6 G gamma   (elastic, constant over the thickness, not part of the yield condition)
 //! ```
+//! Where the middle is beside the nodes (`offset` of a part) all of this is about the middle: an element turns the velocities of its
+//! nodes into those of the middle and moves its forces back, so that hourglass and drilling forces are of the middle too.
+//!
 //! Gauss points are as few as the accuracy needs (5 give linear bending exactly and the plastic hinge within 2 %);
 //! the outer fibres themselves carry none.
 
@@ -25,6 +28,8 @@ const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
 /// Of a change of mass per area, in single precision: less is none, so that what only flies and turns keeps its step to the bit.
 const ROUND_OFF: f64 = 4e-6;
+/// Largest offset of the middle from the nodes, by half the thickness.
+const LARGEST_OFFSET: f64 = 10.0;
 /// Largest strain increment of a healthy step.
 const STRAIN_LIMIT: f64 = 0.5;
 
@@ -41,8 +46,10 @@ pub struct Section {
     law: Box<dyn PlaneStress>,
     /// Elastic constants of the law.
     pub elastic: Elastic,
-    /// Initial thickness [length].
+    /// Initial thickness of elements that have none of their own [length].
     pub thickness: f64,
+    /// Where the middle lies from the nodes along the normal, by half the thickness.
+    offset: f64,
     /// Points through the thickness.
     pub points: usize,
     /// Points in the plane of an element; each has columns of its own.
@@ -130,6 +137,11 @@ impl Section {
         let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
         let for_shells = part.hourglass != Some(HourglassForm::AssumedStrain);
         check(part.thickness.is_finite() && part.thickness >= 0.0, "thickness", &part.thickness, "above 0");
+        check(part.offset.abs() <= LARGEST_OFFSET, "offset", &part.offset, "from -10 to 10 (-1 to 1 is usual)");
+        let given = part.contact_thickness.unwrap_or(1.0);
+        check(given > 0.0 && given.is_finite(), "contact_thickness", &given, "above 0");
+        let scale = part.contact_thickness_scale;
+        check(scale > 0.0 && scale.is_finite(), "contact_thickness_scale", &scale, "above 0; 1 is usual");
         check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
         check((0.0..=1.0).contains(&r), "hourglass_coefficient", &r, "from 0 to 1 (0.01 to 0.1 is usual)");
         check(
@@ -152,6 +164,7 @@ impl Section {
         Ok(Self {
             elastic,
             thickness: part.thickness,
+            offset: part.offset,
             points: part.points,
             planar: 1,
             hourglass_coefficient: r,
@@ -181,14 +194,54 @@ impl Section {
         POINTS + self.points * self.stride
     }
 
+    /// Initial thickness of an element, that of the part if `own` is nought [length].
+    pub fn thickness_at_start(&self, own: f64) -> f64 {
+        if own > 0.0 { own } else { self.thickness }
+    }
+
     /// Thickness; all else is nought at the start, until [`Self::measure`].
-    pub fn start(&self, history: &mut [f64]) {
-        (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = self.thickness);
+    pub fn start(&self, history: &mut [f64], own: f64) {
+        let thickness = self.thickness_at_start(own);
+        (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = thickness);
     }
 
     /// Notes what keeps the mass of an element: its area at the start [length^2] and its [`Self::inertia_per_mass`].
-    pub fn measure(&self, history: &mut [f64], area: f64, inertia: f64) {
-        (history[VOLUME], history[INERTIA]) = (area * self.thickness, inertia);
+    pub fn measure(&self, history: &mut [f64], own: f64, area: f64, floor: f64) {
+        (history[VOLUME], history[INERTIA]) = (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
+    }
+
+    /// Where the middle lies from the nodes along the normal, `e` [length]; `None` if it is where they are. Points stay where they
+    /// are about the middle: an element moves its velocities there and its forces back.
+    #[inline(always)]
+    pub fn arm<R: Real>(&self, history: &[R]) -> Option<R> {
+        if self.offset == 0.0 {
+            return None;
+        }
+        Some(R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history))
+    }
+
+    /// Sum of the thicknesses of the points in the plane [length].
+    #[inline(always)]
+    fn thicknesses<R: Real>(&self, history: &[R]) -> R {
+        history[..self.columns()].chunks_exact(self.each()).fold(R::zero(), |sum, at| sum + at[THICKNESS])
+    }
+
+    /// Factor on the stable step for what couples the motion of nodes to their rotation, where the middle is beside them; `None` if
+    /// it is not. What holds of the middle, `K <= omega^2 diag(m, m i)` of displacements and rotations, with i the rotational
+    /// inertia about it per mass, is of the nodes `K <= omega^2 m [1 e; e i + e^2]`, of which `diag(m, m (i + e^2))` is no less
+    /// than `1/(1 + a)`, `a = |e|/sqrt(i + e^2)`.
+    #[inline(always)]
+    pub fn offset_factor<R: Real>(&self, history: &[R]) -> Option<R> {
+        let (arm, inertia, one) = (self.arm(history)?, history[INERTIA], R::splat(1.0));
+        let ratio = R::select(inertia.gt(R::zero()), arm.abs() / inertia.sqrt(), R::zero());
+        Some(one / (one + ratio).sqrt())
+    }
+
+    /// The same of an element at the start.
+    pub fn offset_factor_at_start(&self, own: f64, floor: f64) -> f64 {
+        let arm = 0.5 * self.offset * self.thickness_at_start(own);
+        let ratio = arm.abs() / self.inertia_per_mass(own, floor).sqrt();
+        if self.offset == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
     }
 
     /// Factor on the membrane's stable step at the density of the material, for the mass that an element has had since the start
@@ -204,12 +257,16 @@ impl Section {
         let membrane = R::splat(4.0) / (of.length * of.length);
         // At the start shear may need a little more than the membrane; that is the margin of `inertia_per_mass`.
         let borne = Real::max(membrane, shear(of.floor));
-        let thickness =
-            history[..self.columns()].chunks_exact(self.each()).fold(R::zero(), |sum, at| sum + at[THICKNESS]);
+        let thickness = self.thicknesses(history);
         let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
-        let squared = kept * Real::min(one, borne / shear(history[INERTIA]));
+        // About the middle, which is what shear turns.
+        let inertia = self
+            .arm(history)
+            .map_or(history[INERTIA], |arm| Real::max(arm.neg_mul_add(arm, history[INERTIA]), R::splat(R::SMALLEST)));
+        let squared = kept * Real::min(one, borne / shear(inertia));
         let is_known = history[VOLUME].gt(R::zero());
-        R::select(R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))), squared, one).sqrt()
+        let factor = R::select(R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))), squared, one).sqrt();
+        self.offset_factor(history).map_or(factor, |of_offset| factor * of_offset)
     }
 
     /// Current thickness [length].
@@ -233,9 +290,12 @@ impl Section {
         0.25 / (SHEAR_OVER_MEMBRANE / softer - 1.0)
     }
 
-    /// Rotational inertia of a corner per mass of it [length^2]: that of the section, but not below `floor`.
-    pub fn inertia_per_mass(&self, floor: f64) -> f64 {
-        (self.thickness * self.thickness / 12.0).max(floor)
+    /// Rotational inertia of a corner about its node per mass of it [length^2]: that of the section, but not below `floor` about
+    /// the middle.
+    pub fn inertia_per_mass(&self, own: f64, floor: f64) -> f64 {
+        let thickness = self.thickness_at_start(own);
+        let arm = 0.5 * self.offset * thickness;
+        (thickness * thickness / 12.0).max(floor) + arm * arm
     }
 
     /// Stress at all points over a step, and its resultants. N is the number of points.
@@ -530,19 +590,5 @@ fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// n Gauss points integrate polynomials of degree 2n - 1 exactly (Abramowitz & Stegun 25.4.29).
-    #[test]
-    fn gauss_points_integrate_what_they_should() {
-        for n in 1..=MAX_POINTS {
-            let (zeta, weight) = gauss_legendre(n);
-            for degree in 0..2 * n {
-                let sum: f64 = (0..n).map(|k| weight[k] * zeta[k].powi(degree as i32)).sum();
-                let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
-                assert!((sum - exact).abs() < 1e-14, "round-off: {n} points, degree {degree}: {sum} for {exact}");
-            }
-        }
-    }
-}
+#[path = "section_tests.rs"]
+mod tests;

@@ -20,12 +20,12 @@ pub trait Formulation: Send + Sync {
     fn section(&self) -> &Section;
 
     /// As [`Element::corner_mass`].
-    fn corner_mass(&self, x: &[[f64; 3]; 4]) -> (f64, f64);
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64);
 
-    /// As [`Element::measure`].
-    fn measure(&self, history: &mut [f64], x: &[[f64; 3]; 4]);
+    /// Area [length^2], and the floor of [`Section::inertia_per_mass`] [length^2], at these coordinates.
+    fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2];
 
-    /// As [`Element::stable_dt`].
+    /// As [`Element::stable_dt`], were the nodes in the middle of the thickness.
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
 
     /// [`Section::step_factor`] at these coordinates.
@@ -45,7 +45,12 @@ pub trait Formulation: Send + Sync {
     ) -> Totals<L>;
 
     /// As [`ShellGroups::forceless`].
-    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L>;
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L>;
 }
 
 /// A formulation with N points through the thickness.
@@ -65,8 +70,13 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     }
 
     #[inline(always)]
-    fn forceless<L: Lanes<W>, const W: usize>(&self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Totals<L> {
-        self.0.forceless(group, nodes)
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L> {
+        self.0.forceless(group, nodes, history)
     }
 }
 
@@ -88,16 +98,17 @@ impl<F: Formulation> Element for Shell<F> {
         true
     }
 
-    fn start(&self, history: &mut [f64]) {
-        self.section().start(history);
+    fn start(&self, history: &mut [f64], own: f64) {
+        self.section().start(history, own);
     }
 
-    fn measure(&self, history: &mut [f64], x: &[[f64; 3]]) {
-        self.0.measure(history, four(x));
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], own: f64) {
+        let [area, floor] = self.0.size(four(x));
+        self.section().measure(history, own, area, floor);
     }
 
-    fn corner_mass(&self, x: &[[f64; 3]]) -> (f64, f64) {
-        self.0.corner_mass(four(x))
+    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64) {
+        self.0.corner_mass(four(x), own)
     }
 
     fn forces(&self, pass: Pass<'_>) -> PassTotals {
@@ -109,8 +120,9 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().is_unstrained(history)
     }
 
-    fn stable_dt(&self, x: &[[f64; 3]]) -> f64 {
-        self.0.stable_dt(four(x))
+    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64 {
+        let [_, floor] = self.0.size(four(x));
+        self.0.stable_dt(four(x)) * self.section().offset_factor_at_start(own, floor)
     }
 
     fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {

@@ -130,7 +130,7 @@ impl Solids {
     pub fn masses(&self) -> Vec<f64> {
         let mut masses = vec![0.0; self.x.len()];
         for (e, cell) in self.cells.iter().enumerate() {
-            let mass = self.element.corner_mass(&self.corners(e)).0;
+            let mass = self.element.corner_mass(&self.corners(e), 0.0).0;
             cell.iter().for_each(|&node| masses[node as usize] += mass);
         }
         masses
@@ -138,7 +138,7 @@ impl Solids {
 
     /// Stable step of the mesh's elements.
     pub fn stable_dt(&self) -> f64 {
-        (0..self.cells.len()).map(|e| self.element.stable_dt(&self.corners(e))).fold(f64::INFINITY, f64::min)
+        (0..self.cells.len()).map(|e| self.element.stable_dt(&self.corners(e), 0.0)).fold(f64::INFINITY, f64::min)
     }
 
     /// One explicit step: `load` adds to nodal forces, `fix` clears velocities that are held.

@@ -141,7 +141,7 @@ impl Element for Spring {
         COLUMNS
     }
 
-    fn corner_mass(&self, _: &[[f64; 3]]) -> (f64, f64) {
+    fn corner_mass(&self, _: &[[f64; 3]], _: f64) -> (f64, f64) {
         (0.0, 0.0)
     }
 
@@ -178,7 +178,7 @@ impl Element for Spring {
         totals
     }
 
-    fn stable_dt(&self, _: &[[f64; 3]]) -> f64 {
+    fn stable_dt(&self, _: &[[f64; 3]], _: f64) -> f64 {
         f64::INFINITY
     }
 

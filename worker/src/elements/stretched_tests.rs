@@ -119,6 +119,29 @@ fn stretched_and_pressed_elements_bear_their_step_with_the_usual_safety() {
     }
 }
 
+/// The same of shells whose middle is beside their nodes, as they are and stretched: fine ones, whose offset is long beside their sides,
+/// and coarse ones.
+#[test]
+fn shells_with_an_offset_bear_their_step_with_the_usual_safety() {
+    for (element, triangular) in FORMULATIONS {
+        for offset in [1.0, -1.0, 4.0] {
+            for (n, nu, t, by) in [
+                (1, 0.3, 0.01, 1.0),
+                (1, 0.0, 0.3, 1.0),
+                (3, 0.3, 0.3, 1.0),
+                (3, 0.3, 2.0, 1.0),
+                (3, 0.0, 1.0, 1.0),
+                (3, 0.3, 0.5, 1.4),
+                (1, 0.3, 0.5, 0.6),
+            ] {
+                let of = Part { offset, thinning: true, ..part_of(element, t) };
+                let limit = critical(&of, triangular, nu, n, [by; 2]);
+                assert!(limit > 0.91, "{element}: offset {offset}, {n} x {n}, nu {nu}, t {t}, by {by}: {limit}");
+            }
+        }
+    }
+}
+
 /// The step of a sheet that is stretched goes with `sqrt(A0 t0/(A t))` beside its shape, in both precisions and however it is asked for.
 #[test]
 fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
@@ -127,7 +150,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
             // Thick: its own inertia is enough for shear.
             let of = Part { thinning: true, ..part_of(element, 4.0) };
             let [patch, fresh] = [1.4, 1.0].map(|by| stretched(of.clone(), triangular, 0.3, 1, [by; 2], precision));
-            let shape = patch.element.stable_dt(&patch.corners(0));
+            let shape = patch.element.stable_dt(&patch.corners(0), 0.0);
             let thickness = patch.fields(0).thickness;
             let now = patch.element.stable_dt_now(patch.history.of(0), &patch.corners(0));
             let wanted = shape * (4.0 / (1.96 * thickness)).sqrt();
@@ -136,7 +159,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
             let told = patch.forces(0.0).stable_dt;
             assert!((told / now - 1.0).abs() < 1e-3, "{element}: {told} for {now}: in single precision a little less");
             let as_built = fresh.element.stable_dt_now(fresh.history.of(0), &fresh.corners(0));
-            assert!((as_built / fresh.element.stable_dt(&fresh.corners(0)) - 1.0).abs() < 1e-6);
+            assert!((as_built / fresh.element.stable_dt(&fresh.corners(0), 0.0) - 1.0).abs() < 1e-6);
         }
     }
 }

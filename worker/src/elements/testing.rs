@@ -16,6 +16,9 @@ pub fn part(thickness: f64) -> Part {
         spring: None,
         beam: None,
         thickness,
+        offset: 0.0,
+        contact_thickness: None,
+        contact_thickness_scale: 1.0,
         element: None,
         points: 5,
         hourglass: None,
@@ -140,7 +143,7 @@ pub struct Patch {
 pub fn lay<const C: usize>(element: &dyn Element, precision: Precision, cells: &[[u32; C]]) -> (Vec<u32>, Columns) {
     let mut columns = Columns::new(precision, cells.len(), element.columns());
     let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
-    element.start(&mut fresh);
+    element.start(&mut fresh, 0.0);
     let mut groups = Vec::new();
     for first in (0..cells.len()).step_by(lanes) {
         let of = |lane: usize| cells[(first + lane).min(cells.len() - 1)];
@@ -173,7 +176,7 @@ impl Patch {
         for place in 0..groups.len() / 4 {
             let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
             let mut state = history.of(place).to_vec();
-            element.measure(&mut state, &corners);
+            element.measure(&mut state, &corners, 0.0);
             history.set(place, &state);
         }
         let still = vec![[0.0; 4]; nodes.len()];
@@ -280,7 +283,7 @@ impl Patch {
     pub fn masses(&self) -> Vec<(f64, f64)> {
         let mut masses = vec![(0.0, 0.0); self.x.len()];
         for (e, quad) in self.quads.iter().enumerate() {
-            let (mass, inertia) = self.element.corner_mass(&self.corners(e));
+            let (mass, inertia) = self.element.corner_mass(&self.corners(e), 0.0);
             let corners = if quad[2] == quad[3] { 3 } else { 4 };
             for &node in &quad[..corners] {
                 masses[node as usize].0 += mass;

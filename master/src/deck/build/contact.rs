@@ -5,7 +5,7 @@ use super::tree::Table;
 use crate::deck::record::Record;
 use crate::job::tree::Place;
 use crumple_proto::job::Contact;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Contacts that consider the thickness of beams (LS-DYNA support, contact types 13 and 26).
 const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
@@ -30,6 +30,40 @@ const IGNORED: [&str; 20] = [
     "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
 ];
 
+/// Friction of a part, or of two that touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Friction {
+    fixed: f64,
+    sliding: f64,
+    decay: f64,
+    /// Largest shear stress, 0 without one.
+    limit: f64,
+}
+
+impl Friction {
+    /// Of a card.
+    pub(super) fn of(record: &Record) -> Self {
+        let [fixed, sliding, decay, limit] = ["fs", "fd", "dc", "vc"].map(|field| record.real(field));
+        Self { fixed, sliding, decay, limit }
+    }
+
+    /// Of two parts: the mean of theirs, and the lower limit.
+    fn between(self, other: Self) -> Self {
+        let mean = |a: f64, b: f64| if a == b { a } else { 0.5 * (a + b) };
+        let limits = [self.limit, other.limit].into_iter().filter(|&limit| limit > 0.0);
+        Self {
+            fixed: mean(self.fixed, other.fixed),
+            sliding: mean(self.sliding, other.sliding),
+            decay: mean(self.decay, other.decay),
+            limit: limits.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    fn bits(self) -> [u64; 4] {
+        [self.fixed, self.sliding, self.decay, self.limit].map(f64::to_bits)
+    }
+}
+
 impl Build {
     /// `[contact]` of the first contact, and interfaces of the others. Of several that name two parts the last one holds: contacts of
     /// one surface come before those of two.
@@ -53,7 +87,13 @@ impl Build {
             for table in interfaces.iter_mut().filter(|table| first.has("law") && !table.has("law")) {
                 table.put("law", table.place(), default.as_str());
             }
-            let neutral = [("friction", 0.0), ("birth", 0.0), ("death", f64::INFINITY), ("thickness_scale", 1.0)];
+            let neutral = [
+                ("friction", 0.0),
+                ("friction_limit", 0.0),
+                ("birth", 0.0),
+                ("death", f64::MAX),
+                ("thickness_scale", 1.0),
+            ];
             for (key, value) in neutral {
                 let said = first.has(key) || key == "thickness_scale" && first.has("thickness");
                 for table in interfaces.iter_mut().filter(|table| said && !table.has(key)) {
@@ -68,8 +108,9 @@ impl Build {
         }
     }
 
-    /// What a contact says, as a table of `[contact]` or of an interface; `None` if it has no surface.
-    fn contact(&mut self, name: &str, single: bool, record: &Record) -> Option<Table> {
+    /// What a contact says, as a table of `[contact]` or of an interface, and of further ones where its parts have frictions of their
+    /// own; none if it has no surface.
+    fn contact(&mut self, name: &str, single: bool, record: &Record) -> Vec<Table> {
         let mut table = Table::new(record.head).with("name", record.head, name);
         let sides: &[(&str, &str, &str)] = match single {
             true => &[("surfa", "surfatyp", "parts")],
@@ -85,7 +126,7 @@ impl Build {
             if parts.is_empty() {
                 let message = format!("{name} is left out: there are no parts in {side}");
                 self.trouble.warning(record.place(side), message, "name parts of shells or solids, or take it out");
-                return None;
+                return Vec::new();
             }
             table.put(key, record.place(side), parts);
         }
@@ -93,7 +134,6 @@ impl Build {
             table.put("law", record.head, "mortar");
             self.map(name, "MORTAR", "law mortar, its stiffness from masses and the step");
         }
-        self.friction(record, name, &mut table);
         self.thickness(record, name, single, &mut table);
         let (birth, death) = (record.real("bt"), record.real("dt"));
         if birth > 0.0 {
@@ -111,7 +151,12 @@ impl Build {
         self.map(name, said.to_lowercase().replace('_', " "), used);
         self.with_beams(record, name, &mut table);
         self.options(record, name);
-        Some(table)
+        self.friction(record, name, &mut table);
+        let mut tables = vec![table];
+        if record.real("fs") == -1.0 {
+            self.friction_of_parts(record, name, &mut tables);
+        }
+        tables
     }
 
     /// Whether beams take part, said if there are any.
@@ -188,23 +233,82 @@ impl Build {
         found.into_iter().collect()
     }
 
+    /// Friction of the card, but for fs -1.
     fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
-        let (fs, fd, dc) = (record.real("fs"), record.real("fd"), record.real("dc"));
-        let place = record.place("fs");
-        if fs == -1.0 {
-            let most = self.friction_of_parts(record, name);
-            table.put("friction", place, most);
-        } else if fs < 0.0 {
+        let fs = record.real("fs");
+        if fs >= 0.0 {
+            self.put_friction(record, name, Friction::of(record), table);
+        } else if fs != -1.0 {
             self.unsupported_value(record, "fs", "-1 is the friction of the parts, other codes name tables");
-        } else {
-            table.put("friction", place, fs);
-            if dc > 0.0 && fs != fd {
-                table.put("friction_dynamic", record.place("fd"), fd);
-                table.put("friction_decay", record.place("dc"), dc);
-            } else if fs != fd {
-                self.map(name, format!("fs {fs}, fd {fd}, no decay"), format!("friction {fs}"));
+        }
+    }
+
+    fn put_friction(&mut self, record: &Record, name: &str, friction: Friction, table: &mut Table) {
+        let Friction { fixed, sliding, decay, limit } = friction;
+        table.put("friction", record.place("fs"), fixed);
+        if decay > 0.0 && fixed != sliding {
+            table.put("friction_dynamic", record.place("fd"), sliding);
+            table.put("friction_decay", record.place("dc"), decay);
+        } else if fixed != sliding {
+            self.map(name, format!("fs {fixed}, fd {sliding}, no decay"), format!("friction {fixed}"));
+        }
+        if limit > 0.0 && limit.is_finite() {
+            table.put("friction_limit", record.place("vc"), limit);
+        }
+    }
+
+    /// Friction of `*PART_CONTACT`: parts of the same make a group, and of each two groups that meet there is an interface. The first
+    /// two are what the contact itself says.
+    fn friction_of_parts(&mut self, record: &Record, name: &str, tables: &mut Vec<Table>) {
+        let named = |table: &Table, key: &str| table.integers(key);
+        let everyone: Vec<i64> = self.parts.keys().copied().collect();
+        let ahead = named(&tables[0], "parts").unwrap_or_else(|| everyone.clone());
+        let behind = named(&tables[0], "against");
+        let groups = |parts: &[i64]| {
+            let mut groups: BTreeMap<[u64; 4], (Friction, Vec<i64>)> = BTreeMap::new();
+            for &part in parts {
+                let none = Friction { fixed: 0.0, sliding: 0.0, decay: 0.0, limit: 0.0 };
+                let of = self.part_friction.get(&part).copied().unwrap_or(none);
+                groups.entry(of.bits()).or_insert((of, Vec::new())).1.push(part);
+            }
+            groups.into_values().collect::<Vec<_>>()
+        };
+        let ones = groups(&ahead);
+        let others = behind.as_ref().map(|parts| groups(parts));
+        let mut frictions = Vec::new();
+        for (i, one) in ones.iter().enumerate() {
+            for other in others.as_deref().unwrap_or(&ones[i..]) {
+                let alone = others.is_none() && one.1 == other.1;
+                frictions.push((one.0.between(other.0), one.1.clone(), (!alone).then(|| other.1.clone())));
             }
         }
+        let count = frictions.len();
+        let plain = tables[0].copy();
+        for (i, (friction, parts, against)) in frictions.into_iter().enumerate() {
+            let (of, mut table) = if i == 0 {
+                (name.to_string(), plain.copy())
+            } else {
+                let of = format!("{name}, {}", i + 1);
+                let table = plain.copy().with("name", record.head, of.as_str()).with("parts", record.head, parts);
+                (
+                    of,
+                    match against {
+                        Some(against) => table.with("against", record.head, against),
+                        None => table,
+                    },
+                )
+            };
+            self.put_friction(record, &of, friction, &mut table);
+            match i {
+                0 => tables[0] = table,
+                _ => tables.push(table),
+            }
+        }
+        let used = match count {
+            1 => "that of all of them".to_string(),
+            _ => format!("{count} interfaces; of two parts the mean of theirs"),
+        };
+        self.map(name, "fs -1: friction of the parts", used);
     }
 
     /// Thickness in contact, given or by a factor: that of two surfaces counts as their mean.
@@ -227,32 +331,6 @@ impl Build {
         } else if fa != 1.0 {
             table.put("thickness_scale", record.place("sfsat"), fa);
         }
-    }
-
-    /// The largest friction of `*PART_CONTACT`, which holds for all parts of a contact.
-    fn friction_of_parts(&mut self, record: &Record, name: &str) -> f64 {
-        let own: BTreeSet<u64> = self.part_friction.values().map(|f| f.to_bits()).collect();
-        let most = own.iter().map(|&f| f64::from_bits(f)).fold(0.0, f64::max);
-        if own.len() > 1 {
-            let message = "parts have different friction; a contact has one for all of them".to_string();
-            let help = format!("{most} holds, the largest; give contact.friction in a job to change it");
-            self.trouble.warning(record.place("fs"), message, help);
-        }
-        self.map(name, "fs -1: friction of the parts", format!("friction {most}"));
-        most
-    }
-
-    /// Friction of a card with fs, fd and dc.
-    pub(super) fn friction_at_speed(&mut self, record: &Record, name: &str) -> f64 {
-        let (fs, fd, dc) = (record.real("fs"), record.real("fd"), record.real("dc"));
-        if dc > 0.0 && fs != fd {
-            self.map(name, format!("friction from {fs} down to {fd} with the speed"), format!("friction {fd}"));
-            return fd;
-        }
-        if fs != fd {
-            self.map(name, format!("fs {fs}, fd {fd}, no decay"), format!("friction {fs}"));
-        }
-        fs
     }
 
     /// Options that are not used, in one line.

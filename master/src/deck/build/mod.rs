@@ -65,7 +65,7 @@ pub struct Build {
     /// Directions of springs by part, with where they are written; `None` along the line between their nodes.
     spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
     /// Friction of parts that have one of their own.
-    part_friction: BTreeMap<i64, f64>,
+    part_friction: BTreeMap<i64, contact::Friction>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,

@@ -1,6 +1,7 @@
 //! `*PART`: material, section and hourglass control of elements.
 
 use super::Build;
+use super::contact::Friction;
 use super::materials::Material;
 use super::sections::{self, Hourglass, Kind, Section, Sections};
 use super::tree::Table;
@@ -59,7 +60,6 @@ impl Build {
                 false => heading,
             };
             names.push(name.clone());
-            self.contact_card(&record, id);
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
@@ -101,6 +101,7 @@ impl Build {
                 .with("id", place, id)
                 .with("name", record.place("heading"), name)
                 .with("material", record.place("mid"), material.name.as_str());
+            self.contact_card(&record, id, section.kind, &mut table);
             let shapes = shapes.get(&id).copied().unwrap_or_default();
             match section.kind {
                 Kind::Shell => self.shell(&record, section, sections, shapes, own_thickness.get(&id), &mut table),
@@ -135,18 +136,17 @@ impl Build {
         self.used_materials = taken;
     }
 
-    /// The card of `*PART_CONTACT`: a friction of its own.
-    fn contact_card(&mut self, record: &Record, id: i64) {
+    /// The card of `*PART_CONTACT`: a friction and a thickness in contact of its own.
+    fn contact_card(&mut self, record: &Record, id: i64, kind: Kind, table: &mut Table) {
         if !record.has("CONTACT") {
             return;
         }
-        let friction = self.friction_at_speed(record, &format!("part {id}"));
-        self.part_friction.insert(id, friction);
-        let odd = |field: &&&str| !matches!(record.real(field), 0.0 | 1.0);
-        let given: Vec<String> =
-            ["optt", "sft"].iter().filter(odd).map(|f| format!("{f} {}", record.real(f))).collect();
-        if !given.is_empty() {
-            self.map(format!("part {id}"), format!("{} for contact", given.join(", ")), "it is as thick as its shells");
+        self.part_friction.insert(id, Friction::of(record));
+        for (field, key) in [("optt", "contact_thickness"), ("sft", "contact_thickness_scale")] {
+            let value = record.real(field);
+            if value > 0.0 && kind == Kind::Shell {
+                table.put(key, record.place(field), value);
+            }
         }
     }
 
@@ -157,7 +157,7 @@ impl Build {
         section: &Section,
         sections: &Sections,
         shapes: Shapes,
-        own: Option<&[f64; 3]>,
+        own: Option<&Vec<(usize, [f64; 4])>>,
         table: &mut Table,
     ) {
         let card = &section.record;
@@ -178,21 +178,23 @@ impl Build {
         if given.iter().any(|&t| t != mean) {
             self.map(&of, format!("thicknesses {given:?} at the corners"), format!("their mean {mean}"));
         }
-        if let Some(&[least, most, average]) = own {
-            thickness = average;
-            if most - least > 1e-6 * most {
-                let message = format!("part {id}: single shells are {least} to {most} thick, which is not supported");
-                self.unsupported(record.place("pid"), message, "*ELEMENT_SHELL_THICKNESS".into());
-            }
-            self.map(&of, format!("thickness of its shells, {least} to {most}"), format!("{average} for all"));
+        if let Some(own) = own {
+            thickness = self.own_thickness(id, own, given, mean);
         }
         table.put("thickness", card.place("t1"), thickness);
         match card.integer("nip") {
             0 => table.put("points", card.place("nip"), 2),
             n => table.put("points", card.place("nip"), n),
         }
+        // LS-DYNA's nloc says where the nodes are in the section, `offset` where the middle is from them.
         if card.real("nloc") != 0.0 {
-            self.unsupported_value(card, "nloc", "a reference surface beside the middle");
+            table.put("offset", card.place("nloc"), -card.real("nloc"));
+            if let Some(place) = sections.defaults.shifted {
+                let message = format!(
+                    "part {id}: contact goes by the nodes of shells, not by their offset, which is not supported"
+                );
+                self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
+            }
         }
         let Some(form) = sections::shell(elform) else {
             self.unsupported_value(
@@ -315,23 +317,40 @@ impl Build {
         (name, told)
     }
 
-    /// Least, most and mean thickness of the parts whose shells have their own.
-    fn thickness_of_elements(&self) -> BTreeMap<i64, [f64; 3]> {
-        let mut all: BTreeMap<i64, (f64, f64, f64, usize)> = BTreeMap::new();
-        for (at, t) in &self.rows.thickness {
-            let Some(shell) = self.rows.shells.get(*at) else { continue };
-            let corners = shell.shape.corners();
-            let given: Vec<f64> = t[..corners].iter().copied().filter(|&t| t > 0.0).collect();
-            let Some(mean) = (!given.is_empty()).then(|| given.iter().sum::<f64>() / given.len() as f64) else {
-                continue;
-            };
-            let of = all.entry(i64::from(shell.part)).or_insert((f64::INFINITY, 0.0, 0.0, 0));
-            *of = (of.0.min(mean), of.1.max(mean), of.2 + mean, of.3 + 1);
+    /// Shells of each part that have thicknesses of their own at the corners, by their places.
+    fn thickness_of_elements(&self) -> BTreeMap<i64, Vec<(usize, [f64; 4])>> {
+        let mut all: BTreeMap<i64, Vec<(usize, [f64; 4])>> = BTreeMap::new();
+        for &(at, corners) in &self.rows.thickness {
+            if let Some(shell) = self.rows.shells.get(at) {
+                all.entry(i64::from(shell.part)).or_default().push((at, corners));
+            }
         }
-        all.into_iter()
-            .map(|(part, (least, most, sum, n))| {
-                (part, [least, most, if most == least { most } else { sum / n as f64 }])
-            })
-            .collect()
+        all
+    }
+
+    /// Gives shells the means of their corners, of which those without a thickness have the section's. One point in the plane sees no
+    /// more of it. Gives the thickness of the part: that of its section, or of all its shells.
+    fn own_thickness(&mut self, id: i64, own: &[(usize, [f64; 4])], corners: [f64; 4], mean: f64) -> f64 {
+        let mean_of = |&(at, own): &(usize, [f64; 4])| {
+            let shell = self.rows.shells.get(at)?;
+            let n = shell.shape.corners();
+            let all: [f64; 4] = std::array::from_fn(|c| if own[c] > 0.0 { own[c] } else { corners[c] });
+            let even = all[1..n].iter().all(|&t| t == all[0]);
+            Some((at, if even { all[0] } else { all[..n].iter().sum::<f64>() / n as f64 }))
+        };
+        let means: Vec<(usize, f64)> = own.iter().filter_map(mean_of).collect();
+        let (least, most) = means.iter().fold((f64::INFINITY, 0.0_f64), |m, t| (m.0.min(t.1), m.1.max(t.1)));
+        let covers = means.len() == self.rows.shells.iter().filter(|s| i64::from(s.part) == id).count();
+        if covers && least == most {
+            self.map(format!("part {id}"), format!("thickness {most} of all its shells"), "that of the part");
+            return most;
+        }
+        for &(at, thickness) in &means {
+            self.rows.shells[at].thickness = thickness;
+        }
+        let asked = format!("thickness of {} of its shells, {least} to {most}", means.len());
+        self.map(format!("part {id}"), asked, "each its own, the mean of its corners");
+        let average = means.iter().map(|t| t.1).sum::<f64>() / means.len() as f64;
+        if mean == 0.0 && covers { average } else { mean }
     }
 }

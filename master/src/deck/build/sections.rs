@@ -33,6 +33,8 @@ pub struct Defaults {
     pub theory: i64,
     pub warping: Option<Place>,
     pub thinning: Option<Place>,
+    /// Where contact is said to go by the offset of shells, if it is.
+    pub shifted: Option<Place>,
     pub hourglass: Option<(Hourglass, Place)>,
     pub bulk: Option<([f64; 2], Place)>,
 }
@@ -107,7 +109,7 @@ impl Build {
     }
 
     fn defaults(&mut self) -> Defaults {
-        let mut d = Defaults { theory: 2, warping: None, thinning: None, hourglass: None, bulk: None };
+        let mut d = Defaults { theory: 2, warping: None, thinning: None, shifted: None, hourglass: None, bulk: None };
         for record in self.take("CONTROL_SHELL") {
             if record.integer("theory") != 0 {
                 d.theory = record.integer("theory");
@@ -117,6 +119,9 @@ impl Build {
             }
             if matches!(record.integer("istupd"), 1 | 4) {
                 d.thinning = Some(record.place("istupd"));
+            }
+            if record.integer("cntco") != 0 {
+                d.shifted = Some(record.place("cntco"));
             }
         }
         for record in self.take("CONTROL_HOURGLASS") {

@@ -28,9 +28,21 @@ impl Table {
         self
     }
 
+    /// The same keys and values once more.
+    pub fn copy(&self) -> Self {
+        Self { entries: self.entries.clone(), place: self.place }
+    }
+
     /// Where the keyword is.
     pub fn place(&self) -> Place {
         self.place
+    }
+
+    /// The whole numbers of a list; `None` without it.
+    pub fn integers(&self, key: &str) -> Option<Vec<i64>> {
+        let Kind::Array(items) = &self.entries.get(key)?.node.kind else { return None };
+        let number = |node: &Node| if let Kind::Integer(i) = node.kind { Some(i) } else { None };
+        Some(items.iter().filter_map(number).collect())
     }
 
     /// Whether a key is there.

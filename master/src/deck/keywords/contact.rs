@@ -23,8 +23,8 @@ const CARDS: &[(&str, Times)] = &[
 ];
 
 const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
-     sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds. With MORTAR, \
-     where it may be, the `law` is `mortar`. AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL have beams";
+     vc its limit, sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds. \
+     With MORTAR, where it may be, the `law` is `mortar`. AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL have beams";
 const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
     sides";
 

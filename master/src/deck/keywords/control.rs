@@ -31,7 +31,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("psstupd:i sidt4tu:i cntco:i itsflg:i irquad:i wmode:r stretch:r icrq:i", Maybe),
             ("nfail1:i nfail4:i psnfail:i keepcs:i delfr:i drcpsid:i drcprm:r intperr:i", Maybe),
         ],
-        "theory where a section has elform 0; bwc 1 is `warping`, istupd 1 and 4 `thinning`; the rest is not used",
+        "theory where a section has elform 0; bwc 1 is `warping`, istupd 1 and 4 `thinning`; cntco is not supported where \
+         shells have an nloc; the rest is not used",
     ),
     Keyword::new("CONTROL_HOURGLASS", &[("ihq:i qh:r", Maybe)], "as HOURGLASS, for parts that name none"),
     Keyword::new(

@@ -12,7 +12,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "ELEMENT_SHELL",
         &[("eid:i8! pid:i8! n:i8*8", Rest), ("thic:r16*4 beta:r16", Count(thickness))],
-        "shells of three or four nodes; with THICKNESS or BETA a second line, whose thicknesses make one mean for the part",
+        "shells of three or four nodes; with THICKNESS or BETA a second line, whose thicknesses, or the section's where they are nought, make one mean \
+         for the shell",
     )
     .options(&["THICKNESS", "BETA"]),
     Keyword::new(

@@ -12,7 +12,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("pid:i! secid:i! mid:i! eosid:i hgid:i grav:i adpopt:i tmid:i", Once),
             ("fs:r fd:r dc:r vc:r optt:r sft:r ssf:r cparm8:r", Count(contact)),
         ],
-        "`[[part]]`; the heading is its name, `part-PID` without one. Of the contact card of _CONTACT fs (fd with decay) is the friction where a contact has fs -1",
+        "`[[part]]`; the heading is its name, `part-PID` without one. Of the contact card of _CONTACT fs, fd, dc and vc are the friction where a contact has fs -1, of \
+         two parts the mean of theirs; optt and sft are `contact_thickness` and its scale",
     )
     .options(&["CONTACT"])
     .repeats(),
@@ -24,7 +25,7 @@ pub const KEYWORDS: &[Keyword] = &[
             ("t1:r t2:r t3:r t4:r nloc:r marea:r idof:r edgset:i", Once),
             ("angle:r*8", Count(angles)),
         ],
-        "formulation, thickness (the mean of t1 to t4) and points of the parts that name it; nip 0 is 2",
+        "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts that name it; nip 0 is 2",
     )
     .options(&["TITLE"])
     .repeats(),

@@ -23,7 +23,7 @@
 //!
 //! Friction is the same for the tangential distance from the stick point, its total within the cone.
 
-use super::{ContactLaw, GAP, Iteration, LawRow, Steps, overlap, split, stuck, within_cone};
+use super::{ContactLaw, GAP, Iteration, LawRow, Steps, no_longer, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 
@@ -70,7 +70,7 @@ impl ContactLaw for Kinematic {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (more, pull) = needed(pair, velocity, steps);
         let more = more.max(-pressed);
-        pair.normal * more + within_cone(sheared + pull, pressed + more, pair.friction) - sheared
+        pair.normal * more + within_cone(sheared + pull, pressed + more, pair) - sheared
     }
 
     /// Here `velocity` is that of the node relative to the contact point as all guesses together would move it.
@@ -81,13 +81,13 @@ impl ContactLaw for Kinematic {
         let (more, pull) = needed(pair, velocity, steps);
         let limit = guess_n * alone_n;
         let more = more.clamp(limit.min(0.0), limit.max(0.0));
-        let pull = within_cone(pull, guess_t.norm() * alone_t, 1.0);
+        let pull = no_longer(pull, guess_t.norm() * alone_t);
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let new_pressed = (pressed + pair.turn * more).max(0.0);
-        let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, pair.friction);
+        let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, pair);
         let change = (new_pressed - pressed).abs();
         // Friction under a light load is small against the gap's tolerance, and wanted all the same.
-        let turns = (new_sheared - sheared).norm() > self.tolerance * pair.friction * new_pressed;
+        let turns = (new_sheared - sheared).norm() > self.tolerance * pair.friction_force(new_pressed);
         let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.push);
         let ends = pressed > 0.0 && new_pressed == 0.0;
         (ends || turns || change > floor.max(self.tolerance * new_pressed.max(pressed)))

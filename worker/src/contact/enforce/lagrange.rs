@@ -51,7 +51,7 @@ impl ContactLaw for Lagrange {
     fn start(&self, pair: &Pair, _: Steps) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let pressed = pressed.max(0.0) * self.carry;
-        pair.normal * pressed + within_cone(sheared, pressed, pair.friction)
+        pair.normal * pressed + within_cone(sheared, pressed, pair)
     }
 
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
@@ -63,7 +63,7 @@ impl ContactLaw for Lagrange {
         let (opening, sliding) = split(velocity, &pair.normal);
         let new_pressed = (pressed - (overlap(pair, steps) / steps.dt + opening) / soft_n).max(0.0);
         let new_sheared = if pair.friction > 0.0 {
-            within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, pair.friction)
+            within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, pair)
         } else {
             V3::zeros()
         };

@@ -235,7 +235,7 @@ fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
         return if stays { slip } else { V3::zeros() };
     }
     let back = sheared - (pair.slip / steps.dt + sliding) / (steps.push * pair.compliance[1]);
-    let sticks = back.norm() < pair.friction * pressed * (1.0 - 1e-9);
+    let sticks = back.norm() < pair.friction_force(pressed) * (1.0 - 1e-9);
     if sticks { slip } else { V3::zeros() }
 }
 
@@ -250,8 +250,13 @@ fn split(f: &V3, normal: &V3) -> (f64, V3) {
     (along, f - normal * along)
 }
 
-/// Tangential force held within the friction cone of normal force `pressed`.
-pub fn within_cone(tangential: V3, pressed: f64, friction: f64) -> V3 {
-    let (size, limit) = (tangential.norm(), friction * pressed);
-    if size > limit { tangential * (limit / size) } else { tangential }
+/// Tangential force held within the friction cone of normal force `pressed`, which the limit of friction cuts to a cylinder.
+pub fn within_cone(tangential: V3, pressed: f64, pair: &Pair) -> V3 {
+    no_longer(tangential, pair.friction_force(pressed))
+}
+
+/// A vector, shortened to `limit`.
+fn no_longer(v: V3, limit: f64) -> V3 {
+    let size = v.norm();
+    if size > limit { v * (limit / size) } else { v }
 }

@@ -105,7 +105,7 @@ impl ContactLaw for Penalty {
         let spring = (-k * pair.gap).max(0.0);
         let damped = (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.push);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
-        Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, pair.friction))
+        Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, pair))
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {

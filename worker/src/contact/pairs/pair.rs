@@ -117,6 +117,11 @@ pub struct Pair {
     pub interface: u16,
     /// Coefficient of friction in this step; others are not told.
     pub friction: f64,
+    /// Most tangential force, infinite unless friction is limited and the pressure not yet known; others are not told [force].
+    pub friction_most: f64,
+    /// Normal pressure of all pairs around the slave node, as a mean over the last steps; nought if it is not known. Where friction is
+    /// limited only, and others are not told [force/length^2].
+    pub pressure: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
@@ -165,10 +170,14 @@ pub struct Memory {
     pub slip: V3,
     /// See [`Pair::thickness`].
     pub thickness: f64,
+    /// See [`Pair::pressure`].
+    pub pressure: f64,
     /// Steps since the pair was lost, 0 for one of the last step.
     pub age: u32,
 }
 
+/// Share of a step in the mean pressure: forces change from one to the next where bodies vibrate.
+const PRESSURE_SHARE: f64 = 0.1;
 /// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its thickness.
 const KEPT: u32 = 50;
 const DEEP: f64 = 0.01;
@@ -177,7 +186,7 @@ const STRAYED: f64 = 0.5;
 
 impl Memory {
     /// Words of a memory in a message.
-    pub const WORDS: usize = 19;
+    pub const WORDS: usize = 20;
 
     /// What is left of it a step later in which there is no such pair: on which side it was, how deep, and what of that is let be.
     /// Found again it does not begin anew. What was not deep is on no side that could not be seen.
@@ -208,7 +217,8 @@ impl Memory {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
         let numbers =
-            [self.side, self.tolerated, self.kept, self.depth, self.thickness, f64::from(self.age)].into_iter();
+            [self.side, self.tolerated, self.kept, self.depth, self.thickness, f64::from(self.age), self.pressure]
+                .into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -238,9 +248,10 @@ impl Memory {
             depth: at(3),
             thickness: at(4),
             age: at(5) as u32,
-            normal: vector(6),
-            force: vector(9),
-            slip: vector(12),
+            pressure: at(6),
+            normal: vector(7),
+            force: vector(10),
+            slip: vector(13),
         }
     }
 }
@@ -302,6 +313,7 @@ impl Pair {
             kept,
             force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
             slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
+            pressure: old.map_or(0.0, |m| m.pressure),
             ..self
         }
     }
@@ -325,6 +337,8 @@ impl Pair {
             speed: 0.0,
             interface: 0,
             friction: 0.0,
+            friction_most: f64::INFINITY,
+            pressure: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
@@ -338,6 +352,29 @@ impl Pair {
             first: false,
             own: false,
         }
+    }
+
+    /// Holds the friction of this step to a shear stress [force/length^2] on the area of the slave node [length^2]. Where two surfaces
+    /// are slaves of each other the load is shared in any way between their pairs, so that what a pair bears tells nothing of the
+    /// pressure: the coefficient is held to the limit over the pressure.
+    pub fn limit_friction(&mut self, limit: f64, area: f64) {
+        if self.pressure > 0.0 {
+            self.friction = self.friction.min(limit / self.pressure);
+        } else {
+            self.friction_most = limit * area;
+        }
+    }
+
+    /// Takes the normal force on the slave node in this step [force] into the mean of its pressure.
+    pub fn note_pressure(&mut self, pressed: f64, area: f64) {
+        let now = if area > 0.0 { pressed.max(0.0) / area } else { 0.0 };
+        let share = if self.pressure > 0.0 { PRESSURE_SHARE } else { 1.0 };
+        self.pressure += share * (now - self.pressure);
+    }
+
+    /// Most tangential force under the normal force `pressed` [force].
+    pub fn friction_force(&self, pressed: f64) -> f64 {
+        (self.friction * pressed).min(self.friction_most)
     }
 
     /// Number of roles on the slave's side.
@@ -448,6 +485,7 @@ impl Pair {
             force: self.force,
             slip: self.slip,
             thickness: self.thickness,
+            pressure: self.pressure,
             age: 0,
         }
     }

@@ -33,7 +33,7 @@ fn beam(section: BeamJob) -> Box<dyn Element> {
 fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let beam = beam(section);
     let mut fresh = vec![0.0; beam.columns()];
-    beam.start(&mut fresh);
+    beam.start(&mut fresh, 0.0);
     beam.orient(&mut fresh, [0.3, 1.0, 0.2]);
     let mut history = Columns::new(Precision::Double, 1, beam.columns());
     history.set(0, &fresh);
