@@ -2,6 +2,7 @@
 
 use crate::job::subcycles::{self, Classes};
 use crate::job::{Model, Report};
+use crate::spectrum::Estimate;
 use crumple_proto::job::{Contact, Part};
 use crumple_proto::mesh::Shape;
 use crumple_worker::contact::beams;
@@ -289,23 +290,55 @@ fn figure(x: f64) -> String {
 
 /// Runs `crumple check`: prints to standard output, or everything that is wrong to standard error.
 /// Gives the exit code.
-pub fn run(args: &crate::cli::JobArgs) -> u8 {
-    let read = || -> Result<String, Report> {
-        let model = crate::job::read(&args.job, &args.sets())?;
+pub fn run(args: &crate::cli::CheckArgs) -> u8 {
+    let read = || -> Result<(Model, String), Report> {
+        let model = crate::job::read(&args.job.job, &args.job.sets())?;
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let workers = model.workers(args.workers, cores)?;
-        Ok(describe(&model) + &crate::cost::describe(&model, workers))
+        let workers = model.workers(args.job.workers, cores)?;
+        let text = describe(&model) + &crate::cost::describe(&model, workers);
+        Ok((model, text))
     };
-    match read() {
-        Ok(text) => {
-            crate::say::write(format_args!("{text}"));
-            0
-        }
+    let (model, text) = match read() {
+        Ok(read) => read,
         Err(report) => {
             eprint!("{report}");
-            Report::EXIT_CODE
+            return Report::EXIT_CODE;
+        }
+    };
+    crate::say::write(format_args!("{text}"));
+    let Some(time) = args.step else { return 0 };
+    match crate::spectrum::assembled(&model, time) {
+        Ok(found) => {
+            crate::say::write(format_args!("{}", stability(&found, model.settings.safety)));
+            if found.taken > found.limit { UNSTABLE } else { 0 }
+        }
+        Err(why) => {
+            eprintln!("error: the step of the assembled system was not found: {why}");
+            UNSTABLE
         }
     }
+}
+
+/// Exit code where the step is longer than what the assembled system bears.
+const UNSTABLE: u8 = 3;
+
+/// What the assembled system bears beside what the run takes.
+fn stability(found: &Estimate, safety: f64) -> String {
+    let share = found.taken / found.limit;
+    let mut text = format!(
+        "\nassembled    bears {} at time {} (from {} pushes, to {} %), most at node {}; the step taken is {} of it\n",
+        figure(found.limit),
+        figure(found.time),
+        found.pushes,
+        figure(50.0 * found.residual),
+        found.node,
+        figure(share)
+    );
+    if share > 1.0 {
+        let bearable = figure(safety / share);
+        text += &format!("warning: the run is not stable at this step: time.safety below {bearable} is\n");
+    }
+    text
 }
 
 #[cfg(test)]

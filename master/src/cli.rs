@@ -27,7 +27,7 @@ pub enum Command {
     /// Workers are threads of this process; under mpirun, rank 0 is the master and all other ranks are workers.
     Run(RunArgs),
     /// Read and check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
-    Check(JobArgs),
+    Check(CheckArgs),
     /// Run the catalogue of verification cases: ours against exact, published and computed references.
     ///
     /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit code 3 if a case is
@@ -91,6 +91,18 @@ pub struct JobArgs {
     /// Go on without what a deck has and the engine cannot do; it is listed in summary.json.
     #[arg(long)]
     pub allow_unsupported: bool,
+}
+
+/// `crumple check`.
+#[derive(Args, Clone, Debug)]
+pub struct CheckArgs {
+    /// The job.
+    #[command(flatten)]
+    pub job: JobArgs,
+    /// Also find the largest step that the assembled system bears (elements, springs, ties, penalty contact in touch), at the start or
+    /// as --step=T at a time to which the job is run first, on one worker. Exit code 3 if the step taken is longer.
+    #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = moment)]
+    pub step: Option<f64>,
 }
 
 /// `crumple run`.

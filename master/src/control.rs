@@ -486,6 +486,7 @@ impl<'a> Control<'a> {
                 internal: e.internal,
                 contact: e.contact,
                 friction: e.friction,
+                contact_starting: e.starting,
                 wall: e.wall,
                 hourglass: e.hourglass,
                 external: e.external,

@@ -38,16 +38,50 @@ pub struct Ended {
 /// # Errors
 /// The engine could not be set up.
 pub fn run_alone(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFlow<()>) -> Result<Ended, Lost> {
-    let (elements, nodes) = model.records();
-    let share = Share { elements: elements.into_iter().map(|e| (e, Vec::new())).collect(), nodes, ..Share::default() };
-    let mut ends = threads::connect(2);
-    let (mut wire, _master) = (ends.remove(1), ends.remove(0)); // history rows pile up unread
-    let mut engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share)?;
+    let Alone { mut engine, mut wire, _master } = Alone::new(model)?;
     let mut trouble = None;
     while look(&mut engine).is_continue() && trouble.is_none() && !engine.clock.is_over(&engine.settings) {
         trouble = step(&mut engine, &mut wire)?.trouble;
     }
     Ok(Ended { engine, trouble })
+}
+
+/// One engine with all of a job, and its connection to a master that does not listen.
+pub struct Alone {
+    /// The engine.
+    pub engine: Engine,
+    /// Its end of the connection.
+    pub wire: threads::Threads,
+    /// What arrives at the other end, history rows among it, piles up unread.
+    _master: threads::Threads,
+}
+
+impl Alone {
+    /// At time 0.
+    ///
+    /// # Errors
+    /// The engine could not be set up.
+    pub fn new(model: &Model) -> Result<Self, Lost> {
+        let (elements, nodes) = model.records();
+        let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
+        let share = Share { elements, nodes, ..Share::default() };
+        let mut ends = threads::connect(2);
+        let (mut wire, _master) = (ends.remove(1), ends.remove(0));
+        let engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share)?;
+        Ok(Self { engine, wire, _master })
+    }
+
+    /// A step.
+    ///
+    /// # Errors
+    /// An element is in trouble.
+    pub fn forward(&mut self) -> Result<(), String> {
+        let agreed = step(&mut self.engine, &mut self.wire).map_err(|lost| lost.to_string())?;
+        match agreed.trouble {
+            Some(element) => Err(format!("element {element} is in trouble at {}", self.engine.clock.time)),
+            None => Ok(()),
+        }
+    }
 }
 
 /// What a run of engines side by side gives.

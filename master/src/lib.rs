@@ -3,7 +3,7 @@
 //! - [`cli`]: what can be said on the command line
 //! - [`job`]: from a job file to a sound model, or to everything that is wrong with it
 //! - [`deck`]: LS-DYNA keyword decks, in and out
-//! - [`check`]: `crumple check`
+//! - [`check`]: `crumple check`; [`spectrum`]: `crumple check --step`
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
 //! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
@@ -41,6 +41,7 @@ pub mod reference;
 pub mod report;
 pub mod say;
 pub mod scale;
+pub mod spectrum;
 pub mod stop;
 pub mod study;
 pub mod summary;

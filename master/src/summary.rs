@@ -41,6 +41,8 @@ pub struct Energy {
     pub contact: f64,
     /// Part of `contact` that friction did.
     pub friction: f64,
+    /// Part of `contact` that pairs did that started inside each other's thickness, as long as they had not come apart.
+    pub contact_starting: f64,
     /// Work of rigid walls on the nodes, and of these on walls that have a mass, friction included.
     pub wall: f64,
     /// Hourglass and drilling.

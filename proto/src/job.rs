@@ -315,8 +315,7 @@ pub struct Part {
     pub points: usize,
     /// Hourglass control of `belytschko_tsay` and solids: `stiffness` or `viscous`, for solids also `assumed_strain`.
     /// Without it `stiffness` for shells, `assumed_strain` for solids: it bends right without a coefficient, and nothing
-    /// locks as nu comes near 1/2, where `stiffness`, a fraction of lambda + 2 mu, has no bound (`cases/studies/README.md`,
-    /// hourglass, hourglass-solids, incompressible).
+    /// locks as nu comes near 1/2 (`cases/studies/README.md`, hourglass, hourglass-solids, incompressible).
     #[serde(default)]
     pub hourglass: Option<HourglassForm>,
     /// Hourglass coefficient (fraction of the element's own stiffness, or of critical damping); without it 0.03 for

@@ -51,6 +51,8 @@ pub struct Energies {
     pub contact: f64,
     /// Part of `contact` that friction did.
     pub friction: f64,
+    /// Part of `contact` that pairs did that started inside each other's thickness, as long as they had not come apart.
+    pub starting: f64,
     /// Work of rigid walls, friction included, and of what they are given on walls that have a mass.
     pub wall: f64,
     /// Work of loads, damping and prescribed motion.
@@ -66,6 +68,7 @@ impl Energies {
         self.hourglass += o.hourglass;
         self.contact += o.contact;
         self.friction += o.friction;
+        self.starting += o.starting;
         self.wall += o.wall;
         self.external += o.external;
     }

@@ -4,6 +4,7 @@ use crumple::job::{self, Model};
 use crumple_tests::program::{Ended, crumple_with, run};
 use crumple_tests::run_alone;
 use crumple_worker::engine::Engine;
+use std::ops::ControlFlow;
 
 /// A mesh of shells in the making.
 #[derive(Default)]
@@ -74,7 +75,8 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
                 pairs = pairs.max(e.contact.as_ref().unwrap().own_pairs().count());
                 kinetic = kinetic.max(e.ledger.energies(&e.nodes).kinetic.abs());
             });
-            let work = end.ledger.energies(&end.nodes).contact;
+            let energies = end.ledger.energies(&end.nodes);
+            let work = energies.contact.abs() + energies.starting.abs();
             assert!(end.clock.cycle > 2000 && pairs > 20, "{law}: {} cycles, {pairs} pairs", end.clock.cycle);
             assert_eq!((kinetic, work), (0.0, 0.0), "{law}, tilt {tilt}: nothing pushes, so nothing moves");
         }
@@ -105,6 +107,41 @@ fn a_folded_panel_in_flight_gains_nothing() {
         });
         let first = first.unwrap();
         assert!(work < 1e-3 * first && most < 1.001 * first, "{law}: work {work}, {most} of {first}");
+    }
+}
+
+/// Plates half a thickness apart, one thrown at the other: the work at pairs that started so is told apart from the rest, and they give
+/// no more than they took. Plates that start clear of each other and meet have none.
+#[test]
+fn work_at_starting_penetrations_is_booked_apart() {
+    for law in LAWS {
+        for (gap, inside) in [(-0.5, true), (0.05, false)] {
+            let mut mesh = Mesh::default();
+            mesh.sheet(1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
+            mesh.sheet(2, [5, 4], |x, y| [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 1.0 + gap]);
+            let model = mesh.model(0.4, 1.0, law, "");
+            let (mut taken, mut given, mut contact, mut kinetic) = (0.0f64, 0.0f64, 0.0f64, 0.0);
+            let ended = crumple::embedded::run_alone(&model, |e: &mut Engine| {
+                if e.clock.cycle == 0 {
+                    let upper = (0..e.nodes.held).filter(|&n| e.nodes.x0[n][2] > 0.25);
+                    upper.collect::<Vec<_>>().into_iter().for_each(|n| e.nodes.v[n][2] = -1.0);
+                    return ControlFlow::Continue(());
+                }
+                let now = e.ledger.energies(&e.nodes);
+                kinetic = if e.clock.cycle == 1 { now.kinetic } else { kinetic };
+                (taken, given) = (taken.min(now.starting), given.max(now.starting));
+                contact = contact.min(now.contact);
+                ControlFlow::Continue(())
+            });
+            assert!(ended.is_ok_and(|ended| ended.trouble.is_none()), "{law}");
+            assert!(contact < -0.01 * kinetic, "{law}, gap {gap}: they meet, {contact} of {kinetic}");
+            if inside {
+                assert!(taken < 0.5 * contact, "{law}: {taken} of {contact}: all that meets started so");
+                assert!(given < 1e-3 * kinetic, "{law}: {given} of {kinetic}");
+            } else {
+                assert_eq!((taken, given), (0.0, 0.0), "{law}");
+            }
+        }
     }
 }
 

@@ -4,7 +4,9 @@
 
 use crumple::embedded::run_alone;
 use crumple::job::{self, Model};
+use crumple::spectrum;
 use crumple_worker::engine::Engine;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 use std::ops::ControlFlow;
 
 /// Nodes, shells and springs of a mesh in the making, and all else of the job.
@@ -14,6 +16,8 @@ struct Scene {
     shells: String,
     springs: String,
     rest: String,
+    /// Damping in proportion to mass [1/time].
+    damping: f64,
     count: usize,
     elements: usize,
 }
@@ -45,12 +49,13 @@ impl Scene {
         let sets: Vec<String> = sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
         let text = format!(
             "end_time = 1e9\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [{}]\nnode_sets = {{ {} }}\n\
-             [output]\nfield_interval = -1.0\n[time]\nsafety = {safety:?}\nmax_cycles = {cycles}\ndt_min_ratio = 0.0\n\
+             [output]\nfield_interval = -1.0\n[time]\nsafety = {safety:?}\nmax_cycles = {cycles}\ndt_min_ratio = 0.0\ndamping = {:?}\n\
              [[material]]\nname = \"unit\"\nlaw = \"elastic\"\ndensity = 1.0\nyoungs_modulus = 1.0\npoisson = {nu:?}\n{}",
             self.nodes,
             self.shells,
             self.springs,
             sets.join(", "),
+            self.damping,
             self.rest
         );
         let there = tempfile::tempdir().unwrap();
@@ -153,31 +158,173 @@ fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
     }
 }
 
-/// A lone square whose edge stands at the end of arms from a plate: at full safety.
+/// A lone square, or two triangles, whose edge stands at the end of arms from a plate.
+fn tied(element: &str, arm: f64, safety: f64) -> Model {
+    let mut scene = Scene::default();
+    let plate = [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]].map(|[x, y]| scene.node([x, y, 0.0]));
+    scene.shell(1, &plate);
+    let corners = [[0.0, 0.0, arm], [1.0, 0.0, arm], [1.0, 1.0, arm], [0.0, 1.0, arm]];
+    let nodes = corners.map(|x| scene.node(x));
+    match element {
+        "c0_triangle" => [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(2, &t.map(|c: usize| nodes[c]))),
+        _ => scene.shell(2, &nodes),
+    }
+    scene.part(1, "belytschko_tsay", 0.02);
+    scene.part(2, element, 0.01);
+    scene.rest += &format!("[[tie]]\nnodes = \"edge\"\nparts = [1]\noffset = true\ntolerance = {:?}\n", 2.0 * arm);
+    scene.model(&[("edge", &nodes[..2])], 0.3, safety, 1500)
+}
+
+/// At full safety.
 #[test]
 fn a_lone_element_tied_with_an_offset_bears_its_step() {
     for element in SHELLS {
         for arm in [0.6, 5.0] {
-            let of = |safety: f64| {
-                let mut scene = Scene::default();
-                let plate = [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]].map(|[x, y]| scene.node([x, y, 0.0]));
-                scene.shell(1, &plate);
-                let corners = [[0.0, 0.0, arm], [1.0, 0.0, arm], [1.0, 1.0, arm], [0.0, 1.0, arm]];
-                let nodes = corners.map(|x| scene.node(x));
-                match element {
-                    "c0_triangle" => {
-                        [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(2, &t.map(|c: usize| nodes[c])))
-                    }
-                    _ => scene.shell(2, &nodes),
-                }
-                scene.part(1, "belytschko_tsay", 0.02);
-                scene.part(2, element, 0.01);
-                scene.rest +=
-                    &format!("[[tie]]\nnodes = \"edge\"\nparts = [1]\noffset = true\ntolerance = {:?}\n", 2.0 * arm);
-                scene.model(&[("edge", &nodes[..2])], 0.3, safety, 1500)
-            };
-            let limit = limit(of);
+            let limit = limit(|safety| tied(element, arm, safety));
             assert!(limit > 0.98, "{element}, arm {arm}: {limit}");
         }
     }
+}
+
+/// A square that lies on another one, smaller or turned, pressed on by springs of a contact as stiff as they may be.
+fn pressed(turned: bool, form: &str, safety: f64) -> Model {
+    let mut scene = Scene { damping: 0.1, ..Scene::default() };
+    let thickness = 0.05;
+    let square = |half: f64, turn: f64, z: f64| {
+        [0.0, 1.0, 2.0, 3.0].map(|k: f64| {
+            let (s, c) = (turn + (k - 1.5) * FRAC_PI_2).sin_cos();
+            [half * SQRT_2 * c, half * SQRT_2 * s, z]
+        })
+    };
+    let below = square(0.5, 0.0, 0.0).map(|x| scene.node(x));
+    let (half, turn) = if turned { (0.35, FRAC_PI_4) } else { (0.3, 0.0) };
+    let above = square(half, turn, 1.0001 * thickness).map(|x| scene.node(x));
+    scene.shell(1, &below);
+    scene.shell(2, &above);
+    [1, 2].iter().for_each(|&part| scene.part(part, "belytschko_tsay", thickness));
+    let (load, share) = (1e-7, 4.0 * half * half);
+    scene.rest += &format!(
+        "[contact]\nlaw = \"penalty\"\npenalty_form = {form:?}\npenalty_scale = 1e3\npenalty_damping = 0.0\n\
+         [[pressure]]\nparts = [2]\npressure = {load:?}\n[[pressure]]\nparts = [1]\npressure = {:?}\n",
+        -share * load
+    );
+    scene.model(&[], 0.3, safety, 6000)
+}
+
+/// Contact springs of a shell on another at their bound: stable at the step that the engine takes. The law is told of a safety of 0.9 and
+/// leaves half of the room, so that the step may be 0.951 of what the elements bear at least; where it truly ends is bisected.
+#[test]
+fn shells_in_penalty_contact_bear_their_step() {
+    for turned in [false, true] {
+        for form in ["soft", "stiffness"] {
+            // What comes to rest is stable; `safety` is that of the step, the law knows 0.9.
+            let still = |safety: f64| {
+                let (mut touching, mut largest) = (0, 0.0f64);
+                let ended = run_alone(&pressed(turned, form, 0.9), |e: &mut Engine| {
+                    e.settings.safety = safety;
+                    touching = e.contact.as_ref().expect("there is contact").own_pairs().count();
+                    largest = e.nodes.v.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+                    if largest < 1.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+                });
+                let still = largest < 1e-12 && ended.is_ok_and(|ended| ended.trouble.is_none());
+                assert!(!still || touching == 4, "turned {turned}, {form}: {touching} pairs");
+                still
+            };
+            assert!(still(0.9), "turned {turned}, {form}: at the step that is taken");
+            let (mut low, mut high) = (0.9, 1.5);
+            while high - low > 0.005 {
+                let middle = 0.5 * (low + high);
+                if still(middle) { low = middle } else { high = middle }
+            }
+            println!("turned {turned}, {form}: stable up to {low} of the elements' own step");
+            assert!(low > 0.945, "turned {turned}, {form}: {low}");
+        }
+    }
+}
+
+/// Limits at which runs begin to grow, and what is found of the highest frequency of the assembled system without running.
+fn assert_found(what: &str, of: impl Fn(f64) -> Model, at: f64, bisected: f64) {
+    let model = of(0.3);
+    let found = spectrum::assembled(&model, at).unwrap_or_else(|why| panic!("{what}: {why}"));
+    let unit = found.taken / model.settings.safety;
+    let share = found.limit / (bisected * unit);
+    assert!((share - 1.0).abs() < 0.02, "{what}: found {} of the bisected {bisected}, {found:?}", share * bisected);
+}
+
+/// The assembled system's limit is found to 2 % for a lone square with springs, ones out of shape and triangles, plates that are tied with
+/// arms, and a patch.
+#[test]
+fn the_limit_of_the_assembled_system_is_found() {
+    for element in SHELLS {
+        for (distorted, stiffness) in [(false, 2e-3), (true, 1.0), (true, 1e-9)] {
+            let of = |safety: f64| {
+                let (scene, ground) = lone(element, distorted, stiffness, 0.0);
+                scene.model(&[("ground", &ground)], 0.3, safety, 1500)
+            };
+            assert_found(&format!("{element}, distorted {distorted}, springs of {stiffness}"), of, 0.0, limit(of));
+        }
+        let of = |safety: f64| tied(element, 0.6, safety);
+        assert_found(&format!("{element} at the end of an arm"), of, 0.0, limit(of));
+    }
+    let of = |safety: f64| {
+        let mut scene = Scene::default();
+        let n = 6;
+        let place = |i: usize| i as f64 + 0.2 * ((i * i) as f64).sin();
+        let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
+        (0..=n).for_each(|i| (0..=n).for_each(|j| _ = scene.node([place(i), place(j) + 0.2 * place(i), 0.0])));
+        let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let corners = |(i, j)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+        cells.map(corners).for_each(|corners| scene.shell(1, &corners));
+        scene.part(1, "stabilised_quad", 0.02);
+        scene.model(&[], 0.3, safety, 3000)
+    };
+    assert_found("a patch", of, 0.0, limit(of));
+}
+
+/// A sheet that is stretched by a half along x and held: at the time at which it stands still its limit is that which is bisected from
+/// there, with mass that has spread and stress that stiffens it.
+#[test]
+fn the_limit_of_a_stretched_sheet_is_found() {
+    let (n, end) = (4, 500.0);
+    let of = |safety: f64| {
+        let mut scene = Scene::default();
+        let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
+        (0..=n).for_each(|i| (0..=n).for_each(|j| _ = scene.node([i as f64, j as f64, 0.0])));
+        for i in 0..n {
+            (0..n).for_each(|j| scene.shell(1, &[node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]));
+        }
+        scene.part(1, "belytschko_tsay", 0.1);
+        let [near, far] = [0, n].map(|i| (0..=n).map(|j| node(i, j)).collect::<Vec<_>>());
+        scene.rest += "[[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n\
+             [[fix]]\nnodes = \"far\"\ndofs = [\"y\", \"z\"]\n\
+             [[curve]]\nname = \"slow\"\npoints = [[0.0, 0.0], [100.0, 1.0], [1000.0, 1.0]]\n\
+             [[motion]]\nnodes = \"far\"\ndisplacement = [2.0, 0.0, 0.0]\ndofs = [\"x\"]\ncurve = \"slow\"\n";
+        scene.model(&[("near", &near), ("far", &far)], 0.3, safety, 0)
+    };
+    // From the time on at which it stands, with another safety and next to nothing added.
+    let grows_at = |safety: f64| {
+        let (mut first, mut cycles, mut grown) = (0.0, 0, false);
+        let ended = run_alone(&of(0.3), |e: &mut Engine| {
+            if e.clock.time < end {
+                return ControlFlow::Continue(());
+            }
+            let largest = e.nodes.v.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
+            if cycles == 0 {
+                first = largest.max(1e-9);
+                e.settings.safety = safety;
+                e.clock.whole_dt = f64::INFINITY;
+                (0..e.nodes.held).for_each(|i| e.nodes.v[i][2] += 1e-9 * ((i * i) as f64).sin());
+            }
+            cycles += 1;
+            grown |= largest.is_nan() || largest > 1e4 * first;
+            if grown || cycles > 3000 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        grown || ended.expect("one worker").trouble.is_some()
+    };
+    let (mut low, mut high) = (0.5, 2.5);
+    while high - low > 0.01 {
+        let middle = 0.5 * (low + high);
+        if grows_at(middle) { high = middle } else { low = middle }
+    }
+    assert_found("a stretched sheet", of, end, 0.5 * (low + high));
 }

@@ -67,6 +67,8 @@ pub struct ContactWork {
     pub total: Work,
     /// The part that friction did.
     pub friction: Work,
+    /// The part of pairs that started inside each other's thickness and have not come apart since.
+    pub starting: Work,
 }
 
 /// What has accumulated on this worker.
@@ -76,6 +78,7 @@ pub struct Ledger {
     hourglass: f64,
     contact: Booked,
     friction: Booked,
+    starting: Booked,
     wall: Booked,
     external: Booked,
 }
@@ -109,6 +112,7 @@ impl Ledger {
     pub fn book_contact(&mut self, work: ContactWork) {
         self.contact.book(work.total);
         self.friction.book(work.friction);
+        self.starting.book(work.starting);
     }
 
     /// Books the work of walls in a step.
@@ -136,6 +140,7 @@ impl Ledger {
             hourglass: self.hourglass,
             contact: self.contact.at_present(),
             friction: self.friction.at_present(),
+            starting: self.starting.at_present(),
             wall: self.wall.at_present(),
             external: self.external.at_present(),
         }

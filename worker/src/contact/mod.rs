@@ -536,6 +536,9 @@ impl Contact {
             // Friction is judged by where the node slides to; half of that by the present time.
             let slid = 0.5 * steps.mid * sheared.dot(&velocity);
             work.friction += Work { before: slid, after: slid };
+            if p.kept < 0.0 {
+                work.starting += p.work(nodes, steps.mid);
+            }
             let law = self.laws.of_pair(p);
             p.slip = law.slip(p, &velocity, steps);
             self.capped += u64::from(law.is_capped(p, steps));

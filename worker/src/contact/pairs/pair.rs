@@ -2,7 +2,8 @@
 
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
-use crate::nodes::{Nodes, Row, xyz};
+use crate::energy::Work;
+use crate::nodes::{Nodes, Row, row, xyz};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 
@@ -471,6 +472,16 @@ impl Pair {
             _ => part(2) + part(3),
         };
         self.slave_velocity(v) - point
+    }
+
+    /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs only.
+    pub fn work(&self, nodes: &Nodes, mid: f64) -> Work {
+        let on = |r: usize| {
+            let share = if r < self.ahead() { self.share(r) } else { -self.share(r) };
+            let n = self.nodes[r] as usize;
+            Work::of_all(&row((self.force * (mid * share)).into()), &nodes.v[n], &nodes.next_v[n])
+        };
+        (0..5).filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0).map(on).sum()
     }
 
     /// What the slave remembers of this pair.

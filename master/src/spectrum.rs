@@ -1,0 +1,324 @@
+//! `crumple check --step`: the largest stable step of the assembled system, from the engine's own forces.
+//!
+//! The run takes a step that is known to be enough for each element alone, and for what shares its nodes. What all together bear
+//! follows from the highest frequency of the assembled system. It is found by pushing the nodes of an engine aside by next to
+//! nothing, d, and back, at the time at which the run stands: with the accelerations a of the two steps
+//! ```text
+//! a(x + d, rate d/dt) - a(x, rate -d/dt) = -(A + 2 C/dt) d = -B d
+//! ```
+//! whatever acts at rest. A is stiffness over mass and C damping over mass, which the engine takes from the mid-step before.
+//! `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`. With masses and inertias as weights B is symmetric, and
+//! Lanczos' vectors give its largest eigenvalue from below; all of them are kept orthogonal to each other, and the estimate is taken
+//! when its residual says that no eigenvalue is farther from it than [`CLOSE`] (Parlett 1998, theorem 4.5.1), or has stopped growing.
+//!
+//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty contact of what is in touch, and the
+//! law's tangent on the way from the present state. Not seen: contact that is not there yet; members of rigid bodies, which count as held;
+//! dampers where there is penalty contact too, whose dashpots limit nothing; bulk viscosity counts by half, as it acts in compression only; constraints of the Lagrange and kinematic laws and of
+//! rigid walls add no frequency.
+
+use crate::embedded::Alone;
+use crate::job::Model;
+use crumple_proto::ids::NodeId;
+use crumple_worker::nodes::Row;
+use crumple_worker::step::step;
+use crumple_worker::time::Clock;
+
+/// Largest part of the eigenvalue by which it may be off.
+const CLOSE: f64 = 0.01;
+/// Vectors kept; then it begins anew with the best mode so far.
+const VECTORS: usize = 40;
+/// How often it begins anew at most.
+const ROUNDS: usize = 8;
+/// A round that adds less than this part to the eigenvalue is the last.
+const GROWTH: f64 = 1e-3;
+/// Largest displacement, in shortest sides.
+const PUSH: f64 = 1e-7;
+
+/// What was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Time at which it holds [time].
+    pub time: f64,
+    /// Largest stable step of the assembled system, infinite where nothing resists [time].
+    pub limit: f64,
+    /// Step that the run takes, safety included [time].
+    pub taken: f64,
+    /// Node that moves most in the fastest mode.
+    pub node: NodeId,
+    /// How often the nodes were pushed.
+    pub pushes: usize,
+    /// Part of the eigenvalue by which it may be off.
+    pub residual: f64,
+}
+
+/// A degree of freedom: local node, component (0 to 2 of moving, 3 to 5 of turning), root of its mass or inertia.
+struct Free {
+    node: usize,
+    component: usize,
+    root: f64,
+}
+
+struct Probe {
+    alone: Alone,
+    clock: Clock,
+    /// Where nodes stand, and where they stood at the force evaluation before.
+    place: Vec<Row>,
+    before: Vec<Row>,
+    angle: Vec<Row>,
+    free: Vec<Free>,
+    side: f64,
+    /// Whether contact has dashpots, which it takes at the end of the step: they limit nothing.
+    dashpots: bool,
+}
+
+/// The largest stable step at time `at`, to which the job runs first on one engine.
+///
+/// # Errors
+/// The job cannot be run that far, or its step is not one that this looks at.
+pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
+    if model.settings.subcycles > 1 {
+        return Err("the step of a job with time.subcycles is of two kinds: look at it without them".into());
+    }
+    let mut probe = Probe::start(model, at)?;
+    let mut seed = 7u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut start: Vec<f64> = probe.free.iter().map(|_| random()).collect();
+    let (mut eigenvalue, mut residual, mut pushes) = (0.0f64, f64::INFINITY, 0);
+    for _ in 0..ROUNDS {
+        let round = probe.lanczos(&start)?;
+        pushes += round.pushes;
+        let grown = round.eigenvalue > eigenvalue * (1.0 + GROWTH);
+        (eigenvalue, residual) = (round.eigenvalue.max(eigenvalue), round.residual);
+        start = round.mode;
+        if !grown || residual < CLOSE {
+            break;
+        }
+    }
+    let strongest = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
+    let moved = start.iter().zip(&probe.free).map(|(y, free)| y.abs() / free.root).enumerate();
+    let node = moved.max_by(strongest).map_or(0, |(i, _)| probe.free[i].node);
+    Ok(Estimate {
+        time: probe.clock.time,
+        limit: if eigenvalue > 0.0 { 2.0 / eigenvalue.sqrt() } else { f64::INFINITY },
+        taken: probe.clock.dt,
+        node: probe.alone.engine.nodes.id[node],
+        pushes,
+        residual,
+    })
+}
+
+/// What one set of vectors gives.
+struct Round {
+    eigenvalue: f64,
+    residual: f64,
+    mode: Vec<f64>,
+    pushes: usize,
+}
+
+impl Probe {
+    fn start(model: &Model, at: f64) -> Result<Self, String> {
+        let mut alone = Alone::new(model).map_err(|lost| lost.to_string())?;
+        let early = |engine: &crumple_worker::engine::Engine| engine.clock.time + 0.5 * engine.clock.dt < at;
+        while early(&alone.engine) && !alone.engine.clock.is_over(&alone.engine.settings) {
+            alone.forward()?;
+        }
+        if early(&alone.engine) {
+            return Err(format!("the run is over at {}, before {at}", alone.engine.clock.time));
+        }
+        let engine = &mut alone.engine;
+        engine.blocks.compute_all();
+        engine.loads.damping = 0.0; // it is taken in the middle of the step and limits nothing
+        let held = engine.nodes.held;
+        let place = engine.nodes.x[..held].to_vec();
+        let mut clock = engine.clock.clone();
+        clock.dt = clock.whole_dt;
+        (clock.last_dt, clock.last_mid) = (clock.dt, clock.dt);
+        // Forces of the present time, so that from here on only what is pushed strains elements.
+        alone.forward()?;
+        let nodes = &alone.engine.nodes;
+        let mut free = Vec::new();
+        for node in 0..held {
+            let mut add = |component: usize, inverse: f64, mass: f64| {
+                if inverse > 0.0 && mass > 0.0 {
+                    free.push(Free { node, component, root: mass.sqrt() });
+                }
+            };
+            (0..3).for_each(|c| add(c, nodes.inv_mass[node][c], nodes.mass[node]));
+            if nodes.rotations {
+                (0..3).for_each(|c| add(3 + c, nodes.inv_inertia[node][c], nodes.inertia[node]));
+            }
+        }
+        if free.is_empty() {
+            return Err("no node is free to move".into());
+        }
+        let side = model.quality.min_side.value;
+        let angle = vec![[0.0; 4]; nodes.w.len()];
+        let dashpots = model.job.contact.as_ref().is_some_and(|c| c.each().any(|c| c.law == "penalty"));
+        Ok(Self { alone, clock, before: place.clone(), place, angle, free, side, dashpots })
+    }
+
+    /// Accelerations with the nodes at `by` from their places, as they get there in a step from where they were.
+    fn accelerations(&mut self, by: Option<&[f64]>) -> Result<Vec<f64>, String> {
+        let lost = |lost: crumple_proto::transport::Lost| lost.to_string();
+        let (dt, held) = (self.clock.dt, self.place.len());
+        let Alone { engine, wire, .. } = &mut self.alone;
+        engine.clock = self.clock.clone();
+        let nodes = &mut engine.nodes;
+        nodes.x[..held].copy_from_slice(&self.place);
+        nodes.next_v[..held].fill([0.0; 4]);
+        nodes.next_w.fill([0.0; 4]);
+        for (y, free) in by.into_iter().flatten().zip(&self.free) {
+            let rate = y / dt;
+            match free.component {
+                c @ 0..3 => nodes.next_v[free.node][c] = rate,
+                c => nodes.next_w[free.node][c - 3] = rate,
+            }
+        }
+        engine.ties.follow(wire, nodes, dt).map_err(lost)?;
+        for i in 0..held {
+            for c in 0..3 {
+                nodes.x[i][c] += dt * nodes.next_v[i][c];
+                nodes.v[i][c] = (nodes.x[i][c] - self.before[i][c]) / dt;
+            }
+            self.before[i] = nodes.x[i];
+        }
+        for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.next_w.len()) {
+            for c in 0..3 {
+                let now = dt * nodes.next_w[i][c];
+                nodes.w[i][c] = (now - angle[c]) / dt;
+                angle[c] = now;
+            }
+        }
+        let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
+        if let Some(element) = step(engine, wire).map_err(lost)?.trouble {
+            return Err(format!("element {element} is in trouble when nodes are pushed by {:e}", PUSH * self.side));
+        }
+        let mid = self.clock.mid();
+        let gained = |free: &Free| match free.component {
+            c @ 0..3 => (engine.nodes.v[free.node][c] - v[free.node][c]) / mid,
+            c => (engine.nodes.w[free.node][c - 3] - w[free.node][c - 3]) / mid,
+        };
+        Ok(self.free.iter().map(gained).collect())
+    }
+
+    /// B on a vector that is weighted with the roots of the masses.
+    fn push(&mut self, y: &[f64]) -> Result<Vec<f64>, String> {
+        let apart = |(y, free): (&f64, &Free)| y.abs() / free.root * if free.component < 3 { 1.0 } else { self.side };
+        let scale = PUSH * self.side / y.iter().zip(&self.free).map(apart).fold(0.0, f64::max);
+        let by: Vec<f64> = y.iter().zip(&self.free).map(|(y, free)| scale * y / free.root).collect();
+        let there = self.accelerations(Some(&by))?;
+        let mut back = self.accelerations(None)?;
+        if self.dashpots {
+            // Rates there and back are opposite: without them it is twice that at rest, less the way back, less the way there.
+            let still = self.accelerations(None)?;
+            back.iter_mut().zip(still).for_each(|(back, still)| *back = 2.0 * still - *back);
+        }
+        let of = |((there, back), free): ((&f64, &f64), &Free)| (back - there) * free.root / scale;
+        Ok(there.iter().zip(&back).zip(&self.free).map(of).collect())
+    }
+
+    /// Up to [`VECTORS`] vectors of Lanczos from `start`.
+    fn lanczos(&mut self, start: &[f64]) -> Result<Round, String> {
+        let mut vectors = vec![scaled(start, 1.0 / dot(start, start).sqrt())];
+        let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        loop {
+            let last = vectors.last().expect("the first is there").clone();
+            let mut next = self.push(&last)?;
+            diagonal.push(dot(&next, &last));
+            // Twice is enough for round-off.
+            for _ in 0..2 {
+                for vector in &vectors {
+                    let along = dot(&next, vector);
+                    next.iter_mut().zip(vector).for_each(|(n, v)| *n -= along * v);
+                }
+            }
+            let rest = dot(&next, &next).sqrt();
+            let (eigenvalue, weights) = largest(&diagonal, &beside);
+            let residual = rest * weights.last().expect("as many as vectors").abs() / eigenvalue.abs();
+            let pushes = diagonal.len();
+            if residual < CLOSE || pushes == VECTORS.min(self.free.len()) || !eigenvalue.is_finite() {
+                let mut mode = vec![0.0; start.len()];
+                for (vector, weight) in vectors.iter().zip(&weights) {
+                    mode.iter_mut().zip(vector).for_each(|(m, v)| *m += weight * v);
+                }
+                return Ok(Round { eigenvalue, residual, mode, pushes });
+            }
+            beside.push(rest);
+            vectors.push(scaled(&next, 1.0 / rest));
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn scaled(a: &[f64], by: f64) -> Vec<f64> {
+    a.iter().map(|a| by * a).collect()
+}
+
+/// The largest eigenvalue of a symmetric tridiagonal matrix, by Sturm's sequence, and its vector, by inverse iteration.
+fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
+    let n = diagonal.len();
+    let reach = |i: usize| {
+        let next = if i + 1 < n { beside[i].abs() } else { 0.0 };
+        diagonal[i].abs() + next + if i > 0 { beside[i - 1].abs() } else { 0.0 }
+    };
+    let bound = (0..n).map(reach).fold(0.0, f64::max);
+    if bound == 0.0 {
+        return (0.0, vec![1.0; n]);
+    }
+    // Eigenvalues above a number: positive pivots of T - x.
+    let any_above = |x: f64| {
+        let mut pivot = diagonal[0] - x;
+        let mut any = pivot > 0.0;
+        for i in 1..n {
+            let safe = if pivot.abs() < 1e-300 { 1e-300 } else { pivot };
+            pivot = diagonal[i] - x - beside[i - 1] * beside[i - 1] / safe;
+            any |= pivot > 0.0;
+        }
+        any
+    };
+    let (mut low, mut high) = (-bound, bound);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if any_above(middle) { low = middle } else { high = middle }
+    }
+    // (shift - T) is positive definite just above the eigenvalue.
+    let shift = high + 1e-10 * bound;
+    let mut vector = vec![1.0; n];
+    for _ in 0..4 {
+        let (mut pivots, mut right) = (vec![shift - diagonal[0]; n], vector.clone());
+        for i in 1..n {
+            let factor = -beside[i - 1] / pivots[i - 1];
+            pivots[i] = shift - diagonal[i] + factor * beside[i - 1];
+            right[i] -= factor * right[i - 1];
+        }
+        vector[n - 1] = right[n - 1] / pivots[n - 1];
+        for i in (0..n - 1).rev() {
+            vector[i] = (right[i] + beside[i] * vector[i + 1]) / pivots[i];
+        }
+        vector = scaled(&vector, 1.0 / dot(&vector, &vector).sqrt());
+    }
+    (0.5 * (low + high), vector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of n equal masses between walls: eigenvalues `2 - 2 cos(k pi/(n + 1))`.
+    #[test]
+    fn a_chain_has_its_highest_frequency() {
+        for n in [1, 2, 7, 40] {
+            let (value, vector) = largest(&vec![2.0; n], &vec![-1.0; n - 1]);
+            let theta = n as f64 * std::f64::consts::PI / (n + 1) as f64;
+            assert!((value - (2.0 - 2.0 * theta.cos())).abs() < 1e-9, "{n}: {value}");
+            let wanted = (theta * n as f64).sin() * (2.0 / (n + 1) as f64).sqrt();
+            assert!((vector[n - 1].abs() - wanted.abs()).abs() < 1e-6, "{n}: {} for {wanted}", vector[n - 1]);
+        }
+    }
+}
