@@ -8,8 +8,8 @@
 use crate::agreement;
 use crate::blocks::LocalElement;
 use crate::contact::Contact;
-use crate::contact::pairs::Pair;
 use crate::contact::beams::with_edges;
+use crate::contact::pairs::Pair;
 use crate::contact::pairs::quiet::distances;
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;

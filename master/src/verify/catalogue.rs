@@ -2,8 +2,8 @@
 
 use super::{
     Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets, hertz, invariance,
-    joined, lines, materials, plates, press, relaxed, ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells,
-    solid_patches, stability, stacked, steps, taylor, walls,
+    joined, lines, materials, plates, press, relaxed, ridges, rigid, sections, sheets, sliding, solid_bars,
+    solid_cells, solid_patches, stability, stacked, steps, taylor, walls,
 };
 
 const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {

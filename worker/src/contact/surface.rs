@@ -136,7 +136,10 @@ impl ContactParts {
         let half = |(i, p): (usize, &Part)| {
             let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
             if p.beam.is_some() {
-                return contact.filter(|_| takes_part).and_then(|c| beams::half(c, p)).map(|radius| (radius, true, 1.0));
+                return contact
+                    .filter(|_| takes_part)
+                    .and_then(|c| beams::half(c, p))
+                    .map(|radius| (radius, true, 1.0));
             }
             let given = p.contact_thickness;
             takes_part.then_some((0.5 * given.unwrap_or(p.thickness), given.is_some(), p.contact_thickness_scale))
