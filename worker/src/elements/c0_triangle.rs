@@ -91,7 +91,7 @@ pub struct Response<R: Real> {
 impl<R: Real> Corners<R> {
     /// As for quads: velocities of the middle, which is `e` from the nodes along the normal [length]; gives `e n`.
     #[inline(always)]
-    fn to_middle(&mut self, e: R) -> [R; 3] {
+    fn shift_to_middle(&mut self, e: R) -> [R; 3] {
         let arm = along_normal(e, self.x[0], self.x[1]);
         for (v, w) in self.v.iter_mut().zip(&self.w) {
             let more = cross(*w, arm);
@@ -104,7 +104,7 @@ impl<R: Real> Corners<R> {
 impl<R: Real> Response<R> {
     /// As for quads: adds to the moments those of the forces, which act at `arm` from the nodes.
     #[inline(always)]
-    fn to_nodes(&mut self, arm: [R; 3]) {
+    fn shift_to_nodes(&mut self, arm: [R; 3]) {
         let [f2, f3] = self.force;
         let first: [R; 3] = std::array::from_fn(|i| -(f2[i] + f3[i]));
         for (m, f) in self.moment.iter_mut().zip([first, f2, f3]) {
@@ -429,10 +429,10 @@ impl Formulation for C0Triangle {
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         let mut corners = gather(group, nodes);
-        let arm = self.section.arm(history).map(|arm| corners.to_middle(arm));
+        let arm = self.section.arm(history).map(|arm| corners.shift_to_middle(arm));
         let mut response = self.respond::<L, N>(&corners, history, dt);
         if let Some(arm) = arm {
-            response.to_nodes(arm);
+            response.shift_to_nodes(arm);
         }
         let (calm, sound) = (response.calm, response.totals.sound);
         if let Some(gone) = self.section.delete_inverted(history, calm, sound, corners.sum()) {

@@ -79,7 +79,7 @@ impl<R: Real> Modes<R> {
     /// Turns velocities of nodes into those of the middle of the thickness, `v + w x e n`, which is `e` from them along the normal
     /// [length]; gives `e n`. Modes of the coordinates are the same of both.
     #[inline(always)]
-    fn to_middle(&mut self, e: R) -> [R; 3] {
+    fn shift_to_middle(&mut self, e: R) -> [R; 3] {
         let arm = along_normal(e, self.x[0], self.x[1]);
         for (v, w) in self.v.iter_mut().zip(&self.w) {
             let more = cross(*w, arm);
@@ -126,9 +126,9 @@ impl<R: Real> Size<R> {
 
 impl<R: Real> Response<R> {
     /// Adds to the moments those of the forces, which act at `arm` from the nodes: the work on nodes is that on the middle
-    /// ([`Modes::to_middle`]).
+    /// ([`Modes::shift_to_middle`]).
     #[inline(always)]
-    fn to_nodes(&mut self, arm: [R; 3]) {
+    fn shift_to_nodes(&mut self, arm: [R; 3]) {
         for (m, f) in self.moment.iter_mut().zip(&self.force) {
             let more = cross(arm, *f);
             (0..3).for_each(|i| m[i] += more[i]);
@@ -462,10 +462,10 @@ impl<K: Kernel> Formulation for Quad<K> {
         [force, moment]: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L> {
         let (section, mut modes) = (self.section(), gather(group, nodes));
-        let arm = section.arm(history).map(|arm| modes.to_middle(arm));
+        let arm = section.arm(history).map(|arm| modes.shift_to_middle(arm));
         let mut response = self.0.respond::<L, N>(&modes, history, dt);
         if let Some(arm) = arm {
-            response.to_nodes(arm);
+            response.shift_to_nodes(arm);
         }
         let factor = section.step_factor(history, &response.size.limits::<K>(section));
         response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
