@@ -186,11 +186,9 @@ impl Probe {
             self.before[i] = nodes.x[i];
         }
         for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.next_w.len()) {
-            for c in 0..3 {
-                let now = dt * nodes.next_w[i][c];
-                nodes.w[i][c] = (now - angle[c]) / dt;
-                angle[c] = now;
-            }
+            let now = nodes.next_w[i].map(|w| dt * w);
+            nodes.w[i] = std::array::from_fn(|c| (now[c] - angle[c]) / dt);
+            *angle = now;
         }
         let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
         if let Some(element) = step(engine, wire).map_err(lost)?.trouble {
