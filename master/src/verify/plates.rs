@@ -101,7 +101,7 @@ fn of_mesh(bench: &Bench, n: usize, elastic: [f64; 3], plastic: [f64; 3]) -> Res
             if yields {
                 all.push(close(Row::new("least deflection after it", &variant, "mm", 1e3 * least), known[2]));
                 let strain = fields(&swing.run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
-                all.push(Row::new("largest plastic strain", &variant, "", strain).beside(0.015, source));
+                all.push(Row::new("largest plastic strain", &variant, "", strain).beside(0.015, sources[0]));
             } else if known[2].is_finite() {
                 let row = Row::new("least deflection after it / largest", &variant, "", least / most);
                 all.push(row.within(known[2] / known[0], 0.02, source));
