@@ -6,15 +6,16 @@
 //! ```text
 //! a(x + d, rate d/dt) - a(x, rate -d/dt) = -(A + 2 C/dt) d = -B d
 //! ```
-//! whatever acts at rest. A is stiffness over mass and C damping over mass, which the engine takes from the mid-step before.
-//! `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`. With masses and inertias as weights B is symmetric, and
-//! Lanczos' vectors give its largest eigenvalue from below; all of them are kept orthogonal to each other, and the estimate is taken
-//! when its residual says that no eigenvalue is farther from it than [`CLOSE`] (Parlett 1998, theorem 4.5.1), or has stopped growing.
+//! whatever acts at rest. A is stiffness over mass and C damping over mass, which the engine takes from the mid-step
+//! before. `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`. With masses and inertias as weights B is
+//! symmetric, and Lanczos' vectors give its largest eigenvalue from below; all of them are kept orthogonal to each other,
+//! and the estimate is taken when its residual says that an eigenvalue lies within [`CLOSE`] of it (Parlett 1998, theorem
+//! 4.5.1), or when it has stopped growing.
 //!
-//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty contact of what is in touch, and the
-//! law's tangent on the way from the present state. Not seen: contact that is not there yet; members of rigid bodies, which count as held;
-//! dampers where there is penalty contact too, whose dashpots limit nothing; bulk viscosity counts by half, as it acts in compression only; constraints of the Lagrange and kinematic laws and of
-//! rigid walls add no frequency.
+//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty contact of what is in touch, and
+//! the law's tangent on the way from the present state. Not seen: contact that is not there yet; members of rigid bodies,
+//! which count as held; dampers where there is penalty contact too, whose dashpots limit nothing. Bulk viscosity counts by
+//! half, as it acts in compression only. Constraints of the Lagrange and kinematic laws and of rigid walls add no frequency.
 
 use crate::embedded::Alone;
 use crate::job::Model;
@@ -186,11 +187,9 @@ impl Probe {
             self.before[i] = nodes.x[i];
         }
         for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.next_w.len()) {
-            for c in 0..3 {
-                let now = dt * nodes.next_w[i][c];
-                nodes.w[i][c] = (now - angle[c]) / dt;
-                angle[c] = now;
-            }
+            let now = nodes.next_w[i].map(|w| dt * w);
+            nodes.w[i] = std::array::from_fn(|c| (now[c] - angle[c]) / dt);
+            *angle = now;
         }
         let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
         if let Some(element) = step(engine, wire).map_err(lost)?.trouble {

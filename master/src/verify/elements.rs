@@ -2,7 +2,7 @@
 //! hourglass mode (C10), warped elements (C11).
 
 use super::bench::Finished;
-use super::measure::{Crossings, Pose, displacement, drive, fields, lead};
+use super::measure::{Crossings, Pose, displacement, drive, fields, fields_before, lead};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
@@ -147,9 +147,10 @@ const SHEARS: &str =
 
 /// Bends a patch by its rim, which `build` returns, and lets it come to rest.
 fn bent(bench: &Bench, variant: &str, build: impl Fn(&mut Scene) -> Vec<u32>) -> Result<Row, String> {
-    let scale = 1e-4;
-    // Lowest frequency of the patch about 1 Hz: driven for a while, then held while what swings dies out by exp(-6 t).
-    let (driven, end) = (50.0, 57.0);
+    // What the slopes stretch grows with the square of the scale, what bends with the scale: at 1e-4 it is 1e-5 of that.
+    let scale = 1e-9;
+    // Driven for a while, then held. Frequencies from 0.6 Hz on: what lags behind then dies out by exp(-1.4 t) at least.
+    let (driven, end) = (50.0, 80.0);
     let mut scene = Scene::new(end);
     let rim = build(&mut scene);
     scene.fix(&rim, ALL);
@@ -353,7 +354,7 @@ fn led_square(
     let place = |n: u32, t: f64| (path(x0[n as usize - 1], t / end), [0.0; 3]);
     led(bench, name, &scene, place, 4, |e| {
         if e.clock.cycle > 0 {
-            at((e.clock.time - e.clock.last_dt) / end, &fields(e)[0]);
+            at((e.clock.time - e.clock.last_dt) / end, &fields_before(e)[0]);
         }
     })?;
     Ok(())
@@ -399,9 +400,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
         let [ours, expected] = sheared(gamma, 1000.0)?;
         for (c, name) in [(0, "sigma12/G"), (1, "sigma11/G")] {
             let row = Row::new(format!("simple shear {gamma}, {name}"), "belytschko_tsay, 1000 steps", "", ours[c]);
-            all.push(row.near(expected[c], 1e-3, D).known(
-                "in a step the axes of the element turn otherwise than its material does: first order in the step",
-            ));
+            all.push(row.near(expected[c], 1e-3, D));
         }
     }
     let off = |[ours, expected]: [[f64; 2]; 2]| (ours[1] / expected[1] - 1.0).abs();

@@ -70,12 +70,25 @@ pub fn amplitude(e: &Engine, shape: &[(u32, f64)], c: usize) -> f64 {
     over / under
 }
 
-/// Fields of all elements, in ascending id.
+/// Fields of all elements, in ascending id. Stress is that of the time before; its axes are those of the present.
 pub fn fields(e: &Engine) -> Vec<ElementFields> {
+    fields_at(e, 0.0)
+}
+
+/// The same with axes of the time before, to which the stress belongs.
+pub fn fields_before(e: &Engine) -> Vec<ElementFields> {
+    fields_at(e, e.clock.last_dt)
+}
+
+/// With the axes of so long ago, as long as nodes have moved with their present velocities.
+fn fields_at(e: &Engine, ago: f64) -> Vec<ElementFields> {
     let mut all = Vec::new();
     for b in &e.blocks.blocks {
         for (i, element) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-            let x = element.nodes.map(|n| xyz(&e.nodes.x[n as usize]));
+            let x = element.nodes.map(|n| {
+                let (x, v) = (xyz(&e.nodes.x[n as usize]), xyz(&e.nodes.v[n as usize]));
+                std::array::from_fn(|c| x[c] - ago * v[c])
+            });
             all.push((element.record.id, b.element.fields(b.state(i), &x)));
         }
     }

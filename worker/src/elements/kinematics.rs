@@ -77,6 +77,12 @@ pub fn curvature<R: Real>(tx: [R; 2], ty: [R; 2]) -> [R; 3] {
     [ty[0], -tx[1], ty[1] - tx[0]]
 }
 
+/// Components xx, yy and twice xy of a strain in axes that are turned by a small angle.
+#[inline(always)]
+pub fn turned<R: Real>(angle: R, [xx, yy, xy]: [R; 3]) -> [R; 3] {
+    [angle.mul_add(xy, xx), angle.neg_mul_add(xy, yy), (angle + angle).mul_add(yy - xx, xy)]
+}
+
 /// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh order,
 /// off by 1e-12 at a rotation of 4 degrees a step.
 #[inline(always)]

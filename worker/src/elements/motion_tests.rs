@@ -224,6 +224,29 @@ fn numbering_does_not_matter() {
     }
 }
 
+/// Verification A26: stress in simple shear by 2, in closed form in axes that turn by half of the angle of the sides: `asinh gamma` and
+/// `1 - sqrt(1 + gamma^2)` times G in them. Off by the second order of the step: in the axes of the end it was off by the first.
+#[test]
+fn finite_shear_is_of_second_order_in_the_step() {
+    let gamma = 2.0f64;
+    let (t, n) = (gamma.asinh(), 1.0 - gamma.hypot(1.0));
+    let (s, c) = gamma.atan().sin_cos();
+    let wanted = [n * c + t * s, t * c - n * s].map(|stress| stress * 0.5 * E / (1.0 + NU));
+    for element in QUADS {
+        let off = |steps: usize| {
+            let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+            let mut patch = Patch::new(part_of(element, 0.05), elastic(E, NU, 1.0), &nodes, &[[0, 1, 2, 3]]);
+            (0..4).for_each(|node| patch.v[node] = [gamma / steps as f64 * nodes[node][1], 0.0, 0.0, 0.0]);
+            (0..steps).for_each(|_| _ = patch.step(1.0));
+            let stress = patch.fields(0).stress;
+            (stress[0] / wanted[0] - 1.0).abs().max((stress[3] / wanted[1] - 1.0).abs())
+        };
+        let (coarse, fine) = (off(100), off(200));
+        assert!(coarse < 5e-4, "{element}: {coarse:e}");
+        assert!(fine < 0.3 * coarse, "{element}: {coarse:e}, then {fine:e}");
+    }
+}
+
 #[test]
 fn lanes_do_not_see_their_neighbours() {
     let table = [[0.0, 0.25], [0.01, 0.3], [0.05, 0.35]];

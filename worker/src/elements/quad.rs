@@ -6,11 +6,14 @@
 //! ```text
 //! A = |r31 x r42| / 2,   B1 = [y24, y31, y42, y13] / 2A,   B2 = [x42, x13, x24, x31] / 2A
 //! K = dt grad v (3 x 2)           velocity gradient at the centre times the step, on x(t)
-//! e = sym K - K'K/2,  eps = e + ee
+//! e = sym K - K'K/2,  eps = P (e + ee) P'
 //! kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]          gamma = dt [B1 vz + mean ty, B2 vz - mean tx]
 //! ```
 //! I - K is the inverse of the deformation gradient of the step, so e is its Almansi strain: it vanishes in any
-//! finite rigid rotation; eps is the logarithmic strain to second order. gamma takes the rotation of the plane from
+//! finite rigid rotation; e + ee is the logarithmic strain to second order. The axes turn in a step by
+//! `delta = (e_yy - e_xx) a.b/(2 |a| |b|)` more than the material (the mean of what its strain turns a and b); P sees the strain in axes
+//! that lag by half of that, between those before and those after the step. In the latter alone the stress in finite shear would be
+//! off by the first order of the step (A26). Curvatures likewise. gamma takes the rotation of the plane from
 //! K as a finite one, so that it vanishes too when the nodes turn with the element.
 //!
 //! Corner forces by virtual power with the same B. Two additions:
@@ -38,7 +41,7 @@
 //! Everything about four corners is held as three or four modes, of which the corners are sums:
 //! the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the first two only.
 
-use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
+use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, turned};
 use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
 use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
@@ -154,6 +157,8 @@ pub struct Geometry<R: Real> {
     pub x: [R; 3],
     pub y: [R; 3],
     pub hz: R,
+    /// Cosine of the angle between the mean directions of xi and eta.
+    skew: R,
     /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
     pub b1: [R; 2],
     pub b2: [R; 2],
@@ -199,6 +204,9 @@ impl<R: Real> Geometry<R> {
         // Sides above are doubled; every side also climbs by half of hz. What twisted sides stretch (`sides.rs`) needs half as
         // much again (`plate_tests.rs`).
         let longest = (R::splat(1.5) * hz).mul_add(hz, longest);
+        // |a| |b| (1 + sine) is half the square of the length that e1 had.
+        let (sides, rise) = (len_a * len_b, R::splat(2.0) * two_a);
+        let skew = (px * qx + py * qy) * (sides + rise) * (inv * inv);
         let area = half * two_a;
         let diagonals = half * (side(x[0], y[0]) + side(x[1], y[1]));
         Self {
@@ -210,6 +218,7 @@ impl<R: Real> Geometry<R> {
             x,
             y,
             hz,
+            skew: skew + skew,
             longest: R::splat(0.25) * longest,
             diagonals,
             has_area: area.gt(R::splat(LEAST_AREA) * diagonals),
@@ -301,7 +310,9 @@ impl<R: Real> Motion<R> {
         let gamma = [angle.mul_add(sine[0], quarter * t[3][1]), (-quarter).mul_add(t[3][0], angle * sine[1])];
         let spin = angle * sine[2];
         let motion = Self { u, t, k, tx, ty, almansi, spin, k_z: [k_xz, k_yz, k_zz] };
-        (motion, Strains { eps, kappa: curvature(tx, ty), gamma })
+        let ahead = quarter * g.skew * (eps[0] - eps[1]);
+        let between = |c: [R; 3]| turned(ahead, c);
+        (motion, Strains { eps: between(eps), kappa: between(curvature(tx, ty)), gamma })
     }
 
     /// Increments of the hourglass modes tx, ty, vz, vx, vy.
