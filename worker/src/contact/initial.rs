@@ -2,7 +2,6 @@
 //! its thickness.
 
 use crate::blocks::LocalElement;
-use crate::contact::beams::radius;
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::local::{BEHIND, BESIDE, is_opposed};
 use crate::contact::search::linked_cells;
@@ -10,7 +9,6 @@ use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use std::collections::{HashMap, HashSet};
