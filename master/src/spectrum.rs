@@ -23,6 +23,7 @@ use crumple_proto::ids::NodeId;
 use crumple_worker::nodes::Row;
 use crumple_worker::step::step;
 use crumple_worker::time::Clock;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Largest part of the eigenvalue by which it may be off.
 const CLOSE: f64 = 0.01;
@@ -259,50 +260,22 @@ fn scaled(a: &[f64], by: f64) -> Vec<f64> {
     a.iter().map(|a| by * a).collect()
 }
 
-/// The largest eigenvalue of a symmetric tridiagonal matrix, by Sturm's sequence, and its vector, by inverse iteration.
+/// Most iterations of the eigenvalues of a small matrix.
+const ITERATIONS: usize = 1000;
+
+/// The largest eigenvalue of a symmetric tridiagonal matrix, and its vector of unit length; NaN if there is none.
 fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
+    let entry = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => diagonal[i],
+        1 => beside[i.min(j)],
+        _ => 0.0,
+    };
     let n = diagonal.len();
-    let reach = |i: usize| {
-        let next = if i + 1 < n { beside[i].abs() } else { 0.0 };
-        diagonal[i].abs() + next + if i > 0 { beside[i - 1].abs() } else { 0.0 }
+    let Some(eigen) = SymmetricEigen::try_new(DMatrix::from_fn(n, n, entry), f64::EPSILON, ITERATIONS) else {
+        return (f64::NAN, vec![0.0; n]);
     };
-    let bound = (0..n).map(reach).fold(0.0, f64::max);
-    if bound == 0.0 {
-        return (0.0, vec![1.0; n]);
-    }
-    // Eigenvalues above a number: positive pivots of T - x.
-    let any_above = |x: f64| {
-        let mut pivot = diagonal[0] - x;
-        let mut any = pivot > 0.0;
-        for i in 1..n {
-            let safe = if pivot.abs() < 1e-300 { 1e-300 } else { pivot };
-            pivot = diagonal[i] - x - beside[i - 1] * beside[i - 1] / safe;
-            any |= pivot > 0.0;
-        }
-        any
-    };
-    let (mut low, mut high) = (-bound, bound);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if any_above(middle) { low = middle } else { high = middle }
-    }
-    // (shift - T) is positive definite just above the eigenvalue.
-    let shift = high + 1e-10 * bound;
-    let mut vector = vec![1.0; n];
-    for _ in 0..4 {
-        let (mut pivots, mut right) = (vec![shift - diagonal[0]; n], vector.clone());
-        for i in 1..n {
-            let factor = -beside[i - 1] / pivots[i - 1];
-            pivots[i] = shift - diagonal[i] + factor * beside[i - 1];
-            right[i] -= factor * right[i - 1];
-        }
-        vector[n - 1] = right[n - 1] / pivots[n - 1];
-        for i in (0..n - 1).rev() {
-            vector[i] = (right[i] + beside[i] * vector[i + 1]) / pivots[i];
-        }
-        vector = scaled(&vector, 1.0 / dot(&vector, &vector).sqrt());
-    }
-    (0.5 * (low + high), vector)
+    let (place, value) = eigen.eigenvalues.argmax();
+    (value, eigen.eigenvectors.column(place).iter().copied().collect())
 }
 
 #[cfg(test)]

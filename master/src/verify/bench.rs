@@ -1,5 +1,6 @@
 //! Runs the jobs of checks in this process, on one engine each, and watches energy and momentum on the way.
 
+use super::contact::Law;
 use super::row::Row;
 use super::scene::Scene;
 use crate::embedded::{Ended, run_alone};
@@ -48,9 +49,9 @@ impl Bench {
         Self { jobs }
     }
 
-    /// Names of the contact laws there are.
+    /// Names of the contact laws of nodes on segments.
     pub fn laws(&self) -> impl Iterator<Item = &'static str> {
-        CONTACT_LAWS.iter().map(|l| l.name)
+        CONTACT_LAWS.iter().map(|l| l.name).filter(|&name| Law::BY_SEGMENTS.iter().all(|law| !law.has_name(name)))
     }
 
     /// Reads a scene as the job file that it is.

@@ -22,6 +22,7 @@ pub const CATALOGUE: &[Entry] = &[
             solid_bars::PAIR,
             solid_bars::PAIR_SPLIT,
             solid_bars::PAIR_UNEQUAL,
+            solid_bars::PAIR_SEGMENTS,
             solid_bars::PAIR_ORDER,
         ],
         "",

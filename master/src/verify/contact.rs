@@ -19,18 +19,32 @@ pub struct Law {
 }
 
 impl Law {
-    /// Every law and form.
+    /// Every law and form of nodes on segments.
     pub const ALL: &[Self] = &[
         Self { name: "lagrange", law: "lagrange", more: "" },
         Self { name: "kinematic", law: "kinematic", more: "" },
         Self { name: "penalty", law: "penalty", more: "" },
-        Self { name: "mortar", law: "mortar", more: "" },
-        Self { name: "mortar stiffness", law: "mortar", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
         Self { name: "penalty stiffness", law: "penalty", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
     ];
 
+    /// Laws and forms of segments on segments, for checks in which surfaces press on surfaces.
+    pub const BY_SEGMENTS: &[Self] = &[
+        Self { name: "mortar", law: "mortar", more: "" },
+        Self { name: "mortar stiffness", law: "mortar", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
+    ];
+
+    /// Every law and form.
+    pub fn all() -> impl Iterator<Item = &'static Self> {
+        Self::ALL.iter().chain(Self::BY_SEGMENTS)
+    }
+
     /// Lagrange with masses split among pairs.
     pub const SPLIT: Self = Self { name: "lagrange split", law: "lagrange", more: "iteration = \"split\"\n" };
+
+    /// Whether it is a form of the law with this name in the job.
+    pub fn has_name(&self, law: &str) -> bool {
+        self.law == law
+    }
 
     /// The `[contact]` table.
     pub fn table(&self) -> String {
@@ -372,8 +386,7 @@ mod tests {
             let contact: Contact = table["contact"].clone().try_into().unwrap();
             format!("{contact:?}")
         };
-        let different: std::collections::BTreeSet<String> =
-            Law::ALL.iter().chain([&Law::SPLIT]).map(settings).collect();
-        assert_eq!(different.len(), Law::ALL.len() + 1);
+        let different: std::collections::BTreeSet<String> = Law::all().chain([&Law::SPLIT]).map(settings).collect();
+        assert_eq!(different.len(), Law::all().count() + 1);
     }
 }

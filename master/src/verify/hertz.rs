@@ -24,7 +24,7 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
     let width = (4.0 * LOAD * RADIUS / (PI * stiff)).sqrt();
     let peak = 2.0 * LOAD / (PI * width);
     let mut all = Vec::new();
-    for law in Law::ALL {
+    for law in Law::all() {
         for cells in [4, 8] {
             // Half of it by symmetry; twenty half widths of it are as good as all.
             let (first, size) = (width / cells as f64, 20.0 * width);

@@ -21,7 +21,7 @@ const LOCAL: &str = "nodes press on segments at their own places: on meshes that
 fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     const LAYERS: usize = 2;
     let mut all = Vec::new();
-    for law in Law::ALL {
+    for law in Law::all() {
         for (below, above) in [(4, 4), (3, 4), (4, 3)] {
             // A bar of 1 m swings at c/4L; damped near that the slowest mode is gone in a few periods.
             let period = 4.0 / STEEL.c();

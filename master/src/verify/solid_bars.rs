@@ -18,6 +18,9 @@ pub const PAIR_SPLIT: Check =
 /// A01 with cubes that do not match.
 pub const PAIR_UNEQUAL: Check =
     Check { name: "head-on, cubes, non-matching", quick: false, run: |b| pair(b, 3, Law::ALL) };
+/// A01 with cubes that do not match, segments on segments.
+pub const PAIR_SEGMENTS: Check =
+    Check { name: "head-on, cubes, non-matching, by segments", quick: false, run: |b| pair(b, 3, Law::BY_SEGMENTS) };
 /// A01 with cubes: order in the mesh size.
 pub const PAIR_ORDER: Check = Check { name: "order in the mesh size, cubes", quick: false, run: order };
 /// A03 (b).

@@ -155,7 +155,8 @@ impl Sweeps<'_> {
         for left in (0..self.accelerated).rev() {
             swept.sweeps += 1;
             let before: Forces = t.pairs.iter().filter(|p| p.own).map(|p| p.force).collect();
-            let changed = self.sweep(t, Stage::Accelerated, wire)?;
+            // Who has no pairs has laid no order for them, and takes part in what all agree on only.
+            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, wire)?;
             self.feel_others(t, wire, changed)?;
             let advice = acceleration.note(&t.pairs, &before, changed, wire)?;
             swept.unsettled = advice.changed;
