@@ -22,10 +22,10 @@ const MOST: usize = 12;
 const SLIVER: f64 = 1e-6;
 /// Points and weights in a triangle, exact to the degree of four (Dunavant 1985, table II).
 const POINTS: [([f64; 3], f64); 6] = {
-    const A: f64 = 0.445948490915964886;
-    const B: f64 = 0.091576213509770743;
-    const W: f64 = 0.223381589678011466;
-    const V: f64 = 0.109951743655321868;
+    const A: f64 = 0.4459484909159649;
+    const B: f64 = 0.09157621350977074;
+    const W: f64 = 0.22338158967801147;
+    const V: f64 = 0.10995174365532187;
     [
         ([1.0 - 2.0 * A, A, A], W),
         ([A, 1.0 - 2.0 * A, A], W),

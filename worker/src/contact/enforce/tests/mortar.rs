@@ -108,11 +108,11 @@ fn friction_slows_a_plate_over_many_segments() {
         let (mut scene, areas) = two(&ContactJob { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
         let first = areas.len() - 4;
         (0..first).for_each(|i| scene.nodes.inv_mass[i] = [0.0; 4]);
-        for i in first..areas.len() {
+        for (i, area) in areas.iter().enumerate().skip(first) {
             // Small enough to stay on the plate below all the way.
             (scene.nodes.x[i][0], scene.nodes.x[i][1]) =
                 (0.31 * scene.nodes.x[i][0] - 0.55, 0.31 * scene.nodes.x[i][1]);
-            scene.load[i].z = -load * areas[i];
+            scene.load[i].z = -load * area;
         }
         scene.settle(100, 0.1);
         (first..areas.len()).for_each(|i| scene.nodes.v[i] = [v, 0.0, 0.0, 0.0]);
