@@ -194,14 +194,16 @@ fn sliding(e: &Engine) -> f64 {
     nodes.iter().map(|&n| e.nodes.v[n as usize][0]).sum::<f64>() / nodes.len() as f64
 }
 
+const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
+
 /// Runs the block of `cases/slide` with each law under a third of what Coulomb's friction would be: it has lost `tau A/m` a time once
 /// that is reached. Gives the loss over that by law.
-fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 3] {
+fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
     let (friction, end) = (0.3, 1.5);
     let limit = friction * WEIGHT / FOOT / 3.0;
     // Coulomb's friction grows in the ramp up to the limit, in a third of it.
     let lost = limit * FOOT / MASS * (end - 0.5 * RAMP / 3.0);
-    ["lagrange", "kinematic", "penalty"].map(|law| {
+    LAWS.map(|law| {
         let sets =
             [format!("contact.law={law}"), format!("contact.friction_limit={limit:?}"), format!("end_time={end:?}")];
         let engine = run_alone(&read(&sets.each_ref().map(String::as_str)), |_| {});
@@ -232,7 +234,7 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
     text += &job[job.find("[output]").unwrap()..];
     // As in the catalogue, A07: bricks of assumed strain flutter.
     let read = |sets: &[&str]| model_of(&text, &[sets, &["part.2.hourglass=stiffness"]].concat());
-    for (found, law) in limited(read).into_iter().zip(["lagrange", "kinematic", "penalty"]) {
+    for (found, law) in limited(read).into_iter().zip(LAWS) {
         near(found, 1.0, 0.02, law);
     }
     let [high, none] = [&["time.max_cycles=300", "contact.friction_limit=1.0"][..], &["time.max_cycles=300"]];
@@ -243,8 +245,7 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
 /// On facets as large as a half of it: nodes of the base bear too, and where the block ends between them is not known.
 #[test]
 fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
-    for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(["lagrange", "kinematic", "penalty"])
-    {
+    for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(LAWS) {
         near(found, 1.0, 0.1, law);
     }
 }
@@ -252,7 +253,7 @@ fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
 #[test]
 fn limited_friction_gives_the_same_bits_on_any_number_of_workers() {
     for (scene, limit) in [("tumble", "contact.friction_limit=0.01"), ("slide", "contact.friction_limit=1e-4")] {
-        for law in ["lagrange", "kinematic", "penalty"] {
+        for law in LAWS {
             let law = format!("contact.law={law}");
             let sets = ["time.max_cycles=600", "contact.friction=0.3", law.as_str()];
             let model = read(&case(scene), &[&sets[..], &[limit]].concat());

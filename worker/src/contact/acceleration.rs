@@ -19,8 +19,8 @@ use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
-/// Most earlier sweeps that one is combined with. With 2, a layer of two light nodes between heavy ones takes twice the sweeps of 5;
-/// more than 5 save none.
+/// Most earlier sweeps that one is combined with. For five light layers, 1 to 10,000, with split masses: 69 sweeps with 2, 27 with
+/// 5 and with 8 (`accelerated_sweeps_settle_whatever_the_masses`).
 const DEPTH: usize = 5;
 /// Directions whose squared sine to the others is below this are dropped: round-off of the sums, 1e-16, is felt in them.
 const PARALLEL: f64 = 1e-12;

@@ -448,7 +448,10 @@ impl Contact {
             p.friction = self.surface.interfaces.friction(p.interface, speed);
             let limit = self.surface.interfaces.friction_limit(p.interface);
             if limit < f64::INFINITY && !p.name.is_edge() {
-                p.limit_friction(limit, self.surface.area_of(p, &nodes.x, |_| true));
+                // What two segments press on is the area of their pair.
+                let of_node = || self.surface.area_of(p, &nodes.x, |_| true);
+                let area = if p.name.is_segment() { p.area } else { of_node() };
+                p.limit_friction(limit, area);
             }
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).start(p, steps);
@@ -513,7 +516,7 @@ impl Contact {
             return;
         }
         let is_limited =
-            |p: &Pair| p.own && !p.name.is_edge() && surface.interfaces.friction_limit(p.interface) < f64::INFINITY;
+            |p: &Pair| p.own && p.name.is_node() && surface.interfaces.friction_limit(p.interface) < f64::INFINITY;
         let noted = |(q, p): (usize, &Pair)| {
             let area = surface.area_of(p, &nodes.x, |n| t.bears(n, &p.normal));
             (q, self.force_on(p.nodes[0]).dot(&p.normal), area)

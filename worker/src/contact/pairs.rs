@@ -251,7 +251,7 @@ impl PairTable {
         let Ok(t) = self.touched.binary_search(&node) else { return false };
         let of = |&(q, r): &(u32, u8)| {
             let pair = &self.pairs[q as usize];
-            r == 0 && !pair.name.is_edge() && pair.normal.dot(normal) > 0.5
+            r == 0 && pair.name.is_node() && pair.normal.dot(normal) > 0.5
         };
         self.roles_at(t).iter().any(of)
     }

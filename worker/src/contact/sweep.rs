@@ -225,18 +225,23 @@ impl Sweeps<'_> {
         self.bodies.feel(wire, self.nodes, (&t.touched, &t.total), self.walls, self.steps, changed)
     }
 
-    fn updated(&self, p: &Pair, some: Selection) -> Option<V3> {
+    /// The force that a selected pair gets in a sweep, and whether the one it has is not good enough.
+    fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, bool)> {
         let law = some.law(p, self.laws)?;
-        law.update(p, &p.relative_velocity(&self.nodes.next_v), self.steps)
+        let velocity = p.relative_velocity(&self.nodes.next_v);
+        match some.stage {
+            Stage::Plain(_) => law.update(p, &velocity, self.steps).map(|force| (force, true)),
+            Stage::Accelerated => law.refine(p, &velocity, self.steps),
+        }
     }
 
     /// Some of the own pairs, from the same state; whether a force has changed.
     fn all_at_once(&self, t: &mut PairTable, some: Selection) -> bool {
         let mut changed = false;
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            if let Some(force) = self.updated(p, some) {
+            if let Some((force, is_needed)) = self.updated(p, some) {
                 p.force = force;
-                changed = true;
+                changed |= is_needed;
             }
         }
         changed

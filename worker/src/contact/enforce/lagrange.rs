@@ -55,6 +55,10 @@ impl ContactLaw for Lagrange {
     }
 
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
+        self.refine(pair, velocity, steps).and_then(|(force, is_needed)| is_needed.then_some(force))
+    }
+
+    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, bool)> {
         let [soft_n, soft_t] = pair.compliance.map(|c| steps.push * c);
         if soft_n <= 0.0 {
             return None; // both sides are held fixed
@@ -74,8 +78,8 @@ impl ContactLaw for Lagrange {
         let whole = pair.demand.max(steps.push * pair.firm * new_pressed.max(pressed));
         // A force that has nothing left to do ends, however small: left as it is, it would go on pushing.
         let ends = pressed > 0.0 && new_pressed == 0.0;
-        (ends || left > (GAP * pair.thickness / steps.dt).max(self.tolerance * whole))
-            .then(|| pair.normal * new_pressed + new_sheared)
+        let is_needed = ends || left > (GAP * pair.thickness / steps.dt).max(self.tolerance * whole);
+        Some((pair.normal * new_pressed + new_sheared, is_needed))
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {

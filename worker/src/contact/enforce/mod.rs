@@ -103,6 +103,11 @@ pub trait ContactLaw: Send + Sync {
     /// all present forces felt; `None` if the present force is good enough. It depends on nothing else: a pair is not asked
     /// again before one of its nodes moves otherwise.
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
+    /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and whether it is not; for accelerated
+    /// sweeps, which need the residuals of all pairs. `None` if the pair can have no other force.
+    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, bool)> {
+        self.update(pair, velocity, steps).map(|force| (force, true))
+    }
     /// Tangential distance from the stick point after the step.
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3;
     /// Whether the pair is held softer than the job asks, so that the step stays stable.

@@ -133,7 +133,7 @@ impl PairTable {
         &mut self,
         wire: &mut dyn Transport,
         state: &mut S,
-        update: impl Fn(&Pair, &S) -> Option<V3>,
+        update: impl Fn(&Pair, &S) -> Option<(V3, bool)>,
         feel: impl Fn(&mut S, u32, u32, &V3),
     ) -> Result<bool, Lost> {
         let mut order = std::mem::take(&mut self.order);
@@ -146,9 +146,11 @@ impl PairTable {
                     continue;
                 }
                 order.looked[i as usize] = order.turn;
-                if let Some(force) = update(&self.pairs[i as usize], state) {
-                    changed = true;
-                    self.put(i, force, &mut order, state, &feel);
+                if let Some((force, is_needed)) = update(&self.pairs[i as usize], state) {
+                    changed |= is_needed;
+                    if force != self.pairs[i as usize].force {
+                        self.put(i, force, &mut order, state, &feel);
+                    }
                 }
             }
             for c in &self.common {

@@ -357,7 +357,8 @@ impl Pair {
 
     /// Holds the friction of this step to a shear stress [force/length^2] on the area of the slave node [length^2]. Where two surfaces
     /// are slaves of each other the load is shared in any way between their pairs, so that what a pair bears tells nothing of the
-    /// pressure: the coefficient is held to the limit over the pressure.
+    /// pressure: the coefficient is held to the limit over the pressure, once that is known. Two segments have their own area, and
+    /// no pressure is noted of them.
     pub fn limit_friction(&mut self, limit: f64, area: f64) {
         if self.pressure > 0.0 {
             self.friction = self.friction.min(limit / self.pressure);
