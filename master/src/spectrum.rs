@@ -12,9 +12,9 @@
 //! and the estimate is taken when its residual says that an eigenvalue lies within [`CLOSE`] of it (Parlett 1998, theorem
 //! 4.5.1), or when it has stopped growing.
 //!
-//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty contact of what is in touch, and
+//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty and mortar contact of what is in touch, and
 //! the law's tangent on the way from the present state. Not seen: contact that is not there yet; members of rigid bodies,
-//! which count as held; dampers where there is penalty contact too, whose dashpots limit nothing. Bulk viscosity counts by
+//! which count as held; dampers where there is such contact too, whose dashpots limit nothing. Bulk viscosity counts by
 //! half, as it acts in compression only. Constraints of the Lagrange and kinematic laws and of rigid walls add no frequency.
 
 use crate::embedded::Alone;
@@ -60,6 +60,13 @@ struct Free {
     root: f64,
 }
 
+impl Free {
+    /// How far a weighted displacement moves it; turning counts as what it moves at a distance `side` [length].
+    fn reach(&self, y: f64, side: f64) -> f64 {
+        y.abs() / self.root * if self.component < 3 { 1.0 } else { side }
+    }
+}
+
 struct Probe {
     alone: Alone,
     clock: Clock,
@@ -79,7 +86,7 @@ struct Probe {
 /// The job cannot be run that far, or its step is not one that this looks at.
 pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
     if model.settings.subcycles > 1 {
-        return Err("the step of a job with time.subcycles is of two kinds: look at it without them".into());
+        return Err("a job with time.subcycles has two steps: check it with `--set time.subcycles=1`".into());
     }
     let mut probe = Probe::start(model, at)?;
     let mut seed = 7u64;
@@ -91,6 +98,9 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
     let (mut eigenvalue, mut residual, mut pushes) = (0.0f64, f64::INFINITY, 0);
     for _ in 0..ROUNDS {
         let round = probe.lanczos(&start)?;
+        if !round.eigenvalue.is_finite() {
+            return Err("the forces of the model are no numbers when its nodes move: no step can be given".into());
+        }
         pushes += round.pushes;
         let grown = round.eigenvalue > eigenvalue * (1.0 + GROWTH);
         (eigenvalue, residual) = (round.eigenvalue.max(eigenvalue), round.residual);
@@ -100,7 +110,7 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
         }
     }
     let strongest = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
-    let moved = start.iter().zip(&probe.free).map(|(y, free)| y.abs() / free.root).enumerate();
+    let moved = start.iter().zip(&probe.free).map(|(y, free)| free.reach(*y, probe.side)).enumerate();
     let node = moved.max_by(strongest).map_or(0, |(i, _)| probe.free[i].node);
     Ok(Estimate {
         time: probe.clock.time,
@@ -157,8 +167,17 @@ impl Probe {
             return Err("no node is free to move".into());
         }
         let side = model.quality.min_side.value;
+        if side.is_nan() || side <= 0.0 {
+            return Err(
+                "no element has a length by which nodes could be moved: springs of no length have no step".into()
+            );
+        }
         let angle = vec![[0.0; 4]; nodes.w.len()];
-        let dashpots = model.job.contact.as_ref().is_some_and(|c| c.each().any(|c| c.law == "penalty"));
+        let dashpots = model
+            .job
+            .contact
+            .as_ref()
+            .is_some_and(|c| c.each().any(|c| ["penalty", "mortar"].contains(&c.law.as_str())));
         Ok(Self { alone, clock, before: place.clone(), place, angle, free, side, dashpots })
     }
 
@@ -194,7 +213,11 @@ impl Probe {
         }
         let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
         if let Some(element) = step(engine, wire).map_err(lost)?.trouble {
-            return Err(format!("element {element} is in trouble when nodes are pushed by {:e}", PUSH * self.side));
+            let (push, time) = (PUSH * self.side, self.clock.time);
+            return Err(format!(
+                "element {element} cannot be computed at time {time:e} when its nodes move by {push:e}: it inverts or has no \
+                 size; mend it, or look at another time (`--step=T`)"
+            ));
         }
         let mid = self.clock.mid();
         let gained = |free: &Free| match free.component {
@@ -206,7 +229,7 @@ impl Probe {
 
     /// B on a vector that is weighted with the roots of the masses.
     fn push(&mut self, y: &[f64]) -> Result<Vec<f64>, String> {
-        let apart = |(y, free): (&f64, &Free)| y.abs() / free.root * if free.component < 3 { 1.0 } else { self.side };
+        let apart = |(y, free): (&f64, &Free)| free.reach(*y, self.side);
         let scale = PUSH * self.side / y.iter().zip(&self.free).map(apart).fold(0.0, f64::max);
         let by: Vec<f64> = y.iter().zip(&self.free).map(|(y, free)| scale * y / free.root).collect();
         let there = self.accelerations(Some(&by))?;
@@ -239,6 +262,8 @@ impl Probe {
             let (eigenvalue, weights) = largest(&diagonal, &beside);
             let residual = rest * weights.last().expect("as many as vectors").abs() / eigenvalue.abs();
             let pushes = diagonal.len();
+            // Without a rest, the vectors span all that resists; without an eigenvalue, nothing does.
+            let residual = if rest == 0.0 || eigenvalue == 0.0 { 0.0 } else { residual };
             if residual < CLOSE || pushes == VECTORS.min(self.free.len()) || !eigenvalue.is_finite() {
                 let mut mode = vec![0.0; start.len()];
                 for (vector, weight) in vectors.iter().zip(&weights) {

@@ -170,6 +170,7 @@ fn mistakes_in_thicknesses_and_offsets_are_told_all_at_once() {
         "element 1: its thickness is -2.0",
         "there is no element 999999",
         "element 2 is given a thickness twice",
+        "offset is 30",
         "contact_thickness is 0",
         "`friction_limit` is -1.0",
     ] {

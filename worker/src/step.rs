@@ -67,14 +67,10 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
             timer.lap(Phase::Halo);
         }
         contact.look_at_folds(nodes, clock.cycle);
-        contact.refresh_candidates(
-            nodes,
-            Joined { bodies, ties },
-            (clock.time, steps.dt),
-            engine.agreement.elements_dt,
-        );
+        let joined = Joined { bodies, ties };
+        contact.refresh_candidates(nodes, joined, (clock.time, steps.dt), engine.agreement.elements_dt);
         timer.lap(Phase::Search);
-        contact.find_pairs(nodes, clock.time, steps);
+        contact.find_pairs(nodes, joined, clock.time, steps);
         timer.lap(Phase::Local);
         contact.share_pairs(wire, nodes, halo)?;
         timer.lap(Phase::Halo);

@@ -345,6 +345,12 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     if part.thinning {
         own.insert("thinning".into(), true.into());
     }
+    if let Some(thickness) = part.contact_thickness {
+        own.insert("contact_thickness".into(), thickness.into());
+    }
+    if part.contact_thickness_scale != default.contact_thickness_scale {
+        own.insert("contact_thickness_scale".into(), part.contact_thickness_scale.into());
+    }
     if part.inverted == Inverted::Delete {
         own.insert("inverted".into(), "delete".into());
     }

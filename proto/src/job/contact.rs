@@ -23,7 +23,7 @@ pub struct Contact {
     pub friction_decay: f64,
     /// Largest shear stress of friction [force/length^2]; none if left out or 0. Where the normal pressure on a node, the
     /// mean of about ten steps, is above this by the coefficient of friction, the coefficient is this by the pressure. Edges on edges
-    /// have no area and are not limited.
+    /// and lines of beams have no area and are not limited.
     pub friction_limit: Option<f64>,
     /// Time from which there is contact [time].
     pub birth: f64,

@@ -1,7 +1,8 @@
 //! Beams as lines in contact: each element is a round bar about the line between its nodes, rounded off at its ends, so that nothing
 //! catches where one beam ends and the next begins.
 //!
-//! Of a beam take part its line, as a segment that nodes meet (`local.rs`) and as an edge that edges meet (`edges.rs`), and its nodes.
+//! A beam takes part by its nodes and by its line, which is both a segment that nodes meet (`local.rs`) and an edge that edges meet
+//! (`edges.rs`).
 //! Lines that have a node in common do not meet, nor does a node meet the lines next to its own.
 //!
 //! The radius is the outer one of a tube; else that of the circle of the section's area, which keeps the volume, and for an I that of

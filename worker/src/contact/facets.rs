@@ -5,8 +5,8 @@
 //! the one with the lower number is the slave, so that no pair is there twice, and its worker owns the pairs: its exterior
 //! copies are made to reach as far around all nodes of own segments as around slaves (`membership.rs`).
 //!
-//! What cannot be seen so are nodes and edges of shells that stand on a face or meet another rim: there nodes meet segments
-//! ([`Facets::covers`]), and edges edges.
+//! This misses nodes and edges of shells that stand on a face or meet another rim: there nodes meet segments ([`Facets::covers`]), and
+//! edges meet edges.
 //!
 //! What is new in a place goes on from what was beside it, so that nothing begins anew where a surface slides over the next
 //! segment: another pair of the same quarter, or of the same slave, with its stick point; or, without that, one of a neighbour of
@@ -133,14 +133,10 @@ impl Facets {
             let places = [slaves[p as usize], b];
             let [slave, met] = places.map(|i| &surface.segments[i as usize]);
             let [one, other] = places.map(|i| &spheres[i as usize]);
-            let may_meet = slave.id < met.id
-                && slave.id.elem() != met.id.elem()
+            if slave.id < met.id
                 && !one.is_apart(other, reach(slave.scale, met.scale))
-                && !slave.nodes.iter().any(|n| met.nodes.contains(n))
-                && !slave.nodes.iter().any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
-                && !met.nodes.iter().any(|&n| joined.are_one(n, &slave.nodes))
-                && self.interface(surface, [slave, met]).is_some();
-            if may_meet {
+                && self.may_meet(surface, joined, [slave, met]).is_some()
+            {
                 self.found.push(places);
             }
         });
@@ -171,8 +167,24 @@ impl Facets {
         surface.interfaces.between(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
     }
 
-    /// Whether what a node meets is met by a segment around it too: the pair of the node is then left out.
-    pub fn covers(&self, surface: &Surface, nodes: &Nodes, pair: &Pair) -> bool {
+    /// The interface in which two segments may meet as segments, the first one with the lower id; `None` if they may not.
+    fn may_meet(&self, surface: &Surface, joined: Joined<'_>, [slave, met]: [&Segment; 2]) -> Option<u16> {
+        let is_free = slave.id.elem() != met.id.elem()
+            && !slave.nodes.iter().any(|n| met.nodes.contains(n))
+            && !slave.nodes.iter().any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
+            && !met.nodes.iter().any(|&n| joined.are_one(n, &slave.nodes));
+        self.interface(surface, [slave, met]).filter(|_| is_free)
+    }
+
+    /// Whether what a node meets is met by a segment around it too: the pair of the node is then left out. `alive` tells which
+    /// interfaces are there.
+    pub fn covers(
+        &self,
+        nodes: &Nodes,
+        (surface, alive): (&Surface, &[bool]),
+        joined: Joined<'_>,
+        pair: &Pair,
+    ) -> bool {
         if !self.wanted[pair.interface as usize] {
             return false;
         }
@@ -181,16 +193,17 @@ impl Facets {
             return false;
         };
         let met = &surface.segments[met];
-        let Some(normal) = met.middle_normal(&nodes.x) else { return false };
+        let Some(normal) = met.middle_normal(&nodes.x).filter(|n| is_convex(met, n, nodes)) else { return false };
         surface.around(slave).any(|s| {
             let faces = |outward: &V3, other: &V3, both: bool| {
                 let along = outward.dot(other);
                 if both { along.abs() > FACING } else { along < -FACING }
             };
-            s.id.elem() != met.id.elem()
-                && !s.nodes.iter().any(|n| met.nodes.contains(n))
+            let both = if s.id < met.id { [s, met] } else { [met, s] };
+            self.may_meet(surface, joined, both).is_some_and(|i| alive[i as usize])
                 && s.middle_normal(&nodes.x).is_some_and(|outward| {
-                    faces(&outward, &pair.normal, !s.is_solid())
+                    is_convex(s, &outward, nodes)
+                        && faces(&outward, &pair.normal, !s.is_solid())
                         && faces(&outward, &normal, !s.is_solid() || !met.is_solid())
                 })
         })
@@ -225,7 +238,7 @@ impl Facets {
             (_, true) => 1.0,
             (true, false) => -of_slave.dot(&of_met).signum(),
             (false, false) => {
-                let before = self.side(slave.id, &of_met);
+                let before = self.side(slave.id, (surface, met), &of_met);
                 before.unwrap_or_else(|| (one.centre() - other.centre()).dot(&of_met)).signum()
             }
         };
@@ -239,9 +252,10 @@ impl Facets {
         Some(Visit { nodes, surface, segments, interface, thickness, scale, corners, normal, side, per_area })
     }
 
-    /// Product of the normal of what a slave remembers with that of a segment which looks alike.
-    fn side(&self, slave: SegmentId, normal: &V3) -> Option<f64> {
-        let products = self.of_slave(slave).iter().map(|r| (r.memory.age, r.memory.normal.dot(normal)));
+    /// Product of the normal of what a slave remembers of a segment, or of one beside it, with its normal, if they look alike.
+    fn side(&self, slave: SegmentId, (surface, met): (&Surface, &Segment), normal: &V3) -> Option<f64> {
+        let of_met = self.of_slave(slave).iter().filter(|r| is_of(&r.memory, surface, met));
+        let products = of_met.map(|r| (r.memory.age, r.memory.normal.dot(normal)));
         products.filter(|p| p.1.abs() > ALIKE).min_by_key(|p| p.0).map(|p| p.1)
     }
 
@@ -252,9 +266,9 @@ impl Facets {
         &self.memories[from..to]
     }
 
-    /// What is remembered of a pair with this normal, or of one that it follows on.
-    fn recall(&self, name: &Name, normal: &V3, surface: &Surface, slave: &Segment) -> Option<Memory> {
-        let alike = |m: &Memory| m.normal.dot(normal) > ALIKE;
+    /// What is remembered of a pair of these segments with this normal, or of one beside it, which it follows on.
+    fn recall(&self, name: &Name, normal: &V3, surface: &Surface, [slave, met]: [&Segment; 2]) -> Option<Memory> {
+        let alike = |m: &Memory| m.normal.dot(normal) > ALIKE && is_of(m, surface, met);
         let own = self.of_slave(slave.id).iter().map(|r| r.memory).filter(alike);
         // What is touched before what was lost, what is nearest, then by name.
         let rank = |m: &Memory| {
@@ -263,9 +277,8 @@ impl Facets {
         };
         let same = own.min_by_key(rank);
         same.or_else(|| {
-            let met = SegmentId(name.met[0]);
-            let from = self.by_met.partition_point(|e| e.0 < met);
-            let of_met = self.by_met[from..].iter().take_while(|e| e.0 == met);
+            let from = self.by_met.partition_point(|e| e.0 < met.id);
+            let of_met = self.by_met[from..].iter().take_while(|e| e.0 == met.id);
             let beside = of_met.map(|e| self.memories[e.1 as usize].memory).filter(|m| {
                 let before = m.name.slave_quarter().0;
                 before != slave.id && alike(m) && surface.is_beside(before, slave)
@@ -339,6 +352,19 @@ struct Visit<'a> {
     per_area: [f64; 2],
 }
 
+/// Whether a pair that is remembered was with this segment, or with one that has a node in common with it.
+fn is_of(memory: &Memory, surface: &Surface, met: &Segment) -> bool {
+    let before = SegmentId(memory.name.met[0]);
+    before == met.id || surface.is_beside(before, met)
+}
+
+/// Whether a segment with this normal is convex. What is not cannot be divided into quarters that are.
+fn is_convex(segment: &Segment, normal: &V3, nodes: &Nodes) -> bool {
+    let c = segment.corners(&nodes.x);
+    let turns = |i: usize| (c[(i + 1) % 4] - c[i]).cross(&(c[(i + 2) % 4] - c[(i + 1) % 4])).dot(normal) > 0.0;
+    segment.is_triangle() || (0..4).all(turns)
+}
+
 impl Visit<'_> {
     fn find_pairs(&self, facets: &Facets, dt: f64, out: &mut Vec<Pair>) {
         let [slave, met] = self.segments;
@@ -360,7 +386,8 @@ impl Visit<'_> {
     fn pair(&self, facets: &Facets, quarters: [usize; 2], overlap: &Overlap, moved: f64, dt: f64) -> Option<Pair> {
         let [slave, met] = self.segments;
         let name = Name::of_segments([slave.id, met.id], quarters);
-        let old = facets.recall(&name, &self.normal, self.surface, slave).filter(|m| m.is_fresh(moved, self.scale));
+        let old =
+            facets.recall(&name, &self.normal, self.surface, self.segments).filter(|m| m.is_fresh(moved, self.scale));
         let solid = slave.is_solid() || met.is_solid();
         let deepest = if old.is_none() && solid { BEHIND } else { REACH };
         if overlap.gap < -deepest * self.scale {

@@ -384,7 +384,7 @@ impl Contact {
     }
 
     /// Which pairs of own nodes are active in this step.
-    pub fn find_pairs(&mut self, nodes: &Nodes, time: f64, steps: Steps) {
+    pub fn find_pairs(&mut self, nodes: &Nodes, joined: Joined<'_>, time: f64, steps: Steps) {
         let is_alive = |i| self.surface.interfaces.is_alive(i, time);
         let alive: Vec<bool> = (0..self.surface.interfaces.count() as u16).map(is_alive).collect();
         let mut pairs = std::mem::take(&mut self.table.pairs);
@@ -423,7 +423,7 @@ impl Contact {
         }
         let with_segments = self.facets.are_wanted();
         if with_segments {
-            pairs.retain(|p| !self.facets.covers(&self.surface, nodes, p));
+            pairs.retain(|p| !self.facets.covers(nodes, (&self.surface, &alive), joined, p));
         }
         let of_nodes = pairs.len();
         self.edges.find_pairs(nodes, (&self.surface, &alive), &self.stiffness, steps.dt, &mut pairs);
@@ -451,7 +451,10 @@ impl Contact {
                 // What two segments press on is the area of their pair.
                 let of_node = || self.surface.area_of(p, &nodes.x, |_| true);
                 let area = if p.name.is_segment() { p.area } else { of_node() };
-                p.limit_friction(limit, area);
+                // The line of a beam has no area, and a limit of stress no meaning there.
+                if area > 0.0 {
+                    p.limit_friction(limit, area);
+                }
             }
             self.record.touched(&p.nodes);
             p.force = self.laws.of_pair(p).start(p, steps);

@@ -4,7 +4,7 @@
 //! As in mortar methods (Puso & Laursen 2004, sec. 3; Yang, Laursen & Meng 2005, sec. 4) both segments are laid on a plane, their
 //! outlines are clipped against each other, and integrals are taken over the triangles of what is left, where the shape values of
 //! both segments are smooth. Here the outlines are those of the quarters that belong to the corners, and what is left is clipped
-//! once more where the gap g is nought, so that all of it presses or none.
+//! along the line g = 0, so that either all of a piece presses or none of it.
 //!
 //! With a pressure of k per depth and area the nodal forces are `k int -g N_a da` on one side and `k int -g N_b da` on the other:
 //! together they are a force of `k A d`, with the area A and the mean depth d, shared by `int g N da / int g da`. As these shares
@@ -125,10 +125,13 @@ impl Outline {
 
 /// A segment on a plane.
 pub struct Laid {
+    /// Corners on the plane, and their heights above it [length].
     corners: [V2; 4],
     heights: [f64; 4],
     triangle: bool,
+    /// Outlines of the quarters, by corner; none where a quarter is not convex.
     quarters: [Option<Outline>; 4],
+    /// Lowest and highest coordinates [length].
     low: V2,
     high: V2,
 }
@@ -276,7 +279,7 @@ mod tests {
         found
     }
 
-    /// A square that has sunk in by 0.1 over two thirds of its length: area, depth and nodal forces are those of the integrals.
+    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces are those of the integrals.
     #[test]
     fn uniform_depth_gives_the_nodal_forces_of_uniform_pressure() {
         let above = square([0.5, 0.0], 1.0, |_, _| -0.1);

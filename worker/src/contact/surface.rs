@@ -120,8 +120,8 @@ impl Segment {
 
 /// Which parts take part in contact, and how thick they are for it.
 pub struct ContactParts {
-    /// Half thickness of those that do, radius of beams, 0 for solids [length], whether it is in place of that which single
-    /// shells have, and the factor of either.
+    /// Of each part that takes part: half thickness of shells, radius of beams, 0 for solids [length]; whether it overrides the
+    /// thickness of single shells; and a factor on the result.
     half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam of its length.
     limit: f64,

@@ -226,8 +226,8 @@ impl Section {
         history[..self.columns()].chunks_exact(self.each()).fold(R::zero(), |sum, at| sum + at[THICKNESS])
     }
 
-    /// Factor on the stable step for what couples the motion of nodes to their rotation, where the middle is beside them; `None` if
-    /// it is not. What holds of the middle, `K <= omega^2 diag(m, m i)` of displacements and rotations, with i the rotational
+    /// Factor by which an offset shortens the stable step of an element at rest, since it couples the motion of nodes to their rotation;
+    /// `None` without an offset. What holds of the middle, `K <= omega^2 diag(m, m i)` of displacements and rotations, with i the rotational
     /// inertia about it per mass, is of the nodes `K <= omega^2 m [1 e; e i + e^2]`, of which `diag(m, m (i + e^2))` is no less
     /// than `1/(1 + a)`, `a = |e|/sqrt(i + e^2)`.
     #[inline(always)]
@@ -259,14 +259,20 @@ impl Section {
         let borne = Real::max(membrane, shear(of.floor));
         let thickness = self.thicknesses(history);
         let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
-        // About the middle, which is what shear turns.
-        let inertia = self
-            .arm(history)
-            .map_or(history[INERTIA], |arm| Real::max(arm.neg_mul_add(arm, history[INERTIA]), R::splat(R::SMALLEST)));
+        let known = history[INERTIA];
+        // About the middle, which is what shear turns. One that has become too little for shear may be taken as more, which
+        // then counts on more than the nodes have.
+        let arm2 = self.arm(history).map(|arm| arm * arm);
+        let inertia = arm2.map_or(known, |arm2| Real::max(known - arm2, of.floor));
         let squared = kept * Real::min(one, borne / shear(inertia));
         let is_known = history[VOLUME].gt(R::zero());
         let factor = R::select(R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))), squared, one).sqrt();
-        self.offset_factor(history).map_or(factor, |of_offset| factor * of_offset)
+        let Some(arm2) = arm2 else { return factor };
+        // The larger eigenvalue of `[1 e; e i + e^2]` over `diag(1, I)`, see `offset_factor`.
+        let [i, both] = [inertia, inertia + arm2].map(|of| R::select(is_known, of / known, R::zero()));
+        let half_trace = R::splat(0.5) * (one + both);
+        let root = Real::max(half_trace.mul_add(half_trace, R::zero() - i), R::zero()).sqrt();
+        factor / Real::max(half_trace + root, one).sqrt()
     }
 
     /// Current thickness [length].

@@ -33,10 +33,13 @@ const IGNORED: [&str; 20] = [
 /// Friction of a part, or of two that touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Friction {
+    /// Coefficient at rest.
     fixed: f64,
+    /// Coefficient at high speed.
     sliding: f64,
+    /// Decay of the one to the other with the speed [time/length].
     decay: f64,
-    /// Largest shear stress, 0 without one.
+    /// Largest shear stress, 0 without one [force/length^2].
     limit: f64,
 }
 

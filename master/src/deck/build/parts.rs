@@ -146,6 +146,8 @@ impl Build {
             let value = record.real(field);
             if value > 0.0 && kind == Kind::Shell {
                 table.put(key, record.place(field), value);
+            } else if value > 0.0 {
+                self.map(&format!("part {id}"), format!("{field} {value}"), "not used: it is for shells");
             }
         }
     }
@@ -191,7 +193,8 @@ impl Build {
             table.put("offset", card.place("nloc"), -card.real("nloc"));
             if let Some(place) = sections.defaults.shifted {
                 let message = format!(
-                    "part {id}: contact goes by the nodes of shells, not by their offset, which is not supported"
+                    "part {id} has an nloc, and cntco asks for contact at the offset surface, which is not supported: set cntco to 0, \
+                     contact is then at the nodes, or nloc to 0"
                 );
                 self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
             }

@@ -15,7 +15,7 @@ pub(super) const LAW: LawRow = LawRow {
     build: |c, _| {
         let iteration = ITERATIONS.iter().find(|i| i.0 == c.iteration);
         let iteration = iteration.unwrap_or_else(|| panic!("no iteration {}", c.iteration)).1;
-        let carry = if c.accelerated > 0 { 1.0 } else { CARRY };
+        let carry = if c.accelerated > 0 && c.sweeps > 1 { 1.0 } else { CARRY };
         Box::new(Lagrange { carry, sweeps: c.sweeps, tolerance: c.tolerance, iteration })
     },
 };

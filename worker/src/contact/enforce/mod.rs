@@ -208,7 +208,7 @@ impl Laws {
 /// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed: little
 /// enough for a block that rests under its own weight (a coarser limit leaves forces that push on by themselves and pump
 /// energy into what is at rest), enough to end sweeps over forces of round-off.
-const GAP: f64 = 1e-10;
+const GAP: f64 = 1e-11;
 /// Speed at which penetration is taken out at most, as a fraction of the wave speed of what touches. A surface that is moved with
 /// the speed v sends out a wave of the strain v/c (Graff 1975, ch. 2): this one, some 8 MPa and 0.2 m/s in steel, harms
 /// nothing, whatever the step, the thickness and the mesh. What a step leaves over is far below; where sweeps cannot do

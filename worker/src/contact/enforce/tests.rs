@@ -121,7 +121,7 @@ impl Scene {
         nodes.accelerate(steps.mid);
         let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
         contact.refresh_candidates(nodes, joined, (0.0, steps.dt), steps.dt);
-        contact.find_pairs(nodes, 0.0, *steps);
+        contact.find_pairs(nodes, joined, 0.0, *steps);
         contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
         let before = contact.sweeps;
         contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();

@@ -482,7 +482,7 @@ impl Pair {
             let n = self.nodes[r] as usize;
             Work::of_all(&row((self.force * (mid * share)).into()), &nodes.v[n], &nodes.next_v[n])
         };
-        (0..5).filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0).map(on).sum()
+        (0..self.roles()).filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0).map(on).sum()
     }
 
     /// What the slave remembers of this pair.

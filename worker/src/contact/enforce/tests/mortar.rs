@@ -124,8 +124,7 @@ fn friction_slows_a_plate_over_many_segments() {
     }
 }
 
-/// A pair of the neighbour of a slave on the same segment goes on as it was: what a surface slides onto does not let it sink in
-/// anew. Pairs of a step of one surface only cannot be of two numbers.
+/// Of two segments the one with the lower number is the slave, and each area is there once.
 #[test]
 fn of_two_segments_one_is_the_slave() {
     let (mut scene, _) = two(&job("mortar"), [2, 3], |_, _| THICK - 1e-3, [0.0; 3]);
@@ -141,4 +140,30 @@ fn of_two_segments_one_is_the_slave() {
     }
     let area: f64 = scene.pairs().iter().map(|p| p.area).sum();
     assert!((area - 4.0).abs() < 1e-12, "all of the plates: {area}");
+}
+
+/// A plate between two others remembers each of them by itself: the one that it met first does not tell on which side the other is.
+#[test]
+fn a_plate_between_two_others_holds_both_apart() {
+    for of in forms() {
+        let middle = plate(2, 0, |_, _| 0.0, [0.0; 3]);
+        let above = plate(3, 9, |_, _| THICK + 1e-3, [0.0, 0.0, -1.0]);
+        let below = plate(3, 25, |_, _| -THICK - 6e-3, [0.0, 0.0, 1.0]);
+        let points = [middle.points, above.points, below.points].concat();
+        let slaves: Vec<u32> = (0..points.len() as u32).collect();
+        let segments = [middle.segments, above.segments, below.segments].concat();
+        let mut scene = Scene::new(&of, &points, &segments, &slaves, 1e-3);
+        let (mut met, mut nearest) = ([0, 0], f64::INFINITY);
+        for _ in 0..200 {
+            scene.step();
+            let touches = |side: f64| scene.pairs().iter().any(|p| p.normal.z * side > 0.0 && p.force.norm() > 0.0);
+            (0..2).for_each(|i| met[i] += usize::from(touches([1.0, -1.0][i])));
+            let mean =
+                |nodes: std::ops::Range<usize>| nodes.clone().map(|i| scene.x(i).z).sum::<f64>() / nodes.len() as f64;
+            let [m, a, b] = [mean(0..9), mean(9..25), mean(25..41)];
+            nearest = nearest.min((a - m).min(m - b));
+        }
+        assert!(met[0] > 0 && met[1] > 0, "{}: met {met:?}", of.penalty_form);
+        assert!(nearest > 0.5 * THICK, "{}: as near as {nearest}", of.penalty_form);
+    }
 }
