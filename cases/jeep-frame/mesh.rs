@@ -24,6 +24,9 @@
 //! the walls run on through the rings. With n = 8 + 18 + 8 + 8 + 8 = 50:
 //! shells `2*16*169 + 36*50 = 7208`, nodes `2*16*170 + 35*50 = 7190`.
 //! `refine = 3` gives 64,872 shells and 64,818 nodes, the class of the 65,000-element car.
+//!
+//! `horn_refine` cuts the horns and the front beam finer still: they fold, the rest does not. One ring of triangles, a quad
+//! ahead of the engine member, leads from the fine mesh to the coarse one.
 
 use crate::builder::Builder;
 use crate::{Generator, OptionRow, Options};
@@ -35,6 +38,7 @@ pub const GENERATOR: Generator = Generator { name: "jeep_frame", options: OPTION
 
 const OPTIONS: &[OptionRow] = &[
     ("refine", 1.0, "each side of each shell is cut into so many, 1 to 27"),
+    ("horn_refine", 1.0, "each side of each shell of the horns and the front beam is cut into so many more, 1 to 9"),
     ("length", 4000.0, "overall length [mm]"),
     ("rail_depth", 120.0, "height of the rail section, mid-surface [mm]"),
     ("rail_width", 70.0, "width of the rail section, mid-surface [mm]"),
@@ -148,6 +152,10 @@ impl Path {
 /// The options, checked and turned into what the mesh is built from.
 struct Plan {
     refine: usize,
+    /// Pieces of a side in the horns and the front beam, beside `refine`.
+    horns: usize,
+    /// Station at `refine = 1` where the horns' finer mesh ends.
+    turn: usize,
     path: Path,
     width: f64,
     gap: f64,
@@ -163,6 +171,7 @@ impl Plan {
     fn new(options: &Options) -> Result<Self, Vec<Problem>> {
         let mut wrong = Vec::new();
         let refine = options.count("refine", 1..=27, &mut wrong);
+        let horns = options.count("horn_refine", 1..=9, &mut wrong);
         let length = options.real("length", 2000.0..=8000.0, &mut wrong);
         let depth = options.real("rail_depth", 60.0..=250.0, &mut wrong);
         let width = options.real("rail_width", 40.0..=160.0, &mut wrong);
@@ -240,7 +249,30 @@ impl Plan {
         let engine = 2 * ((0.5 * engine_patch * ALONG_MEMBER as f64 / gap).round() as usize).max(1);
         let parts = parts.map(station);
         let rear = ALONG_RAIL - station(length - rear_patch);
-        Ok(Self { refine, path, width, gap, members, parts, engine, rear })
+        let turn = members[1].first - 1;
+        Ok(Self { refine, horns, turn, path, width, gap, members, parts, engine, rear })
+    }
+
+    /// Into how many a side of a shell is cut at a station of `refine = 1`.
+    fn pieces(&self, station: usize) -> usize {
+        if station < self.turn { self.refine * self.horns } else { self.refine }
+    }
+
+    /// Ring of nodes at a station of `refine = 1`.
+    fn ring(&self, station: usize) -> usize {
+        self.refine * (station + (self.horns - 1) * station.min(self.turn))
+    }
+
+    /// x of all rings.
+    fn rings(&self) -> Vec<f64> {
+        let coarse = self.path.stations(ALONG_RAIL * self.refine);
+        if self.horns == 1 {
+            return coarse;
+        }
+        let mut all = self.path.stations(ALONG_RAIL * self.refine * self.horns);
+        all.truncate(self.ring(self.turn) + 1);
+        all.extend(&coarse[self.turn * self.refine + 1..]);
+        all
     }
 }
 
@@ -265,15 +297,21 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
 /// Adds the rail on one side (y > 0 for 1.0, y < 0 for -1.0) and returns its rings of nodes from front to rear.
 /// A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that wall.
 fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
-    let (wall, flange) = (WALL * plan.refine, FLANGE * plan.refine);
-    let mut section = Vec::new(); // (outwards from the inner wall, up from the bottom) as fractions
-    section.extend((0..wall).map(|j| (0.0, j as f64 / wall as f64)));
-    section.extend((0..flange).map(|j| (j as f64 / flange as f64, 1.0)));
-    section.extend((0..wall).map(|j| (1.0, 1.0 - j as f64 / wall as f64)));
-    section.extend((0..flange).map(|j| (1.0 - j as f64 / flange as f64, 0.0)));
+    // The section as (outwards from the inner wall, up from the bottom), in fractions.
+    let section = |pieces: usize| {
+        let (wall, flange) = (WALL * pieces, FLANGE * pieces);
+        let mut section = Vec::new();
+        section.extend((0..wall).map(|j| (0.0, j as f64 / wall as f64)));
+        section.extend((0..flange).map(|j| (j as f64 / flange as f64, 1.0)));
+        section.extend((0..wall).map(|j| (1.0, 1.0 - j as f64 / wall as f64)));
+        section.extend((0..flange).map(|j| (1.0 - j as f64 / flange as f64, 0.0)));
+        section
+    };
+    let (fine, coarse) = (section(plan.refine * plan.horns), section(plan.refine));
 
     let mut rings: Vec<Vec<usize>> = Vec::new();
-    for x in plan.path.stations(ALONG_RAIL * plan.refine) {
+    let turn = plan.ring(plan.turn);
+    for (i, x) in plan.rings().into_iter().enumerate() {
         let (z, slope) = plan.path.height(x);
         let scale = 1.0 / (1.0 + slope * slope).sqrt();
         let place = |&(out, up): &(f64, f64)| {
@@ -281,23 +319,28 @@ fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
             let d = (up - 0.5) * plan.path.depth(x);
             [x - d * slope * scale, side * (0.5 * plan.gap + out * plan.width), z + d * scale]
         };
+        let section = if i <= turn { &fine } else { &coarse };
         rings.push(section.iter().map(|s| mesh.point(place(s))).collect());
     }
     for (i, pair) in rings.windows(2).enumerate() {
-        let part = match i / plan.refine {
-            k if k < plan.parts[0] => RAIL_FRONT,
-            k if k < plan.parts[1] => RAIL_MIDDLE,
+        let part = match i {
+            i if i < plan.ring(plan.parts[0]) => RAIL_FRONT,
+            i if i < plan.ring(plan.parts[1]) => RAIL_MIDDLE,
             _ => RAIL_REAR,
         };
-        mesh.strip(part, &pair[0], &pair[1], true);
+        if i == turn && plan.horns > 1 {
+            mesh.fans(part, &pair[0], &pair[1]);
+        } else {
+            mesh.strip(part, &pair[0], &pair[1], true);
+        }
     }
     rings
 }
 
 /// Adds a cross member between the rails; its end rings are nodes of their inner walls.
 fn add_member(mesh: &mut Builder, plan: &Plan, rails: &[Vec<Vec<usize>>; 2], member: &Member, part: u32) {
-    let r = plan.refine;
-    let (i0, i1) = (member.first * r, (member.first + member.along) * r);
+    let r = plan.pieces(member.first);
+    let (i0, i1) = (plan.ring(member.first), plan.ring(member.first + member.along));
     let (j0, j1) = (member.low * r, (member.low + member.deep) * r);
     let mut rectangle: Vec<(usize, usize)> = (i0..i1).map(|i| (i, j0)).collect();
     rectangle.extend((j0..j1).map(|j| (i1, j)));

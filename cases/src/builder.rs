@@ -53,6 +53,11 @@ impl Builder {
         self.elements.push((part, Shape::Quad4, corners.to_vec()));
     }
 
+    /// Adds a three-node shell of a part.
+    pub fn triangle(&mut self, part: u32, corners: [usize; 3]) {
+        self.elements.push((part, Shape::Tri3, corners.to_vec()));
+    }
+
     /// Adds a body of solids, `count` of them along each of three directions that form a right-handed system; `place`
     /// gives the position of node (i, j, k) [length]. Returns the nodes, k running fastest, then j.
     pub fn block(&mut self, part: u32, count: [usize; 3], place: impl Fn([usize; 3]) -> [f64; 3]) -> Grid {
@@ -74,6 +79,27 @@ impl Builder {
         for i in 0..if closed { n } else { n - 1 } {
             let j = (i + 1) % n;
             self.quad(part, [one[i], other[i], other[j], one[j]]);
+        }
+    }
+
+    /// Joins two closed rows by shells of which each side on `coarse` faces the same number of sides on `fine`: triangles, and
+    /// a quad in the middle where that number is odd.
+    pub fn fans(&mut self, part: u32, fine: &[usize], coarse: &[usize]) {
+        let (n, pieces) = (coarse.len(), fine.len() / coarse.len());
+        debug_assert_eq!(fine.len(), n * pieces);
+        let (first, second) = (pieces / 2, pieces.div_ceil(2));
+        for i in 0..n {
+            let [here, there] = [coarse[i], coarse[(i + 1) % n]];
+            let at = |k: usize| fine[(i * pieces + k) % fine.len()];
+            for k in (0..pieces).filter(|k| !(first..second).contains(k)) {
+                let tip = if k < first { here } else { there };
+                self.triangle(part, [at(k), tip, at(k + 1)]);
+            }
+            if first == second {
+                self.triangle(part, [at(first), here, there]);
+            } else {
+                self.quad(part, [at(first), here, there, at(second)]);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::{GENERATORS, generate};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
-use crumple_proto::mesh::Mesh;
+use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -154,6 +154,26 @@ fn jeep_frame_is_welded_through_shared_nodes() {
         assert_eq!(count[&1], 4 * 16 * refine, "open ends");
         assert_eq!(count[&3], 2 * 50 * refine, "weld edges");
         assert_eq!(count.keys().copied().collect::<Vec<_>>(), [1, 2, 3]);
+    }
+}
+
+/// The same where the horns are finer than the rest: nothing opens where their mesh ends, and all of the surface is there.
+#[test]
+fn finer_horns_hang_together_with_the_rest() {
+    let (job, coarse) = (job(JEEP), made("jeep_frame", ""));
+    for (horns, triangles) in [(2, 2 * 16 * 3), (3, 2 * 16 * 2), (4, 2 * 16 * 5)] {
+        let mesh = made("jeep_frame", &format!("horn_refine = {horns}"));
+        assert_eq!(pieces(&mesh), 1);
+        let mut count = BTreeMap::new();
+        for n in edges(&mesh).into_values() {
+            *count.entry(n).or_insert(0) += 1;
+        }
+        assert_eq!(count[&1], 2 * 16 * (horns + 1), "open ends");
+        assert_eq!(count[&3], 2 * (8 * horns + 42), "weld edges");
+        assert_eq!(count.keys().copied().collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(mesh.elements.iter().filter(|e| e.shape == Shape::Tri3).count(), triangles);
+        let [ours, theirs] = [&mesh, &coarse].map(|mesh| shell_mass(&job, mesh));
+        assert!((ours / theirs - 1.0).abs() < 1e-3, "chords of curved horns: {ours} for {theirs}");
     }
 }
 

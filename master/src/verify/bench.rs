@@ -62,14 +62,16 @@ impl Bench {
         self.model_of(name, scene.text(name), &[])
     }
 
-    /// Reads the text of a job file, with changes `key=value`.
+    /// Reads the text of a job file, with changes `key=value`; the file that is kept names them at its head.
     ///
     /// # Errors
     /// The job is bad, or its file cannot be kept.
     pub fn model_of(&self, name: &str, text: String, sets: &[String]) -> Result<Model, String> {
         let file = format!("{}.toml", name.replace([' ', ',', '/'], "_").replace("__", "_"));
         if let Some(folder) = &self.jobs {
-            std::fs::write(folder.join(&file), &text).map_err(|error| format!("{file}: {error}"))?;
+            // Changes are not in the text: without them this would be another job.
+            let with: String = sets.iter().map(|set| format!("# --set '{set}'\n")).collect();
+            std::fs::write(folder.join(&file), with + &text).map_err(|error| format!("{file}: {error}"))?;
         }
         job::read_text(file.into(), text, sets).map_err(|report| report.to_string())
     }

@@ -157,7 +157,12 @@ pub const CATALOGUE: &[Entry] = &[
     ),
     entry("B18", "Can crush, brick wall", &[], "qualitative"),
     entry("B19", "Short square tube (`cases/tube`)", &[crashes::SHORT_TUBE], ""),
-    entry("B20", "Jeep frame, first 10 ms (`cases/jeep-frame`)", &[crashes::FRAME], "later than 10 ms"),
+    entry(
+        "B20",
+        "Jeep frame, first 10 ms (`cases/jeep-frame`)",
+        &[crashes::FRAME, crashes::FRAME_FULL],
+        "later than 10 ms",
+    ),
     entry("C01", "Penalty too stiff", &[contact::STIFF], ""),
     entry("C02", "Light node on a heavy segment and the reverse", &[contact::LIGHT, stacked::FOAM], ""),
     entry("C03", "Corner, facet, vertex", &[facets::DROPPED], ""),

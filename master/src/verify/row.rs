@@ -83,6 +83,11 @@ impl Row {
         self.bound(reference, Tolerance::Recorded, source)
     }
 
+    /// Without its bound, but beside what that was about.
+    pub fn recorded(self) -> Self {
+        Self { tolerance: Tolerance::Recorded, ..self }
+    }
+
     /// A failure that is known, and why.
     pub fn known(self, why: &'static str) -> Self {
         Self { known: why, ..self }

@@ -86,6 +86,8 @@ pub struct Yielded<R> {
     plastic_strain: [R; 2],
     /// Von Mises stress, by its square [force/length^2].
     stress: [R; 2],
+    /// The same without what the rate adds to the yield stress.
+    at_no_rate: [R; 2],
 }
 
 /// What the stable step of a shell as it lies now depends on. Its shear has the frequency
@@ -391,24 +393,33 @@ impl Section {
     #[inline(always)]
     pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
         let Some(column) = self.plastic_strain else {
-            return Yielded { plastic_strain: [R::zero(); 2], stress: [R::zero(); 2] };
+            return Yielded { plastic_strain: [R::zero(); 2], stress: [R::zero(); 2], at_no_rate: [R::zero(); 2] };
         };
-        let (mut plastic_strain, mut squares) = ([R::zero(); 2], [R::zero(); 2]);
+        let rated = self.law.rated();
+        let (mut plastic_strain, mut squares, mut capped) = ([R::zero(); 2], [R::zero(); 2], [R::zero(); 2]);
         for k in 0..N {
             let point = &history[POINTS + k * self.stride..];
             let square = von_mises_squared(point);
+            let least = rated.map_or(square, |law| {
+                let yields = law.static_yield_stress(&point[column..]);
+                Real::min(square, yields * yields)
+            });
             let weight = 0.5 * self.weight[k];
             for (c, weight) in [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate() {
                 plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
                 squares[c] = R::splat(weight).mul_add(square, squares[c]);
+                capped[c] = R::splat(weight).mul_add(least, capped[c]);
             }
         }
-        Yielded { plastic_strain, stress: squares.map(R::sqrt) }
+        Yielded { plastic_strain, stress: squares.map(R::sqrt), at_no_rate: capped.map(R::sqrt) }
     }
 
     /// What plastic flow since `before` does to stresses beside those of the points, for membrane and for bending:
     /// the factor `sig / (sig + 3 G d eps_p)` by which the radial return shrinks them, and the ratio
     /// `d sig / (d sig + 3 G d eps_p)` of tangent to elastic stiffness. Both are one where nothing flowed.
+    ///
+    /// The rate is that of a step, unfiltered: what it adds to the stress goes up and down with every wave. Of that only the
+    /// rises would count, as hardening that is not there; so `d sig` is without it.
     #[inline(always)]
     pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
         let one = R::splat(1.0);
@@ -422,7 +433,7 @@ impl Section {
         let left = |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
         [
             std::array::from_fn(|c| left(after.stress[c], lost[c])),
-            std::array::from_fn(|c| left(after.stress[c] - before.stress[c], lost[c])),
+            std::array::from_fn(|c| left(after.at_no_rate[c] - before.at_no_rate[c], lost[c])),
         ]
     }
 

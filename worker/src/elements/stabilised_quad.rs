@@ -32,6 +32,7 @@
 //! Plastic flow takes the stabilising forces of membrane and bending along, by two factors of the section: they shrink
 //! as the radial return shrinks the deviator, by `sig / (sig + 3 G d eps_p)`, and grow with the ratio of tangent to
 //! elastic stiffness, `d sig / (d sig + 3 G d eps_p)`, but at least with the part's `hourglass_coefficient` of it.
+//! `d sig` is without what the rate adds: a rate goes up and down from step to step, and its rises are no hardening.
 //! They unload elastically, so that flow takes energy from them. Shear stays elastic, as in the section.
 //!
 //! Valid where one layer of elements follows the stress; where the centre stays elastic nothing bounds the

@@ -70,30 +70,49 @@ fn warped_squares_turn_freely() {
     }
 }
 
+/// Yield stress of the square that flows.
+const YIELDS: f64 = 0.25;
+
+fn steel() -> Material {
+    material("j2", 1.0, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", YIELDS)])
+}
+
+/// The stabilising force that a square gathers in 1000 steps of shear at 1e-4 a step, more and less by `wave` of it from step to
+/// step, and of bending in the plane at 1e-6 a step.
+fn gathered(material: Material, wave: f64) -> f64 {
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut patch = quad(0.1, material, &square);
+    let column = patch.element.columns() - DRILLING - 2;
+    for step in 0..1000 {
+        let shear = 1e-4 * if step % 2 == 0 { 1.0 + wave } else { 1.0 - wave };
+        for (v, (x, sign)) in patch.v.iter_mut().zip(patch.x.iter().zip([1.0, -1.0, 1.0, -1.0])) {
+            *v = [shear * x[1] + 1e-6 * sign, 0.0, 0.0, 0.0];
+        }
+        assert!(patch.step(1.0).hourglass >= 0.0);
+    }
+    patch.history.of(0).at(column)
+}
+
+/// A rate that goes up and down makes the stress rise in every other step. That is no hardening: the stabilising force relaxes
+/// as it does at a steady rate.
+#[test]
+fn waves_in_the_rate_do_not_stiffen() {
+    let mut rated = steel();
+    // At 1e-4 the rate adds a third.
+    rated.parameters.insert("cowper_symonds".to_string(), Param::List(vec![0.01, 5.0]));
+    let (steady, wavy) = (gathered(rated.clone(), 0.0), gathered(rated, 0.5));
+    assert_close(wavy, steady, 0.2 * steady, "the return's factor is not linear in the rate");
+}
+
 /// In steady plastic flow the stabilising force is that of a few steps, not what an elastic material would gather.
 #[test]
 fn flow_relaxes_the_stabilising_forces() {
-    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    let yields = 0.25;
-    let steel = material("j2", 1.0, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", yields)]);
-    let gathered = |material: Material| {
-        let mut patch = quad(0.1, material, &square);
-        let column = patch.element.columns() - DRILLING - 2;
-        for _ in 0..1000 {
-            // Shear at 1e-4 a step, and bending in the plane at a hundredth of it.
-            for (v, (x, sign)) in patch.v.iter_mut().zip(patch.x.iter().zip([1.0, -1.0, 1.0, -1.0])) {
-                *v = [1e-4 * x[1] + 1e-6 * sign, 0.0, 0.0, 0.0];
-            }
-            assert!(patch.step(1.0).hourglass >= 0.0);
-        }
-        patch.history.of(0).at(column)
-    };
-    let (plain, flowing) = (gathered(elastic(E, NU, 1.0)), gathered(steel));
+    let (plain, flowing) = (gathered(elastic(E, NU, 1.0), 0.0), gathered(steel(), 0.0));
     // Elastic: E t/16 times Jxx = 4/3, times four times the corners' 1e-3.
     assert_close(plain, E * 0.1 / 16.0 * (4.0 / 3.0) * 4e-3, 0.05 * plain, "shear of a tenth");
     // Relaxation with the rate 3 G d eps_p / sig_y and d eps_p = 1e-4/sqrt(3) leaves the growth of some steps, each
     // of which is the least without hardening.
-    let steps = yields / (3.0 * 0.5 * E / (1.0 + NU) * 1e-4 / 3.0_f64.sqrt());
+    let steps = YIELDS / (3.0 * 0.5 * E / (1.0 + NU) * 1e-4 / 3.0_f64.sqrt());
     assert_close(flowing, 0.03 * plain / 1000.0 * steps, 0.2 * flowing, "as above, and one step of the return");
 }
 

@@ -14,6 +14,7 @@ pub(crate) use parameters::unknown_name;
 use crate::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
+use plasticity::Plasticity;
 
 /// Integration points through the thickness, at most.
 pub const MAX_POINTS: usize = 10;
@@ -91,6 +92,11 @@ pub trait PlaneStress: Send + Sync {
     /// Yield stress at no plastic strain [force/length^2]; infinite where the law never flows.
     fn initial_yield_stress(&self) -> f64 {
         f64::INFINITY
+    }
+
+    /// The law itself if rates raise its yield stress.
+    fn rated(&self) -> Option<&Plasticity> {
+        None
     }
 
     /// Stress and history over a step `dt` [time] at all points of a group, at most [`MAX_POINTS`] of them.

@@ -156,6 +156,12 @@ impl Plasticity {
         }
     }
 
+    /// Yield stress of a point at no rate [force/length^2]; `columns` are those after stress.
+    #[inline(always)]
+    pub fn static_yield_stress<R: Real>(&self, columns: &[R]) -> R {
+        R::splat(self.yield_stress) * self.thermal_factor(columns) * self.yield_curve(columns[0]).0
+    }
+
     /// Factor of the rate in the lanes of `mask`, one elsewhere; `square` is `e:e` of the strain increment's deviator.
     #[inline(always)]
     fn rate_factor<R: Real>(&self, square: R, dt: f64, mask: R::Mask) -> R {

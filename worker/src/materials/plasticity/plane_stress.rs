@@ -259,6 +259,10 @@ impl PlaneStress for Plasticity {
         self.yield_stress
     }
 
+    fn rated(&self) -> Option<&Plasticity> {
+        self.rate.counts().then_some(self)
+    }
+
     fn elastic(&self) -> Elastic {
         self.elastic
     }
