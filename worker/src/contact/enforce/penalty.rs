@@ -14,7 +14,8 @@
 //! **Friction** acts from the first force of a touch on: its spring is stretched by the way that is slid since the touch
 //! began within the step before. Without that a body which chatters loses friction's share of a step in every touch.
 //!
-//! Where it turns nodes its spring has their rotational compliance too, and no more stiffness than is stable with that.
+//! Where it turns nodes the compliance c of its spring has a part of their rotations too; its stiffness is less by so much that
+//! k c is as without them.
 //!
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
@@ -71,12 +72,6 @@ impl Penalty {
         let (k, most) = self.wanted(pair, steps);
         k.min(most)
     }
-
-    /// Stiffness of the spring from the stick point, where the normal one has the stiffness `k` [force/length].
-    fn tangential(&self, pair: &Pair, k: f64, steps: Steps) -> f64 {
-        let soft = pair.compliance[1] * steps.whole * steps.whole;
-        if pair.rolling > 0.0 { k.min(self.most / soft) } else { k }
-    }
 }
 
 impl ContactLaw for Penalty {
@@ -114,7 +109,7 @@ impl ContactLaw for Penalty {
         let spring = (-k * pair.gap).max(0.0);
         let damped = (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.push);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
-        Some(pair.normal * pressed + within_cone(pair.slip * -self.tangential(pair, k, steps), pressed, pair))
+        Some(pair.normal * pressed + within_cone(pair.slip * -tangential(pair, k), pressed, pair))
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
@@ -129,7 +124,7 @@ impl ContactLaw for Penalty {
             return sliding * since;
         }
         // Where the cone cut the force, the stick point is dragged along.
-        let stretched = sheared / -self.tangential(pair, k, steps);
+        let stretched = sheared / -tangential(pair, k);
         stretched + sliding * steps.dt
     }
 
@@ -137,4 +132,11 @@ impl ContactLaw for Penalty {
         let (k, most) = self.wanted(pair, steps);
         k > most && pair.force != V3::zeros()
     }
+}
+
+/// Stiffness of the spring from the stick point, where the normal one has the stiffness `k` [force/length]. What turns would make
+/// it swing faster.
+fn tangential(pair: &Pair, k: f64) -> f64 {
+    let [_, soft] = pair.compliance;
+    if pair.rolling > 0.0 && pair.rolling < soft { k * (1.0 - pair.rolling / soft) } else { k }
 }
