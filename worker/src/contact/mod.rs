@@ -6,6 +6,9 @@
 //!    are near (`close.rs`) does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
+//!
+//! Normal forces of a pair are on one line, whichever points of it they act at. Friction acts on the surfaces, half a thickness off the
+//! nodes: it turns nodes too, and their spins are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
 
 mod acceleration;
 pub mod approach;

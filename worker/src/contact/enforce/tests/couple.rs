@@ -131,3 +131,22 @@ fn what_cannot_turn_or_rub_has_no_lever() {
         assert_eq!(scene.contact.table.couples.is_empty(), !turns);
     }
 }
+
+/// A shell that stands upright on a plate would be turned about its own normal by friction along its rim, which next to nothing holds:
+/// the plate takes the whole couple, from where the middle of the rim is.
+#[test]
+fn the_rim_of_a_shell_takes_no_couple() {
+    let of = ContactJob { friction: 0.3, ..job("lagrange") };
+    let upright = [[-0.3, 0.1, THICK], [0.4, 0.1, THICK], [0.4, 0.1, 1.0], [-0.3, 0.1, 1.0]];
+    let mut points = square([1.0; 4]);
+    points.extend(upright.map(|x| mass(x, [1.0, 0.0, -1.0], 1.0)));
+    let points: Vec<NodeRecord> = points.into_iter().map(|p| turning(p, 0.01)).collect();
+    let mut scene = Scene::new(&of, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[4, 5], 1e-3);
+    let before = angular(&scene);
+    scene.step();
+    assert_eq!(scene.pairs().len(), 2);
+    for p in scene.pairs() {
+        assert!(p.arm[0].abs() < 1e-12 && (p.arm[1] - THICK).abs() < 1e-12, "{:?}", p.arm);
+    }
+    assert!((angular(&scene) - before).norm() < 1e-13 * before.norm());
+}
