@@ -354,8 +354,9 @@ impl Count {
         words += hops * agreement::WORDS as f64;
         if engine.contact.is_some() {
             messages += (self.near_workers + self.meets) as f64;
-            words +=
-                (self.near_workers * halo::DRIFT_WORDS as u64) as f64 + (self.exports * halo::EXTERIOR_WORDS) as f64;
+            let spins = engine.contact.as_ref().is_some_and(|c| c.has_couples(&engine.nodes));
+            words += (self.near_workers * halo::DRIFT_WORDS as u64) as f64
+                + (self.exports * halo::exterior_words(spins)) as f64;
             words += self.told_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {

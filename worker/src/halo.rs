@@ -8,8 +8,11 @@ use crumple_proto::transport::{Lost, Tag, Transport};
 
 /// Words of a drift, which leads the states of exterior nodes.
 pub const DRIFT_WORDS: usize = Drift::WORDS;
-/// Words of the state of an exterior node: position, and velocities at the last and at the next mid-step.
-pub const EXTERIOR_WORDS: u64 = 9;
+/// Words of the state of an exterior node: position, and velocities at the last and at the next mid-step; with `spins` rotational
+/// velocities at both too.
+pub fn exterior_words(spins: bool) -> u64 {
+    if spins { 15 } else { 9 }
+}
 
 /// Words of a corner's force, and of its moment where nodes can turn.
 pub fn corner_words(rotations: bool) -> u64 {
@@ -179,21 +182,32 @@ impl Halo {
     }
 
     /// Brings exterior nodes up to date: coordinates, velocities at the last mid-step, and those
-    /// without contact at the next one.
+    /// without contact at the next one; with `spins`, which contact with friction needs, rotational velocities too.
     /// Workers also tell each other how their nodes have moved since the last renewal, those that are apart only when they
     /// check in: until then the range of all velocities bounds how much nearer they have come.
     /// Returns the largest relative motion as a fraction of what the exterior copies cover.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_exterior(&mut self, wire: &mut dyn Transport, nodes: &mut Nodes, drift: &Drift) -> Result<f64, Lost> {
+    pub fn swap_exterior(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        drift: &Drift,
+        spins: bool,
+    ) -> Result<f64, Lost> {
         let check_in = std::mem::take(&mut self.check_in);
         for link in self.links.iter().filter(|l| check_in || !l.apart) {
             self.words.clear();
             self.words.extend(drift.to_words().map(f64::to_bits));
             for &i in &link.export {
-                let rows = [&nodes.x, &nodes.v, &nodes.next_v].map(|rows| &rows[i as usize][..3]);
+                let i = i as usize;
+                let rows = [&nodes.x, &nodes.v, &nodes.next_v].map(|rows| &rows[i][..3]);
                 self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
+                if spins {
+                    let rows = [&nodes.w, &nodes.next_w].map(|rows| &rows[i][..3]);
+                    self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
+                }
             }
             wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
@@ -212,9 +226,9 @@ impl Halo {
             wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
             let (head, body) = words.split_at(Drift::WORDS);
-            for (&i, nine) in link.import.iter().zip(body.chunks_exact(EXTERIOR_WORDS as usize)) {
-                let rows = [&mut nodes.x, &mut nodes.v, &mut nodes.next_v];
-                rows.into_iter().zip(nine.chunks_exact(3)).for_each(|(rows, three)| {
+            for (&i, state) in link.import.iter().zip(body.chunks_exact(exterior_words(spins) as usize)) {
+                let rows = [&mut nodes.x, &mut nodes.v, &mut nodes.next_v, &mut nodes.w, &mut nodes.next_w];
+                rows.into_iter().zip(state.chunks_exact(3)).for_each(|(rows, three)| {
                     rows[i as usize][..3].copy_from_slice(three);
                 });
             }

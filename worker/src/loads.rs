@@ -171,7 +171,7 @@ impl Loads {
                     nodes.next_v[i][c] = (nodes.next_v[i][c] - b * nodes.v[i][c]) / (1.0 + b);
                 }
             }
-            for ((next, w), inverse) in nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia) {
+            for ((next, w), inverse) in nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia).take(nodes.held) {
                 for c in (0..3).filter(|&c| inverse[c] > 0.0) {
                     next[c] = (next[c] - b * w[c]) / (1.0 + b);
                 }

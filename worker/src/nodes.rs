@@ -59,7 +59,8 @@ pub struct Nodes {
     pub w: Vec<Row>,
     /// Velocities at the next mid-step; before contact is enforced, those without contact [length/time].
     pub next_v: Vec<Row>,
-    /// Rotational velocities at the next mid-step [1/time]; held nodes only.
+    /// Rotational velocities at the next mid-step; before contact is enforced, those without contact [1/time]. Of exterior nodes where
+    /// contact has friction only.
     pub next_w: Vec<Row>,
     /// Force without contact [force]; held nodes only.
     pub force: Vec<Row>,
@@ -85,7 +86,6 @@ impl Nodes {
     pub fn new(records: &[NodeRecord], me: u32, rotations: bool) -> Self {
         let mut n = Self { me, held: records.len(), rotations, ..Self::default() };
         records.iter().for_each(|r| n.push(r, me));
-        n.next_w = n.w.clone();
         n.force = vec![[0.0; 4]; n.held];
         n.moment = vec![[0.0; 4]; if rotations { n.held } else { 0 }];
         n
@@ -105,6 +105,7 @@ impl Nodes {
         self.inv_mass.push([0.0; 4]);
         if self.rotations {
             self.w.push(row(r.w));
+            self.next_w.push(row(r.w));
             self.inertia.push(r.inertia);
             self.inv_inertia.push([0.0; 4]);
         }
@@ -159,7 +160,8 @@ impl Nodes {
         for (x, v) in self.x[..self.held].iter_mut().zip(&self.v) {
             (0..4).for_each(|c| x[c] += dt * v[c]);
         }
-        self.w[..self.next_w.len()].swap_with_slice(&mut self.next_w);
+        let turning = self.held.min(self.next_w.len());
+        self.w[..turning].swap_with_slice(&mut self.next_w[..turning]);
     }
 
     /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with `begins` it is the first of them.

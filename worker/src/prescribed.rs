@@ -103,6 +103,7 @@ impl Prescribed {
         for m in &self.motions {
             for &n in m.nodes.iter().filter(|&&n| nodes.is_own(n as usize)) {
                 let i = n as usize;
+                let turned = contact.map_or(Vector3::zeros(), |k| k.couple_on(n));
                 let pushed = contact.map_or(Vector3::zeros(), |k| k.force_on(n) + ties.passed_on(n, nodes));
                 for c in 0..3 {
                     if m.job.dofs >> c & 1 == 1 {
@@ -112,7 +113,8 @@ impl Prescribed {
                     }
                     if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
                         let (a, b) = (nodes.w[i][c], nodes.next_w[i][c]);
-                        work += Work::of(nodes.inertia[i] * (b - a) - steps.mid * nodes.moment[i][c], a, b);
+                        let impulse = nodes.inertia[i] * (b - a) - steps.mid * (nodes.moment[i][c] + turned[c]);
+                        work += Work::of(impulse, a, b);
                     }
                 }
             }

@@ -60,10 +60,14 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
 
     if let Some(contact) = contact {
         ties.follow(wire, nodes, steps.dt)?; // without contact: it looks at where they go
+        let spins = contact.has_couples(nodes);
+        if spins {
+            bodies.turn(nodes);
+        }
         if !halo.links.is_empty() {
             let drift = motion.update(&nodes.x[..nodes.held]);
             timer.lap(Phase::Search);
-            engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift)?;
+            engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift, spins)?;
             timer.lap(Phase::Halo);
         }
         contact.look_at_folds(nodes, clock.cycle);

@@ -51,7 +51,7 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             all.push(
                 Row::new("change of angular momentum / its size", &variant, "", l)
-                    .at_most(1e-10, "gate of the catalogue").known("friction acts on the middle surfaces of both shells, which lie a thickness apart: the pair of forces turns them"),
+                    .at_most(1e-10, "gate of the catalogue"),
             );
             let work = Row::new("contact work / energy at the start", &variant, "", run.energies.contact / run.initial);
             // Springs come on and go off inside a step, see C02: without damping they give a little energy in the mean.

@@ -218,6 +218,8 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -g));
             let set = scene.set(&base);
+            // The base is rigid: friction on its surface bends nothing.
+            scene.fix(&base, "rx ry rz");
             // Velocity of the base: its amplitude is a0/omega = r unit. Nought until the block has settled.
             scene.add(&format!(
                 "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",

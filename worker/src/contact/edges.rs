@@ -316,6 +316,7 @@ impl Edges {
         let mut pair = Pair {
             shape,
             weight: shape,
+            arm: levers(surface, interface, edges),
             interface,
             thickness: scale,
             speed: surface.slower(one.part, two.part),
@@ -466,6 +467,14 @@ fn are_within(a: &Edge, b: &Edge, nodes: &Nodes, reach: f64) -> bool {
 fn sizes(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> (f64, f64) {
     let [a, b] = edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)));
     (a.0 + b.0, a.1 + b.1)
+}
+
+/// Lever arms of friction on two edges, as they are to each other: their half thicknesses; nought without friction [length].
+fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
+    if !surface.interfaces.has_friction(interface) {
+        return [0.0; 2];
+    }
+    edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)).0)
 }
 
 /// Wedges of the slave edge and of the other one, of folds only.

@@ -249,7 +249,8 @@ impl Facets {
         }
         let normal = (away - to).normalize();
         let per_area = places.map(|i| self.stiffness.get(i as usize).copied().unwrap_or(0.0));
-        Some(Visit { nodes, surface, segments, interface, thickness, scale, corners, normal, side, per_area })
+        let arm = if surface.interfaces.has_friction(interface) { [ahead.0, behind.0] } else { [0.0; 2] };
+        Some(Visit { nodes, surface, segments, interface, thickness, arm, scale, corners, normal, side, per_area })
     }
 
     /// Product of the normal of what a slave remembers of a segment, or of one beside it, with its normal, if they look alike.
@@ -342,6 +343,8 @@ struct Visit<'a> {
     interface: u16,
     /// Distance at which they touch [length].
     thickness: f64,
+    /// Half thicknesses of both; nought without friction [length].
+    arm: [f64; 2],
     /// Length that gaps are judged by [length].
     scale: f64,
     corners: [[V3; 4]; 2],
@@ -403,6 +406,7 @@ impl Visit<'_> {
             weight: shape,
             area: overlap.area,
             normal: self.normal,
+            arm: self.arm,
             side: self.side,
             interface: self.interface,
             thickness: self.scale,

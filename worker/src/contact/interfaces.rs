@@ -127,6 +127,17 @@ impl Interfaces {
         (self.narrowest.0 * size).min(self.narrowest.1)
     }
 
+    /// Whether an interface has friction at any speed.
+    pub fn has_friction(&self, interface: u16) -> bool {
+        let n = &self.numbers[interface as usize];
+        n.friction > 0.0 || n.dynamic > 0.0
+    }
+
+    /// Whether any interface has friction.
+    pub fn have_friction(&self) -> bool {
+        (0..self.count() as u16).any(|i| self.has_friction(i))
+    }
+
     /// Coefficient of friction at a sliding speed [length/time].
     pub fn friction(&self, interface: u16, speed: impl Fn() -> f64) -> f64 {
         let n = &self.numbers[interface as usize];

@@ -134,6 +134,8 @@ pub fn find_pairs(
 struct Visit<'a> {
     segment: &'a Segment,
     slave: u32,
+    /// Its place among the surface's slaves.
+    place: usize,
     /// See [`Neighbours::ring`](crate::contact::neighbours::Neighbours::ring).
     ring: u8,
     interface: u16,
@@ -160,7 +162,20 @@ impl<'a> Visit<'a> {
         let (thickness, scale) = surface.sizes(interface, slave, segment);
         let around = surface.first(place);
         let (first, speed) = (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
-        Some(Self { segment, slave, ring: of.ring, interface, thickness, scale, speed, first, dt, step: *step, near })
+        Some(Self {
+            segment,
+            slave,
+            place,
+            ring: of.ring,
+            interface,
+            thickness,
+            scale,
+            speed,
+            first,
+            dt,
+            step: *step,
+            near,
+        })
     }
 }
 
@@ -262,6 +277,31 @@ pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, 
     SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt() + LITTLE * scale
 }
 
+/// Lever arms of friction on the slave and on the segment, as they are to each other; nought without friction. The
+/// surfaces are half a thickness off the middles. But what turns a shell about its normal meets next to no stiffness: where friction
+/// acts on the rim of one, the other side bears the couple. So each half thickness counts by the square of the cosine
+/// between the pair's normal and the shell's.
+fn levers(nodes: &Nodes, surface: &Surface, visit: &Visit<'_>, normal: &V3) -> [f64; 2] {
+    /// Both surfaces are met at their rims where neither square is above this.
+    const RIM: f64 = 1e-6;
+    let Visit { segment, slave, interface, near, .. } = *visit;
+    if !surface.interfaces.has_friction(interface) {
+        return [0.0; 2];
+    }
+    let halves = surface.halves(interface, slave, segment);
+    let facing = |s: &Segment| {
+        let own = || s.middle_normal(&nodes.x).map_or(0.0, |n| n.dot(normal).powi(2));
+        if s.is_line() { 1.0 } else { own() }
+    };
+    let shells = surface.around(visit.place).filter(|s| !s.is_solid());
+    let ahead = shells.map(facing).reduce(f64::max).unwrap_or(1.0);
+    let behind = if segment.is_line() { 1.0 } else { near.normal.dot(normal).powi(2) };
+    if halves[0] * ahead + halves[1] * behind <= RIM * (halves[0] + halves[1]) {
+        return halves;
+    }
+    [halves[0] * ahead, halves[1] * behind]
+}
+
 fn look(
     nodes: &Nodes,
     surface: &Surface,
@@ -331,6 +371,7 @@ fn look(
         shape,
         weight: shape,
         normal,
+        arm: levers(nodes, surface, visit, &normal),
         side,
         interface: visit.interface,
         thickness: scale,

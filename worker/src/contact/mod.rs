@@ -6,6 +6,9 @@
 //!    are near (`close.rs`) does it meet in this step?
 //! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
 //!    (`pairs.rs`)
+//!
+//! Normal forces of a pair are on one line, whichever points of it they act at. Friction acts on the surfaces, half a thickness off the
+//! nodes: it turns nodes too, and their spins are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
 
 mod acceleration;
 pub mod approach;
@@ -95,6 +98,8 @@ pub struct Contact {
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
     free: Vec<Row>,
+    /// Their rotational velocities without contact, if friction turns any [1/time].
+    free_spins: Vec<Row>,
     record: Record,
     /// Global searches so far.
     pub searches: u64,
@@ -156,6 +161,7 @@ impl Contact {
             edges: Edges::default(),
             table: PairTable::default(),
             free: Vec::new(),
+            free_spins: Vec::new(),
             record: Record::default(),
             searches: 0,
             sweeps: 0,
@@ -439,10 +445,11 @@ impl Contact {
             if !begun[p.interface as usize] {
                 p.kept = p.tolerated;
             }
+            p.lever(nodes);
             p.weigh_slave(nodes);
             let speed = || {
                 // Others' nodes are known with the velocities that they have before contact.
-                let velocity = p.relative_velocity(&nodes.next_v);
+                let velocity = p.relative_velocity(nodes);
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction = self.surface.interfaces.friction(p.interface, speed);
@@ -487,12 +494,18 @@ impl Contact {
         steps: Steps,
     ) -> Result<(), Lost> {
         let accelerated = if self.accelerates() { self.accelerated } else { 0 };
+        let couples = self.has_couples(nodes);
         let t = &mut self.table;
         self.free.clear();
         self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
-        let coupled = bodies.meet(wire, &t.touched, nodes)?;
+        self.free_spins.clear();
+        if !t.couples.is_empty() {
+            self.free_spins.extend(t.touched.iter().map(|&n| nodes.next_w[n as usize]));
+        }
+        let coupled = bodies.meet(wire, &t.touched, nodes, couples)?;
+        let (free, free_spins) = (&self.free[..], &self.free_spins[..]);
         let mut sweeps =
-            Sweeps { laws: &self.laws, nodes, free: &self.free, walls, bodies, coupled, steps, accelerated };
+            Sweeps { laws: &self.laws, nodes, free, free_spins, walls, bodies, coupled, steps, accelerated };
         let swept = sweeps.run(t, wire)?;
         self.sweeps += swept.sweeps;
         for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
@@ -510,6 +523,17 @@ impl Contact {
     /// Contact force on local node `n` in this step [force].
     pub fn force_on(&self, n: u32) -> V3 {
         self.table.touched.binary_search(&n).map_or(V3::zeros(), |k| self.table.total[k])
+    }
+
+    /// Moment of friction on local node `n` in this step [force length].
+    pub fn couple_on(&self, n: u32) -> V3 {
+        let place = self.table.touched.binary_search(&n).ok();
+        place.and_then(|k| self.table.couples.get(k).copied()).unwrap_or(V3::zeros())
+    }
+
+    /// Whether friction may turn nodes, on any worker: they have to know how others' nodes spin.
+    pub fn has_couples(&self, nodes: &Nodes) -> bool {
+        nodes.rotations && self.surface.interfaces.have_friction()
     }
 
     /// Lets own pairs whose friction is limited know the pressure on their slaves.
@@ -537,7 +561,7 @@ impl Contact {
         let t = &mut self.table;
         let mut work = ContactWork::default();
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            let velocity = p.relative_velocity(&nodes.next_v);
+            let velocity = p.relative_velocity(nodes);
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
             // Friction is judged by where the node slides to; half of that by the present time.
             let slid = 0.5 * steps.mid * sheared.dot(&velocity);
@@ -552,6 +576,10 @@ impl Contact {
         for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
             let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
             work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
+        }
+        for (&n, couple) in t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_own(**n as usize)) {
+            let (before, after) = (&nodes.w[n as usize], &nodes.next_w[n as usize]);
+            work.total += Work::of_all(&row((couple * steps.mid).into()), before, after);
         }
         let before = std::mem::take(&mut self.memories);
         let mut own = t.pairs.iter().filter(|p| p.own && p.name.is_node()).peekable();

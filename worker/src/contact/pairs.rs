@@ -18,6 +18,9 @@ use crate::nodes::{Nodes, Row, row};
 use crate::rigid::Bodies;
 use crumple_proto::transport::{Lost, Tag, Transport};
 
+/// What a node feels of all pairs: force [force], and moment if any pair has one [force length].
+pub type Felt<'a> = (&'a V3, Option<&'a V3>);
+
 /// The pairs that one other worker and this one both know.
 #[derive(Debug, Default)]
 struct Common {
@@ -26,6 +29,23 @@ struct Common {
     sent: Vec<u32>,
     /// The other's pairs, ascending.
     received: Vec<u32>,
+}
+
+/// Shares of guesses that a node takes as one of those that slaves meet, see [`PairTable::rubbed_on`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rubbed {
+    /// Of guesses, friction that turns nodes left out [force].
+    pub force: V3,
+    /// Of the masses of slaves along the normal [mass].
+    pub mass: f64,
+    /// Of friction that turns nodes [force].
+    pub drag: V3,
+    /// Its moment [force length].
+    pub couple: V3,
+    /// Of the masses of slaves across the normal [mass].
+    pub sliding_mass: f64,
+    /// The same times the squares of lever arms [mass length^2].
+    pub turned_mass: f64,
 }
 
 /// All pairs that concern a worker in this step.
@@ -37,10 +57,14 @@ pub struct PairTable {
     pub touched: Vec<u32>,
     /// Contact force on each of `touched` [force].
     pub total: Vec<V3>,
+    /// Moment of friction on each of `touched`, see [`Pair::arm`]; empty if no pair has one [force length].
+    pub couples: Vec<V3>,
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
     /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one does not; see [`Self::soften`].
     crowds: Vec<[f64; ROLES]>,
+    /// The same of the shares times the lever arms; empty if no pair has one [length].
+    twists: Vec<[f64; ROLES]>,
     common: Vec<Common>,
     /// Whether pairs count for areas, see [`Pair::area`].
     pub by_area: bool,
@@ -130,6 +154,10 @@ impl PairTable {
         self.start.push(self.roles.len() as u32);
         self.total.clear();
         self.total.resize(self.touched.len(), V3::zeros());
+        self.couples.clear();
+        if self.pairs.iter().any(Pair::turns) {
+            self.couples.resize(self.touched.len(), V3::zeros());
+        }
     }
 
     /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq. 7 and 11:
@@ -151,24 +179,38 @@ impl PairTable {
     /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
     /// Pairs may count for more or less than others, by [`Pair::area`] A: with c the sum of the A of all pairs of a node by their shares,
     /// a pair has the part A/c of its mass, and the same holds.
+    /// Where friction turns nodes, its compliance is that of their rotational inertias too, which are split in the same way: pairs have
+    /// shares in a moment as in a force, each times its lever arm.
     /// With prediction and correction the masses of edges are split: a slave edge may be in several pairs, which do not see
     /// each other's corrections as pairs on one segment do.
     pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: impl Fn(&Pair) -> Iteration) {
         self.crowds.clear();
         self.crowds.resize(self.pairs.len(), [0.0; ROLES]);
+        self.twists.clear();
+        if !self.couples.is_empty() {
+            self.twists.resize(self.pairs.len(), [0.0; ROLES]);
+        }
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
             let counts = |p: u32, r: u8| self.pairs[p as usize].area * self.pairs[p as usize].share(r as usize);
             let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| counts(p, r)).sum();
-            for &(p, r) in &self.roles[roles] {
+            for &(p, r) in &self.roles[roles.clone()] {
                 self.crowds[p as usize][r as usize] = crowd;
+            }
+            if !self.twists.is_empty() {
+                let turns = |p: u32, r: u8| counts(p, r) * self.pairs[p as usize].arm_of(r as usize).abs();
+                let twist = self.roles[roles.clone()].iter().map(|&(p, r)| turns(p, r)).sum();
+                for &(p, r) in &self.roles[roles] {
+                    self.twists[p as usize][r as usize] = twist;
+                }
             }
         }
         // Where two segments have nothing in contact yet there is nothing to answer.
         let answers = |p: &Pair| p.own && p.area > 0.0;
-        for (pair, crowd) in self.pairs.iter_mut().zip(&self.crowds).filter(|(p, _)| answers(p)) {
+        for (i, (pair, crowd)) in self.pairs.iter_mut().zip(&self.crowds).enumerate().filter(|(_, (p, _))| answers(p)) {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
+            let mut rolling = 0.0;
             let split = match iteration(pair) {
                 Iteration::Split => true,
                 Iteration::Correct { .. } => pair.name.is_edge(),
@@ -185,16 +227,31 @@ impl PairTable {
                 soft[0] += along;
                 sides[usize::from(pair.is_ahead(r as u8))] += along;
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
+                let arm = pair.arm_of(r).abs();
+                if arm > 0.0 {
+                    let inv = bodies.inv_inertia(pair.nodes[r], nodes);
+                    let twist = if together { self.twists[i][r] / pair.area } else { pair.share(r) * arm };
+                    rolling += twist * arm * pair.follows(r) * inv[0].max(inv[1]).max(inv[2]);
+                }
             }
-            pair.compliance = soft;
+            pair.compliance = [soft[0], soft[1] + rolling];
+            pair.rolling = rolling;
             pair.firm = sides[0].min(sides[1]);
         }
     }
 
-    /// Adds up the contact force on every touched node.
+    /// Adds up the contact force on every touched node, and the moment.
     pub fn add_up(&mut self) {
         for t in 0..self.touched.len() {
-            self.total[t] = self.force_at(t);
+            self.add_up_at(t);
+        }
+    }
+
+    /// Adds them up at place `t` of `touched`.
+    fn add_up_at(&mut self, t: usize) {
+        self.total[t] = self.force_at(t);
+        if !self.couples.is_empty() {
+            self.couples[t] = self.couple_at(t);
         }
     }
 
@@ -214,6 +271,19 @@ impl PairTable {
         sum
     }
 
+    /// Sum of the moments of all pairs on the node at place `t` of `touched` [force length].
+    fn couple_at(&self, t: usize) -> V3 {
+        let mut sum = V3::zeros();
+        for &(p, r) in self.roles_at(t) {
+            let pair = &self.pairs[p as usize];
+            let arm = pair.arm_of(r as usize);
+            if arm != 0.0 {
+                sum += pair.twist(&pair.force) * (arm * pair.share(r as usize));
+            }
+        }
+        sum
+    }
+
     /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at place `t` of `touched`
     /// takes as a node of what slaves meet [force], [mass].
     pub fn pressed_on(&self, t: usize) -> (V3, f64) {
@@ -226,6 +296,30 @@ impl PairTable {
             }
         }
         (force, mass)
+    }
+
+    /// The same where friction turns nodes: of pairs that do, the tangential part of the guess is apart.
+    pub fn rubbed_on(&self, t: usize) -> Rubbed {
+        let mut sum = Rubbed::default();
+        for &(p, r) in self.roles_at(t) {
+            let pair = &self.pairs[p as usize];
+            if pair.is_ahead(r) || pair.guess == V3::zeros() {
+                continue;
+            }
+            let (share, arm) = (pair.share(r as usize), pair.arm_of(r as usize));
+            sum.mass += pair.mass * share;
+            if pair.turns() {
+                let pressed = pair.normal * pair.guess.dot(&pair.normal);
+                sum.force += pressed * share;
+                sum.drag += (pair.guess - pressed) * share;
+                sum.couple += pair.twist(&pair.guess) * (arm * share);
+                sum.sliding_mass += pair.sliding_mass * share;
+                sum.turned_mass += pair.sliding_mass * share * arm * arm;
+            } else {
+                sum.force += pair.guess * share;
+            }
+        }
+        sum
     }
 
     /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back from the pair's side. Those whose

@@ -298,6 +298,13 @@ impl Surface {
         (ahead.0 + behind.0, ahead.1 + behind.1)
     }
 
+    /// Half thicknesses of a node and of a segment in an interface [length].
+    pub fn halves(&self, interface: u16, node: u32, segment: &Segment) -> [f64; 2] {
+        let n = node as usize;
+        let of = |half, scale| self.interfaces.measure(interface, (half, scale)).0;
+        [of(self.node_half[n], self.node_scale[n]), of(segment.half, segment.scale)]
+    }
+
     /// Whether a segment has a node with another one, by its id, in common.
     pub fn is_beside(&self, id: SegmentId, segment: &Segment) -> bool {
         let other = self.segments.binary_search_by_key(&id, |s| s.id).map(|i| &self.segments[i]);

@@ -4,7 +4,7 @@
 use crate::contact::acceleration::{Acceleration, Forces};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps, demand};
 use crate::contact::geometry::V3;
-use crate::contact::pairs::{Pair, PairTable, push};
+use crate::contact::pairs::{Felt, Pair, PairTable, push};
 use crate::nodes::{Nodes, Row};
 use crate::rigid::Bodies;
 use crate::wall::Walls;
@@ -18,6 +18,8 @@ pub struct Sweeps<'a> {
     pub nodes: &'a mut Nodes,
     /// Velocities without contact of the nodes in the table's `touched` [length/time].
     pub free: &'a [Row],
+    /// Their rotational velocities without contact, if friction turns any [1/time].
+    pub free_spins: &'a [Row],
     /// Rigid walls.
     pub walls: &'a Walls,
     /// Rigid bodies; their nodes go where the bodies go.
@@ -126,7 +128,7 @@ impl Sweeps<'_> {
     fn settle(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<Swept, Lost> {
         t.soften(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            p.demand = demand(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+            p.demand = demand(p, &p.relative_velocity(self.nodes), self.steps);
         }
         if self.laws.iterations().contains(&Iteration::GaussSeidel) {
             t.lay_order(wire)?;
@@ -222,13 +224,13 @@ impl Sweeps<'_> {
         if !self.coupled {
             return Ok(changed);
         }
-        self.bodies.feel(wire, self.nodes, (&t.touched, &t.total), self.walls, self.steps, changed)
+        self.bodies.feel(wire, self.nodes, (&t.touched, &t.total, &t.couples), self.walls, self.steps, changed)
     }
 
     /// The force that a selected pair gets in a sweep, and whether the one it has is not good enough.
     fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, bool)> {
         let law = some.law(p, self.laws)?;
-        let velocity = p.relative_velocity(&self.nodes.next_v);
+        let velocity = p.relative_velocity(self.nodes);
         match some.stage {
             Stage::Plain(_) => law.update(p, &velocity, self.steps).map(|force| (force, true)),
             Stage::Accelerated => law.refine(p, &velocity, self.steps),
@@ -257,8 +259,13 @@ impl Sweeps<'_> {
         wire: &mut dyn Transport,
     ) -> Result<bool, Lost> {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            let guess = |law: &dyn ContactLaw| law.guess(p, &p.relative_velocity(&self.nodes.next_v), self.steps);
+            let velocity = p.relative_velocity(self.nodes);
+            let guess = |law: &dyn ContactLaw| law.guess(p, &velocity, self.steps);
             p.guess = some.law(p, self.laws).map_or(V3::zeros(), guess);
+            if p.turns() && p.compliance[1] > 0.0 {
+                let sliding = velocity - p.normal * velocity.dot(&p.normal);
+                p.pull_most = (p.slip / self.steps.dt + sliding).norm() / (self.steps.push * p.compliance[1]);
+            }
         }
         if t.is_common() {
             t.swap_guesses(wire)?;
@@ -268,17 +275,19 @@ impl Sweeps<'_> {
         t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.turn = fraction);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take it.
         let own = t.pairs.iter().filter(|p| p.own);
-        let slaves: Vec<V3> = own.map(|p| p.slave_velocity(&self.nodes.next_v)).collect();
+        let slaves: Vec<V3> = own.map(|p| p.slave_velocity(self.nodes)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
+            if !t.couples.is_empty() {
+                self.predict_turning(t, k, n);
+                continue;
+            }
             let (force, mass) = t.pressed_on(k);
-            let total = self.nodes.contact_mass(n as usize) + mass;
-            let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
-            self.bring(n, push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push));
+            self.bring(n, self.predicted(n, &force, mass));
         }
         let mut changed = false;
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
-            let moved = p.slave_velocity(&self.nodes.next_v);
-            let velocity = p.relative_velocity(&self.nodes.next_v) + slave - moved;
+            let moved = p.slave_velocity(self.nodes);
+            let velocity = p.relative_velocity(self.nodes) + slave - moved;
             if let Some(force) = some.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
                 p.force = force;
                 changed = true;
@@ -287,17 +296,49 @@ impl Sweeps<'_> {
         Ok(changed)
     }
 
+    /// Velocity of node `n` under guesses on what slaves meet, with their masses.
+    fn predicted(&self, n: u32, force: &V3, mass: f64) -> Row {
+        let total = self.nodes.contact_mass(n as usize) + mass;
+        let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
+        push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push)
+    }
+
+    /// The same where friction turns nodes: what slides on node n has a share M of its mass there, which moves and turns it together, so
+    /// that a force gives `1/m / (1 + M (1/m + b^2/I))` of velocity with the lever arm b and the inertia I, and a moment as much of
+    /// spin with `1/I`.
+    fn predict_turning(&mut self, t: &PairTable, k: usize, n: u32) {
+        let guessed = t.rubbed_on(k);
+        let v = self.predicted(n, &guessed.force, guessed.mass);
+        let (inv_mass, inv_inertia) = (self.nodes.inv_mass[n as usize], self.nodes.inv_inertia[n as usize]);
+        let most = |inverse: &Row| inverse[0].max(inverse[1]).max(inverse[2]);
+        let held = 1.0 + guessed.sliding_mass * most(&inv_mass) + guessed.turned_mass * most(&inv_inertia);
+        self.bring(n, push(&v, &-guessed.drag, &inv_mass.map(|i| i / held), self.steps.push));
+        let spin = &self.nodes.next_w[n as usize];
+        self.spin(n, push(spin, &guessed.couple, &inv_inertia.map(|i| i / held), self.steps.push));
+    }
+
     /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
     fn feel(&mut self, t: &mut PairTable) {
         t.add_up();
         for (k, total) in t.total.iter().enumerate() {
-            self.feel_at(k as u32, t.touched[k], total);
+            self.feel_at(k as u32, t.touched[k], (total, t.couples.get(k)));
         }
     }
 
-    fn feel_at(&mut self, k: u32, n: u32, total: &V3) {
+    fn feel_at(&mut self, k: u32, n: u32, (total, couple): Felt<'_>) {
         let v = push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.push);
         self.bring(n, v);
+        if let Some(couple) = couple {
+            let inverse = &self.nodes.inv_inertia[n as usize];
+            self.spin(n, push(&self.free_spins[k as usize], couple, inverse, self.steps.push));
+        }
+    }
+
+    /// Node `n` turns with the rotational velocity `w` unless it belongs to a rigid body.
+    fn spin(&mut self, n: u32, w: Row) {
+        if self.bodies.of(n).is_none() {
+            self.nodes.next_w[n as usize] = w;
+        }
     }
 
     /// Node `n` goes with velocity `v` unless a wall stops it, or it belongs to a rigid body.

@@ -202,9 +202,14 @@ impl Body {
         self.base + self.mobility * angular
     }
 
+    /// Rotational velocity at the next mid-step, as it is felt at the present orientation [1/time].
+    pub fn present_spin(&self) -> V3 {
+        self.spin(&self.next.angular)
+    }
+
     /// Velocity at the next mid-step of a point that is `arm` off the centre, as it is felt at the present orientation.
     pub fn velocity_at(&self, arm: &V3) -> V3 {
-        self.next.velocity + self.spin(&self.next.angular).cross(arm)
+        self.next.velocity + self.present_spin().cross(arm)
     }
 
     /// Change of velocity along `direction` at `arm` per unit impulse in that direction.

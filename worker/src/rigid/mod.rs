@@ -233,15 +233,30 @@ impl Bodies {
         Ok(())
     }
 
+    /// Lets held members spin as their bodies do without contact.
+    pub fn turn(&self, nodes: &mut Nodes) {
+        for m in &self.members {
+            nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].present_spin().into());
+        }
+    }
+
     /// Before the sweeps of contact over the local nodes `touched`: whether any pair touches a body, on any worker.
     ///
     /// Simultaneous updates converge if the compliances they assume bound the real one. The nodal masses of a body,
     /// were they loose, do so; and so do the compliances of its k touched nodes, each times k. The smaller bound is
-    /// taken, as a factor on the former.
+    /// taken, as a factor on the former. With `couples` forces F come with moments m: with the arm r of a node to the
+    /// centre and the inverse s of the least inertia a body answers by
+    /// `|F|^2/M + s |r x F + m|^2 <= |F|^2 (1/M + 2 s r^2) + 2 s |m|^2` at most.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn meet(&mut self, wire: &mut dyn Transport, touched: &[u32], nodes: &Nodes) -> Result<bool, Lost> {
+    pub fn meet(
+        &mut self,
+        wire: &mut dyn Transport,
+        touched: &[u32],
+        nodes: &Nodes,
+        couples: bool,
+    ) -> Result<bool, Lost> {
         if self.is_empty() {
             return Ok(false);
         }
@@ -250,7 +265,11 @@ impl Bodies {
             let Some(b) = self.of(n) else { continue };
             let (body, i) = (&self.bodies[b], n as usize);
             let arm = V3::from(xyz(&nodes.x[i])) - body.centre;
-            let heavy = nodes.mass[i] * (1.0 / body.mass + arm.norm_squared() * body.softest);
+            let times = if couples { 2.0 } else { 1.0 };
+            let mut heavy = nodes.mass[i] * (1.0 / body.mass + times * arm.norm_squared() * body.softest);
+            if couples {
+                heavy = heavy.max(2.0 * nodes.inertia[i] * body.softest);
+            }
             met[b] = (met[b].0 + 1, met[b].1.max(heavy));
         }
         let message: Vec<u64> = met.iter().flat_map(|m| [m.0, m.1.to_bits()]).collect();
@@ -279,8 +298,16 @@ impl Bodies {
         }
     }
 
-    /// Lets bodies feel the contact forces `total` on the nodes `touched`, and walls; brings these nodes' velocities up
-    /// to date. Returns whether `changed` holds on any worker.
+    /// Inverse rotational inertia that contact sees at local node `n`.
+    pub fn inv_inertia(&self, n: u32, nodes: &Nodes) -> Row {
+        match self.of(n) {
+            Some(b) if nodes.inertia[n as usize] > 0.0 => [self.share[b] / nodes.inertia[n as usize]; 4],
+            _ => nodes.inv_inertia[n as usize],
+        }
+    }
+
+    /// Lets bodies feel the contact forces `total` on the nodes `touched`, and the `couples` there if there are any, and walls; brings
+    /// these nodes' velocities up to date. Returns whether `changed` holds on any worker.
     ///
     /// # Errors
     /// A worker is gone.
@@ -288,16 +315,17 @@ impl Bodies {
         &mut self,
         wire: &mut dyn Transport,
         nodes: &mut Nodes,
-        (touched, total): (&[u32], &[V3]),
+        (touched, total, couples): (&[u32], &[V3], &[V3]),
         walls: &Walls,
         steps: Steps,
         changed: bool,
     ) -> Result<bool, Lost> {
         self.acting.clear();
-        for (&n, force) in touched.iter().zip(total).filter(|(n, _)| nodes.is_own(**n as usize)) {
+        for (k, (&n, force)) in touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_own(**n as usize)) {
             if let Some(b) = self.of(n) {
                 let arm = V3::from(xyz(&nodes.x[n as usize])) - self.bodies[b].centre;
-                act(&mut self.acting, b, nodes.id[n as usize], force, &arm.cross(force));
+                let angular = couples.get(k).map_or(arm.cross(force), |couple| arm.cross(force) + couple);
+                act(&mut self.acting, b, nodes.id[n as usize], force, &angular);
             }
         }
         let changed = self.gather(wire, changed)?;
@@ -312,6 +340,9 @@ impl Bodies {
                 let body = &self.bodies[b];
                 let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;
                 nodes.next_v[n as usize] = row(body.velocity_at(&arm).into());
+                if !couples.is_empty() {
+                    nodes.next_w[n as usize] = row(body.present_spin().into());
+                }
             }
         }
         Ok(changed)
@@ -347,7 +378,7 @@ impl Bodies {
             let place = centre + turn * self.arms[m.body as usize][m.index as usize];
             (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) * per_dt);
         }
-        for m in &self.members {
+        for m in self.members.iter().chain(&self.copies) {
             nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
         }
         if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }

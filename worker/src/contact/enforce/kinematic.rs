@@ -21,7 +21,8 @@
 //! With one pass per step such pairs sink in while the bodies decelerate. Where one surface is held, the free one takes all:
 //! held nodes that share the load let a block creep on them under a pull below mu N.
 //!
-//! Friction is the same for the tangential distance from the stick point, its total within the cone.
+//! Friction is the same for the tangential distance from the stick point, its total within the cone. Where it turns nodes the slave's
+//! mass is that of its middle and its spin together, `1 / (1/m_s + a^2/I_s)` with the lever arm a.
 
 use super::{ContactLaw, GAP, Iteration, LawRow, Steps, no_longer, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
@@ -46,11 +47,12 @@ struct Kinematic {
 const LITTLE: f64 = 1e-6;
 
 /// Force that takes the slave's mass to the surface and to the stick point within the step, if the segment moves as
-/// `velocity` says.
+/// `velocity` says. Friction that turns the slave moves a smaller mass.
 fn needed(pair: &Pair, velocity: &V3, steps: Steps) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
     let per_step = -pair.mass / steps.push;
-    (per_step * (overlap(pair, steps) / steps.dt + opening), (pair.slip / steps.dt + sliding) * per_step)
+    let across = -pair.sliding_mass / steps.push;
+    (per_step * (overlap(pair, steps) / steps.dt + opening), (pair.slip / steps.dt + sliding) * across)
 }
 
 impl ContactLaw for Kinematic {
@@ -81,7 +83,8 @@ impl ContactLaw for Kinematic {
         let (more, pull) = needed(pair, velocity, steps);
         let limit = guess_n * alone_n;
         let more = more.clamp(limit.min(0.0), limit.max(0.0));
-        let pull = no_longer(pull, guess_t.norm() * alone_t);
+        let most = if pair.turns() { pair.pull_most } else { guess_t.norm() * alone_t };
+        let pull = no_longer(pull, most);
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let new_pressed = (pressed + pair.turn * more).max(0.0);
         let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, pair);

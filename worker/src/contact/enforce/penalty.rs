@@ -14,6 +14,9 @@
 //! **Friction** acts from the first force of a touch on: its spring is stretched by the way that is slid since the touch
 //! began within the step before. Without that a body which chatters loses friction's share of a step in every touch.
 //!
+//! Where it turns nodes the compliance c of its spring has a part of their rotations too; its stiffness is less by so much that
+//! k c is as without them.
+//!
 //! **Bound.** Springs add to the highest frequency: by Weyl's inequality omega^2 is at most that of the elements,
 //! `(2 safety / dt)^2`, plus that of the contact springs alone. The latter is at most the largest `k c` of a pair when
 //! every nodal mass is split among the pairs that use it (Rayleigh quotient, node by node). So central differences stay
@@ -56,7 +59,8 @@ impl Penalty {
 
     /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
     fn wanted(&self, pair: &Pair, steps: Steps) -> (f64, f64) {
-        let [soft_n, soft_t] = pair.compliance.map(|c| c * steps.whole * steps.whole);
+        let per_step = steps.whole * steps.whole;
+        let (soft_n, soft_t) = (pair.compliance[0] * per_step, (pair.compliance[1] - pair.rolling) * per_step);
         if soft_n <= 0.0 {
             return (0.0, 0.0); // both sides are held fixed
         }
@@ -105,7 +109,7 @@ impl ContactLaw for Penalty {
         let spring = (-k * pair.gap).max(0.0);
         let damped = (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.push);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
-        Some(pair.normal * pressed + within_cone(pair.slip * -k, pressed, pair))
+        Some(pair.normal * pressed + within_cone(pair.slip * -tangential(pair, k), pressed, pair))
     }
 
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
@@ -120,7 +124,7 @@ impl ContactLaw for Penalty {
             return sliding * since;
         }
         // Where the cone cut the force, the stick point is dragged along.
-        let stretched = sheared / -k;
+        let stretched = sheared / -tangential(pair, k);
         stretched + sliding * steps.dt
     }
 
@@ -128,4 +132,11 @@ impl ContactLaw for Penalty {
         let (k, most) = self.wanted(pair, steps);
         k > most && pair.force != V3::zeros()
     }
+}
+
+/// Stiffness of the spring from the stick point, where the normal one has the stiffness `k` [force/length]. What turns would make
+/// it swing faster.
+fn tangential(pair: &Pair, k: f64) -> f64 {
+    let [_, soft] = pair.compliance;
+    if pair.rolling > 0.0 && pair.rolling < soft { k * (1.0 - pair.rolling / soft) } else { k }
 }

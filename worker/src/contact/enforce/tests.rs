@@ -1,6 +1,7 @@
 //! What contact laws must and must not do, on hand-made scenes: nodes that are masses, segments between them, no
 //! elements. The search and the sweeps are those of a real run.
 
+mod couple;
 mod kinematic;
 mod mortar;
 mod penalty;
@@ -130,7 +131,7 @@ impl Scene {
             && contact.sweeps - before < contact.laws.sweeps() as u64
         {
             // Pairs are passed over while no node of theirs feels anything new: none of them may have been left behind.
-            let update = |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(&nodes.next_v), *steps);
+            let update = |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(nodes), *steps);
             let at_rest = |p: &Pair| update(p).is_none();
             assert!(
                 contact.table.pairs.iter().filter(|p| p.own && in_order(p)).all(at_rest),

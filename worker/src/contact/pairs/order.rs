@@ -6,7 +6,7 @@
 //! pairs in ascending order, but for those that would answer as when they were last asked, then forces travel. What is computed is what one worker alone computes, to the last bit;
 //! phases are a timetable and nothing of them is left in the result.
 
-use super::{Pair, PairTable, ROLES};
+use super::{Felt, Pair, PairTable, ROLES};
 use crate::contact::geometry::V3;
 use crumple_proto::transport::{Lost, Tag, Transport};
 
@@ -124,7 +124,7 @@ impl PairTable {
     }
 
     /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new force, if it has one;
-    /// `feel` takes a place in `touched`, the node there and the total force that it is to feel. Whether a force of an own
+    /// `feel` takes a place in `touched`, the node there and the total force and moment that it is to feel. Whether a force of an own
     /// pair has changed.
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl PairTable {
         wire: &mut dyn Transport,
         state: &mut S,
         update: impl Fn(&Pair, &S) -> Option<(V3, bool)>,
-        feel: impl Fn(&mut S, u32, u32, &V3),
+        feel: impl Fn(&mut S, u32, u32, Felt<'_>),
     ) -> Result<bool, Lost> {
         let mut order = std::mem::take(&mut self.order);
         let mut next = 0;
@@ -184,14 +184,20 @@ impl PairTable {
     }
 
     /// Gives a pair a new force and lets its nodes feel it.
-    fn put<S>(&mut self, i: u32, force: V3, order: &mut Order, state: &mut S, feel: &impl Fn(&mut S, u32, u32, &V3)) {
+    fn put<S>(
+        &mut self,
+        i: u32,
+        force: V3,
+        order: &mut Order,
+        state: &mut S,
+        feel: &impl Fn(&mut S, u32, u32, Felt<'_>),
+    ) {
         self.pairs[i as usize].force = force;
         order.turn += 1;
         for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
             order.felt[t as usize] = order.turn;
-            let total = self.force_at(t as usize);
-            self.total[t as usize] = total;
-            feel(state, t, self.touched[t as usize], &total);
+            self.add_up_at(t as usize);
+            feel(state, t, self.touched[t as usize], (&self.total[t as usize], self.couples.get(t as usize)));
         }
     }
 }

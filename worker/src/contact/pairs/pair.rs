@@ -99,6 +99,10 @@ pub struct Pair {
     pub area: f64,
     /// Unit normal that points to the slave's side.
     pub normal: V3,
+    /// Lever arms of friction, which acts between the middle surfaces: how far its point is off that of the slave and off that of the
+    /// other side, along the normal. Together they are the distance of both, or both nought where no couple is taken; see
+    /// [`Pair::lever`] [length].
+    pub arm: [f64; 2],
     /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1 or -1.
     pub side: f64,
     /// Gap that the law is to close, tolerated penetration taken off [length].
@@ -129,6 +133,8 @@ pub struct Pair {
     pub slip: V3,
     /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
     pub compliance: [f64; 2],
+    /// The part of the tangential compliance that is of nodes which friction turns.
+    pub rolling: f64,
     /// The part of the normal compliance that is of the side which answers less, 0 if that is held.
     pub firm: f64,
     /// Speed at which the gap would be passed in the step without contact, 0 if it would not be [length/time].
@@ -140,6 +146,10 @@ pub struct Pair {
     pub turn: f64,
     /// Mass of the slave along the normal, with what holds it [mass].
     pub mass: f64,
+    /// The same across it: less than that where friction turns the slave [mass].
+    pub sliding_mass: f64,
+    /// Most tangential force that a correction may add where friction turns nodes, for laws that predict and correct [force].
+    pub pull_most: f64,
     /// Whether the slave is held fixed, or led, along the normal; others are told.
     pub held: bool,
     /// Stiffness of the segment, for laws that have one for it [force/length].
@@ -283,7 +293,8 @@ struct WirePair {
     thickness: f64,
     force: [f64; 3],
     mass: f64,
-    held: u64,
+    /// Bits: [`Pair::held`], and whether a [`WireLever`] follows.
+    flags: u64,
 }
 const NAME_WORDS: usize = size_of::<Name>() / 8;
 /// Roles of a pair in [`WirePair`], and those of two segments that follow it in [`WireRest`].
@@ -298,8 +309,16 @@ struct WireRest {
     weight: [f64; REST],
     area: f64,
 }
+/// What is told beside of pairs whose friction turns nodes.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireLever {
+    arm: [f64; 2],
+    sliding_mass: f64,
+}
 const WIRE_WORDS: usize = size_of::<WirePair>() / 8;
 const REST_WORDS: usize = size_of::<WireRest>() / 8;
+const LEVER_WORDS: usize = size_of::<WireLever>() / 8;
 
 impl Pair {
     /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
@@ -329,6 +348,7 @@ impl Pair {
             weight: [0.0; ROLES],
             area: 1.0,
             normal: V3::zeros(),
+            arm: [0.0; 2],
             side: 0.0,
             gap: 0.0,
             depth: 0.0,
@@ -343,11 +363,14 @@ impl Pair {
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
+            rolling: 0.0,
             firm: 0.0,
             demand: 0.0,
             guess: V3::zeros(),
             turn: 1.0,
             mass: 0.0,
+            sliding_mass: 0.0,
+            pull_most: 0.0,
             held: false,
             stiffness: 0.0,
             first: false,
@@ -412,6 +435,51 @@ impl Pair {
         self.shape[r]
     }
 
+    /// Whether its friction turns nodes.
+    pub fn turns(&self) -> bool {
+        self.arm != [0.0; 2]
+    }
+
+    /// Lever arm of the side of role `r` [length].
+    pub(super) fn arm_of(&self, r: usize) -> f64 {
+        self.arm[usize::from(r >= self.ahead())]
+    }
+
+    /// Moment of the pair's force on both of its sides together, per lever arm [force].
+    ///
+    /// Friction F acts on the slave at `x_s - a n` and with the opposite sign on the other side at `x_m + b n`, with the arms a
+    /// and b. About `x_s` and `x_m` that is `-a n x F` and `-b n x F`, which the nodes take by their shares in F.
+    pub(super) fn twist(&self, force: &V3) -> V3 {
+        -self.normal.cross(force)
+    }
+
+    /// Sets the lever arms of the own pair from what they are to each other, as `arm` has it. Together they span the distance of the
+    /// points of both sides along the normal: the couple of forces on the middle surfaces is then taken to round-off. A
+    /// side without rotational inertia at a node that the force acts on can take none of it, and leaves it to the other one; where
+    /// neither can, the couple stays.
+    pub fn lever(&mut self, nodes: &Nodes) {
+        if !self.turns() {
+            return;
+        }
+        if !nodes.rotations {
+            self.arm = [0.0; 2];
+            return;
+        }
+        let loaded = |roles: std::ops::Range<usize>| roles.filter(|&r| self.share(r) != 0.0);
+        let can_turn = |roles| loaded(roles).all(|r| nodes.inertia[self.nodes[r] as usize] > 0.0);
+        let [slave, met] = self.arm;
+        let arm = match [can_turn(0..self.ahead()), can_turn(self.ahead()..self.roles())] {
+            [true, true] => [slave / (slave + met), met / (slave + met)],
+            [true, false] => [1.0, 0.0],
+            [false, true] => [0.0, 1.0],
+            [false, false] => [0.0, 0.0],
+        };
+        let along = |r: usize| V3::from(xyz(&nodes.x[self.nodes[r] as usize])).dot(&self.normal) * self.shape[r];
+        let apart = loaded(0..self.ahead()).map(along).sum::<f64>()
+            - loaded(self.ahead()..self.roles()).map(along).sum::<f64>();
+        self.arm = arm.map(|a| a * apart);
+    }
+
     /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
     /// rest for the other. Where one of them is held, the free one closes the gap; the held one takes what is left when
     /// the free one has settled, such as a held node between the free ones of a coarser face.
@@ -429,7 +497,7 @@ impl Pair {
         }
     }
 
-    /// Notes the slave's mass along the normal; own pairs only.
+    /// Notes the slave's mass along the normal and across it; own pairs only.
     pub fn weigh_slave(&mut self, nodes: &Nodes) {
         let met = self.nodes[self.ahead()..].iter().filter(|&&n| n != NOT_LOCAL);
         let segment: f64 = met.map(|&n| nodes.contact_mass(n as usize)).sum();
@@ -441,6 +509,15 @@ impl Pair {
         let moves: f64 = (0..self.ahead()).map(moves).sum();
         self.held = moves * HELD * segment <= 1.0;
         self.mass = if self.held { HELD * segment } else { 1.0 / moves };
+        self.sliding_mass = self.mass;
+        if self.arm[0] != 0.0 {
+            let inverse = |r: usize| {
+                let inv = &nodes.inv_inertia[self.nodes[r] as usize];
+                self.share(r) * self.follows(r) * inv[0].max(inv[1]).max(inv[2])
+            };
+            let turns: f64 = (0..self.ahead()).map(inverse).sum();
+            self.sliding_mass = self.mass / (1.0 + self.mass * self.arm[0] * self.arm[0] * turns);
+        }
     }
 
     /// Local nodes that the pair's force acts on.
@@ -448,13 +525,32 @@ impl Pair {
         self.nodes[..self.roles()].iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
     }
 
-    /// Velocity of the slave, own pairs only [length/time].
-    pub fn slave_velocity(&self, v: &[Row]) -> V3 {
+    /// Velocity at the next mid-step of the slave where friction acts on it, own pairs only [length/time].
+    pub fn slave_velocity(&self, nodes: &Nodes) -> V3 {
+        let middle = self.slave_mean(&nodes.next_v);
+        if self.arm[0] == 0.0 {
+            return middle;
+        }
+        middle - self.slave_mean(&nodes.next_w).cross(&self.normal) * self.arm[0]
+    }
+
+    /// Mean of the vectors at the slave's nodes by their shape values.
+    fn slave_mean(&self, v: &[Row]) -> V3 {
         let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
         match self.name.far {
             NodeId(0) => at(0),
             SEGMENT => self.mean(v, 0),
             _ => at(0) * self.shape[0] + at(1) * self.shape[1],
+        }
+    }
+
+    /// The same at the nodes of the other side.
+    fn met_mean(&self, v: &[Row]) -> V3 {
+        let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
+        match self.name.far {
+            NodeId(0) => self.mean(v, 1),
+            SEGMENT => self.mean(v, 4),
+            _ => part(2) + part(3),
         }
     }
 
@@ -464,15 +560,14 @@ impl Pair {
         part(0) + part(1) + part(2) + part(3)
     }
 
-    /// Velocity of the slave relative to the contact point, own pairs only [length/time].
-    pub fn relative_velocity(&self, v: &[Row]) -> V3 {
-        let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
-        let point = match self.name.far {
-            NodeId(0) => self.mean(v, 1),
-            SEGMENT => self.mean(v, 4),
-            _ => part(2) + part(3),
-        };
-        self.slave_velocity(v) - point
+    /// Velocity at the next mid-step of the slave relative to the other side, both where friction acts on them; own pairs only
+    /// [length/time].
+    pub fn relative_velocity(&self, nodes: &Nodes) -> V3 {
+        let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.next_v);
+        if self.arm[1] == 0.0 {
+            return relative;
+        }
+        relative - self.met_mean(&nodes.next_w).cross(&self.normal) * self.arm[1]
     }
 
     /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs only.
@@ -480,7 +575,13 @@ impl Pair {
         let on = |r: usize| {
             let share = if r < self.ahead() { self.share(r) } else { -self.share(r) };
             let n = self.nodes[r] as usize;
-            Work::of_all(&row((self.force * (mid * share)).into()), &nodes.v[n], &nodes.next_v[n])
+            let moved = Work::of_all(&row((self.force * (mid * share)).into()), &nodes.v[n], &nodes.next_v[n]);
+            let arm = self.arm_of(r);
+            if arm == 0.0 {
+                return moved;
+            }
+            let couple = self.twist(&self.force) * (mid * self.share(r) * arm);
+            moved + Work::of_all(&row(couple.into()), &nodes.w[n], &nodes.next_w[n])
         };
         (0..self.roles()).filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0).map(on).sum()
     }
@@ -506,7 +607,8 @@ impl Pair {
 impl Pair {
     /// Words of the pair in a message to others.
     pub fn words(&self) -> usize {
-        WIRE_WORDS + if self.name.is_segment() { REST_WORDS } else { 0 }
+        let rest = if self.name.is_segment() { REST_WORDS } else { 0 };
+        WIRE_WORDS + rest + if self.turns() { LEVER_WORDS } else { 0 }
     }
 
     /// Appends what others need of it.
@@ -524,7 +626,7 @@ impl Pair {
             thickness: self.thickness,
             force: self.force.into(),
             mass: self.mass,
-            held: self.held.into(),
+            flags: u64::from(self.held) | u64::from(self.turns()) << 1,
         };
         words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&first)));
         if self.name.is_segment() {
@@ -534,6 +636,10 @@ impl Pair {
                 area: self.area,
             };
             words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&rest)));
+        }
+        if self.turns() {
+            let lever = WireLever { arm: self.arm, sliding_mass: self.sliding_mass };
+            words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&lever)));
         }
     }
 
@@ -551,7 +657,8 @@ impl Pair {
             thickness: first.thickness,
             force: first.force.into(),
             mass: first.mass,
-            held: first.held != 0,
+            sliding_mass: first.mass,
+            held: first.flags & 1 != 0,
             ..Self::unknown(first.name, first.segment, first.nodes.map(local))
         };
         if pair.name.is_segment() {
@@ -561,6 +668,12 @@ impl Pair {
             pair.nodes[FIRST..].copy_from_slice(&rest.nodes.map(local));
             pair.weight[FIRST..].copy_from_slice(&rest.weight);
             pair.area = rest.area;
+        }
+        if first.flags & 2 != 0 {
+            let lever;
+            (lever, after) = after.split_at(LEVER_WORDS);
+            let lever: WireLever = bytemuck::pod_read_unaligned(bytemuck::cast_slice(lever));
+            (pair.arm, pair.sliding_mass) = (lever.arm, lever.sliding_mass);
         }
         (pair, after)
     }
