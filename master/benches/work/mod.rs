@@ -87,13 +87,9 @@ fn contact() -> Work {
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
-        contact.refresh_candidates(
-            &e.nodes,
-            Joined { bodies: &e.bodies, ties: &e.ties },
-            (e.clock.time, steps.dt),
-            steps.dt,
-        );
-        contact.find_pairs(&e.nodes, e.clock.time, steps);
+        let joined = Joined { bodies: &e.bodies, ties: &e.ties };
+        contact.refresh_candidates(&e.nodes, joined, (e.clock.time, steps.dt), steps.dt);
+        contact.find_pairs(&e.nodes, joined, e.clock.time, steps);
         contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
         contact.enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps).expect("nobody is lost");
     })

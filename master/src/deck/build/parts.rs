@@ -147,7 +147,7 @@ impl Build {
             if value > 0.0 && kind == Kind::Shell {
                 table.put(key, record.place(field), value);
             } else if value > 0.0 {
-                self.map(&format!("part {id}"), format!("{field} {value}"), "not used: it is for shells");
+                self.map(format!("part {id}"), format!("{field} {value}"), "not used: it is for shells");
             }
         }
     }
