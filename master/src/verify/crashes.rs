@@ -1,6 +1,6 @@
 //! What cars crush: an S-beam (B15), and from `cases/` a short tube (B19) and the jeep frame (B20), with every quad of the table.
 //!
-//! No source gives numbers for these. The reference is the fully integrated shell, which has no hourglass control, on a finer
+//! No source gives numbers for these. The reference is the fully integrated shell, which has no hourglass control, on finer
 //! meshes, computed apart and extrapolated (`tests/references/README.md` has commands, numbers and orders).
 //!
 //! Each scene runs on two meshes. The first one resolves the folds, and is held to the reference. The second one is the coarse
