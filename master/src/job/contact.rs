@@ -142,7 +142,7 @@ fn check_one(path: &str, contact: &Contact, is_own: impl Fn(&str) -> bool, numbe
     need(death > contact.birth, "death", death, "later than `birth`");
     need(death > contact.birth || is_own("death"), "birth", contact.birth, "before `death`");
     need(contact.sweeps >= 1, "sweeps", contact.sweeps as f64, "at least 1");
-    need(contact.tolerance > 0.0, "tolerance", contact.tolerance, "above 0; 1e-7 is usual");
+    need(contact.tolerance > 0.0, "tolerance", contact.tolerance, "above 0; 1e-6 is usual");
     let scale = contact.penalty_scale;
     need(scale > 0.0, "penalty_scale", scale, "above 0; 0.1 to 0.4 is usual for the soft form");
     let damping = contact.penalty_damping;

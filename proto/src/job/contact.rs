@@ -258,7 +258,7 @@ impl Default for Contact {
             iteration: "gauss_seidel".into(),
             sweeps: 20,
             accelerated: 100,
-            tolerance: 1e-7,
+            tolerance: 1e-6,
             weighting: "shape".into(),
             partition: 0.5,
             penalty_form: "soft".into(),

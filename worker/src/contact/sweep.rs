@@ -138,12 +138,13 @@ impl Sweeps<'_> {
         let mut swept = Swept::default();
         for sweep in 0..self.laws.sweeps() {
             swept.sweeps += 1;
-            let changed = self.sweep(t, Stage::Plain(sweep), wire)?;
+            let left = self.sweep(t, Stage::Plain(sweep), wire)?;
+            let changed = left > 1.0;
             let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
             self.feel_all(t);
             // With bodies all workers hear of each other, and end together.
             let over = if self.coupled { !self.move_bodies(t, wire, changed)? } else { quiet };
-            swept.unsettled = changed && !over && self.laws.converge();
+            swept.unsettled = !over && left > self.laws.coarse();
             if over {
                 break;
             }
@@ -158,7 +159,7 @@ impl Sweeps<'_> {
             swept.sweeps += 1;
             let before: Forces = t.pairs.iter().filter(|p| p.own).map(|p| p.force).collect();
             // Who has no pairs has laid no order for them, and takes part in what all agree on only.
-            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, wire)?;
+            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, wire)? > 1.0;
             self.feel_others(t, wire, changed)?;
             let advice = acceleration.note(&t.pairs, &before, changed, wire)?;
             swept.unsettled = advice.changed;
@@ -184,17 +185,19 @@ impl Sweeps<'_> {
         Ok(())
     }
 
-    /// One sweep over all pairs; whether a force of an own one has changed. In the end others are not told yet.
-    fn sweep(&mut self, t: &mut PairTable, stage: Stage, wire: &mut dyn Transport) -> Result<bool, Lost> {
+    /// One sweep over all pairs; the most that an own one has had left undone, over what may be left. In the end others are not
+    /// told yet.
+    fn sweep(&mut self, t: &mut PairTable, stage: Stage, wire: &mut dyn Transport) -> Result<f64, Lost> {
         let iterations = self.laws.iterations();
-        let mut changed = false;
+        let mut undone: f64 = 0.0;
         for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
             let some = Selection { iteration, stage };
-            changed |= match iteration {
+            let most = match iteration {
                 Iteration::Split => self.all_at_once(t, some),
                 Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?,
                 Iteration::Correct { partition, little } => self.correct(t, some, (partition, little), wire)?,
             };
+            undone = undone.max(most);
             if left > 0 {
                 // The next interfaces feel what these have come to.
                 if t.is_common() {
@@ -204,7 +207,7 @@ impl Sweeps<'_> {
                 t.look_at_all();
             }
         }
-        Ok(changed)
+        Ok(undone)
     }
 
     /// Lets nodes feel what a sweep has come to, where they have not within it.
@@ -227,37 +230,35 @@ impl Sweeps<'_> {
         self.bodies.feel(wire, self.nodes, (&t.touched, &t.total, &t.couples), self.walls, self.steps, changed)
     }
 
-    /// The force that a selected pair gets in a sweep, and whether the one it has is not good enough.
-    fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, bool)> {
+    /// The force that a selected pair gets in a sweep, and what the one it has leaves undone, over what may be left.
+    fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, f64)> {
         let law = some.law(p, self.laws)?;
         let velocity = p.relative_velocity(self.nodes);
-        match some.stage {
-            Stage::Plain(_) => law.update(p, &velocity, self.steps).map(|force| (force, true)),
-            Stage::Accelerated => law.refine(p, &velocity, self.steps),
-        }
+        let all = matches!(some.stage, Stage::Accelerated);
+        law.refine(p, &velocity, self.steps).filter(|&(_, left)| all || left > 1.0)
     }
 
-    /// Some of the own pairs, from the same state; whether a force has changed.
-    fn all_at_once(&self, t: &mut PairTable, some: Selection) -> bool {
-        let mut changed = false;
+    /// Some of the own pairs, from the same state; the most that one has had left undone.
+    fn all_at_once(&self, t: &mut PairTable, some: Selection) -> f64 {
+        let mut undone: f64 = 0.0;
         for p in t.pairs.iter_mut().filter(|p| p.own) {
-            if let Some((force, is_needed)) = self.updated(p, some) {
+            if let Some((force, left)) = self.updated(p, some) {
                 p.force = force;
-                changed |= is_needed;
+                undone = undone.max(left);
             }
         }
-        changed
+        undone
     }
 
     /// Guesses what all pairs still need, sees how segments would move under that, each slave's mass and force shared
-    /// among a segment's nodes, and corrects the forces of own pairs; whether one has changed.
+    /// among a segment's nodes, and corrects the forces of own pairs; the most that one has had left undone.
     fn correct(
         &mut self,
         t: &mut PairTable,
         some: Selection,
         (partition, little): (f64, f64),
         wire: &mut dyn Transport,
-    ) -> Result<bool, Lost> {
+    ) -> Result<f64, Lost> {
         for p in t.pairs.iter_mut().filter(|p| p.own) {
             let velocity = p.relative_velocity(self.nodes);
             let guess = |law: &dyn ContactLaw| law.guess(p, &velocity, self.steps);
@@ -284,16 +285,16 @@ impl Sweeps<'_> {
             let (force, mass) = t.pressed_on(k);
             self.bring(n, self.predicted(n, &force, mass));
         }
-        let mut changed = false;
+        let mut undone: f64 = 0.0;
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
             let moved = p.slave_velocity(self.nodes);
             let velocity = p.relative_velocity(self.nodes) + slave - moved;
             if let Some(force) = some.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
                 p.force = force;
-                changed = true;
+                undone = f64::INFINITY;
             }
         }
-        Ok(changed)
+        Ok(undone)
     }
 
     /// Velocity of node `n` under guesses on what slaves meet, with their masses.

@@ -84,6 +84,11 @@ pub trait ContactLaw: Send + Sync {
     fn converges(&self) -> bool {
         false
     }
+    /// What plain sweeps may leave undone before accelerated ones follow, over what may be left at all
+    /// ([`ContactLaw::refine`]).
+    fn coarse(&self) -> f64 {
+        1.0
+    }
     /// Whether segments meet segments, where they face each other, in place of nodes.
     fn by_segments(&self) -> bool {
         false
@@ -103,10 +108,11 @@ pub trait ContactLaw: Send + Sync {
     /// all present forces felt; `None` if the present force is good enough. It depends on nothing else: a pair is not asked
     /// again before one of its nodes moves otherwise.
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
-    /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and whether it is not; for accelerated
-    /// sweeps, which need the residuals of all pairs. `None` if the pair can have no other force.
-    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, bool)> {
-        self.update(pair, velocity, steps).map(|force| (force, true))
+    /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and what that leaves undone over what
+    /// may be left: above 1 if it is not good enough. For accelerated sweeps, which need the residuals of all pairs. `None` if the
+    /// pair can have no other force.
+    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, f64)> {
+        self.update(pair, velocity, steps).map(|force| (force, f64::INFINITY))
     }
     /// Tangential distance from the stick point after the step.
     fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3;
@@ -141,6 +147,7 @@ pub struct Laws {
     /// Ways to iterate that they have, each once.
     iterations: Vec<Iteration>,
     sweeps: usize,
+    coarse: f64,
 }
 
 impl Laws {
@@ -163,7 +170,9 @@ impl Laws {
             }
         }
         let sweeps = of.iter().flatten().map(|law| law.sweeps()).max().unwrap_or(0);
-        Self { of, iterations, sweeps }
+        let coarse = of.iter().flatten().filter(|law| law.converges()).map(|law| law.coarse());
+        let coarse = coarse.fold(f64::INFINITY, f64::min);
+        Self { of, iterations, sweeps, coarse }
     }
 
     /// Number of interfaces.
@@ -192,6 +201,11 @@ impl Laws {
     /// Most sweeps of any law within a step.
     pub fn sweeps(&self) -> usize {
         self.sweeps
+    }
+
+    /// The least that a law which converges has as [`ContactLaw::coarse`].
+    pub fn coarse(&self) -> f64 {
+        self.coarse
     }
 
     /// Whether any law has [`ContactLaw::converges`].

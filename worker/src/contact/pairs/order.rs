@@ -133,12 +133,12 @@ impl PairTable {
         &mut self,
         wire: &mut dyn Transport,
         state: &mut S,
-        update: impl Fn(&Pair, &S) -> Option<(V3, bool)>,
+        update: impl Fn(&Pair, &S) -> Option<(V3, f64)>,
         feel: impl Fn(&mut S, u32, u32, Felt<'_>),
-    ) -> Result<bool, Lost> {
+    ) -> Result<f64, Lost> {
         let mut order = std::mem::take(&mut self.order);
         let mut next = 0;
-        let mut changed = false;
+        let mut undone: f64 = 0.0;
         for phase in 0..order.phases {
             while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase) {
                 next += 1;
@@ -146,8 +146,8 @@ impl PairTable {
                     continue;
                 }
                 order.looked[i as usize] = order.turn;
-                if let Some((force, is_needed)) = update(&self.pairs[i as usize], state) {
-                    changed |= is_needed;
+                if let Some((force, left)) = update(&self.pairs[i as usize], state) {
+                    undone = undone.max(left);
                     if force != self.pairs[i as usize].force {
                         self.put(i, force, &mut order, state, &feel);
                     }
@@ -180,7 +180,7 @@ impl PairTable {
             }
         }
         self.order = order;
-        Ok(changed)
+        Ok(undone)
     }
 
     /// Gives a pair a new force and lets its nodes feel it.
