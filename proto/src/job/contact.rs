@@ -47,8 +47,8 @@ pub struct Contact {
     /// Most sweeps over all pairs within a step (Lagrange), most passes (kinematic; 1 as in PRONTO3D) before `accelerated`
     /// ones.
     pub sweeps: usize,
-    /// Most accelerated sweeps after these in steps for which they are too few, as with layers below a hundredth of their
-    /// neighbours' mass; 0 for none. None follow a single sweep (Lagrange); see `cases/studies/README.md`, sandwich.
+    /// Most accelerated sweeps after these in steps for which they are too few (they leave more than 1e-4 of what a force is there to
+    /// do), as with layers below a hundredth of their neighbours' mass; 0 for none. None follow a single sweep (Lagrange); see `cases/studies/README.md`, sandwich.
     pub accelerated: usize,
     /// Velocity that a pair's force may leave unchanged, over the velocity that it is there to change (Lagrange); relative
     /// change below which the force is left as it is (kinematic); see `cases/studies/README.md`, bars.
