@@ -10,7 +10,8 @@ use crate::nodes::{Nodes, Row};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
 
-/// How far both ends of an edge must be from a face, as a fraction of the segment's scale.
+/// How far both ends of an edge must be from a face where it goes through, along the normal there, as a fraction of the segment's
+/// scale.
 const THROUGH: f64 = 0.1;
 
 /// An edge in a segment that it did not go through at the start.
@@ -34,11 +35,15 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
     let through = |s: &Segment, e: &Edge, x: &[Row]| {
         let ([p, q], [a, b, c, d]) = (e.ends(x), s.corners(x));
-        let Some(normal) = s.middle_normal(x) else { return false };
         // What lies on a face, or sinks in as contact lets it, is not through.
-        let (above, below) = ((p - a).dot(&normal), (q - a).dot(&normal));
-        let deep = above.abs().min(below.abs()) > THROUGH * s.scale;
-        deep && (pierces(&p, &q, [&a, &b, &c]) || !s.is_triangle() && pierces(&p, &q, [&a, &c, &d]))
+        let deep = |(at, normal): (V3, V3)| {
+            let [above, below] = [p - at, q - at].map(|end| end.dot(&normal).abs());
+            above.min(below) > THROUGH * s.scale
+        };
+        if s.is_triangle() {
+            return pierces(&p, &q, [&a, &b, &c]).is_some_and(deep);
+        }
+        pierces_patch(&p, &q, [&a, &b, &c, &d]).into_iter().flatten().any(deep)
     };
     // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
     let meets = |e: &Edge| lines.stands_out(e, surface, &nodes.x);
@@ -71,19 +76,53 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     found
 }
 
-/// Whether the line from `p` to `q` goes through the inside of a triangle (Moller & Trumbore 1997).
-fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> bool {
+/// Where the line from `p` to `q` goes through the inside of a triangle, with the unit normal there (Moller & Trumbore 1997).
+fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> Option<(V3, V3)> {
     let (along, e1, e2) = (q - p, b - a, c - a);
     let h = along.cross(&e2);
     let det = e1.dot(&h);
     if det == 0.0 {
-        return false;
+        return None;
     }
     let from = (p - a) / det;
     let u = from.dot(&h);
     let k = from.cross(&e1);
     let (v, t) = (along.dot(&k), e2.dot(&k));
-    u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0
+    let inside = u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0;
+    inside.then(|| (p + along * t, e1.cross(&e2).normalize()))
+}
+
+/// Where the line from `p` to `q` goes through the inside of the bilinear patch that a quad is in contact, with the unit normals there. In
+/// each of two planes that hold the line, `S(u, v) = a + u (b - a) + v (d - a) + u v (a - b + c - d)` gives an equation
+/// `k_0 + k_1 u + k_2 v + k_3 u v = 0`; without v they are one of the second degree for u (Ramsey, Potter & Hansen 2004).
+/// Two triangles are the same where the quad is flat; where its corners lie h off their plane they are up to h off it.
+fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2] {
+    let (along, by_u, by_v, by_uv) = (q - p, b - a, d - a, a - b + c - d);
+    let across = along.cross(&V3::ith(along.iamin(), 1.0));
+    let of_plane = |n: &V3| [a - p, by_u, by_v, by_uv].map(|k| k.dot(n));
+    let (k, l) = (of_plane(&across), of_plane(&along.cross(&across)));
+    let minor = |i: usize, j: usize| k[i] * l[j] - k[j] * l[i];
+    let roots = roots(minor(1, 3), minor(0, 3) + minor(1, 2), minor(0, 2));
+    roots.map(|root| {
+        let u = root?;
+        // From the plane that says more of v.
+        let [(k_over, k_under), (l_over, l_under)] = [k, l].map(|m| (m[0] + m[1] * u, m[2] + m[3] * u));
+        let v = if k_under.abs() > l_under.abs() { -k_over / k_under } else { -l_over / l_under };
+        let at = a + by_u * u + by_v * v + by_uv * (u * v);
+        let t = (at - p).dot(&along) / along.norm_squared();
+        let inside = [u, v, t].iter().all(|&x| x > 0.0 && x < 1.0);
+        inside.then(|| (at, (by_u + by_uv * v).cross(&(by_v + by_uv * u)).normalize()))
+    })
+}
+
+/// Real roots of `a x^2 + b x + c`.
+fn roots(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
+    let under = b * b - 4.0 * a * c;
+    if under < 0.0 {
+        return [None; 2];
+    }
+    let most = -0.5 * (b + under.sqrt().copysign(b));
+    [(most, a), (c, most)].map(|(over, under)| (under != 0.0).then(|| over / under))
 }
 
 #[cfg(test)]
@@ -93,10 +132,31 @@ mod tests {
     #[test]
     fn a_line_through_a_triangle_and_lines_that_miss() {
         let (a, b, c) = (V3::zeros(), V3::x(), V3::y());
-        let hits = |p: V3, q: V3| pierces(&p, &q, [&a, &b, &c]);
+        let hits = |p: V3, q: V3| pierces(&p, &q, [&a, &b, &c]).is_some();
         assert!(hits(V3::new(0.2, 0.2, -1.0), V3::new(0.3, 0.3, 2.0)));
         assert!(!hits(V3::new(0.2, 0.2, 0.5), V3::new(0.3, 0.3, 2.0)), "ends before it");
         assert!(!hits(V3::new(0.8, 0.8, -1.0), V3::new(0.8, 0.8, 1.0)), "beside it");
         assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "within its plane");
+    }
+
+    /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals are on it, no triangle is.
+    #[test]
+    fn a_line_goes_through_a_warped_quad_where_that_is() {
+        let corner = |x: f64, y: f64| V3::new(x, y, x * y);
+        let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let hits = |p: V3, q: V3| pierces_patch(&p, &q, [&a, &b, &c, &d]);
+        let found = |hits: [Option<(V3, V3)>; 2]| -> Vec<V3> { hits.into_iter().flatten().map(|(at, _)| at).collect() };
+        let one = found(hits(V3::new(0.3, -0.4, -2.0), V3::new(0.3, -0.4, 1.0)));
+        assert!(one.len() == 1 && (one[0] - corner(0.3, -0.4)).norm() < 1e-12, "{one:?}");
+        let (_, normal) = hits(V3::new(0.0, 0.0, -1.0), V3::new(0.0, 0.0, 1.0)).into_iter().flatten().next().unwrap();
+        assert!((normal.z.abs() - 1.0).abs() < 1e-12);
+        // Both triangles of the cut from a to c lie above the saddle there.
+        assert!(found(hits(V3::new(0.5, -0.5, 0.9), V3::new(0.4, -0.4, 0.1))).is_empty());
+        assert!(pierces(&V3::new(0.5, -0.5, 0.9), &V3::new(0.4, -0.4, 0.1), [&a, &b, &c]).is_some());
+        // Along the diagonal x = -y the saddle is z = -x^2: a level line goes through it twice.
+        let two = found(hits(V3::new(-0.9, 0.9, -0.25), V3::new(0.9, -0.9, -0.25)));
+        assert_eq!(two.len(), 2);
+        assert!(two.iter().all(|at| (at.x.abs() - 0.5).abs() < 1e-12 && (at.z + 0.25).abs() < 1e-12), "{two:?}");
+        assert!(found(hits(V3::new(1.2, 0.3, -2.0), V3::new(1.2, 0.3, 2.0))).is_empty(), "beside it");
     }
 }
