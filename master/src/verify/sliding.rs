@@ -30,7 +30,6 @@ const CREEP: &str = "where it sticks, the friction of the penalty is a spring of
 pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through Poisson's coupling: nodes stick one by one, with less \
                        than mu N in all. It stops on time with hourglass = \"stiffness\" (the other rows), or with poisson = 0 \
                        (cases/slide: 2.672 ms for 2.667), whatever the bulk viscosity, the tolerance of the sweeps, or half the step";
-const VIBRATES: &str = "a rigid block sticks for 2.4 % of the cycle: the vibration of this one counts as slip there";
 const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
                       by 3 %; why has not been found yet";
 /// Hourglass controls of the block's bricks: the one that does not flutter under friction, and the default.
@@ -197,16 +196,20 @@ const CYCLES: [Cycle; 5] = [
 
 fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured alike in tests/references/slip.py";
-    const POINTS: usize = 100;
-    let (g, period) = (1e4, 2e-3);
+    // Straight lines between fewer points bear the steps of the base's acceleration.
+    const POINTS: usize = 1000;
+    // So slow that a spring of penalty is stiff: at 2 ms, r = 1.8 slips for 0.06 of the cycle more with it, 0.004 at 8 ms.
+    let (g, period) = (2.5e3, 8e-3);
     let omega = TAU / period;
     let unit = MU * g / omega;
-    let (settle, cycles) = (1e-3, 6.0);
+    let (settle, cycles) = (0.5 * period, 6.0);
     let mut all = Vec::new();
     for law in Law::ALL {
         for Cycle { r, slips, fastest, slid } in CYCLES {
             let mut scene = Scene::new(settle + cycles * period);
             let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
+            // As that of the reference. Bending of a block of bricks flutters (see [`FLUTTER`]), which counts as slip.
+            scene.add("[[rigid]]\nname = \"block\"\nparts = [2]");
             ramp(&mut scene, 0.5 * settle);
             let shake = |t: f64| (omega * t).sin();
             let count = (cycles * POINTS as f64) as usize;
@@ -246,8 +249,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(Row::new("largest velocity / (mu g/w)", &variant, "", most / unit).near(fastest, 0.02, D));
             all.push(run.given_row(&variant));
             if r < 1.0 {
-                // What a block that sticks does beside the base: its own elasticity, and that of the stick springs, give way
-                // and come back; their vibration is no way.
+                // Stick springs give way and come back; their vibration is no way.
                 let row =
                     Row::new("left behind after a cycle / amplitude", &variant, "", net.abs() * omega / (r * unit));
                 all.push(
@@ -263,10 +265,9 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.beside(0.0, "catalogue: 1e-6, F/k_t for springs"));
                 continue;
             }
-            let row = Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D);
-            all.push(row.known(VIBRATES));
-            let row = Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit).near(slid, 0.02, D);
-            all.push(row.known(VIBRATES));
+            all.push(Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D));
+            let slides = Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit);
+            all.push(slides.near(slid, 0.02, D));
         }
     }
     Ok(all)
