@@ -1,4 +1,5 @@
-//! Two equal bars end to end along x: strips of square shells in the plane, or cubes, so many across. Lengths in mm.
+//! Two equal bars end to end along x: strips of square shells in the plane, or cubes, so many
+//! across. Lengths in mm.
 //!
 //! Node sets `one` and `two`; parts 1 and 2.
 
@@ -13,7 +14,11 @@ pub const GENERATOR: Generator = Generator { name: "bars", options: OPTIONS, bui
 const OPTIONS: &[OptionRow] = &[
     ("elements", 40.0, "shells along each bar, 2 to 2000"),
     ("length", 100.0, "length of a bar [mm]"),
-    ("distance", 0.200001, "between the ends that meet; their surfaces touch at the thickness of the shells [mm]"),
+    (
+        "distance",
+        0.200001,
+        "between the ends that meet; their surfaces touch at the thickness of the shells [mm]",
+    ),
     ("across", 0.0, "solids across a bar, up to 20; 0 for shells"),
     ("shift", 0.0, "of the second bar across the first, in sides of an element, 0 to 1"),
 ];
@@ -30,9 +35,13 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     }
     let side = length / elements as f64;
     let mut mesh = Builder::default();
-    for (part, from, off, name) in [(1, 0.0, 0.0, "one"), (2, length + distance, shift * side, "two")] {
+    for (part, from, off, name) in
+        [(1, 0.0, 0.0, "one"), (2, length + distance, shift * side, "two")]
+    {
         if across > 0 {
-            let place = |[i, j, k]: [usize; 3]| [from + side * i as f64, off + side * j as f64, off + side * k as f64];
+            let place = |[i, j, k]: [usize; 3]| {
+                [from + side * i as f64, off + side * j as f64, off + side * k as f64]
+            };
             let bar = mesh.block(part, [elements, across, across], place);
             mesh.set(name, bar.all());
             continue;

@@ -1,20 +1,26 @@
-//! The vibrating beam of PRONTO3D (Attaway et al. 1994; after Flanagan & Belytschko 1981): half of a beam under a step
-//! pressure, in plane strain. x runs from the pinned end to the symmetry plane, y across the beam, z upwards.
+//! The vibrating beam of PRONTO3D (Attaway et al. 1994; after Flanagan & Belytschko 1981): half of
+//! a beam under a step pressure, in plane strain. x runs from the pinned end to the symmetry plane,
+//! y across the beam, z upwards.
 //!
-//! Published: 19,500 elements and 22,506 nodes, which 65 x 30 x 10 elements give, and 6480 elements for each worker of
-//! the scaled problem, here 54 x 12 x 10 laid side by side. Lengths are not published: cubes of 5 mm.
+//! Published: 19,500 elements and 22,506 nodes, which 65 x 30 x 10 elements give, and 6480 elements
+//! for each worker of the scaled problem, here 54 x 12 x 10 laid side by side. Lengths are not
+//! published: cubes of 5 mm.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// Node sets: `pinned` (the line at mid-height of the outer end), `middle` (symmetry plane), `sides` (front and back),
-/// `top`, `tip` (mid-height line of the symmetry plane).
+/// Node sets: `pinned` (the line at mid-height of the outer end), `middle` (symmetry plane),
+/// `sides` (front and back), `top`, `tip` (mid-height line of the symmetry plane).
 pub const GENERATOR: Generator = Generator {
     name: "beam",
     options: &[
-        ("scale", 0.0, "6480 elements for each of this many workers; 0 for the 19,500 of the fixed-size problem"),
+        (
+            "scale",
+            0.0,
+            "6480 elements for each of this many workers; 0 for the 19,500 of the fixed-size problem",
+        ),
         ("side", 5.0, "side of the cubes [mm]"),
     ],
     build,
@@ -30,7 +36,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let (along, height) = if scale == 0 { (65, 10) } else { (54, 10) };
     let across = if scale == 0 { 30 } else { 12 * scale };
     let mut mesh = Builder::default();
-    let beam = mesh.block(1, [along, across, height], |[i, j, k]| [i, j, k].map(|n| n as f64 * side));
+    let beam =
+        mesh.block(1, [along, across, height], |[i, j, k]| [i, j, k].map(|n| n as f64 * side));
     mesh.set("pinned", (0..=across).map(|j| beam.node([0, j, height / 2])));
     mesh.set("middle", beam.face(0, true));
     mesh.set("sides", beam.face(1, false).into_iter().chain(beam.face(1, true)));

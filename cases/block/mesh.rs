@@ -1,6 +1,7 @@
 //! A box of solids from the origin. Lengths in mm.
 //!
-//! Node sets: `left` and `right` (ends along x), `front` and `back` (along y), `bottom` and `top` (along z).
+//! Node sets: `left` and `right` (ends along x), `front` and `back` (along y), `bottom` and `top`
+//! (along z).
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -26,13 +27,17 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut wrong = Vec::new();
     let size = ["length", "width", "height"].map(|key| options.real(key, 1e-3..=1e6, &mut wrong));
     let refine = options.count("refine", 1..=64, &mut wrong);
-    let count = ["along", "across", "high"].map(|key| refine * options.count(key, 1..=512, &mut wrong));
+    let count =
+        ["along", "across", "high"].map(|key| refine * options.count(key, 1..=512, &mut wrong));
     if !wrong.is_empty() {
         return Err(wrong);
     }
     let mut mesh = Builder::default();
-    let block = mesh.block(1, count, |ijk| [0, 1, 2].map(|c| size[c] * ijk[c] as f64 / count[c] as f64));
-    for (axis, names) in [["left", "right"], ["front", "back"], ["bottom", "top"]].into_iter().enumerate() {
+    let block =
+        mesh.block(1, count, |ijk| [0, 1, 2].map(|c| size[c] * ijk[c] as f64 / count[c] as f64));
+    for (axis, names) in
+        [["left", "right"], ["front", "back"], ["bottom", "top"]].into_iter().enumerate()
+    {
         for (name, end) in names.into_iter().zip([false, true]) {
             mesh.set(name, block.face(axis, end));
         }

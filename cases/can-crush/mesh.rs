@@ -1,8 +1,10 @@
-//! The can crush of PRONTO3D (Attaway et al. 1994): a tilted plate crushes half of a can, which stands on its fixed
-//! bottom edge. The can's axis is z, the symmetry plane is y = 0, the plate comes from above.
+//! The can crush of PRONTO3D (Attaway et al. 1994): a tilted plate crushes half of a can, which
+//! stands on its fixed bottom edge. The can's axis is z, the symmetry plane is y = 0, the plate
+//! comes from above.
 //!
-//! Published: wall 0.25 in, inner radius 5 in, length 15 in, plate 22 x 11 x 2.5 in tilted by 10 degrees, both three
-//! elements thick, 7152 elements: here 48 x 39 x 3 for the can and 32 x 16 x 3 for the plate.
+//! Published: wall 0.25 in, inner radius 5 in, length 15 in, plate 22 x 11 x 2.5 in tilted by 10
+//! degrees, both three elements thick, 7152 elements: here 48 x 39 x 3 for the can and 32 x 16 x 3
+//! for the plate.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -17,7 +19,8 @@ const LENGTH: f64 = 15.0 * INCH;
 /// The plate along x, y and its thickness [mm].
 const PLATE: [f64; 3] = [22.0 * INCH, 11.0 * INCH, 2.5 * INCH];
 
-/// Parts: 1 can, 2 plate. Node sets: `can`, `plate`, `bottom` (lower edge of the can), `symmetry` (both parts, y = 0).
+/// Parts: 1 can, 2 plate. Node sets: `can`, `plate`, `bottom` (lower edge of the can), `symmetry`
+/// (both parts, y = 0).
 pub const GENERATOR: Generator = Generator {
     name: "can_crush",
     options: &[
@@ -58,6 +61,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     mesh.set("can", can.all());
     mesh.set("plate", plate.all());
     mesh.set("bottom", can.face(2, false));
-    mesh.set("symmetry", can.face(1, false).into_iter().chain(can.face(1, true)).chain(plate.face(1, false)));
+    mesh.set(
+        "symmetry",
+        can.face(1, false).into_iter().chain(can.face(1, true)).chain(plate.face(1, false)),
+    );
     Ok(mesh.finish(LENGTH / 39.0 / fine))
 }

@@ -1,4 +1,5 @@
-//! A cube of 10 mm before two fixed walls of shells that meet at the line x = y = 0: a re-entrant corner. Lengths in mm.
+//! A cube of 10 mm before two fixed walls of shells that meet at the line x = y = 0: a re-entrant
+//! corner. Lengths in mm.
 //!
 //! Parts: 1 walls, 2 cube. Node sets: `walls`, `cube`.
 
@@ -16,7 +17,11 @@ const CUBE: f64 = 10.0;
 pub const GENERATOR: Generator = Generator {
     name: "corner",
     options: &[
-        ("angle", 90.0, "between the walls, half of it on either side of the x axis, 20 to 160 [degree]"),
+        (
+            "angle",
+            90.0,
+            "between the walls, half of it on either side of the x axis, 20 to 160 [degree]",
+        ),
         ("turn", 0.0, "of the cube about z; at 0 an edge of it points into the corner [degree]"),
         ("facets", 6.0, "quads over the width of a wall, 1 to 128"),
         ("cells", 2.0, "solids over a side of the cube, 1 to 64"),
@@ -44,17 +49,21 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
             let along = WALL * (i as f64 / facets as f64 - 1.0);
             let (sin, cos) = half.sin_cos();
             let (x, y) = (along.abs() * cos, along * sin);
-            (0..=facets).map(|k| mesh.point([x, y, WALL * (k as f64 / facets as f64 - 0.5)])).collect()
+            (0..=facets)
+                .map(|k| mesh.point([x, y, WALL * (k as f64 / facets as f64 - 0.5)]))
+                .collect()
         })
         .collect();
     columns.windows(2).for_each(|pair| mesh.strip(1, &pair[0], &pair[1], false));
-    // Turned so that an edge points along -x, then by `turn`; corners of its section as they lie around its centre.
+    // Turned so that an edge points along -x, then by `turn`; corners of its section as they lie
+    // around its centre.
     let (sin, cos) = (turn + FRAC_PI_4).sin_cos();
     let place = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y];
     let h = 0.5 * CUBE;
     let reach = [[-h, -h], [h, -h], [h, h], [-h, h]].map(|[x, y]| {
         let [x, y] = place(x, y);
-        // Distance of the corner from the line through a wall, if the centre is at x = 0, seen along x.
+        // Distance of the corner from the line through a wall, if the centre is at x = 0, seen
+        // along x.
         let near = |y: f64| (0.5 * thickness + half.cos() * y) / half.sin() - x;
         near(y).max(near(-y))
     });

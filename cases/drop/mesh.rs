@@ -1,6 +1,8 @@
-//! Small loose plates fall on the middle of one big shell: many slave nodes on one segment. Lengths without unit.
+//! Small loose plates fall on the middle of one big shell: many slave nodes on one segment. Lengths
+//! without unit.
 //!
-//! Node sets `base` and `plates`; parts 1 and 2. The plates stand side by side in a square around the shell's centre.
+//! Node sets `base` and `plates`; parts 1 and 2. The plates stand side by side in a square around
+//! the shell's centre.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -32,7 +34,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut mesh = Builder::default();
     let mut square = |part: u32, centre: [f64; 2], side: f64, z: f64| {
         let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-        let nodes = corners.map(|c| mesh.point([centre[0] + side * c[0], centre[1] + side * c[1], z]));
+        let nodes =
+            corners.map(|c| mesh.point([centre[0] + side * c[0], centre[1] + side * c[1], z]));
         mesh.quad(part, nodes);
         mesh.set(if part == 1 { "base" } else { "plates" }, nodes);
     };

@@ -1,4 +1,5 @@
-//! Writes a generator's mesh as a mesh file that a job can name: `write_mesh jeep_frame refine=2 > mesh.toml`.
+//! Writes a generator's mesh as a mesh file that a job can name: `write_mesh jeep_frame refine=2 >
+//! mesh.toml`.
 
 use crumple_cases::generate;
 use crumple_proto::quality::quality;
@@ -12,7 +13,12 @@ fn main() -> std::io::Result<()> {
     let mesh = generate(&name, &scene).unwrap_or_else(|problems| {
         fail(&problems.iter().map(|p| format!("{}: {p}", p.path)).collect::<Vec<_>>().join("\n"))
     });
-    eprintln!("{} nodes, {} elements, {:#?}", mesh.nodes.len(), mesh.elements.len(), quality(&mesh));
+    eprintln!(
+        "{} nodes, {} elements, {:#?}",
+        mesh.nodes.len(),
+        mesh.elements.len(),
+        quality(&mesh)
+    );
 
     let mut out = BufWriter::new(std::io::stdout().lock());
     writeln!(out, "nodes = [")?;

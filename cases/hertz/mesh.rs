@@ -1,5 +1,5 @@
-//! Half of the lower side of a cylinder over a plane, one cell deep: plane strain. The axis is y, x = 0 is a plane of
-//! symmetry, the plane lies below z = 0. Lengths in mm.
+//! Half of the lower side of a cylinder over a plane, one cell deep: plane strain. The axis is y, x
+//! = 0 is a plane of symmetry, the plane lies below z = 0. Lengths in mm.
 //!
 //! Parts: 1 body, 2 base. Node sets: `body`, `base`, `middle` (x = 0), `top`.
 

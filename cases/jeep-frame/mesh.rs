@@ -1,32 +1,36 @@
-//! Ladder frame of a light off-road truck: two closed box rails with front and rear kick-ups, five cross members.
-//! Lengths in mm. The vehicle points to -x: front tips at x = 0, rear ends at x = `length`; y is across, z is up.
+//! Ladder frame of a light off-road truck: two closed box rails with front and rear kick-ups, five
+//! cross members. Lengths in mm. The vehicle points to -x: front tips at x = 0, rear ends at x =
+//! `length`; y is across, z is up.
 //!
 //! Sizes, and why (light-duty ladder frame; no drawing of the published frame gives any):
-//! - Rails 120 mm deep and 70 mm wide, 4 m long, 780 mm apart inside: mid of the usual 100 to 140 mm of depth;
-//!   overall 920 mm, between the 0.75 m of a small jeep and the 1.0 m of a light truck.
-//! - The rails rise 110 mm over the front axle and 80 mm over the rear one, enough for a live axle on leaf springs;
-//!   the kick-ups lie 2.0 m apart, the wheelbase of a short jeep.
-//! - The horns reach 480 mm ahead of the engine member. Folding eats some 0.73 of it: 0.35 m (README.md).
-//!   They drop 18 mm towards the tips. With 35 mm and more they bend into a Z instead, at half the force.
-//! - Over the first 120 mm the horns taper to 90 mm at the tips, so that the first fold starts there; the front beam
-//!   lies right behind the tips and holds their free edges together.
-//! - The engine member is as deep as the rails and some 96 mm long, so its four corners meet the rails' corners and
-//!   its flanges lie in theirs. The others are small tubes of 48 mm.
+//! - Rails 120 mm deep and 70 mm wide, 4 m long, 780 mm apart inside: mid of the usual 100 to 140
+//!   mm of depth; overall 920 mm, between the 0.75 m of a small jeep and the 1.0 m of a light
+//!   truck.
+//! - The rails rise 110 mm over the front axle and 80 mm over the rear one, enough for a live axle
+//!   on leaf springs; the kick-ups lie 2.0 m apart, the wheelbase of a short jeep.
+//! - The horns reach 480 mm ahead of the engine member. Folding eats some 0.73 of it: 0.35 m
+//!   (README.md). They drop 18 mm towards the tips. With 35 mm and more they bend into a Z instead,
+//!   at half the force.
+//! - Over the first 120 mm the horns taper to 90 mm at the tips, so that the first fold starts
+//!   there; the front beam lies right behind the tips and holds their free edges together.
+//! - The engine member is as deep as the rails and some 96 mm long, so its four corners meet the
+//!   rails' corners and its flanges lie in theirs. The others are small tubes of 48 mm.
 //! - The engine sits on the middle 303 mm of its member, the width between two engine mounts.
 //!   The load is bolted to the four edges of the last metre of both rails, as a bed is.
 //!
-//! Quads: a fold is some 2 * 29 mm long, so the horns' quads are 0.58 times as long as those behind: 15 mm,
-//! and 26 mm from behind the engine member's front on. Around the rail they are 23 to 24 mm, at the tips 18.
-//! Finer still would put the shortest side below half the median side.
+//! Quads: a fold is some 2 * 29 mm long, so the horns' quads are 0.58 times as long as those
+//! behind: 15 mm, and 26 mm from behind the engine member's front on. Around the rail they are 23
+//! to 24 mm, at the tips 18. Finer still would put the shortest side below half the median side.
 //!
-//! Counting: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange) and 169 along.
-//! A cross member is a tube of n quads around and 36 along, whose end rings are nodes of the rails' inner walls;
-//! the walls run on through the rings. With n = 8 + 18 + 8 + 8 + 8 = 50:
-//! shells `2*16*169 + 36*50 = 7208`, nodes `2*16*170 + 35*50 = 7190`.
-//! `refine = 3` gives 64,872 shells and 64,818 nodes, the class of the 65,000-element car.
+//! Counting: a rail is a tube with open ends, 16 quads around (5 on each wall, 3 on each flange)
+//! and 169 along. A cross member is a tube of n quads around and 36 along, whose end rings are
+//! nodes of the rails' inner walls; the walls run on through the rings. With n = 8 + 18 + 8 + 8 + 8
+//! = 50: shells `2*16*169 + 36*50 = 7208`, nodes `2*16*170 + 35*50 = 7190`. `refine = 3` gives
+//! 64,872 shells and 64,818 nodes, the class of the 65,000-element car.
 //!
-//! `horn_refine` cuts the horns and the front beam finer still: they fold, the rest does not. One ring of triangles, a quad
-//! ahead of the engine member, leads from the fine mesh to the coarse one.
+//! `horn_refine` cuts the horns and the front beam finer still: they fold, the rest does not. One
+//! ring of triangles, a quad ahead of the engine member, leads from the fine mesh to the coarse
+//! one.
 
 use crate::builder::Builder;
 use crate::{Generator, OptionRow, Options};
@@ -38,7 +42,11 @@ pub const GENERATOR: Generator = Generator { name: "jeep_frame", options: OPTION
 
 const OPTIONS: &[OptionRow] = &[
     ("refine", 1.0, "each side of each shell is cut into so many, 1 to 27"),
-    ("horn_refine", 1.0, "each side of each shell of the horns and the front beam is cut into so many more, 1 to 9"),
+    (
+        "horn_refine",
+        1.0,
+        "each side of each shell of the horns and the front beam is cut into so many more, 1 to 9",
+    ),
     ("length", 4000.0, "overall length [mm]"),
     ("rail_depth", 120.0, "height of the rail section, mid-surface [mm]"),
     ("rail_width", 70.0, "width of the rail section, mid-surface [mm]"),
@@ -100,17 +108,22 @@ struct Path {
     length: f64,
     /// Height of the section at x = 0, in full, and from which x on [mm].
     taper: (f64, f64, f64),
-    /// Length of the horns' quads as a fraction of those behind; from which x it grows, and to which [mm].
+    /// Length of the horns' quads as a fraction of those behind; from which x it grows, and to
+    /// which [mm].
     fine: (f64, f64, f64),
 }
 
 impl Path {
-    /// Height [mm] and slope at x. The S-curve 10u^3 - 15u^4 + 6u^5 is smooth to the second derivative.
+    /// Height [mm] and slope at x. The S-curve 10u^3 - 15u^4 + 6u^5 is smooth to the second
+    /// derivative.
     fn height(&self, x: f64) -> (f64, f64) {
         self.curves.iter().fold((self.start, 0.0), |(z, slope), &(from, to, rise)| {
             let u = ((x - from) / (to - from)).clamp(0.0, 1.0);
             let w = u * (1.0 - u);
-            (z + rise * u * u * u * (10.0 + u * (6.0 * u - 15.0)), slope + rise / (to - from) * 30.0 * w * w)
+            (
+                z + rise * u * u * u * (10.0 + u * (6.0 * u - 15.0)),
+                slope + rise / (to - from) * 30.0 * w * w,
+            )
         })
     }
 
@@ -190,21 +203,32 @@ impl Plan {
         let front_kick = (place("front_kick_from"), place("front_kick_to"));
         let rear_kick = (place("rear_kick_from"), place("rear_kick_to"));
         let beam = place("front_beam_at");
-        let middles = [place("gearbox_member_at"), place("middle_member_at"), place("rear_member_at")];
+        let middles =
+            [place("gearbox_member_at"), place("middle_member_at"), place("rear_member_at")];
         let parts = [place("front_part_to"), place("rear_part_from")];
         let engine_patch = options.real("engine_patch", 20.0..=gap, &mut wrong);
         let rear_patch = options.real("rear_patch", 10.0..=1000.0, &mut wrong);
 
-        // The horn bends between a quarter and nine tenths of its length, clear of front beam and engine member.
-        let curves =
-            [(0.25 * horn, 0.9 * horn, drop), (front_kick.0, front_kick.1, -front), (rear_kick.0, rear_kick.1, rear)];
-        for ((from, to, rise), key) in curves.iter().zip(["horn_length", "front_kick_to", "rear_kick_to"]) {
-            // Largest curvature of the S-curve; a quad at the inner flange must keep two thirds of its length.
+        // The horn bends between a quarter and nine tenths of its length, clear of front beam and
+        // engine member.
+        let curves = [
+            (0.25 * horn, 0.9 * horn, drop),
+            (front_kick.0, front_kick.1, -front),
+            (rear_kick.0, rear_kick.1, rear),
+        ];
+        for ((from, to, rise), key) in
+            curves.iter().zip(["horn_length", "front_kick_to", "rear_kick_to"])
+        {
+            // Largest curvature of the S-curve; a quad at the inner flange must keep two thirds of
+            // its length.
             let needed = (0.5 * depth * 5.7735 * rise.abs() * 3.0).sqrt().max(1.0);
             if to - from < needed {
                 wrong.push(Problem::error(
                     format!("scene.{key}"),
-                    format!("an S-curve of height {rise} mm over {:.0} mm is too sharp for this rail", to - from),
+                    format!(
+                        "an S-curve of height {rise} mm over {:.0} mm is too sharp for this rail",
+                        to - from
+                    ),
                     format!("make it at least {needed:.0} mm long, or lower"),
                 ));
             }
@@ -215,7 +239,9 @@ impl Plan {
 
         let path = Path { start: front - drop, curves, length, taper, fine };
         let coarse = path.stations(ALONG_RAIL);
-        let station = |x: f64| (1..ALONG_RAIL).min_by(|&a, &b| (coarse[a] - x).abs().total_cmp(&(coarse[b] - x).abs()));
+        let station = |x: f64| {
+            (1..ALONG_RAIL).min_by(|&a, &b| (coarse[a] - x).abs().total_cmp(&(coarse[b] - x).abs()))
+        };
         let station = |x: f64| station(x).unwrap_or(1);
         let small = |x: f64, low| Member { first: station(x) - 1, along: 2, low, deep: 2 };
         let members = [
@@ -225,7 +251,13 @@ impl Plan {
             small(middles[1], 1),
             small(middles[2], 3),
         ];
-        let keys = ["front_beam_at", "horn_length", "gearbox_member_at", "middle_member_at", "rear_member_at"];
+        let keys = [
+            "front_beam_at",
+            "horn_length",
+            "gearbox_member_at",
+            "middle_member_at",
+            "rear_member_at",
+        ];
         for (pair, key) in members.windows(2).zip(&keys[1..]) {
             if pair[1].first <= pair[0].first + pair[0].along {
                 wrong.push(Problem::error(
@@ -289,13 +321,17 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
         mesh.set("front", rail[0].iter().copied());
         // The edges of the section carry the load; the middle of a wall would only flap under it.
         let edges = [0, WALL, WALL + FLANGE, 2 * WALL + FLANGE].map(|j| j * plan.refine);
-        mesh.set("rear", rail[rail.len() - 1 - rear..].iter().flat_map(|ring| edges.map(|j| ring[j])));
+        mesh.set(
+            "rear",
+            rail[rail.len() - 1 - rear..].iter().flat_map(|ring| edges.map(|j| ring[j])),
+        );
     }
     Ok(mesh.finish(plan.path.length / (ALONG_RAIL * plan.refine) as f64))
 }
 
-/// Adds the rail on one side (y > 0 for 1.0, y < 0 for -1.0) and returns its rings of nodes from front to rear.
-/// A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that wall.
+/// Adds the rail on one side (y > 0 for 1.0, y < 0 for -1.0) and returns its rings of nodes from
+/// front to rear. A ring starts at the bottom of the inner wall, so its node `j` is row `j` of that
+/// wall.
 fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
     // The section as (outwards from the inner wall, up from the bottom), in fractions.
     let section = |pieces: usize| {
@@ -338,7 +374,13 @@ fn add_rail(mesh: &mut Builder, plan: &Plan, side: f64) -> Vec<Vec<usize>> {
 }
 
 /// Adds a cross member between the rails; its end rings are nodes of their inner walls.
-fn add_member(mesh: &mut Builder, plan: &Plan, rails: &[Vec<Vec<usize>>; 2], member: &Member, part: u32) {
+fn add_member(
+    mesh: &mut Builder,
+    plan: &Plan,
+    rails: &[Vec<Vec<usize>>; 2],
+    member: &Member,
+    part: u32,
+) {
     let r = plan.pieces(member.first);
     let (i0, i1) = (plan.ring(member.first), plan.ring(member.first + member.along));
     let (j0, j1) = (member.low * r, (member.low + member.deep) * r);
@@ -346,7 +388,8 @@ fn add_member(mesh: &mut Builder, plan: &Plan, rails: &[Vec<Vec<usize>>; 2], mem
     rectangle.extend((j0..j1).map(|j| (i1, j)));
     rectangle.extend((i0 + 1..=i1).rev().map(|i| (i, j1)));
     rectangle.extend((j0 + 1..=j1).rev().map(|j| (i0, j)));
-    let [left, right] = [0, 1].map(|side| rectangle.iter().map(|&(i, j)| rails[side][i][j]).collect::<Vec<_>>());
+    let [left, right] =
+        [0, 1].map(|side| rectangle.iter().map(|&(i, j)| rails[side][i][j]).collect::<Vec<_>>());
 
     let n = ALONG_MEMBER * r;
     let engine = n / 2 - plan.engine * r / 2..=n / 2 + plan.engine * r / 2;

@@ -1,8 +1,9 @@
-//! A quarter of a cylindrical panel of 120 degrees, along x, crown up: the panel that Morino, Leech and Witmer (1971) loaded
-//! by explosive, with planes of symmetry at its middle. Lengths in inches.
+//! A quarter of a cylindrical panel of 120 degrees, along x, crown up: the panel that Morino, Leech
+//! and Witmer (1971) loaded by explosive, with planes of symmetry at its middle. Lengths in inches.
 //!
-//! Part 1 is what the explosive covers, half of the arc and 13/16 of the length; part 2 is the rest. Node sets `side` and
-//! `end` are the supports, `middle` (x = 0) and `crown` (y = 0) the planes of symmetry, `centre` the node on both.
+//! Part 1 is what the explosive covers, half of the arc and 13/16 of the length; part 2 is the
+//! rest. Node sets `side` and `end` are the supports, `middle` (x = 0) and `crown` (y = 0) the
+//! planes of symmetry, `centre` the node on both.
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -16,8 +17,11 @@ const LENGTH: f64 = 6.28;
 const RADIUS: f64 = 2.9375;
 
 /// The row of this file in the table of generators.
-pub const GENERATOR: Generator =
-    Generator { name: "panel", options: &[("eighths", 1.0, "quads in an eighth of half the arc, 1 to 16")], build };
+pub const GENERATOR: Generator = Generator {
+    name: "panel",
+    options: &[("eighths", 1.0, "quads in an eighth of half the arc, 1 to 16")],
+    build,
+};
 
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut wrong = Vec::new();
@@ -32,7 +36,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
         .map(|i| {
             let x = LENGTH * i as f64 / along as f64;
             let angle = |j: usize| FRAC_PI_3 * j as f64 / around as f64;
-            (0..=around).map(|j| mesh.point([x, RADIUS * angle(j).sin(), RADIUS * angle(j).cos()])).collect()
+            (0..=around)
+                .map(|j| mesh.point([x, RADIUS * angle(j).sin(), RADIUS * angle(j).cos()]))
+                .collect()
         })
         .collect();
     for (i, pair) in rows.windows(2).enumerate() {

@@ -1,5 +1,5 @@
-//! A square plate in the plane z = 0, held at its rim, with a strip of narrow quads along y through its middle if asked for. Lengths
-//! in mm.
+//! A square plate in the plane z = 0, held at its rim, with a strip of narrow quads along y through
+//! its middle if asked for. Lengths in mm.
 //!
 //! Node sets `rim` (all four edges) and `inside` (the rest).
 
@@ -44,16 +44,17 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     }
     let ends = [0, n];
     let on_rim = |i: usize, j: usize| ends.contains(&i) || ends.contains(&j);
-    let rim = rows
-        .iter()
-        .enumerate()
-        .flat_map(|(j, row)| row.iter().enumerate().filter(move |(i, _)| on_rim(*i, j)).map(|(_, &node)| node));
+    let rim = rows.iter().enumerate().flat_map(|(j, row)| {
+        row.iter().enumerate().filter(move |(i, _)| on_rim(*i, j)).map(|(_, &node)| node)
+    });
     mesh.set("rim", rim.collect::<Vec<_>>());
     mesh.set(
         "inside",
         rows.iter()
             .enumerate()
-            .flat_map(|(j, row)| row.iter().enumerate().filter(move |(i, _)| !on_rim(*i, j)).map(|(_, &node)| node))
+            .flat_map(|(j, row)| {
+                row.iter().enumerate().filter(move |(i, _)| !on_rim(*i, j)).map(|(_, &node)| node)
+            })
             .collect::<Vec<_>>(),
     );
     Ok(mesh.finish(if strip > 0 { wide / narrow } else { quad }))

@@ -1,4 +1,5 @@
-//! A block of 20 x 20 x 10 mm on a flat base of shells, 80 x 40 mm, turned so that no lines of the meshes match.
+//! A block of 20 x 20 x 10 mm on a flat base of shells, 80 x 40 mm, turned so that no lines of the
+//! meshes match.
 //!
 //! Parts: 1 base, 2 block. Node sets: `base`, `block`, `top` and `foot` of the block.
 
@@ -16,7 +17,11 @@ pub const GENERATOR: Generator = Generator {
     name: "slide",
     options: &[
         ("facets", 8.0, "quads along the base, 2 to 512; half as many across"),
-        ("cells", 2.0, "solids along the block, 1 to 128; half as many, at least one, over its height"),
+        (
+            "cells",
+            2.0,
+            "solids along the block, 1 to 128; half as many, at least one, over its height",
+        ),
         ("turn", 7.0, "of the base about z [degree]"),
         ("thickness", 2.0, "of the base, as its part has it [mm]"),
         ("gap", 0.0, "between the base's upper side and the block; below 0 the block is sunk [mm]"),
@@ -51,7 +56,11 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let high = (cells / 2).max(1);
     let block = mesh.block(2, [cells, cells, high], |[i, j, k]| {
         let part = |n: usize, of: usize| n as f64 / of as f64;
-        [BLOCK[0] * (part(i, cells) - 0.5), BLOCK[1] * (part(j, cells) - 0.5), BLOCK[2] * part(k, high)]
+        [
+            BLOCK[0] * (part(i, cells) - 0.5),
+            BLOCK[1] * (part(j, cells) - 0.5),
+            BLOCK[2] * part(k, high),
+        ]
     });
     mesh.set("base", rows.into_iter().flatten());
     mesh.set("block", block.all());

@@ -1,4 +1,5 @@
-//! Collects the nodes and elements of a scene, then numbers them so that neighbours in space are neighbours in number.
+//! Collects the nodes and elements of a scene, then numbers them so that neighbours in space are
+//! neighbours in number.
 
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
@@ -58,21 +59,30 @@ impl Builder {
         self.elements.push((part, Shape::Tri3, corners.to_vec()));
     }
 
-    /// Adds a body of solids, `count` of them along each of three directions that form a right-handed system; `place`
-    /// gives the position of node (i, j, k) [length]. Returns the nodes, k running fastest, then j.
-    pub fn block(&mut self, part: u32, count: [usize; 3], place: impl Fn([usize; 3]) -> [f64; 3]) -> Grid {
+    /// Adds a body of solids, `count` of them along each of three directions that form a
+    /// right-handed system; `place` gives the position of node (i, j, k) [length]. Returns the
+    /// nodes, k running fastest, then j.
+    pub fn block(
+        &mut self,
+        part: u32,
+        count: [usize; 3],
+        place: impl Fn([usize; 3]) -> [f64; 3],
+    ) -> Grid {
         let [a, b, c] = count.map(|n| n + 1);
         let all = (0..a * b * c).map(|n| self.point(place([n / (b * c), n / c % b, n % c])));
         let grid = Grid { nodes: all.collect(), count };
         for n in 0..count.iter().product::<usize>() {
             let [i, j, k] = [n / (count[1] * count[2]), n / count[2] % count[1], n % count[2]];
-            let ring = |k| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|at| grid.node(at));
+            let ring = |k| {
+                [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|at| grid.node(at))
+            };
             self.elements.push((part, Shape::Hex8, [ring(k), ring(k + 1)].concat()));
         }
         grid
     }
 
-    /// Joins two rows of nodes of equal length by a row of quads; a closed row returns to its start.
+    /// Joins two rows of nodes of equal length by a row of quads; a closed row returns to its
+    /// start.
     pub fn strip(&mut self, part: u32, one: &[usize], other: &[usize], closed: bool) {
         debug_assert_eq!(one.len(), other.len());
         let n = one.len();
@@ -82,8 +92,8 @@ impl Builder {
         }
     }
 
-    /// Joins two closed rows by shells of which each side on `coarse` faces the same number of sides on `fine`: triangles, and
-    /// a quad in the middle where that number is odd.
+    /// Joins two closed rows by shells of which each side on `coarse` faces the same number of
+    /// sides on `fine`: triangles, and a quad in the middle where that number is odd.
     pub fn fans(&mut self, part: u32, fine: &[usize], coarse: &[usize]) {
         let (n, pieces) = (coarse.len(), fine.len() / coarse.len());
         debug_assert_eq!(fine.len(), n * pieces);
@@ -108,9 +118,11 @@ impl Builder {
         self.sets.entry(name.to_string()).or_default().extend(nodes);
     }
 
-    /// The mesh, numbered from 1 in slices of width `slice` [length] along x, within a slice along y, then z.
+    /// The mesh, numbered from 1 in slices of width `slice` [length] along x, within a slice along
+    /// y, then z.
     pub fn finish(self, slice: f64) -> Mesh {
-        // Whole thousandths of a slice, so that round-off between mirrored points does not decide an order.
+        // Whole thousandths of a slice, so that round-off between mirrored points does not decide
+        // an order.
         let key = |x: [f64; 3], tie: usize| {
             let [x, y, z] = x.map(|c| (c / slice * 1e3).round() as i64);
             (x.div_euclid(1000), y, z, x, tie)
@@ -122,7 +134,9 @@ impl Builder {
             id[i] = NodeId(k as u64 + 1);
         }
         let centre = |corners: &[usize]| {
-            [0, 1, 2].map(|c| corners.iter().map(|&i| self.points[i][c]).sum::<f64>() / corners.len() as f64)
+            [0, 1, 2].map(|c| {
+                corners.iter().map(|&i| self.points[i][c]).sum::<f64>() / corners.len() as f64
+            })
         };
         let mut elements: Vec<usize> = (0..self.elements.len()).collect();
         elements.sort_by_key(|&e| key(centre(&self.elements[e].2), e));
@@ -177,7 +191,8 @@ impl Grid {
     }
 }
 
-/// Places from 0 to `end` [length]: `fine` steps of `first`, then growing ones, stretched to end where they should.
+/// Places from 0 to `end` [length]: `fine` steps of `first`, then growing ones, stretched to end
+/// where they should.
 pub fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
     let mut places: Vec<f64> = (0..=fine).map(|i| i as f64 * first).collect();
     let mut step = first;
@@ -186,6 +201,8 @@ pub fn graded(first: f64, fine: usize, end: f64) -> Vec<f64> {
         places.push(places[places.len() - 1] + step);
     }
     let (from, last) = (places[fine], places[places.len() - 1]);
-    places[fine + 1..].iter_mut().for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
+    places[fine + 1..]
+        .iter_mut()
+        .for_each(|x| *x = from + (*x - from) * (end - from) / (last - from));
     places
 }

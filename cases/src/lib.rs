@@ -1,7 +1,7 @@
 //! The mesh generators that job files name, and nothing of how the scenes are solved.
 //!
-//! A scene is a folder beside `src`: its `job.toml`, and its `mesh.rs` if no other scene makes its mesh.
-//! A new generator is one such file and one row of [`GENERATORS`].
+//! A scene is a folder beside `src`: its `job.toml`, and its `mesh.rs` if no other scene makes its
+//! mesh. A new generator is one such file and one row of [`GENERATORS`].
 
 mod builder;
 mod options;
@@ -81,7 +81,8 @@ pub const GENERATORS: &[Generator] = &[
     twist::GENERATOR,
 ];
 
-/// Jobs that the program has in it, by the path of their file in `cases` without what all have in common.
+/// Jobs that the program has in it, by the path of their file in `cases` without what all have in
+/// common.
 const JOBS: &[(&str, &str)] = &[
     ("bench/hex-bar", include_str!("../bench/hex-bar.toml")),
     ("jeep-frame", include_str!("../jeep-frame/job.toml")),

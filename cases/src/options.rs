@@ -12,20 +12,24 @@ pub struct Options {
 }
 
 impl Options {
-    /// Reads `scene` against the options of `generator`; a faulty key keeps its default and gives a problem.
+    /// Reads `scene` against the options of `generator`; a faulty key keeps its default and gives a
+    /// problem.
     pub fn read(generator: &Generator, scene: &toml::Table) -> (Self, Vec<Problem>) {
         let mut values: BTreeMap<&'static str, f64> =
             generator.options.iter().map(|&(key, default, _)| (key, default)).collect();
         let mut problems = Vec::new();
         for (key, value) in scene {
             let path = format!("scene.{key}");
-            let Some(&(known, default, meaning)) = generator.options.iter().find(|row| row.0 == key) else {
+            let Some(&(known, default, meaning)) =
+                generator.options.iter().find(|row| row.0 == key)
+            else {
                 let keys: Vec<&str> = generator.options.iter().map(|row| row.0).collect();
                 let message = format!("the generator `{}` has no option `{key}`", generator.name);
                 problems.push(Problem::error(path, message, nearest(key, &keys)));
                 continue;
             };
-            let number = value.as_float().or(value.as_integer().map(|i| i as f64)).filter(|x| x.is_finite());
+            let number =
+                value.as_float().or(value.as_integer().map(|i| i as f64)).filter(|x| x.is_finite());
             match number {
                 Some(number) => {
                     values.insert(known, number);
@@ -44,7 +48,12 @@ impl Options {
     ///
     /// # Panics
     /// If `key` is not in the generator's list.
-    pub fn real(&self, key: &'static str, range: RangeInclusive<f64>, problems: &mut Vec<Problem>) -> f64 {
+    pub fn real(
+        &self,
+        key: &'static str,
+        range: RangeInclusive<f64>,
+        problems: &mut Vec<Problem>,
+    ) -> f64 {
         let value = self.values[key];
         if !range.contains(&value) {
             problems.push(Problem::error(
@@ -60,7 +69,12 @@ impl Options {
     ///
     /// # Panics
     /// If `key` is not in the generator's list.
-    pub fn count(&self, key: &'static str, range: RangeInclusive<usize>, problems: &mut Vec<Problem>) -> usize {
+    pub fn count(
+        &self,
+        key: &'static str,
+        range: RangeInclusive<usize>,
+        problems: &mut Vec<Problem>,
+    ) -> usize {
         let value = self.values[key];
         let (low, high) = (*range.start() as f64, *range.end() as f64);
         if value.fract() != 0.0 || !(low..=high).contains(&value) {
@@ -76,7 +90,10 @@ impl Options {
 
 /// A sentence that points to the nearest of `known`, and to all of them.
 pub fn nearest(wrong: &str, known: &[&str]) -> String {
-    let near = known.iter().copied().max_by(|a, b| strsim::jaro(wrong, a).total_cmp(&strsim::jaro(wrong, b)));
+    let near = known
+        .iter()
+        .copied()
+        .max_by(|a, b| strsim::jaro(wrong, a).total_cmp(&strsim::jaro(wrong, b)));
     match near {
         Some(near) if strsim::jaro(wrong, near) > 0.7 => {
             format!("did you mean `{near}`? There are: {}", known.join(", "))

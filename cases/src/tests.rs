@@ -1,4 +1,5 @@
-//! What every shipped scene must hold: files that read, meshes without flaws, numbers that the papers give.
+//! What every shipped scene must hold: files that read, meshes without flaws, numbers that the
+//! papers give.
 
 use crate::{GENERATORS, generate};
 use crumple_proto::ids::NodeId;
@@ -74,9 +75,11 @@ fn assert_whole(mesh: &Mesh) {
     }
     let q = quality(mesh).unwrap();
     assert!(q.zero_area.is_empty() && q.dangling.is_empty());
-    // Nodes in one place would differ by round-off only; a thousandth of a side tells them from neighbours.
+    // Nodes in one place would differ by round-off only; a thousandth of a side tells them from
+    // neighbours.
     let cell = 1e-3 * q.min_side.value;
-    let places: BTreeSet<[i64; 3]> = mesh.nodes.iter().map(|n| n.x.map(|c| (c / cell).round() as i64)).collect();
+    let places: BTreeSet<[i64; 3]> =
+        mesh.nodes.iter().map(|n| n.x.map(|c| (c / cell).round() as i64)).collect();
     assert_eq!(places.len(), mesh.nodes.len(), "two nodes in one place");
     let corners: BTreeSet<BTreeSet<NodeId>> =
         mesh.elements.iter().map(|e| e.corners().iter().copied().collect()).collect();
@@ -87,7 +90,12 @@ fn assert_whole(mesh: &Mesh) {
 fn assert_sound(mesh: &Mesh) {
     assert_whole(mesh);
     let q = quality(mesh).unwrap();
-    assert!(q.min_side.value > 0.5 * q.median_side, "short side {:?}, median {}", q.min_side, q.median_side);
+    assert!(
+        q.min_side.value > 0.5 * q.median_side,
+        "short side {:?}, median {}",
+        q.min_side,
+        q.median_side
+    );
     assert!(q.max_aspect.value < 2.0, "{:?}", q.max_aspect);
     assert!(q.max_warpage_deg.value < 0.01, "{:?}", q.max_warpage_deg);
     assert!(q.min_jacobian.value > 0.6, "{:?}", q.min_jacobian);
@@ -98,15 +106,23 @@ fn shell_mass(job: &Job, mesh: &Mesh) -> f64 {
     let at: BTreeMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let mut mass = 0.0;
     for e in &mesh.elements {
-        let part = job.part.iter().find(|p| p.id == e.part).expect("every element has a part in the job");
-        let material = job.material.iter().find(|m| m.name == part.material).expect("every part has a material");
+        let part =
+            job.part.iter().find(|p| p.id == e.part).expect("every element has a part in the job");
+        let material = job
+            .material
+            .iter()
+            .find(|m| m.name == part.material)
+            .expect("every part has a material");
         let x: Vec<_> = e.nodes.iter().map(|id| at[id]).collect();
         let (d1, d2) = ([0, 1, 2].map(|i| x[2][i] - x[0][i]), [0, 1, 2].map(|i| x[3][i] - x[1][i]));
         let cross = [0, 1, 2].map(|i| {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             d1[j] * d2[k] - d1[k] * d2[j]
         });
-        mass += 0.5 * cross.iter().map(|c| c * c).sum::<f64>().sqrt() * part.thickness * material.density;
+        mass += 0.5
+            * cross.iter().map(|c| c * c).sum::<f64>().sqrt()
+            * part.thickness
+            * material.density;
     }
     mass
 }
@@ -119,13 +135,20 @@ fn jobs_fit_their_meshes() {
         let mesh = mesh_of(&job);
         assert_sound(&mesh);
         assert!(shell_mass(&job, &mesh) > 0.0);
-        let sets =
-            job.mass.iter().map(|m| &m.nodes).chain(job.initial_velocity.iter().filter_map(|v| v.nodes.as_ref()));
+        let sets = job
+            .mass
+            .iter()
+            .map(|m| &m.nodes)
+            .chain(job.initial_velocity.iter().filter_map(|v| v.nodes.as_ref()));
         for set in sets {
             assert!(mesh.node_sets.contains_key(set), "no node set {set}");
         }
         for part in &job.part {
-            assert!(mesh.elements.iter().any(|e| e.part == part.id), "part {} has no elements", part.name);
+            assert!(
+                mesh.elements.iter().any(|e| e.part == part.id),
+                "part {} has no elements",
+                part.name
+            );
         }
     }
 }
@@ -141,7 +164,8 @@ fn jeep_frame_has_the_published_size() {
     assert_sound(&finer);
 }
 
-/// A weld ring's edges belong to the two wall quads and to one quad of the tube; the rails' ends are open.
+/// A weld ring's edges belong to the two wall quads and to one quad of the tube; the rails' ends
+/// are open.
 #[test]
 fn jeep_frame_is_welded_through_shared_nodes() {
     for refine in 1..=2 {
@@ -157,7 +181,8 @@ fn jeep_frame_is_welded_through_shared_nodes() {
     }
 }
 
-/// The same where the horns are finer than the rest: nothing opens where their mesh ends, and all of the surface is there.
+/// The same where the horns are finer than the rest: nothing opens where their mesh ends, and all
+/// of the surface is there.
 #[test]
 fn finer_horns_hang_together_with_the_rest() {
     let (job, coarse) = (job(JEEP), made("jeep_frame", ""));
@@ -191,7 +216,8 @@ fn jeep_frame_carries_masses_where_refinement_leaves_them() {
     for set in ["engine", "rear", "front"] {
         let (a, b) = (centre(&coarse, set), centre(&fine, set));
         assert!(a[1].abs() < 1e-9, "{set} sits on the centre plane");
-        // The finer patch has more nodes inside the same outline: its rear end is an open edge, hence the 3 mm.
+        // The finer patch has more nodes inside the same outline: its rear end is an open edge,
+        // hence the 3 mm.
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 3.0), "{set} {a:?} {b:?}");
     }
     let tip = coarse.nodes.iter().map(|n| n.x[0]).fold(f64::INFINITY, f64::min);
@@ -211,7 +237,10 @@ fn jeep_frame_weighs_what_its_notes_say() {
 #[test]
 fn neighbours_in_space_are_neighbours_in_number() {
     let mesh = made("jeep_frame", "");
-    let widest = mesh.elements.iter().map(|e| e.nodes.iter().max().unwrap().0 - e.nodes.iter().min().unwrap().0);
+    let widest = mesh
+        .elements
+        .iter()
+        .map(|e| e.nodes.iter().max().unwrap().0 - e.nodes.iter().min().unwrap().0);
     // A slice holds up to 32 nodes of the rails and 35 * 8 of a member's end walls.
     assert!(widest.max().unwrap() < 800);
 }
@@ -224,7 +253,14 @@ fn all_that_is_wrong_with_a_scene_comes_back_at_once() {
     for path in ["scene.refin", "scene.horn_drop", "scene.rail_depth", "scene.refine"] {
         assert!(paths.contains(&path), "{paths:?}");
     }
-    assert!(problems.iter().find(|p| p.path == "scene.refin").unwrap().help.contains("did you mean `refine`?"));
+    assert!(
+        problems
+            .iter()
+            .find(|p| p.path == "scene.refin")
+            .unwrap()
+            .help
+            .contains("did you mean `refine`?")
+    );
     let unknown = generate("jeep-fram", &toml::Table::new()).err().unwrap();
     assert_eq!(unknown[0].path, "mesh.generator");
     assert!(unknown[0].help.contains("`jeep_frame`"));
@@ -246,10 +282,17 @@ fn members_and_curves_that_do_not_fit_are_refused() {
 fn defaults_are_the_values_of_the_job_file() {
     for text in [JEEP, TUMBLE, BEAM, BRICK_WALL, CAN_CRUSH] {
         let job = job(text);
-        let generator = GENERATORS.iter().find(|g| Some(g.name) == job.mesh.generator.as_deref()).expect("it is there");
+        let generator = GENERATORS
+            .iter()
+            .find(|g| Some(g.name) == job.mesh.generator.as_deref())
+            .expect("it is there");
         for (key, value) in &job.scene {
             let row = generator.options.iter().find(|row| row.0 == key).expect(key);
-            assert_eq!(value.as_float().or(value.as_integer().map(|i| i as f64)), Some(row.1), "{key}");
+            assert_eq!(
+                value.as_float().or(value.as_integer().map(|i| i as f64)),
+                Some(row.1),
+                "{key}"
+            );
         }
     }
 }
@@ -289,8 +332,9 @@ fn least_gap(job: &Job, mesh: &Mesh, time: f64) -> f64 {
     least.sqrt()
 }
 
-/// Bodies start apart and would pass through each other soon. Nearest points of two surfaces lie at most half a
-/// diagonal, 2.1 mm for sides of 3 mm, from a node each; half the thicknesses, 1.5 mm at most, keep surfaces apart.
+/// Bodies start apart and would pass through each other soon. Nearest points of two surfaces lie at
+/// most half a diagonal, 2.1 mm for sides of 3 mm, from a node each; half the thicknesses, 1.5 mm
+/// at most, keep surfaces apart.
 #[test]
 fn tumble_starts_apart_and_collides_soon() {
     let job = job(TUMBLE);
@@ -308,8 +352,9 @@ fn tumble_is_small_and_of_seven_pieces() {
     assert_eq!(pieces(&mesh), 7);
 }
 
-/// Attaway et al. 1994: 19,500 elements and 22,506 nodes of the fixed-size beam, 6480 elements a worker of the scaled one;
-/// 8400 elements and 17 bricks, 54 elements in a full one; 7152 elements of the can crush.
+/// Attaway et al. 1994: 19,500 elements and 22,506 nodes of the fixed-size beam, 6480 elements a
+/// worker of the scaled one; 8400 elements and 17 bricks, 54 elements in a full one; 7152 elements
+/// of the can crush.
 #[test]
 fn the_scenes_of_pronto_have_their_published_sizes() {
     let size = |mesh: &Mesh| (mesh.elements.len(), mesh.nodes.len());
@@ -333,9 +378,13 @@ fn the_scenes_of_pronto_have_their_published_sizes() {
 /// No solid is inverted or needle-like, in the published meshes and in refined ones.
 #[test]
 fn solids_have_a_good_shape() {
-    for (name, options) in
-        [("beam", ""), ("brick_wall", ""), ("can_crush", ""), ("brick_wall", "scale = 3"), ("can_crush", "scale = 3")]
-    {
+    for (name, options) in [
+        ("beam", ""),
+        ("brick_wall", ""),
+        ("can_crush", ""),
+        ("brick_wall", "scale = 3"),
+        ("can_crush", "scale = 3"),
+    ] {
         let q = quality(&made(name, options)).expect("it has elements");
         assert!(q.min_jacobian.value > 0.9 && q.max_aspect.value < 6.0, "{name}: {q:?}");
         assert!(q.zero_area.is_empty() && q.dangling.is_empty());
@@ -374,7 +423,8 @@ fn the_plate_is_held_at_its_rim() {
     assert_eq!((count("rim"), count("inside")), (24, 25));
 }
 
-/// Bars of 40 elements: a row of shells, or three by three rows of cubes; the second one shifted by half a side.
+/// Bars of 40 elements: a row of shells, or three by three rows of cubes; the second one shifted by
+/// half a side.
 #[test]
 fn bars_are_shells_or_solids() {
     let shells = made("bars", "elements = 40");
@@ -396,8 +446,16 @@ fn bars_are_shells_or_solids() {
 fn plates_drop_inside_the_shell() {
     let mesh = made("drop", "plates = 64");
     assert_sound(&mesh);
-    assert_eq!((pieces(&mesh), mesh.node_sets["plates"].len(), mesh.node_sets["base"].len()), (65, 256, 4));
-    assert!(mesh.nodes.iter().filter(|n| n.x[2] > 0.0).all(|n| n.x[0].abs() < 10.0 && n.x[1].abs() < 10.0));
+    assert_eq!(
+        (pieces(&mesh), mesh.node_sets["plates"].len(), mesh.node_sets["base"].len()),
+        (65, 256, 4)
+    );
+    assert!(
+        mesh.nodes
+            .iter()
+            .filter(|n| n.x[2] > 0.0)
+            .all(|n| n.x[0].abs() < 10.0 && n.x[1].abs() < 10.0)
+    );
 }
 
 /// MacNeal and Harder (1985): 12 by 2 quads, turned by a right angle from root to tip.
@@ -406,12 +464,15 @@ fn the_twisted_beam_turns_by_a_right_angle() {
     let mesh = made("twist", "");
     assert_eq!((mesh.elements.len(), mesh.nodes.len(), pieces(&mesh)), (24, 39, 1));
     let at: BTreeMap<_, _> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let spread = |set: &str, c: usize| mesh.node_sets[set].iter().map(|n| at[n][c].abs()).fold(0.0, f64::max);
+    let spread = |set: &str, c: usize| {
+        mesh.node_sets[set].iter().map(|n| at[n][c].abs()).fold(0.0, f64::max)
+    };
     assert!((spread("root", 1) - 0.55).abs() < 1e-12 && spread("root", 2) < 1e-12);
     assert!((spread("tip", 2) - 0.55).abs() < 1e-12 && spread("tip", 1) < 1e-12);
 }
 
-/// The scenes of studies: whole at their defaults and finer, with the node sets that their jobs name.
+/// The scenes of studies: whole at their defaults and finer, with the node sets that their jobs
+/// name.
 #[test]
 fn scenes_of_studies_are_whole() {
     let jobs = [
@@ -445,8 +506,8 @@ fn scenes_of_studies_are_whole() {
     finer.into_iter().for_each(|(name, options)| assert_whole(&made(name, options)));
 }
 
-/// The cube is where its gap says, whatever its attitude and the angle between the walls: moved by the gap, it touches a
-/// wall of 1 mm and goes through none.
+/// The cube is where its gap says, whatever its attitude and the angle between the walls: moved by
+/// the gap, it touches a wall of 1 mm and goes through none.
 #[test]
 fn the_cube_stands_before_the_corner() {
     for (angle, turn) in [(90.0, 0.0), (90.0, 45.0), (60.0, 10.0), (120.0, -30.0)] {

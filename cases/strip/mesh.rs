@@ -1,6 +1,8 @@
-//! A strip of quads in the plane z = 0: x from the middle of a beam to its end, y from its axis to its edge. Lengths in mm.
+//! A strip of quads in the plane z = 0: x from the middle of a beam to its end, y from its axis to
+//! its edge. Lengths in mm.
 //!
-//! Node sets: `middle` (x = 0), `end`, `axis` (y = 0), `loaded` (x below the border of the load), `border` (the row on it).
+//! Node sets: `middle` (x = 0), `end`, `axis` (y = 0), `loaded` (x below the border of the load),
+//! `border` (the row on it).
 
 use crate::builder::Builder;
 use crate::{Generator, Options};
@@ -16,7 +18,11 @@ pub const GENERATOR: Generator = Generator {
         ("along", 25.0, "quads along x, 1 to 4096"),
         ("across", 3.0, "quads along y, 1 to 512"),
         ("loaded", 25.4, "length that is loaded, from the middle [mm]"),
-        ("slant", 0.0, "how far lines across lean, in quads, from -0.4 to 0.4: every other one the other way"),
+        (
+            "slant",
+            0.0,
+            "how far lines across lean, in quads, from -0.4 to 0.4: every other one the other way",
+        ),
     ],
     build,
 };
@@ -37,7 +43,11 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let rows: Vec<Vec<usize>> = (0..=along)
         .map(|i| {
             // Ends stay straight.
-            let lean = if i == 0 || i == along { 0.0 } else { slant * if i % 2 == 0 { 1.0 } else { -1.0 } };
+            let lean = if i == 0 || i == along {
+                0.0
+            } else {
+                slant * if i % 2 == 0 { 1.0 } else { -1.0 }
+            };
             (0..=across)
                 .map(|j| {
                     let part = j as f64 / across as f64;

@@ -1,5 +1,5 @@
-//! A square tube of quads along z, with a trigger that starts the first fold: a half sine over some of its height, inwards on
-//! two faces and outwards on the others. Lengths in mm.
+//! A square tube of quads along z, with a trigger that starts the first fold: a half sine over some
+//! of its height, inwards on two faces and outwards on the others. Lengths in mm.
 //!
 //! Node sets: `tube` and `head` (the ring at the top).
 

@@ -1,9 +1,9 @@
-//! Four open box tubes and three plates, turned every way around a common centre and a few mm apart.
-//! Lengths in mm. One node set a body; job.toml throws them at each other.
+//! Four open box tubes and three plates, turned every way around a common centre and a few mm
+//! apart. Lengths in mm. One node set a body; job.toml throws them at each other.
 //!
-//! A tube is 36 mm square and 108 mm long, a plate 108 mm square, quads 9 mm: 4*192 + 3*144 = 1200 shells,
-//! 4*208 + 3*169 = 1339 nodes. Turns are quaternions of whole numbers, so that no two edges are parallel and
-//! positions take no sines.
+//! A tube is 36 mm square and 108 mm long, a plate 108 mm square, quads 9 mm: 4*192 + 3*144 = 1200
+//! shells, 4*208 + 3*169 = 1339 nodes. Turns are quaternions of whole numbers, so that no two edges
+//! are parallel and positions take no sines.
 
 use crate::builder::Builder;
 use crate::{Generator, OptionRow, Options};
@@ -15,7 +15,11 @@ pub const GENERATOR: Generator = Generator { name: "tumble", options: OPTIONS, b
 
 const OPTIONS: &[OptionRow] = &[
     ("refine", 1.0, "each side of each shell is cut into so many, 1 to 6"),
-    ("spread", 1.0, "distances of the bodies from the centre are this many times the default, 1 to 5"),
+    (
+        "spread",
+        1.0,
+        "distances of the bodies from the centre are this many times the default, 1 to 5",
+    ),
 ];
 
 /// Side of a quad at `refine = 1` [mm].
@@ -42,13 +46,48 @@ struct Body {
 
 /// The bodies; part ids count from 1 in this order.
 const BODIES: [Body; 7] = [
-    Body { name: "tube_1", shape: Shape::Tube, turn: [7.0, 1.0, 2.0, 0.0], centre: [0.0, 0.0, 0.0] },
-    Body { name: "tube_2", shape: Shape::Tube, turn: [5.0, 4.0, -1.0, 2.0], centre: [68.0, 6.0, 4.0] },
-    Body { name: "tube_3", shape: Shape::Tube, turn: [6.0, -2.0, 5.0, 1.0], centre: [-86.0, -8.0, 12.0] },
-    Body { name: "tube_4", shape: Shape::Tube, turn: [6.0, 1.0, -4.0, 3.0], centre: [6.0, 80.0, -10.0] },
-    Body { name: "plate_1", shape: Shape::Plate, turn: [5.0, 5.0, 1.0, -1.0], centre: [-6.0, -58.0, 8.0] },
-    Body { name: "plate_2", shape: Shape::Plate, turn: [9.0, 1.0, 2.0, 3.0], centre: [8.0, 4.0, 92.0] },
-    Body { name: "plate_3", shape: Shape::Plate, turn: [9.0, -2.0, 1.0, 1.0], centre: [-8.0, 8.0, -90.0] },
+    Body {
+        name: "tube_1",
+        shape: Shape::Tube,
+        turn: [7.0, 1.0, 2.0, 0.0],
+        centre: [0.0, 0.0, 0.0],
+    },
+    Body {
+        name: "tube_2",
+        shape: Shape::Tube,
+        turn: [5.0, 4.0, -1.0, 2.0],
+        centre: [68.0, 6.0, 4.0],
+    },
+    Body {
+        name: "tube_3",
+        shape: Shape::Tube,
+        turn: [6.0, -2.0, 5.0, 1.0],
+        centre: [-86.0, -8.0, 12.0],
+    },
+    Body {
+        name: "tube_4",
+        shape: Shape::Tube,
+        turn: [6.0, 1.0, -4.0, 3.0],
+        centre: [6.0, 80.0, -10.0],
+    },
+    Body {
+        name: "plate_1",
+        shape: Shape::Plate,
+        turn: [5.0, 5.0, 1.0, -1.0],
+        centre: [-6.0, -58.0, 8.0],
+    },
+    Body {
+        name: "plate_2",
+        shape: Shape::Plate,
+        turn: [9.0, 1.0, 2.0, 3.0],
+        centre: [8.0, 4.0, 92.0],
+    },
+    Body {
+        name: "plate_3",
+        shape: Shape::Plate,
+        turn: [9.0, -2.0, 1.0, 1.0],
+        centre: [-8.0, 8.0, -90.0],
+    },
 ];
 
 /// Builds the bodies.
@@ -63,7 +102,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     for (body, part) in BODIES.iter().zip(1..) {
         let section = match body.shape {
             Shape::Tube => square(ACROSS * refine),
-            Shape::Plate => (0..=ALONG * refine).map(|i| [i as f64 - 0.5 * (ALONG * refine) as f64, 0.0]).collect(),
+            Shape::Plate => (0..=ALONG * refine)
+                .map(|i| [i as f64 - 0.5 * (ALONG * refine) as f64, 0.0])
+                .collect(),
         };
         let side = SIDE / refine as f64;
         let turn = matrix(body.turn);
@@ -75,7 +116,8 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
                     Shape::Tube => [a, b, along],
                     Shape::Plate => [a, along, b],
                 };
-                let x = turn.map(|row| side * (row[0] * own[0] + row[1] * own[1] + row[2] * own[2]));
+                let x =
+                    turn.map(|row| side * (row[0] * own[0] + row[1] * own[1] + row[2] * own[2]));
                 [0, 1, 2].map(|i| spread * body.centre[i] + x[i])
             };
             rows.push(section.iter().map(|s| mesh.point(place(s))).collect());

@@ -1,5 +1,5 @@
-//! A beam twisted by a right angle from root to tip, of MacNeal and Harder (1985): 12 x 1.1 inch along x. Its quads are
-//! warped in every mesh.
+//! A beam twisted by a right angle from root to tip, of MacNeal and Harder (1985): 12 x 1.1 inch
+//! along x. Its quads are warped in every mesh.
 //!
 //! Node sets `root` and `tip`.
 
@@ -14,8 +14,11 @@ const LENGTH: f64 = 12.0;
 const WIDTH: f64 = 1.1;
 
 /// The row of this file in the table of generators.
-pub const GENERATOR: Generator =
-    Generator { name: "twist", options: &[("across", 2.0, "quads across, 1 to 64; six times as many along")], build };
+pub const GENERATOR: Generator = Generator {
+    name: "twist",
+    options: &[("across", 2.0, "quads across, 1 to 64; six times as many along")],
+    build,
+};
 
 fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
     let mut wrong = Vec::new();
@@ -30,7 +33,9 @@ fn build(options: &Options) -> Result<Mesh, Vec<Problem>> {
             let part = i as f64 / along as f64;
             let (sin, cos) = (FRAC_PI_2 * part).sin_cos();
             let width = |j: usize| WIDTH * (j as f64 / across as f64 - 0.5);
-            (0..=across).map(|j| mesh.point([LENGTH * part, width(j) * cos, width(j) * sin])).collect()
+            (0..=across)
+                .map(|j| mesh.point([LENGTH * part, width(j) * cos, width(j) * sin]))
+                .collect()
         })
         .collect();
     rows.windows(2).for_each(|pair| mesh.strip(1, &pair[0], &pair[1], false));

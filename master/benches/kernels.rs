@@ -1,7 +1,9 @@
-//! Single kernels: the elements of a part, a global search, a contact pass, a message between workers.
+//! Single kernels: the elements of a part, a global search, a contact pass, a message between
+//! workers.
 //!
-//! `cargo bench -p crumple` times all by criterion; `cargo test --benches -p crumple` runs each once. With `-- assembly` it
-//! tells what the order of nodal sums costs; `count NAME TIMES` is for `deploy/instructions.sh`.
+//! `cargo bench -p crumple` times all by criterion; `cargo test --benches -p crumple` runs each
+//! once. With `-- assembly` it tells what the order of nodal sums costs; `count NAME TIMES` is for
+//! `deploy/instructions.sh`.
 
 mod work;
 
@@ -42,14 +44,18 @@ fn main() {
     let once = has("--test") || !has("--bench");
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["count"] => std::process::exit(instructions::run(None, 0)),
-        ["count", name, times] => std::process::exit(instructions::run(Some(name), times.parse().unwrap_or(1))),
+        ["count", name, times] => {
+            std::process::exit(instructions::run(Some(name), times.parse().unwrap_or(1)))
+        }
         ["assembly", ..] => return assembly::run(false),
         _ => {}
     }
     let mut c = Criterion::default().configure_from_args();
     for kernel in KERNELS {
         let mut work = (kernel.ready)();
-        c.bench_function(&format!("{}, {} {}", kernel.name, kernel.of.1, kernel.of.0), |b| b.iter(&mut work));
+        c.bench_function(&format!("{}, {} {}", kernel.name, kernel.of.1, kernel.of.0), |b| {
+            b.iter(&mut work)
+        });
     }
     round_trip(&mut c);
     c.final_summary();

@@ -24,14 +24,17 @@ Values are written as in the job; words need no quotes. Units are the job's. May
 pub enum Command {
     /// Run a job.
     ///
-    /// Workers are threads of this process; under mpirun, rank 0 is the master and all other ranks are workers.
+    /// Workers are threads of this process; under mpirun, rank 0 is the master and all other ranks
+    /// are workers.
     Run(RunArgs),
-    /// Read and check a job without running it: mass, parts, time step, mesh quality, memory, warnings.
+    /// Read and check a job without running it: mass, parts, time step, mesh quality, memory,
+    /// warnings.
     Check(CheckArgs),
-    /// Run the catalogue of verification cases: ours against exact, published and computed references.
+    /// Run the catalogue of verification cases: ours against exact, published and computed
+    /// references.
     ///
-    /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit code 3 if a case is
-    /// outside its tolerance.
+    /// Writes the table as VERIFICATION.md and verification.json, and every job that was run. Exit
+    /// code 3 if a case is outside its tolerance.
     Verify(VerifyArgs),
     /// Run a job over a grid of settings: a table of errors and costs, and charts of them.
     ///
@@ -39,17 +42,20 @@ pub enum Command {
     Study(StudyArgs),
     /// Time the scenes of the benchmark: nanoseconds per element and cycle, phase by phase.
     ///
-    /// Each time stands beside what the core could have computed meanwhile, measured in the same rounds.
+    /// Each time stands beside what the core could have computed meanwhile, measured in the same
+    /// rounds.
     Bench(BenchArgs),
     /// Predict the parallel efficiency of a job on any number of workers.
     ///
-    /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with costs that are measured here
-    /// and with a network that is not: more than two workers are modelled.
+    /// Cuts the real mesh for each of them, counts who would have and send what, and reckons with
+    /// costs that are measured here and with a network that is not: more than two workers are
+    /// modelled.
     Scale(ScaleArgs),
-    /// Make report.html in a folder of results: a picture that plays and turns, plots, tables and warnings on one page.
+    /// Make report.html in a folder of results: a picture that plays and turns, plots, tables and
+    /// warnings on one page.
     ///
-    /// `crumple run` does so at its end; this makes it anew, of what is in the folder alone. It opens from disk, without any
-    /// network, and takes runs that failed or were stopped as well.
+    /// `crumple run` does so at its end; this makes it anew, of what is in the folder alone. It
+    /// opens from disk, without any network, and takes runs that failed or were stopped as well.
     Report {
         /// Folder of results.
         dir: PathBuf,
@@ -61,10 +67,11 @@ pub enum Command {
         /// Folder of results of a run with fields.
         dir: PathBuf,
         /// Largest file of the family, unless one state needs more [MB].
-        #[arg(long, value_name = "MB", default_value_t = crate::d3plot::FILE_SIZE)]
+        #[arg(long, value_name = "MB", default_value_t = crate::results::d3plot::FILE_SIZE)]
         file_size: u64,
     },
-    /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features vtkhdf`.
+    /// Write the fields of a run as one temporal VTKHDF file; needs a build with `--features
+    /// vtkhdf`.
     ExportVtkhdf {
         /// Folder of results of a run with fields.
         dir: PathBuf,
@@ -83,7 +90,8 @@ pub enum Command {
 pub struct JobArgs {
     /// A .toml job file, a folder that holds job.toml, or an LS-DYNA keyword deck (.k, .key, .dyn).
     pub job: PathBuf,
-    /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core; under mpirun, ranks - 1].
+    /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core;
+    /// under mpirun, ranks - 1].
     #[arg(long, value_name = "N", value_parser = workers)]
     pub workers: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
@@ -99,8 +107,9 @@ pub struct CheckArgs {
     /// The job.
     #[command(flatten)]
     pub job: JobArgs,
-    /// Also find the largest step that the assembled system bears (elements, springs, ties, penalty contact in touch), at the start or
-    /// as --step=T at a time to which the job is run first, on one worker. Exit code 3 if the step taken is longer.
+    /// Also find the largest step that the assembled system bears (elements, springs, ties, penalty
+    /// contact in touch), at the start or as --step=T at a time to which the job is run first, on
+    /// one worker. Exit code 3 if the step taken is longer.
     #[arg(long, value_name = "T", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = moment)]
     pub step: Option<f64>,
 }
@@ -161,7 +170,8 @@ pub struct StudyArgs {
     /// Points that run at a time; with more than one their CPU times disturb each other.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = jobs)]
     pub jobs: usize,
-    /// Run all points again; without it those that this version of the program has done are kept, and charts drawn anew.
+    /// Run all points again; without it those that this version of the program has done are kept,
+    /// and charts drawn anew.
     #[arg(long)]
     pub fresh: bool,
 }
@@ -188,10 +198,12 @@ pub struct BenchArgs {
 pub struct ScaleArgs {
     /// A .toml job file, or a folder that holds job.toml.
     pub job: PathBuf,
-    /// Numbers of workers, each at least 2 [default: 2,4,8,... to 1024, as far as there are elements].
+    /// Numbers of workers, each at least 2 [default: 2,4,8,... to 1024, as far as there are
+    /// elements].
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = several)]
     pub workers: Vec<usize>,
-    /// Simulated times at which to predict, in the job's units of time; the job is run to them on one worker.
+    /// Simulated times at which to predict, in the job's units of time; the job is run to them on
+    /// one worker.
     #[arg(long, value_name = "T,...", value_delimiter = ',', value_parser = moment, default_value = "0")]
     pub at: Vec<f64>,
     /// Time of a message of no length, such as 1.5us.
@@ -224,7 +236,9 @@ pub struct ExportArgs {
 impl ScaleArgs {
     /// The folder for results.
     pub fn out_dir(&self) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name_of(&self.job)).join("scale"))
+        self.out
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("out").join(name_of(&self.job)).join("scale"))
     }
 }
 
@@ -243,7 +257,8 @@ impl RunArgs {
         self.job.sets().into_iter().chain(end_time).collect()
     }
 
-    /// The folder for results: as given, else `out/` and the name of the job's file or, for `job.toml`, of its folder.
+    /// The folder for results: as given, else `out/` and the name of the job's file or, for
+    /// `job.toml`, of its folder.
     pub fn out_dir(&self) -> PathBuf {
         if let Some(out) = &self.out {
             return out.clone();
@@ -273,7 +288,10 @@ fn workers(text: &str) -> Result<usize, String> {
 }
 
 fn several(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n > 1).ok_or_else(|| "give whole numbers from 2, such as 2,4,8".into())
+    text.parse()
+        .ok()
+        .filter(|n| *n > 1)
+        .ok_or_else(|| "give whole numbers from 2, such as 2,4,8".into())
 }
 
 fn moment(text: &str) -> Result<f64, String> {
@@ -284,18 +302,23 @@ fn moment(text: &str) -> Result<f64, String> {
 /// A time in seconds.
 fn latency(text: &str) -> Result<f64, String> {
     let units = [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
-    with_unit(text, &units).filter(|t| *t >= 0.0).ok_or_else(|| "give a time with ns, us, ms or s, such as 2us".into())
+    with_unit(text, &units)
+        .filter(|t| *t >= 0.0)
+        .ok_or_else(|| "give a time with ns, us, ms or s, such as 2us".into())
 }
 
 /// Bytes in a second.
 fn bandwidth(text: &str) -> Result<f64, String> {
     let units = [("GB/s", 1e9), ("MB/s", 1e6)];
-    with_unit(text, &units).filter(|r| *r > 0.0).ok_or_else(|| "give a rate with GB/s or MB/s, such as 10GB/s".into())
+    with_unit(text, &units)
+        .filter(|r| *r > 0.0)
+        .ok_or_else(|| "give a rate with GB/s or MB/s, such as 10GB/s".into())
 }
 
 /// A finite number followed by one of the units.
 fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
-    let (number, factor) = units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor)))?;
+    let (number, factor) =
+        units.iter().find_map(|(unit, factor)| Some((text.strip_suffix(unit)?, factor)))?;
     number.trim().parse::<f64>().ok().filter(|n| n.is_finite()).map(|n| n * factor)
 }
 

@@ -6,7 +6,8 @@
 //! - [`check`]: `crumple check`; [`spectrum`]: `crumple check --step`
 //! - [`launch`]: `crumple run`, on threads or under MPI
 //! - [`verify`]: `crumple verify`; [`embedded`]: engines in this process without a master
-//! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are renewed
+//! - [`control`]: THE RUN, start there; [`decompose`]: where boxes are; [`balance`]: when they are
+//!   renewed
 //! - [`advise`]: `crumple advise`, what a run did not need
 //! - [`bench`]: `crumple bench`, what elements cost per cycle
 //! - [`scale`]: `crumple scale`, parallel efficiency on any number of workers, predicted
@@ -16,35 +17,12 @@
 //! - [`report`]: `crumple report`, a page that shows a run; [`field_file`]: field files read back
 //! - [`vtkhdf`]: `crumple export-vtkhdf`, fields as one file for ParaView
 //! - [`d3plot`]: `crumple export-d3plot`, fields for post-processors of LS-DYNA
-//! - [`history`], [`histories`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what comes out, and how it is stopped
+//! - [`history`], [`histories`], [`summary`], [`fields`], [`progress`], [`say`], [`stop`]: what
+//!   comes out, and how it is stopped
 
-pub mod advise;
-pub mod balance;
-pub mod bench;
-pub mod check;
+pub mod analysis;
 pub mod cli;
-pub mod control;
-pub mod cost;
-pub mod d3plot;
-pub mod deck;
-pub mod decompose;
-pub mod embedded;
-pub mod field_file;
-pub mod fields;
-pub mod histories;
-pub mod history;
-pub mod job;
-pub mod launch;
-pub mod pieces;
-pub mod progress;
-pub mod reference;
-pub mod report;
-pub mod say;
-pub mod scale;
-pub mod spectrum;
-pub mod stop;
-pub mod study;
-pub mod summary;
-pub mod trace;
+pub mod input;
+pub mod results;
+pub mod run;
 pub mod verify;
-pub mod vtkhdf;

@@ -6,17 +6,17 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     ExitCode::from(match Cli::parse().command {
-        Command::Check(args) => crumple::check::run(&args),
-        Command::Run(args) => crumple::launch::run(&args),
+        Command::Check(args) => crumple::input::check::run(&args),
+        Command::Run(args) => crumple::run::launch::run(&args),
         Command::Verify(args) => crumple::verify::run(&args),
-        Command::Advise { dir } => crumple::advise::run(&dir),
-        Command::Bench(args) => crumple::bench::run(&args),
-        Command::Report { dir } => crumple::report::run(&dir),
-        Command::ExportDeck(args) => crumple::deck::export::run(&args),
-        Command::Scale(args) => crumple::scale::run(&args),
-        Command::ExportD3plot { dir, file_size } => crumple::d3plot::run(&dir, file_size),
-        Command::ExportVtkhdf { dir } => crumple::vtkhdf::run(&dir),
-        Command::Schema(args) => crumple::reference::run(&args),
-        Command::Study(args) => crumple::study::run(&args),
+        Command::Advise { dir } => crumple::analysis::advise::run(&dir),
+        Command::Bench(args) => crumple::analysis::bench::run(&args),
+        Command::Report { dir } => crumple::results::report::run(&dir),
+        Command::ExportDeck(args) => crumple::input::deck::export::run(&args),
+        Command::Scale(args) => crumple::analysis::scale::run(&args),
+        Command::ExportD3plot { dir, file_size } => crumple::results::d3plot::run(&dir, file_size),
+        Command::ExportVtkhdf { dir } => crumple::results::vtkhdf::run(&dir),
+        Command::Schema(args) => crumple::input::reference::run(&args),
+        Command::Study(args) => crumple::analysis::study::run(&args),
     })
 }

@@ -1,8 +1,10 @@
-//! Bad jobs give everything that is wrong with them, each with its line and a remedy; nothing panics.
+//! Bad jobs give everything that is wrong with them, each with its line and a remedy; nothing
+//! panics.
 //!
-//! A file in `tests/bad` begins with what its report has to say: one `#: text` for each piece of text.
+//! A file in `tests/bad` begins with what its report has to say: one `#: text` for each piece of
+//! text.
 
-use crumple::job::{Model, Report, read};
+use crumple::input::job::{Model, Report, read};
 use std::path::{Path, PathBuf};
 
 fn folder(name: &str) -> PathBuf {
@@ -40,7 +42,10 @@ fn every_bad_job_says_all_that_is_wrong_with_it() {
         let wanted: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("#: ")).collect();
         assert!(!wanted.is_empty(), "{} wants nothing", path.display());
         let report = report_of(&path, &[]);
-        assert!(report.problems.iter().all(|p| p.spot.is_some() && !p.problem.help.is_empty()), "no remedy: {report}");
+        assert!(
+            report.problems.iter().all(|p| p.spot.is_some() && !p.problem.help.is_empty()),
+            "no remedy: {report}"
+        );
         let report = report.to_string();
         for want in wanted.iter().filter(|want| !report.contains(**want)) {
             failures += &format!("--- {}: not said: {want}\n{report}\n", path.display());
@@ -50,7 +55,8 @@ fn every_bad_job_says_all_that_is_wrong_with_it() {
     assert!(count >= 28, "{count} bad jobs");
 }
 
-/// The whole text of a report, once: file, line, column, the line itself, the key underlined, the remedy.
+/// The whole text of a report, once: file, line, column, the line itself, the key underlined, the
+/// remedy.
 #[test]
 fn a_report_shows_the_line_and_underlines_the_key() {
     let report = report_of(&folder("bad/wrong_section.toml"), &[]).to_string();
@@ -71,18 +77,34 @@ fn what_the_command_line_sets_is_checked_and_blamed() {
     for (sets, said) in [
         (
             &["part.lower.thicknes=3"][..],
-            &["unknown key `thicknes`", "did you mean `thickness`", "--> --set part.lower.thicknes=3"][..],
+            &[
+                "unknown key `thicknes`",
+                "did you mean `thickness`",
+                "--> --set part.lower.thicknes=3",
+            ][..],
         ),
-        (&["tme.safety=0.8"], &["unknown key `tme`", "did you mean `time`", "--set tme.safety=0.8"]),
+        (
+            &["tme.safety=0.8"],
+            &["unknown key `tme`", "did you mean `time`", "--set tme.safety=0.8"],
+        ),
         (&["part.lower.thickness=-3"], &["thickness is -3", "--> --set part.lower.thickness=-3"]),
-        (&["part.lowre.thickness=3"], &["no entry with the name or id `lowre`", "did you mean `lower`"]),
+        (
+            &["part.lowre.thickness=3"],
+            &["no entry with the name or id `lowre`", "did you mean `lower`"],
+        ),
         (&["wall.5.friction=0.1"], &["no entry with the name or position `5`", "known: floor, 0"]),
         (
             &["time.safety=fast"],
-            &["`safety` has to be a finite number, not the text \"fast\"", "--set time.safety=fast"],
+            &[
+                "`safety` has to be a finite number, not the text \"fast\"",
+                "--set time.safety=fast",
+            ],
         ),
         (&["time.safety"], &["has no value", "write --set section.key=value"]),
-        (&["contact.law=penalti", "time.safety=0"], &["did you mean `penalty`", "`safety` is 0.0", "2 errors"]),
+        (
+            &["contact.law=penalti", "time.safety=0"],
+            &["did you mean `penalty`", "`safety` is 0.0", "2 errors"],
+        ),
         (&["parallel.workers=0"], &["0 workers cannot run anything", "--set parallel.workers=0"]),
         (&["end_time=inf"], &["`end_time` has to be a finite number, not inf"]),
         (&["mesh.generator=tumble"], &["more than one mesh"]),
@@ -149,8 +171,12 @@ fn a_good_job_becomes_a_model() {
 
 #[test]
 fn sets_change_the_model() {
-    let model =
-        good(&["part.lower.thickness=3", "end_time=1", "material.steel.density=8e-6", "wall.floor.friction=0.3"]);
+    let model = good(&[
+        "part.lower.thickness=3",
+        "end_time=1",
+        "material.steel.density=8e-6",
+        "wall.floor.friction=0.3",
+    ]);
     assert_eq!(model.settings.parts[0].thickness, 3.0);
     assert_eq!(model.settings.materials[0].density, 8e-6);
     assert_eq!((model.settings.end_time, model.settings.walls[0].friction), (1.0, 0.3));
@@ -158,17 +184,26 @@ fn sets_change_the_model() {
 
 #[test]
 fn mass_scaling_reaches_the_step_asked_for() {
-    let (plain, scaled) = (good(&[]), good(&["time.mass_scaling_dt=0.003", "time.mass_scaling_limit=10"]));
+    let (plain, scaled) =
+        (good(&[]), good(&["time.mass_scaling_dt=0.003", "time.mass_scaling_limit=10"]));
     let refused = report_of(&plate(), &["time.mass_scaling_dt=0.03"]).to_string();
-    assert!(refused.contains("mass scaling would add") && refused.contains("time.mass_scaling_limit"), "{refused}");
+    assert!(
+        refused.contains("mass scaling would add") && refused.contains("time.mass_scaling_limit"),
+        "{refused}"
+    );
     let step = |m: &Model| m.elements.stable_dt.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(step(&plain) < 0.003);
     assert!((step(&scaled) / 0.003 - 1.0).abs() < 1e-12, "round-off of a root and a square");
     assert!(scaled.scaled_mass() > 0.0 && plain.scaled_mass() == 0.0);
-    assert!(scaled.warnings.iter().any(|w| w.message.contains("mass scaling adds")), "{:?}", scaled.warnings);
+    assert!(
+        scaled.warnings.iter().any(|w| w.message.contains("mass scaling adds")),
+        "{:?}",
+        scaled.warnings
+    );
 }
 
-/// No cycle in an outer step is refused; what cannot be slow is told, and the line of `check` says what subcycles leave.
+/// No cycle in an outer step is refused; what cannot be slow is told, and the line of `check` says
+/// what subcycles leave.
 #[test]
 fn subcycles_are_checked() {
     let refused = report_of(&plate(), &["time.subcycles=0"]).to_string();
@@ -177,22 +212,34 @@ fn subcycles_are_checked() {
     assert!(refused.contains("subcycles"), "{refused}");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/plate");
     let strip = |sets: &[&str]| {
-        let sets: Vec<String> = ["scene.strip=2", "scene.narrow=8"].iter().chain(sets).map(|s| s.to_string()).collect();
+        let sets: Vec<String> =
+            ["scene.strip=2", "scene.narrow=8"].iter().chain(sets).map(|s| s.to_string()).collect();
         read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
     };
-    // 20 columns, of which 2 are narrow and their neighbours next to these: 80 of 400 quads in each cycle.
+    // 20 columns, of which 2 are narrow and their neighbours next to these: 80 of 400 quads in each
+    // cycle.
     let model = strip(&["time.subcycles=4"]);
-    let told = crumple::check::describe(&model);
+    let told = crumple::input::check::describe(&model);
     assert!(
-        told.contains("subcycles    4: 80 elements in each cycle, 320 in one of 4; 0.4 of the computations"),
+        told.contains(
+            "subcycles    4: 80 elements in each cycle, 320 in one of 4; 0.4 of the computations"
+        ),
         "{told}"
     );
-    let told = crumple::check::describe(&strip(&["time.subcycles=4", "time.subcycle_layers=0"]));
-    assert!(told.contains("subcycles    4: 40 elements in each cycle, 360 in one of 4; 0.325 of"), "{told}");
-    let told = crumple::check::describe(&strip(&[]));
+    let told =
+        crumple::input::check::describe(&strip(&["time.subcycles=4", "time.subcycle_layers=0"]));
+    assert!(
+        told.contains("subcycles    4: 40 elements in each cycle, 360 in one of 4; 0.325 of"),
+        "{told}"
+    );
+    let told = crumple::input::check::describe(&strip(&[]));
     assert!(told.contains("subcycles    none; time.subcycles = 6 would leave"), "{told}");
     let none = strip(&["time.subcycles=20"]);
-    assert!(none.warnings.iter().any(|w| w.message.contains("leaves no slow element")), "{:?}", none.warnings);
+    assert!(
+        none.warnings.iter().any(|w| w.message.contains("leaves no slow element")),
+        "{:?}",
+        none.warnings
+    );
 }
 
 #[test]
@@ -208,7 +255,7 @@ fn warnings_do_not_stop_a_run() {
         let model = good(&[set]);
         let all: String = model.warnings.iter().map(|w| model.show(w).to_string()).collect();
         assert!(all.contains(said), "{set}: {all}");
-        assert!(crumple::check::describe(&model).contains(said));
+        assert!(crumple::input::check::describe(&model).contains(said));
     }
 }
 
@@ -219,14 +266,18 @@ fn numbers_of_workers_are_checked() {
     assert_eq!(model.workers(Some(3), 64).unwrap(), 3);
     assert!(model.workers(Some(0), 64).unwrap_err().to_string().contains("0 workers"));
     let report = model.workers(Some(5), 64).unwrap_err().to_string();
-    assert!(report.contains("5 workers are more than the 4 elements") && report.contains("give at most 4"), "{report}");
+    assert!(
+        report.contains("5 workers are more than the 4 elements")
+            && report.contains("give at most 4"),
+        "{report}"
+    );
     let report = good(&["parallel.workers=9"]).workers(None, 64).unwrap_err().to_string();
     assert!(report.contains("--set parallel.workers=9"), "{report}");
 }
 
 #[test]
 fn check_describes_the_job() {
-    let text = crumple::check::describe(&good(&[]));
+    let text = crumple::input::check::describe(&good(&[]));
     for said in [
         "Small plate",
         "mm, ms, kg",
@@ -287,7 +338,10 @@ fn damaged_jobs_do_not_panic() {
                     let word = |b: &u8| b.is_ascii_alphanumeric() || b".-".contains(b);
                     let start = bytes[..at].iter().rposition(|b| !word(b)).map_or(0, |i| i + 1);
                     let end = at + bytes[at..].iter().position(|b| !word(b)).unwrap_or(0);
-                    drop(bytes.splice(start..end.max(start), PIECES[random(PIECES.len())].iter().copied()));
+                    drop(bytes.splice(
+                        start..end.max(start),
+                        PIECES[random(PIECES.len())].iter().copied(),
+                    ));
                 }
             }
         }
@@ -295,22 +349,32 @@ fn damaged_jobs_do_not_panic() {
         match read(&path, &[]) {
             Ok(model) => {
                 sound += 1;
-                let _ = (crumple::check::describe(&model), model.records());
+                let _ = (crumple::input::check::describe(&model), model.records());
             }
             Err(report) => {
                 faulty += 1;
-                assert!(report.errors() > 0 && report.to_string().contains("error"), "round {round}");
+                assert!(
+                    report.errors() > 0 && report.to_string().contains("error"),
+                    "round {round}"
+                );
             }
         }
     }
-    assert!(sound > 20 && faulty > 200, "{sound} sound, {faulty} faulty: the damage is too small or too great");
+    assert!(
+        sound > 20 && faulty > 200,
+        "{sound} sound, {faulty} faulty: the damage is too small or too great"
+    );
 }
 
 /// Two cubes of ten, one `depth` into the other.
 fn sunk(depth: f64, aside: f64) -> String {
     let cube = |first: u32, at: [f64; 3]| {
         let corner = |i: u32| {
-            [[0.0, 10.0, 10.0, 0.0][i as usize % 4], [0.0, 0.0, 10.0, 10.0][i as usize % 4], f64::from(i / 4) * 10.0]
+            [
+                [0.0, 10.0, 10.0, 0.0][i as usize % 4],
+                [0.0, 0.0, 10.0, 10.0][i as usize % 4],
+                f64::from(i / 4) * 10.0,
+            ]
         };
         let node = |i: u32| {
             let x = corner(i);
@@ -331,16 +395,27 @@ fn sunk(depth: f64, aside: f64) -> String {
 #[test]
 fn solids_that_overlap_are_told_with_the_depth_along_what_faces_them() {
     let told = |depth: f64, aside: f64| {
-        let model =
-            crumple::job::read_text("cubes.toml".into(), sunk(depth, aside), &[]).unwrap_or_else(|r| panic!("{r}"));
-        model.warnings.iter().map(|w| w.message.clone() + " " + w.help.as_str()).collect::<Vec<_>>().join("\n")
+        let model = crumple::input::job::read_text("cubes.toml".into(), sunk(depth, aside), &[])
+            .unwrap_or_else(|r| panic!("{r}"));
+        model
+            .warnings
+            .iter()
+            .map(|w| w.message.clone() + " " + w.help.as_str())
+            .collect::<Vec<_>>()
+            .join("\n")
     };
     for aside in [0.0, 2.0] {
         assert_eq!(told(0.0, aside), "", "they only touch");
         assert_eq!(told(-1.0, aside), "");
         let shallow = told(0.05, aside);
-        assert!(shallow.contains("5.000e-2 into") && shallow.contains("let be, without force"), "{aside}: {shallow}");
+        assert!(
+            shallow.contains("5.000e-2 into") && shallow.contains("let be, without force"),
+            "{aside}: {shallow}"
+        );
         let deep = told(5.0, aside);
-        assert!(deep.contains("too deep for contact to see") && deep.contains("5.000e0 into"), "{aside}: {deep}");
+        assert!(
+            deep.contains("too deep for contact to see") && deep.contains("5.000e0 into"),
+            "{aside}: {deep}"
+        );
     }
 }

@@ -1,7 +1,8 @@
-//! The committed reference of jobs is what the program says, and the schema for editors agrees with the reader.
+//! The committed reference of jobs is what the program says, and the schema for editors agrees with
+//! the reader.
 
-use crumple::job::read;
-use crumple::reference::{page, schema};
+use crumple::input::job::read;
+use crumple::input::reference::{page, schema};
 use serde_json::Value;
 use std::path::Path;
 
@@ -9,17 +10,27 @@ use std::path::Path;
 fn the_committed_reference_is_current() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/REFERENCE.md");
     let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    let differ = page().lines().zip(committed.lines()).find(|(now, then)| now != then).map(|(now, _)| now.to_string());
-    assert!(committed == page(), "`crumple schema --reference > cases/REFERENCE.md` renews it; differs at {differ:?}");
+    let differ = page()
+        .lines()
+        .zip(committed.lines())
+        .find(|(now, then)| now != then)
+        .map(|(now, _)| now.to_string());
+    assert!(
+        committed == page(),
+        "`crumple schema --reference > cases/REFERENCE.md` renews it; differs at {differ:?}"
+    );
 }
 
-/// The keys that the schema adds to what the reader checks are those of the tables that it checks against: everything in
-/// the shipped jobs is known, with its words.
+/// The keys that the schema adds to what the reader checks are those of the tables that it checks
+/// against: everything in the shipped jobs is known, with its words.
 #[test]
 fn the_schema_knows_what_shipped_jobs_say() {
     let schema = schema();
     let branch = |list: &Value, is: &dyn Fn(&Value) -> bool| -> Option<Value> {
-        list.as_array()?.iter().find(|b| is(&b["if"]["properties"])).map(|b| b["then"]["properties"].clone())
+        list.as_array()?
+            .iter()
+            .find(|b| is(&b["if"]["properties"]))
+            .map(|b| b["then"]["properties"].clone())
     };
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
     let mut seen = 0;
@@ -32,14 +43,23 @@ fn the_schema_knows_what_shipped_jobs_say() {
         let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
         for material in &model.job.material {
             let law = |p: &Value| p["law"]["const"] == *material.law;
-            let keys = branch(&schema["$defs"]["MaterialSpec"]["allOf"], &law).expect("a law of the table");
-            assert!(material.parameters.keys().all(|k| keys[k]["description"].is_string()), "{}", material.name);
+            let keys = branch(&schema["$defs"]["MaterialSpec"]["allOf"], &law)
+                .expect("a law of the table");
+            assert!(
+                material.parameters.keys().all(|k| keys[k]["description"].is_string()),
+                "{}",
+                material.name
+            );
         }
         if let Some(generator) = &model.job.mesh.generator {
             let named = |p: &Value| p["mesh"]["properties"]["generator"]["const"] == **generator;
             let scene = branch(&schema["allOf"], &named).expect("a generator of the table");
             let keys = &scene["scene"]["properties"];
-            assert!(model.job.scene.keys().all(|k| keys[k]["description"].is_string()), "{}", path.display());
+            assert!(
+                model.job.scene.keys().all(|k| keys[k]["description"].is_string()),
+                "{}",
+                path.display()
+            );
         }
         let law = &schema["$defs"]["Contact"]["properties"]["law"]["enum"];
         let known = |name: &str| law.as_array().is_some_and(|l| l.iter().any(|w| w == name));

@@ -1,4 +1,5 @@
-//! Axis-aligned boxes, and the tree of cuts that tiles space with one box per worker (Wang 2007, 2.1).
+//! Axis-aligned boxes, and the tree of cuts that tiles space with one box per worker (Wang 2007,
+//! 2.1).
 
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +76,9 @@ impl Aabb {
 
     /// The eight corners.
     pub fn corners(&self) -> [[f64; 3]; 8] {
-        std::array::from_fn(|i| std::array::from_fn(|c| if i >> c & 1 == 0 { self.min[c] } else { self.max[c] }))
+        std::array::from_fn(|i| {
+            std::array::from_fn(|c| if i >> c & 1 == 0 { self.min[c] } else { self.max[c] })
+        })
     }
 }
 

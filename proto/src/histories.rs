@@ -1,4 +1,5 @@
-//! Histories by kind: what a job asks for, in ids, and the workers' shares of what is recorded at every history interval.
+//! Histories by kind: what a job asks for, in ids, and the workers' shares of what is recorded at
+//! every history interval.
 
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
@@ -62,7 +63,8 @@ impl Surface {
     /// Whether something of this part with these nodes belongs to it.
     pub fn has(&self, part: u32, nodes: &[NodeId]) -> bool {
         let own = |set: &Vec<NodeId>| nodes.iter().all(|n| set.binary_search(n).is_ok());
-        (self.parts.is_empty() || self.parts.binary_search(&part).is_ok()) && self.nodes.as_ref().is_none_or(own)
+        (self.parts.is_empty() || self.parts.binary_search(&part).is_ok())
+            && self.nodes.as_ref().is_none_or(own)
     }
 }
 
@@ -176,8 +178,8 @@ impl Shares {
         self.transducers.sort_by_key(|p| (p.transducer, p.pair));
     }
 
-    /// Force on each of so many transducers, of the sum over workers: pairs in ascending order, so that the bits do not depend
-    /// on who had which [force].
+    /// Force on each of so many transducers, of the sum over workers: pairs in ascending order, so
+    /// that the bits do not depend on who had which [force].
     pub fn on_transducers(&self, count: usize) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; count];
         for pair in &self.transducers {
@@ -188,10 +190,12 @@ impl Shares {
 }
 
 impl SectionShare {
-    /// Middle of the section's nodes [length], and the moment about it [force length]; to be asked of the sum over workers.
+    /// Middle of the section's nodes [length], and the moment about it [force length]; to be asked
+    /// of the sum over workers.
     pub fn about_middle(&self) -> ([f64; 3], [f64; 3]) {
         let (c, f) = (self.places.map(|x| x / self.nodes.max(1) as f64), self.force);
-        let turn = [c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]];
+        let turn =
+            [c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]];
         (c, std::array::from_fn(|k| self.moment[k] - turn[k]))
     }
 }
@@ -204,18 +208,27 @@ mod tests {
     fn pairs_of_parts_add_up_by_name_and_nodes_come_in_order() {
         let pair = |a, b, f| ContactShare { parts: [a, b], force: [f, 0.0, -f] };
         let node = |id| NodeState { id: NodeId(id), ..NodeState::default() };
-        let mut one = Shares { contacts: vec![pair(0, 3, 1.0)], nodes: vec![node(2), node(9)], ..Shares::default() };
-        let other =
-            Shares { contacts: vec![pair(0, 1, 4.0), pair(0, 3, 2.0)], nodes: vec![node(5)], ..Shares::default() };
+        let mut one = Shares {
+            contacts: vec![pair(0, 3, 1.0)],
+            nodes: vec![node(2), node(9)],
+            ..Shares::default()
+        };
+        let other = Shares {
+            contacts: vec![pair(0, 1, 4.0), pair(0, 3, 2.0)],
+            nodes: vec![node(5)],
+            ..Shares::default()
+        };
         one.add(&other);
         assert_eq!(one.contacts, [pair(0, 1, 4.0), pair(0, 3, 3.0)]);
         assert_eq!(one.nodes, [node(2), node(5), node(9)]);
     }
 
-    /// 1 + 1e-16 - 1 is 0 in this order, and another number in others: the order is that of the pairs, not of the workers.
+    /// 1 + 1e-16 - 1 is 0 in this order, and another number in others: the order is that of the
+    /// pairs, not of the workers.
     #[test]
     fn a_transducer_sums_in_the_order_of_pairs() {
-        let felt = |pair, f| PairForce { transducer: 1, pair: [pair, 0, 9, 0], force: [f, 0.0, 0.0] };
+        let felt =
+            |pair, f| PairForce { transducer: 1, pair: [pair, 0, 9, 0], force: [f, 0.0, 0.0] };
         let of = |pairs: &[PairForce]| Shares { transducers: pairs.to_vec(), ..Shares::default() };
         for (one, two) in [
             (of(&[felt(1, 1.0), felt(3, -1.0)]), of(&[felt(2, 1e-16)])),
@@ -236,12 +249,16 @@ mod tests {
         assert!(Surface::default().has(9, &ids(&[7])));
     }
 
-    /// Two forces of 5 along z at y = 1 and y = 3 are 10 in the middle, and no moment about it; the same with the nodes
-    /// at y = 0 and y = 2 give a moment of 10 about x.
+    /// Two forces of 5 along z at y = 1 and y = 3 are 10 in the middle, and no moment about it; the
+    /// same with the nodes at y = 0 and y = 2 give a moment of 10 about x.
     #[test]
     fn the_moment_is_about_the_middle_of_the_nodes() {
-        let of =
-            |places: [f64; 3]| SectionShare { force: [0.0, 0.0, 10.0], moment: [20.0, 0.0, 0.0], places, nodes: 2 };
+        let of = |places: [f64; 3]| SectionShare {
+            force: [0.0, 0.0, 10.0],
+            moment: [20.0, 0.0, 0.0],
+            places,
+            nodes: 2,
+        };
         assert_eq!(of([0.0, 4.0, 0.0]).about_middle(), ([0.0, 2.0, 0.0], [0.0; 3]));
         assert_eq!(of([0.0, 2.0, 0.0]).about_middle(), ([0.0, 1.0, 0.0], [10.0, 0.0, 0.0]));
     }

@@ -1,8 +1,8 @@
 //! Global ids. A node id where an element id is meant does not compile.
 //!
-//! Everything of which the order matters (columns, sums, pairs) goes by ascending id. A user's mesh may be numbered so that
-//! neighbours lie far apart in memory; its ids then get a *place* in front of the number that the user gave, their *label*,
-//! and go by place. Only labels are shown.
+//! Everything of which the order matters (columns, sums, pairs) goes by ascending id. A user's mesh
+//! may be numbered so that neighbours lie far apart in memory; its ids then get a *place* in front
+//! of the number that the user gave, their *label*, and go by place. Only labels are shown.
 //!
 //! An id of a mesh is at most `LARGEST`, which its check sees to; with a place it is larger.
 
@@ -26,7 +26,8 @@ macro_rules! labelled {
             /// Largest id that is taken from a mesh.
             pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
 
-            /// The id of what comes at `place` and is called `label`; `None` if either is too large.
+            /// The id of what comes at `place` and is called `label`; `None` if either is too
+            /// large.
             pub fn placed(place: u64, label: u64) -> Option<Self> {
                 let fits = place < 1 << PLACE_BITS && label < 1 << LABEL_BITS;
                 fits.then_some(Self(PLACED | place << LABEL_BITS | label))
@@ -63,7 +64,8 @@ id!(
 labelled!(ElemId);
 
 id!(
-    /// A face of an element: its id times 8 and the number of the face ([`crate::mesh::Shape::faces`]).
+    /// A face of an element: its id times 8 and the number of the face
+    /// ([`crate::mesh::Shape::faces`]).
     SegmentId
 );
 
@@ -86,9 +88,13 @@ mod tests {
     #[test]
     fn a_placed_id_goes_by_its_place_and_shows_its_label() {
         let last = (1 << PLACE_BITS) - 1;
-        let (a, b) = (ElemId::placed(0, 900).unwrap(), ElemId::placed(last, u64::from(u32::MAX)).unwrap());
+        let (a, b) =
+            (ElemId::placed(0, 900).unwrap(), ElemId::placed(last, u64::from(u32::MAX)).unwrap());
         assert!(a < b && ElemId::LARGEST < a);
-        assert_eq!((a.label(), b.label(), ElemId::LARGEST.label()), (900, 0xffff_ffff, ElemId::LARGEST.0));
+        assert_eq!(
+            (a.label(), b.label(), ElemId::LARGEST.label()),
+            (900, 0xffff_ffff, ElemId::LARGEST.0)
+        );
         assert_eq!(b.to_string(), "4294967295");
         assert_eq!(SegmentId::new(b, 5).elem(), b);
         assert_eq!(NodeId::placed(0, 1 << LABEL_BITS), None);

@@ -2,8 +2,8 @@
 //!
 //! - [`ids`], [`mesh`], [`job`], [`problem`]: what the user brings and what is wrong with it
 //! - [`quality`]: how good the elements' shapes are
-//! - [`partition`]: what one worker receives; [`loads`], [`rigid`], [`tie`], [`wall`]: what acts on the model, what of it is
-//!   rigid or tied, what it cannot pass
+//! - [`partition`]: what one worker receives; [`loads`], [`rigid`], [`tie`], [`wall`]: what acts on
+//!   the model, what of it is rigid or tied, what it cannot pass
 //! - [`boxes`]: the boxes that tile space
 //! - [`histories`]: what is recorded by kind, as it is asked for and as workers report it
 //! - [`message`], [`report`], [`trace`], [`wire`]: the conversation between master and workers

@@ -61,7 +61,8 @@ impl Pressure {
     }
 }
 
-/// A prescribed motion. Its degrees of freedom are among those that the records of its nodes have as not free.
+/// A prescribed motion. Its degrees of freedom are among those that the records of its nodes have
+/// as not free.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// Nodes, ascending.
@@ -95,6 +96,9 @@ pub enum MotionForm {
 impl Loads {
     /// Whether anything is loaded or moved.
     pub fn act(&self) -> bool {
-        !(self.gravity.is_empty() && self.forces.is_empty() && self.pressures.is_empty() && self.motions.is_empty())
+        !(self.gravity.is_empty()
+            && self.forces.is_empty()
+            && self.pressures.is_empty()
+            && self.motions.is_empty())
     }
 }

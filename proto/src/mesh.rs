@@ -11,17 +11,20 @@ pub enum Shape {
     Quad4,
     /// Three-node shell.
     Tri3,
-    /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the solid, then those opposite.
+    /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the solid,
+    /// then those opposite.
     Hex8,
     /// Two nodes: a spring or damper.
     Line2,
-    /// A beam: two nodes, and in a mesh as it is given a third one, in the plane of the first and second axis.
+    /// A beam: two nodes, and in a mesh as it is given a third one, in the plane of the first and
+    /// second axis.
     Beam2,
 }
 
 impl Shape {
     /// All shapes, in the order of their numbers.
-    pub const ALL: [Shape; 5] = [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
+    pub const ALL: [Shape; 5] =
+        [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
 
     /// Number of corner nodes.
     pub fn corners(self) -> usize {
@@ -48,7 +51,14 @@ impl Shape {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
             Shape::Tri3 => &[[0, 1, 2, 2]],
-            Shape::Hex8 => &[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+            Shape::Hex8 => &[
+                [0, 3, 2, 1],
+                [4, 5, 6, 7],
+                [0, 1, 5, 4],
+                [1, 2, 6, 5],
+                [2, 3, 7, 6],
+                [3, 0, 4, 7],
+            ],
             Shape::Line2 | Shape::Beam2 => &[],
         }
     }

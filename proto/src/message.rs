@@ -1,9 +1,10 @@
 //! The whole conversation between master and workers on one page.
 //!
-//! Start-up: `Start` to each worker. Then workers run and send `Report`, `History`, `Fields` on their own;
-//! the master sends `Order`s, which all workers carry out before the same cycle (they agree on it among themselves).
-//! Workers answer a `Recut` order with `Ready`; `Extents` and `Histograms` questions follow, and `Cuts` ends it.
-//! At the end each worker sends `Closing` and its node states.
+//! Start-up: `Start` to each worker. Then workers run and send `Report`, `History`, `Fields` on
+//! their own; the master sends `Order`s, which all workers carry out before the same cycle (they
+//! agree on it among themselves). Workers answer a `Recut` order with `Ready`; `Extents` and
+//! `Histograms` questions follow, and `Cuts` ends it. At the end each worker sends `Closing` and
+//! its node states.
 
 use crate::boxes::{Aabb, CutTree};
 use crate::partition::{ElementRecord, NodeRecord, Settings};
@@ -93,7 +94,8 @@ pub enum ToMaster {
     Histograms(Vec<Vec<f64>>),
     /// The run cannot go on; all workers stop at this state.
     Trouble(Trouble),
-    /// What was recorded, before `Closing` and also when another worker was lost; only if asked for.
+    /// What was recorded, before `Closing` and also when another worker was lost; only if asked
+    /// for.
     Recording(Box<Recording>),
     /// The run is over; the states of owned nodes follow as node records.
     Closing(Box<Closing>, Vec<NodeRecord>),

@@ -13,8 +13,8 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies, ties and
-/// what histories ask for grows with the mesh.
+/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies, ties
+/// and what histories ask for grows with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
     /// Simulated time to run to [time].
@@ -51,11 +51,13 @@ pub struct Settings {
     pub ties: Vec<Tie>,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
-    /// Cycles of an outer step, in the first of which slow elements are computed; 1 if all elements always are.
+    /// Cycles of an outer step, in the first of which slow elements are computed; 1 if all elements
+    /// always are.
     pub subcycles: u64,
     /// Contact, if the scene has any; lengths that the job left to a default are filled in.
     pub contact: Option<Contact>,
-    /// Whether nodes can turn: there are shells, or rigid bodies. Without, no rotational column is kept, moved or sent.
+    /// Whether nodes can turn: there are shells, or rigid bodies. Without, no rotational column is
+    /// kept, moved or sent.
     pub rotations: bool,
     /// Width b of the box buffer [length].
     pub buffer: f64,
@@ -63,7 +65,8 @@ pub struct Settings {
     pub force_every: u64,
 }
 
-/// What an element costs when it is not computed, its share of the motion of nodes, over what it costs when it is.
+/// What an element costs when it is not computed, its share of the motion of nodes, over what it
+/// costs when it is.
 const IDLE_COST: f64 = 0.25;
 
 impl Settings {
@@ -115,7 +118,8 @@ pub struct NodeRecord {
     pub v: [f64; 3],
     /// Rotational velocity at mid-step [1/time].
     pub w: [f64; 3],
-    /// Lumped mass, elements and added mass together [mass]; before the first assembly, added mass only.
+    /// Lumped mass, elements and added mass together [mass]; before the first assembly, added mass
+    /// only.
     pub mass: f64,
     /// Lumped rotational inertia [mass length^2].
     pub inertia: f64,
@@ -140,11 +144,13 @@ pub struct ElementRecord {
     pub thickness: f64,
     /// Factor on the part's density, above 1 where mass scaling adds mass.
     pub mass_factor: f64,
-    /// Fraction of its mass that its stable step counts on: springs and ties that share its nodes count on the rest.
+    /// Fraction of its mass that its stable step counts on: springs and ties that share its nodes
+    /// count on the rest.
     pub share: f64,
-    /// Whether it is computed in the first cycle of an outer step only, see [`Settings::subcycles`].
+    /// Whether it is computed in the first cycle of an outer step only, see
+    /// [`Settings::subcycles`].
     pub slow: bool,
-    /// Stable step that the masses of its nodes leave an element that has none, before the safety factor; infinite for
-    /// all others [time].
+    /// Stable step that the masses of its nodes leave an element that has none, before the safety
+    /// factor; infinite for all others [time].
     pub stable_dt: f64,
 }

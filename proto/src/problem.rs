@@ -26,13 +26,31 @@ pub struct Problem {
 
 impl Problem {
     /// A problem that keeps the run from starting.
-    pub fn error(path: impl Into<String>, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, path: path.into(), message: message.into(), help: help.into() }
+    pub fn error(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self {
+            severity: Severity::Error,
+            path: path.into(),
+            message: message.into(),
+            help: help.into(),
+        }
     }
 
     /// A problem that the user should know of.
-    pub fn warning(path: impl Into<String>, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, path: path.into(), message: message.into(), help: help.into() }
+    pub fn warning(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self {
+            severity: Severity::Warning,
+            path: path.into(),
+            message: message.into(),
+            help: help.into(),
+        }
     }
 }
 

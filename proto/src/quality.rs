@@ -1,4 +1,5 @@
-//! Shape of the elements of a mesh: pure geometry, for `crumple check` and for the tests of generators.
+//! Shape of the elements of a mesh: pure geometry, for `crumple check` and for the tests of
+//! generators.
 
 use crate::ids::{ElemId, NodeId};
 use crate::mesh::{Mesh, MeshElement, Shape};
@@ -20,20 +21,24 @@ pub struct Worst {
 pub struct Quality {
     /// Shortest side [length].
     pub min_side: Worst,
-    /// Middle of all sides in order of length, a side that elements share counted for each [length].
+    /// Middle of all sides in order of length, a side that elements share counted for each
+    /// [length].
     pub median_side: f64,
     /// Longest side [length].
     pub max_side: Worst,
     /// Largest ratio of longest to shortest side within an element; 1 at best.
     pub max_aspect: Worst,
-    /// Largest warpage of a quad or a solid's face: angle between the normals of the halves on either side of a diagonal [degree].
+    /// Largest warpage of a quad or a solid's face: angle between the normals of the halves on
+    /// either side of a diagonal [degree].
     pub max_warpage_deg: Worst,
-    /// Smallest ratio of the smallest to the largest Jacobian at an element's corners: 1 for a parallelogram,
-    /// 0 for a quad that has become a triangle, negative for one that is concave or folded over.
+    /// Smallest ratio of the smallest to the largest Jacobian at an element's corners: 1 for a
+    /// parallelogram, 0 for a quad that has become a triangle, negative for one that is concave or
+    /// folded over.
     pub min_jacobian: Worst,
     /// Smallest area of a shell or a solid's face [length^2].
     pub min_area: Worst,
-    /// Elements whose area or volume is zero to round-off, or that name a node twice: no run can start with them.
+    /// Elements whose area or volume is zero to round-off, or that name a node twice: no run can
+    /// start with them.
     pub zero_area: Vec<ElemId>,
     /// Elements that name a node that is not in the mesh; they are left out of all other figures.
     pub dangling: Vec<ElemId>,
@@ -59,7 +64,8 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     let mut sides = Vec::new();
     let (mut zero_area, mut dangling) = (Vec::new(), Vec::new());
     for element in order {
-        let corners: Option<Vec<V3>> = element.corners().iter().map(|id| at.get(id).copied()).collect();
+        let corners: Option<Vec<V3>> =
+            element.corners().iter().map(|id| at.get(id).copied()).collect();
         let Some(corners) = corners else {
             dangling.push(element.id);
             continue;
@@ -82,16 +88,20 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
             zero_area: Vec::new(),
             dangling: Vec::new(),
         });
-        for (worst, value) in
-            [(&mut q.min_side, shortest), (&mut q.min_jacobian, f.jacobian), (&mut q.min_area, f.area)]
-        {
+        for (worst, value) in [
+            (&mut q.min_side, shortest),
+            (&mut q.min_jacobian, f.jacobian),
+            (&mut q.min_area, f.area),
+        ] {
             if value < worst.value {
                 *worst = here(value);
             }
         }
-        for (worst, value) in
-            [(&mut q.max_side, longest), (&mut q.max_aspect, f.aspect), (&mut q.max_warpage_deg, f.warpage_deg)]
-        {
+        for (worst, value) in [
+            (&mut q.max_side, longest),
+            (&mut q.max_aspect, f.aspect),
+            (&mut q.max_warpage_deg, f.warpage_deg),
+        ] {
             if value > worst.value {
                 *worst = here(value);
             }
@@ -122,10 +132,18 @@ fn measure(element: &MeshElement, x: &[V3]) -> Figures {
 fn measure_line(x: &[V3]) -> Figures {
     let length = norm(sub(x[1], x[0]));
     let sides = if length > 0.0 { vec![length] } else { Vec::new() };
-    Figures { sides, aspect: 1.0, warpage_deg: 0.0, jacobian: 1.0, area: f64::INFINITY, degenerate: false }
+    Figures {
+        sides,
+        aspect: 1.0,
+        warpage_deg: 0.0,
+        jacobian: 1.0,
+        area: f64::INFINITY,
+        degenerate: false,
+    }
 }
 
-/// Of a solid: sides are its edges, warpage and area those of its worst face, Jacobians those at its corners.
+/// Of a solid: sides are its edges, warpage and area those of its worst face, Jacobians those at
+/// its corners.
 fn measure_solid(element: &MeshElement, x: &[V3]) -> Figures {
     let faces = element.shape.faces().iter().map(|face| {
         let ids = face.map(|c| element.nodes[c]);
@@ -164,7 +182,11 @@ fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
     // Twice the area vector: the diagonals' cross product for a quad, two sides' for a triangle.
-    let twice = if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(sub(x[1], x[0]), sub(x[2], x[0])) };
+    let twice = if n == 4 {
+        cross(sub(x[2], x[0]), sub(x[3], x[1]))
+    } else {
+        cross(sub(x[1], x[0]), sub(x[2], x[0]))
+    };
     let area = 0.5 * norm(twice);
     let repeats = (1..n).any(|i| ids[..i].contains(&ids[i]));
     // 1e-12: some thousand times the round-off of products of coordinates.
@@ -229,24 +251,33 @@ mod tests {
         let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let q = quality(&mesh(&points, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
         assert_eq!((q.min_side.value, q.max_side.value, q.max_aspect.value), (1.0, 2.0, 2.0));
-        assert_eq!((q.max_warpage_deg.value, q.min_jacobian.value, q.min_area.value), (0.0, 1.0, 2.0));
+        assert_eq!(
+            (q.max_warpage_deg.value, q.min_jacobian.value, q.min_area.value),
+            (0.0, 1.0, 2.0)
+        );
         assert!(q.zero_area.is_empty() && q.dangling.is_empty());
     }
 
-    /// One corner of a unit square lifted by h. Along the diagonal that leaves it out the halves meet at
-    /// atan(h sqrt 2); along its own, the planes z = h y and z = h x at the slightly larger acos(1/(1 + h^2)).
+    /// One corner of a unit square lifted by h. Along the diagonal that leaves it out the halves
+    /// meet at atan(h sqrt 2); along its own, the planes z = h y and z = h x at the slightly larger
+    /// acos(1/(1 + h^2)).
     #[test]
     fn a_lifted_corner_is_warpage() {
         let h = 0.1;
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, h], [0.0, 1.0, 0.0]];
         let q = quality(&mesh(&points, &[(Shape::Quad4, [1, 2, 3, 4])])).unwrap();
         let expected = (1.0 / (1.0 + h * h)).acos().to_degrees();
-        assert!((q.max_warpage_deg.value - expected).abs() < 1e-12, "{} {expected}", q.max_warpage_deg.value);
+        assert!(
+            (q.max_warpage_deg.value - expected).abs() < 1e-12,
+            "{} {expected}",
+            q.max_warpage_deg.value
+        );
     }
 
     #[test]
     fn folded_flat_and_dangling_elements_are_named() {
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+        let points =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.3, 0.3, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
         let q = quality(&mesh(
             &points,
             &[

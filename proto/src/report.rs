@@ -17,7 +17,8 @@ pub struct StepReport {
     pub cpu: Vec<f32>,
     /// CPU seconds of renewals of boxes and membership since the last report, waiting left out.
     pub renewal_s: f64,
-    /// Relative motion since the boxes were last renewed, as a fraction of what the exterior copies cover.
+    /// Relative motion since the boxes were last renewed, as a fraction of what the exterior copies
+    /// cover.
     pub urgency: f64,
     /// Active contact pairs that this worker owns.
     pub pairs: u64,
@@ -33,15 +34,18 @@ pub struct StepReport {
     pub order: u64,
 }
 
-/// Kinetic energy at the turn of a vibration at 0.9 of the stable step, `-s^2 / (1 - s^2)` of the energy of the vibration.
+/// Kinetic energy at the turn of a vibration at 0.9 of the stable step, `-s^2 / (1 - s^2)` of the
+/// energy of the vibration.
 const LOWEST_KINETIC: f64 = 0.81 / 0.19;
 
-/// Energies of one worker's share [energy]; the work of contact and walls is positive when it drives the nodes.
+/// Energies of one worker's share [energy]; the work of contact and walls is positive when it
+/// drives the nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Kinetic, by the product of the velocities of the mid-steps before and after.
     pub kinetic: f64,
-    /// What the mean of their squares has beyond that: large where velocities swing from step to step.
+    /// What the mean of their squares has beyond that: large where velocities swing from step to
+    /// step.
     pub swing: f64,
     /// Internal: elastic stored and plastically dissipated.
     pub internal: f64,
@@ -51,9 +55,11 @@ pub struct Energies {
     pub contact: f64,
     /// Part of `contact` that friction did.
     pub friction: f64,
-    /// Part of `contact` that pairs did that started inside each other's thickness, as long as they had not come apart.
+    /// Part of `contact` that pairs did that started inside each other's thickness, as long as they
+    /// had not come apart.
     pub starting: f64,
-    /// Work of rigid walls, friction included, and of what they are given on walls that have a mass.
+    /// Work of rigid walls, friction included, and of what they are given on walls that have a
+    /// mass.
     pub wall: f64,
     /// Work of loads, damping and prescribed motion.
     pub external: f64,
@@ -78,13 +84,17 @@ impl Energies {
         initial.max(0.0) + self.external.abs() + self.wall.max(0.0) + self.contact.max(0.0)
     }
 
-    /// What is left unexplained of the change since `initial` kinetic energy [energy]. The product of two mid-step velocities
-    /// is below nought where a vibration turns, by `(omega dt / 2)^2` of what is stored then; an unstable step keeps the balance
-    /// too, but with a kinetic energy below any that a stable one can have. What lies below counts as missing, so that growth
-    /// shows.
+    /// What is left unexplained of the change since `initial` kinetic energy [energy]. The product
+    /// of two mid-step velocities is below nought where a vibration turns, by `(omega dt / 2)^2` of
+    /// what is stored then; an unstable step keeps the balance too, but with a kinetic energy below
+    /// any that a stable one can have. What lies below counts as missing, so that growth shows.
     pub fn balance(&self, initial: f64) -> f64 {
         let kinetic = self.kinetic.max(-LOWEST_KINETIC * self.came_in(initial));
-        kinetic + self.internal + self.hourglass - self.contact - self.wall - self.external - initial
+        kinetic + self.internal + self.hourglass
+            - self.contact
+            - self.wall
+            - self.external
+            - initial
     }
 }
 
@@ -117,7 +127,8 @@ pub struct HistoryPart {
     pub controlling_dt: f64,
     /// Element that has it.
     pub controlling: Option<ElemId>,
-    /// Step that contact leaves, for nothing to pass through what it meets, before the safety factor; all workers know it alike [time].
+    /// Step that contact leaves, for nothing to pass through what it meets, before the safety
+    /// factor; all workers know it alike [time].
     pub contact_dt: f64,
     /// What else is recorded.
     pub shares: Shares,
@@ -162,7 +173,8 @@ pub struct Closing {
     pub searches: u64,
     /// Contact sweeps done.
     pub sweeps: u64,
-    /// Steps whose sweeps were accelerated, and steps whose sweeps ended before all forces were good enough.
+    /// Steps whose sweeps were accelerated, and steps whose sweeps ended before all forces were
+    /// good enough.
     pub unsettled: [u64; 2],
     /// Contact pairs held softer than the job asks, summed over cycles.
     pub capped: u64,
@@ -185,8 +197,8 @@ pub struct PartRecord {
     pub plastic_strain: f64,
     /// Largest von Mises stress at the end [force/length^2].
     pub von_mises: f64,
-    /// Largest difference of effective plastic strain between two of the worker's elements with a node in common, at the
-    /// end.
+    /// Largest difference of effective plastic strain between two of the worker's elements with a
+    /// node in common, at the end.
     pub strain_jump: f64,
     /// The same of von Mises stress [force/length^2].
     pub stress_jump: f64,
@@ -194,7 +206,8 @@ pub struct PartRecord {
     pub internal: f64,
     /// Work of its hourglass control and drilling stiffness, likewise [energy].
     pub hourglass: f64,
-    /// Whether a global search ever found a candidate among its nodes and segments: within contact reach and skin.
+    /// Whether a global search ever found a candidate among its nodes and segments: within contact
+    /// reach and skin.
     pub near: bool,
     /// Whether any of its nodes was ever part of a contact pair.
     pub touched: bool,

@@ -13,7 +13,8 @@ pub struct RigidBody {
     pub parts: Vec<u32>,
     /// Bits 0..6: translations and rotations that are held, about the axes of space.
     pub fixed: u64,
-    /// Inertia about the centre, xx, yy, zz, xy, yz, zx, instead of that of the nodal masses [mass length^2].
+    /// Inertia about the centre, xx, yy, zz, xy, yz, zx, instead of that of the nodal masses [mass
+    /// length^2].
     pub inertia: Option<[f64; 6]>,
     /// Prescribed motions of the centre and rotations about it; their `nodes` are empty.
     pub motions: Vec<Motion>,

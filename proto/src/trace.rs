@@ -1,8 +1,10 @@
-//! What a worker records of its time for `crumple run --trace`: phases as spans, orders and renewals as moments.
+//! What a worker records of its time for `crumple run --trace`: phases as spans, orders and
+//! renewals as moments.
 
 use serde::{Deserialize, Serialize};
 
-/// Most events of one worker; what happens later is not recorded. A cycle has about a dozen: the first 15,000 or so.
+/// Most events of one worker; what happens later is not recorded. A cycle has about a dozen: the
+/// first 15,000 or so.
 pub const MOST_EVENTS: usize = 200_000;
 
 /// A stretch of time in one phase.
@@ -56,7 +58,8 @@ pub struct Moment {
 pub struct Recording {
     /// The origin of all times by the monotonic clock of the worker's machine [ns].
     pub origin: u64,
-    /// The origins of any two workers are the same moment up to the larger of their two figures [ns].
+    /// The origins of any two workers are the same moment up to the larger of their two figures
+    /// [ns].
     pub doubt: u64,
     /// Spans in the order of time; they do not overlap.
     pub spans: Vec<Span>,

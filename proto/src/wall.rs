@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct Wall {
     /// Name for histories.
     pub name: String,
-    /// A point of a plane, a corner of a rectangle, the start of a cylinder's axis, at time 0 [length].
+    /// A point of a plane, a corner of a rectangle, the start of a cylinder's axis, at time 0
+    /// [length].
     pub point: [f64; 3],
     /// Unit normal of a plane or a rectangle, unit vector along a cylinder's axis.
     pub direction: [f64; 3],

@@ -6,7 +6,8 @@ use serde::{Serialize, de::DeserializeOwned};
 
 /// Encodes a message as words; the first word is its length in bytes.
 pub fn encode<T: Serialize>(message: &T) -> Vec<u64> {
-    let bytes = bincode::serde::encode_to_vec(message, bincode::config::standard()).expect("plain data always encodes");
+    let bytes = bincode::serde::encode_to_vec(message, bincode::config::standard())
+        .expect("plain data always encodes");
     let mut words = vec![0u64; 1 + bytes.len().div_ceil(8)];
     words[0] = bytes.len() as u64;
     bytemuck::cast_slice_mut::<u64, u8>(&mut words[1..])[..bytes.len()].copy_from_slice(&bytes);
@@ -24,7 +25,12 @@ pub fn decode<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
 ///
 /// # Errors
 /// The receiver is gone.
-pub fn post<T: Serialize>(wire: &mut dyn Transport, to: usize, tag: Tag, message: &T) -> Result<(), Lost> {
+pub fn post<T: Serialize>(
+    wire: &mut dyn Transport,
+    to: usize,
+    tag: Tag,
+    message: &T,
+) -> Result<(), Lost> {
     wire.send(to, tag, &encode(message))
 }
 
@@ -32,7 +38,11 @@ pub fn post<T: Serialize>(wire: &mut dyn Transport, to: usize, tag: Tag, message
 ///
 /// # Errors
 /// The sender is gone, or speaks another language.
-pub fn await_message<T: DeserializeOwned>(wire: &mut dyn Transport, from: usize, tag: Tag) -> Result<T, Lost> {
+pub fn await_message<T: DeserializeOwned>(
+    wire: &mut dyn Transport,
+    from: usize,
+    tag: Tag,
+) -> Result<T, Lost> {
     let mut words = Vec::new();
     wire.recv(from, tag, &mut words)?;
     decode(&words).ok_or(Lost { rank: from })
@@ -42,7 +52,11 @@ pub fn await_message<T: DeserializeOwned>(wire: &mut dyn Transport, from: usize,
 ///
 /// # Errors
 /// The sender is gone, or speaks another language.
-pub fn poll_message<T: DeserializeOwned>(wire: &mut dyn Transport, from: usize, tag: Tag) -> Result<Option<T>, Lost> {
+pub fn poll_message<T: DeserializeOwned>(
+    wire: &mut dyn Transport,
+    from: usize,
+    tag: Tag,
+) -> Result<Option<T>, Lost> {
     let mut words = Vec::new();
     if !wire.try_recv(from, tag, &mut words)? {
         return Ok(None);
@@ -62,16 +76,21 @@ mod tests {
         let orders = [Action::Renew(CutTree::single()), Action::Recut, Action::Stop];
         for (number, action) in (1..).zip(orders) {
             let back = decode(&encode(&ToWorker::Order { number, action: action.clone() }));
-            assert!(matches!(back, Some(ToWorker::Order { number: n, action: a }) if n == number && a == action));
+            assert!(
+                matches!(back, Some(ToWorker::Order { number: n, action: a }) if n == number && a == action)
+            );
         }
-        let report = StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };
+        let report =
+            StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };
         let back = decode(&encode(&ToMaster::Report(report.clone())));
         assert!(matches!(back, Some(ToMaster::Report(r)) if r == report));
         let trouble = Trouble { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
         let back = decode(&encode(&ToMaster::Trouble(trouble.clone())));
         assert!(matches!(back, Some(ToMaster::Trouble(t)) if t == trouble));
-        let closing =
-            ToMaster::Closing(Box::new(Closing { cycles: 5, ..Default::default() }), vec![Default::default()]);
+        let closing = ToMaster::Closing(
+            Box::new(Closing { cycles: 5, ..Default::default() }),
+            vec![Default::default()],
+        );
         let back = decode(&encode(&closing));
         assert!(matches!(back, Some(ToMaster::Closing(c, n)) if c.cycles == 5 && n.len() == 1));
     }

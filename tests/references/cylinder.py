@@ -2,7 +2,7 @@
 
 With the symmetry of the ring a cell has one displacement u at its inner and one at its outer radius. Its mean strains are
 those of one point; what varies over it is (a) nothing, (b) the strain that the hourglass modes bring with them in
-worker/src/elements/hexahedron/hourglass.rs (assumed strain), with E/(1-nu^2), (c) the same with nothing but shear, 2 G in
+worker/src/fem/elements/hexahedron/hourglass.rs (assumed strain), with E/(1-nu^2), (c) the same with nothing but shear, 2 G in
 both directions, (d) what 2 points on the radius see of a displacement that is linear along it, deviator only.
 Printed: u(a) over that of Lame, less one.
 

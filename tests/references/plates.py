@@ -1,6 +1,6 @@
 """A15, A16: frequencies of beams and plates on square cells, as eigenvalues of the assembled system without time steps.
 
-The cells are those of worker/src/elements/stabilised_quad.rs where it is a square: one point, bending and shear stabilised. What
+The cells are those of worker/src/fem/elements/stabilised_quad.rs where it is a square: one point, bending and shear stabilised. What
 the mass does to a frequency is split in two:
   section  masses at the nodes, rotational inertia of the section (t^2/12 a mass), which leaves the error of the mesh and of
            masses that are lumped

@@ -1,11 +1,12 @@
-//! Harness of the tests across crates: engines side by side without a master, step by step; the binary with a deadline.
+//! Harness of the tests across crates: engines side by side without a master, step by step; the
+//! binary with a deadline.
 
 pub mod program;
 
-pub use crumple::embedded::{PairIds, Trace, run_side_by_side};
+pub use crumple::run::embedded::{PairIds, Trace, run_side_by_side};
 
-use crumple::embedded;
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
+use crumple::run::embedded;
 use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The binary as a user starts it, with a deadline so that nothing can hang, and what it leaves behind.
+//! The binary as a user starts it, with a deadline so that nothing can hang, and what it leaves
+//! behind.
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
@@ -25,7 +26,11 @@ pub fn crumple() -> PathBuf {
     }
     let test = std::env::current_exe().expect("a test knows where it is");
     let beside = test.ancestors().nth(2).map(|folder| folder.join("crumple")).unwrap_or_default();
-    assert!(beside.exists(), "no {}: run `cargo build` first, or name the binary in CRUMPLE_BIN", beside.display());
+    assert!(
+        beside.exists(),
+        "no {}: run `cargo build` first, or name the binary in CRUMPLE_BIN",
+        beside.display()
+    );
     beside
 }
 
@@ -46,25 +51,39 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.args(["-n", &ranks.to_string()]).arg(crumple()).args(args);
     // One machine, more ranks than cores, perhaps root in a container; as in deploy/setup.sh.
-    for name in ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe"] {
+    for name in [
+        "OMPI_ALLOW_RUN_AS_ROOT",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM",
+        "OMPI_MCA_rmaps_base_oversubscribe",
+    ] {
         command.env(name, "1");
     }
-    command.env("OMPI_MCA_hwloc_base_binding_policy", "none").env("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
+    command
+        .env("OMPI_MCA_hwloc_base_binding_policy", "none")
+        .env("OMPI_MCA_btl_vader_single_copy_mechanism", "none");
     command.env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe");
     command
 }
 
-/// Why there can be no test under MPI here; `None` if there can. `deploy/test.sh` promises that there can.
+/// Why there can be no test under MPI here; `None` if there can. `deploy/test.sh` promises that
+/// there can.
 ///
 /// # Panics
 /// When `CRUMPLE_BIN` is set, as `deploy/test.sh` does, and there is no MPI all the same.
 pub fn no_mpi() -> Option<String> {
-    let there = Command::new("mpirun").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let there = Command::new("mpirun")
+        .arg("--version")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
     let why = match there {
         Err(error) => Some(format!("mpirun: {error}")),
         Ok(_) => {
             let asked = run(mpirun(1, &["run", "no-such-job.toml"]));
-            asked.said().contains("built without MPI").then(|| format!("{} was built without MPI", crumple().display()))
+            asked
+                .said()
+                .contains("built without MPI")
+                .then(|| format!("{} was built without MPI", crumple().display()))
         }
     };
     if let Some(why) = &why {
@@ -101,7 +120,8 @@ pub struct History {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Starts a command in the repository's root with `--out` for a folder of its own, in its own process group.
+/// Starts a command in the repository's root with `--out` for a folder of its own, in its own
+/// process group.
 ///
 /// # Panics
 /// When it cannot be started.
@@ -113,7 +133,8 @@ pub fn start(mut command: Command) -> Running {
     let words = File::create(folder.path().join("words")).expect("a file in it");
     let errors = words.try_clone().expect("a second handle");
     command.current_dir(root()).stdin(Stdio::null()).stdout(words).stderr(errors).process_group(0);
-    let child = command.spawn().unwrap_or_else(|error| panic!("{:?}: {error}", command.get_program()));
+    let child =
+        command.spawn().unwrap_or_else(|error| panic!("{:?}: {error}", command.get_program()));
     Running { child, folder, began: Instant::now() }
 }
 
@@ -128,8 +149,10 @@ impl Running {
     /// # Panics
     /// When the deadline is over; the process and its group are killed.
     pub fn end(mut self) -> Ended {
-        let status = self.wait_for("it ends", |r| r.child.try_wait().expect("a child can be waited for"));
-        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().expect("a temporary folder"));
+        let status =
+            self.wait_for("it ends", |r| r.child.try_wait().expect("a child can be waited for"));
+        let folder =
+            std::mem::replace(&mut self.folder, tempfile::tempdir().expect("a temporary folder"));
         Ended { code: status.code(), took: self.began.elapsed(), folder }
     }
 
@@ -155,7 +178,8 @@ impl Running {
     /// Waits until the history has so many rows: the run is under way.
     pub fn wait_for_rows(&mut self, rows: usize) {
         let path = self.folder.path().join("out/history.csv");
-        let there = |_: &mut Self| (fs::read_to_string(&path).ok()?.lines().count() > rows).then_some(());
+        let there =
+            |_: &mut Self| (fs::read_to_string(&path).ok()?.lines().count() > rows).then_some(());
         self.wait_for("there is history", there);
     }
 
@@ -173,7 +197,8 @@ impl Running {
         let children = fs::read_to_string(children).expect("Linux");
         let rank_of = |pid: u32| {
             let environment = fs::read_to_string(format!("/proc/{pid}/environ")).ok()?;
-            let rank = environment.split('\0').find_map(|v| v.strip_prefix("OMPI_COMM_WORLD_RANK="))?;
+            let rank =
+                environment.split('\0').find_map(|v| v.strip_prefix("OMPI_COMM_WORLD_RANK="))?;
             Some((rank.parse::<usize>().ok()?, pid))
         };
         let mut ranks: Vec<(usize, u32)> =
@@ -207,7 +232,8 @@ pub fn send(pid: u32, signal: Signal) {
 impl Ended {
     /// Everything that it wrote to standard output and error.
     pub fn said(&self) -> String {
-        String::from_utf8_lossy(&fs::read(self.folder.path().join("words")).unwrap_or_default()).into_owned()
+        String::from_utf8_lossy(&fs::read(self.folder.path().join("words")).unwrap_or_default())
+            .into_owned()
     }
 
     /// This, if the exit code is the one wanted.
@@ -230,7 +256,8 @@ impl Ended {
     /// When there is none.
     pub fn summary(&self) -> Value {
         let text = fs::read_to_string(self.out().join("summary.json"));
-        serde_json::from_str(&text.unwrap_or_else(|e| panic!("summary.json: {e}: {}", self.said()))).expect("JSON")
+        serde_json::from_str(&text.unwrap_or_else(|e| panic!("summary.json: {e}: {}", self.said())))
+            .expect("JSON")
     }
 
     /// The digest of the state.
@@ -259,14 +286,16 @@ impl Ended {
         text.lines().map(|line| serde_json::from_str(line).expect("a line is JSON")).collect()
     }
 
-    /// Reads the field files through VTK with deploy/read_fields.py, or, without a Python that can, looks that every
-    /// file that the collection names is there. Returns the number of steps.
+    /// Reads the field files through VTK with deploy/read_fields.py, or, without a Python that can,
+    /// looks that every file that the collection names is there. Returns the number of steps.
     ///
     /// # Panics
     /// When something does not add up.
     pub fn read_fields(&self) -> usize {
-        let collection = fs::read_to_string(self.out().join("fields/fields.pvd")).expect("fields.pvd");
-        let files: Vec<&str> = collection.split("file=\"").skip(1).filter_map(|s| s.split('"').next()).collect();
+        let collection =
+            fs::read_to_string(self.out().join("fields/fields.pvd")).expect("fields.pvd");
+        let files: Vec<&str> =
+            collection.split("file=\"").skip(1).filter_map(|s| s.split('"').next()).collect();
         for file in &files {
             assert!(self.out().join("fields").join(file).is_file(), "{file} is named but missing");
         }
@@ -285,7 +314,11 @@ impl History {
     /// # Panics
     /// When there is none.
     pub fn column(&self, name: &str) -> Vec<f64> {
-        let at = self.header.iter().position(|h| h.starts_with(name)).unwrap_or_else(|| panic!("no column {name}"));
+        let at = self
+            .header
+            .iter()
+            .position(|h| h.starts_with(name))
+            .unwrap_or_else(|| panic!("no column {name}"));
         self.rows.iter().map(|row| row[at]).collect()
     }
 }
@@ -298,15 +331,20 @@ pub fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("an array").iter().map(|v| v.as_f64().expect("a number")).collect()
 }
 
-/// Panics when a number anywhere in `value` is not finite: JSON has no word for those, serde writes null.
+/// Panics when a number anywhere in `value` is not finite: JSON has no word for those, serde writes
+/// null.
 ///
 /// # Panics
 /// See above.
 pub fn assert_finite(value: &Value, path: &str) {
     match value {
         Value::Null => panic!("{path} is no number"),
-        Value::Array(items) => items.iter().enumerate().for_each(|(i, v)| assert_finite(v, &format!("{path}[{i}]"))),
-        Value::Object(map) => map.iter().for_each(|(k, v)| assert_finite(v, &format!("{path}.{k}"))),
+        Value::Array(items) => {
+            items.iter().enumerate().for_each(|(i, v)| assert_finite(v, &format!("{path}[{i}]")))
+        }
+        Value::Object(map) => {
+            map.iter().for_each(|(k, v)| assert_finite(v, &format!("{path}.{k}")))
+        }
         _ => {}
     }
 }

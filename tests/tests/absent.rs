@@ -27,7 +27,7 @@ fn what_cannot_turn_has_no_columns_for_it() {
             sizes = (e.blocks.bytes().moment, e.nodes.bytes()[1]);
             ControlFlow::Break(())
         };
-        crumple::embedded::run_alone(&model, look).expect("one worker");
+        crumple::run::embedded::run_alone(&model, look).expect("one worker");
         sizes
     };
     assert_eq!(sizes("can-crush"), (0, 0));

@@ -3,11 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-/// Paths are what stands in backticks and has a slash, or an ending that files here have. `DIR/...` is output of a run.
+/// Paths are what stands in backticks and has a slash, or an ending that files here have. `DIR/...`
+/// is output of a run.
 fn is_path(word: &str) -> bool {
     const ENDINGS: [&str; 6] = [".rs", ".sh", ".py", ".md", ".toml", ".sbatch"];
     let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "._-/".contains(c));
-    plain && !word.starts_with("DIR/") && (word.contains('/') || ENDINGS.iter().any(|ending| word.ends_with(ending)))
+    plain
+        && !word.starts_with("DIR/")
+        && (word.contains('/') || ENDINGS.iter().any(|ending| word.ends_with(ending)))
 }
 
 #[test]

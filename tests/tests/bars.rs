@@ -1,7 +1,8 @@
-//! Elastic waves in bars, against one-dimensional theory: Graff, Wave Motion in Elastic Solids (1975), ch. 2.
+//! Elastic waves in bars, against one-dimensional theory: Graff, Wave Motion in Elastic Solids
+//! (1975), ch. 2.
 //!
-//! A bar is a strip of N square shells with Poisson's ratio 0, so that it carries plane waves of speed
-//! `c = sqrt(E/rho)` and nothing else. Units mm, ms, kg.
+//! A bar is a strip of N square shells with Poisson's ratio 0, so that it carries plane waves of
+//! speed `c = sqrt(E/rho)` and nothing else. Units mm, ms, kg.
 
 use crumple_tests::{read, run_alone};
 use crumple_worker::engine::Engine;
@@ -31,21 +32,31 @@ impl Bars {
         let (first, side) = (self.nodes.len(), LENGTH / n as f64);
         self.parts += 1;
         self.nodes.extend((0..=n).flat_map(|i| [0.0, side].map(|y| [from + side * i as f64, y])));
-        let shell = |i: usize| [self.parts, first + 2 * i + 1, first + 2 * i + 3, first + 2 * i + 4, first + 2 * i + 2];
+        let shell = |i: usize| {
+            [self.parts, first + 2 * i + 1, first + 2 * i + 3, first + 2 * i + 4, first + 2 * i + 2]
+        };
         self.shells.extend((0..n).map(shell));
     }
 
-    /// Runs a job on these bars; `rest` are walls, velocities and contact. The set `first` holds the first `first` nodes.
+    /// Runs a job on these bars; `rest` are walls, velocities and contact. The set `first` holds
+    /// the first `first` nodes.
     fn run(&self, first: usize, rest: &str, look: impl FnMut(&Engine)) -> Engine {
-        let nodes = self.nodes.iter().zip(1..).map(|([x, y], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, 0.0],\n"));
-        let shells = self
-            .shells
+        let nodes = self
+            .nodes
             .iter()
             .zip(1..)
-            .map(|([p, a, b, c, d], id): (_, u32)| format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n"));
+            .map(|([x, y], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, 0.0],\n"));
+        let shells =
+            self.shells.iter().zip(1..).map(|([p, a, b, c, d], id): (_, u32)| {
+                format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n")
+            });
         let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
         let set: Vec<usize> = (1..=first).collect();
-        let part = |id| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\npoints = 2\n");
+        let part = |id| {
+            format!(
+                "[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {THICKNESS:?}\npoints = 2\n"
+            )
+        };
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
             "end_time = {:?}\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\nnode_sets = {{ first = {set:?} }}\n\
@@ -62,7 +73,9 @@ impl Bars {
 
 /// Mean velocity along x of a range of nodes at the last mid-step.
 fn flight(e: &Engine, nodes: std::ops::Range<usize>) -> f64 {
-    let sum = |f: fn(f64, f64) -> f64| nodes.clone().map(|i| f(e.nodes.mass[i], e.nodes.v[i][0])).sum::<f64>();
+    let sum = |f: fn(f64, f64) -> f64| {
+        nodes.clone().map(|i| f(e.nodes.mass[i], e.nodes.v[i][0])).sum::<f64>()
+    };
     sum(|m, v| m * v) / sum(|m, _| m)
 }
 
@@ -100,9 +113,10 @@ fn struck(n: usize) -> Struck {
     }
 }
 
-/// A01 and A03: the wall holds the end for the wave's way there and back, 2L/c, with `rho c v A`, and the bar leaves as
-/// fast as it came. The wall stops the end nodes for good at the touch, a plastic impact that takes their share 1/2N
-/// of the energy: the loss vanishes with the mesh size, to first order.
+/// A01 and A03: the wall holds the end for the wave's way there and back, 2L/c, with `rho c v A`,
+/// and the bar leaves as fast as it came. The wall stops the end nodes for good at the touch, a
+/// plastic impact that takes their share 1/2N of the energy: the loss vanishes with the mesh size,
+/// to first order.
 #[test]
 fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     let bars = [20, 40, 80].map(|n| (n, struck(n)));
@@ -122,8 +136,8 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
         );
     }
     let (_, finest) = &bars[2];
-    // The front of N = 80 cells is some 3 cells wide after 160 cells (dispersion of central differences and lumped
-    // masses): 1 to 2 % of the time there and back.
+    // The front of N = 80 cells is some 3 cells wide after 160 cells (dispersion of central
+    // differences and lumped masses): 1 to 2 % of the time there and back.
     assert!((finest.contact_time - 1.0).abs() < 0.02, "{}", finest.contact_time);
     assert!((finest.mean_force - 1.0).abs() < 0.02, "{}", finest.mean_force);
     // What the front's ringing keeps and what the impact took.
@@ -131,7 +145,10 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     for pair in bars.windows(2) {
         let order = (pair[0].1.lost / pair[1].1.lost).log2();
         assert!((order - 1.0).abs() < 0.03, "order {order}");
-        assert!((1.0 - pair[1].1.rebound).abs() < (1.0 - pair[0].1.rebound).abs() + 1e-3, "towards 1");
+        assert!(
+            (1.0 - pair[1].1.rebound).abs() < (1.0 - pair[0].1.rebound).abs() + 1e-3,
+            "towards 1"
+        );
     }
 }
 
@@ -153,7 +170,9 @@ fn exchange(n: usize, v: f64) -> Exchange {
     // Surfaces meet at a distance of the mean thickness; a hair's breadth of air.
     bars.add(LENGTH + THICKNESS + 1e-6, n);
     let half = 2 * (n + 1);
-    let rest = format!("[[initial_velocity]]\nnodes = \"first\"\nvelocity = [{v:?}, 0.0, 0.0]\n[contact]\n");
+    let rest = format!(
+        "[[initial_velocity]]\nnodes = \"first\"\nvelocity = [{v:?}, 0.0, 0.0]\n[contact]\n"
+    );
     let (mut last_push, mut when, mut gained, mut last) = (0.0, 0.0, 0.0, 0.0f64);
     let end = bars.run(half, &rest, |e| {
         let velocity = flight(e, half..e.nodes.held);
@@ -187,29 +206,34 @@ fn exchange(n: usize, v: f64) -> Exchange {
     x
 }
 
-/// Two equal bars meet end to end: they exchange their velocities after 2L/c, and while they touch the interface
-/// carries `rho c v / 2`. Nodes meet the rims of segments here. The touch is a plastic impact of the end nodes:
-/// `1/2 m_red v^2` with half a node's mass, half of their share 1/2N of the energy.
+/// Two equal bars meet end to end: they exchange their velocities after 2L/c, and while they touch
+/// the interface carries `rho c v / 2`. Nodes meet the rims of segments here. The touch is a
+/// plastic impact of the end nodes: `1/2 m_red v^2` with half a node's mass, half of their share
+/// 1/2N of the energy.
 #[test]
 fn two_equal_bars_exchange_their_velocities() {
     let all = [20, 40, 80].map(|n| (n, exchange(n, V)));
     for (n, x) in &all {
-        // The gap is closed to 1e-4 of the thickness per step: 1e-4 / 2.2e-4 ms = 0.46 mm/ms at N = 80, 5 % of v.
+        // The gap is closed to 1e-4 of the thickness per step: 1e-4 / 2.2e-4 ms = 0.46 mm/ms at N =
+        // 80, 5 % of v.
         assert!((x.work * 2.0 * *n as f64 + 0.5).abs() < 0.1, "N = {n}: contact work {}", x.work);
     }
     for pair in all.windows(2) {
         let order = ((1.0 - pair[0].1.restitution) / (1.0 - pair[1].1.restitution)).log2();
-        // Dispersion of the front spreads as N^(2/3) cells; what it keeps of the energy falls with that power.
+        // Dispersion of the front spreads as N^(2/3) cells; what it keeps of the energy falls with
+        // that power.
         assert!((0.55..1.1).contains(&order), "restitution towards 1 with order {order}");
     }
     let x = &all[2].1;
-    for (what, value) in [("restitution", x.restitution), ("stress", x.stress), ("touch", x.touch)] {
+    for (what, value) in [("restitution", x.restitution), ("stress", x.stress), ("touch", x.touch)]
+    {
         assert!((value - 1.0).abs() < 0.02, "{what}: {value}; the front is a few of 80 cells wide");
     }
 }
 
-/// At a twentieth of that speed the tolerance of the law, 1e-4 of the thickness per step, is half of the approach.
-/// A force that is left as it is because it is within the tolerance must not drive the bars apart.
+/// At a twentieth of that speed the tolerance of the law, 1e-4 of the thickness per step, is half
+/// of the approach. A force that is left as it is because it is within the tolerance must not drive
+/// the bars apart.
 #[test]
 fn slow_bars_do_not_leave_faster_than_they_came() {
     for n in [20, 40, 80] {

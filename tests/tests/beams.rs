@@ -1,6 +1,6 @@
 //! Beams against closed forms, and the same bits on any number of workers. Units mm, ms, kg.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
@@ -11,14 +11,23 @@ const RHO: f64 = 7.85e-6;
 const LENGTH: f64 = 100.0;
 const RECTANGLE: &str = "section = \"rectangle\"\nheight = 4.0\nwidth = 2.0";
 
-/// A cantilever of `n` beams from the origin along the first axis of `turn`, whose second axis is that of the section; sets `root`
-/// and `tip`. `law` and `rest` are the rest of its material and of the job.
-fn cantilever(n: usize, turn: &Rotation3<f64>, section: &str, law: &str, end_time: f64, rest: &str) -> Model {
+/// A cantilever of `n` beams from the origin along the first axis of `turn`, whose second axis is
+/// that of the section; sets `root` and `tip`. `law` and `rest` are the rest of its material and of
+/// the job.
+fn cantilever(
+    n: usize,
+    turn: &Rotation3<f64>,
+    section: &str,
+    law: &str,
+    end_time: f64,
+    rest: &str,
+) -> Model {
     let point = |id: usize, x: Vector3<f64>| format!("[{id}, {:?}, {:?}, {:?}],\n", x.x, x.y, x.z);
     let along = |i: usize| turn * Vector3::new(LENGTH * i as f64 / n as f64, 0.0, 0.0);
     let nodes: String = (0..=n).map(|i| point(i + 1, along(i))).collect();
     let third = point(n + 2, turn * Vector3::new(30.0, 50.0, 0.0));
-    let beams: String = (1..=n).map(|i| format!("[{i}, 1, {i}, {}, {}],\n", i + 1, n + 2)).collect();
+    let beams: String =
+        (1..=n).map(|i| format!("[{i}, 1, {i}, {}, {}],\n", i + 1, n + 2)).collect();
     let text = format!(
         "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}{third}]\nbeams = [{beams}]\n\
          node_sets = {{ root = [1], tip = [{}] }}\n[output]\nfield_interval = -1.0\n\
@@ -40,9 +49,10 @@ fn first_frequency(i: f64) -> f64 {
     1.875_104_07f64.powi(2) * (E * i / (RHO * 8.0 * LENGTH.powi(4))).sqrt()
 }
 
-/// The tip goes down by P L^3 / 3 E I under a force, turns by M L / E I under a moment, and by T L / G J under a torque, whatever
-/// the mesh and wherever the beam points: the cubic shape is exact. 1e-3 of the length are 1e-6 from small displacements; the
-/// torsion constant of 4 x 2 is 0.229 a b^3 (Timoshenko & Goodier 1970, sec. 109).
+/// The tip goes down by P L^3 / 3 E I under a force, turns by M L / E I under a moment, and by T L
+/// / G J under a torque, whatever the mesh and wherever the beam points: the cubic shape is exact.
+/// 1e-3 of the length are 1e-6 from small displacements; the torsion constant of 4 x 2 is 0.229 a
+/// b^3 (Timoshenko & Goodier 1970, sec. 109).
 #[test]
 fn a_cantilever_bends_and_twists_as_beams_do() {
     let turn = Rotation3::from_euler_angles(0.3, -0.8, 1.1);
@@ -75,11 +85,14 @@ fn a_cantilever_bends_and_twists_as_beams_do() {
     );
     let end = run_alone(&cantilever(2, &turn, RECTANGLE, ELASTIC, 60.0, &rest), |_| {});
     let energy = end.ledger.energies(&end.nodes).internal;
-    assert!((energy / (0.5 * torque * 1e-3) - 1.0).abs() < 0.01, "constant to three digits: {energy}");
+    assert!(
+        (energy / (0.5 * torque * 1e-3) - 1.0).abs() < 0.01,
+        "constant to three digits: {energy}"
+    );
 }
 
-/// The first frequency comes with the square of the element length to that of Euler and Bernoulli, 1.875^2 sqrt(E I/(rho A
-/// L^4)); rotatory inertia takes (r/L)^2 terms of 1e-4.
+/// The first frequency comes with the square of the element length to that of Euler and Bernoulli,
+/// 1.875^2 sqrt(E I/(rho A L^4)); rotatory inertia takes (r/L)^2 terms of 1e-4.
 #[test]
 fn a_cantilever_swings_as_beams_do() {
     let i = 2.0 * 64.0 / 12.0;
@@ -95,7 +108,8 @@ fn a_cantilever_swings_as_beams_do() {
             10.5 * quarter,
             10.5 * quarter + 1e-6
         );
-        let model = cantilever(n, &Rotation3::identity(), RECTANGLE, ELASTIC, 31.0 * quarter, &rest);
+        let model =
+            cantilever(n, &Rotation3::identity(), RECTANGLE, ELASTIC, 31.0 * quarter, &rest);
         let (mut crossings, mut before) = (Vec::new(), (0.0, 0.0));
         run_alone(&model, |e| {
             let now = (e.clock.time, e.nodes.x[n][1]);
@@ -111,22 +125,25 @@ fn a_cantilever_swings_as_beams_do() {
     assert!(fine.abs() < 0.01 && coarse.abs() > 2.5 * fine.abs(), "{coarse} {fine}");
 }
 
-/// A tip that is led down far beyond yield needs the force M_p / (L - h/3), M_p = sigma b h^2 / 4: by the cubic shape the
-/// middle of the first element yields with its end, so that its plastic moment is that a third of its length h from the root. The
-/// force is the work over the way; the arm shortens by 1 % at 14 of 100.
+/// A tip that is led down far beyond yield needs the force M_p / (L - h/3), M_p = sigma b h^2 / 4:
+/// by the cubic shape the middle of the first element yields with its end, so that its plastic
+/// moment is that a third of its length h from the root. The force is the work over the way; the
+/// arm shortens by 1 % at 14 of 100.
 #[test]
 fn a_plastic_hinge_bears_its_moment() {
     let law = "law = \"j2\"\nhardening = [[0.0, 0.3], [1.0, 0.3]]";
     let rest = "[time]\ndamping = 2.0\n[[motion]]\nnodes = \"tip\"\ndofs = [\"y\"]\nvelocity = [0.0, -0.5, 0.0]\n";
     for n in [4, 8] {
         let (mut at, mut unexplained) = (None, 0.0f64);
-        let end = run_alone(&cantilever(n, &Rotation3::identity(), RECTANGLE, law, 32.0, rest), |e| {
-            let energies = e.ledger.energies(&e.nodes);
-            if e.clock.time > 24.0 {
-                at.get_or_insert((e.nodes.x[n][1], energies.external));
-            }
-            unexplained = unexplained.max(energies.balance(0.0).abs() / energies.external.abs().max(1e-3));
-        });
+        let end =
+            run_alone(&cantilever(n, &Rotation3::identity(), RECTANGLE, law, 32.0, rest), |e| {
+                let energies = e.ledger.energies(&e.nodes);
+                if e.clock.time > 24.0 {
+                    at.get_or_insert((e.nodes.x[n][1], energies.external));
+                }
+                unexplained = unexplained
+                    .max(energies.balance(0.0).abs() / energies.external.abs().max(1e-3));
+            });
         let (way, work) = at.unwrap();
         let force = (end.ledger.energies(&end.nodes).external - work) / (way - end.nodes.x[n][1]);
         let expected = 1.01 * 0.3 * 2.0 * 16.0 / 4.0 / (LENGTH * (1.0 - 1.0 / (3.0 * n as f64)));
@@ -135,8 +152,8 @@ fn a_plastic_hinge_bears_its_moment() {
     }
 }
 
-/// A loose angle of tubes, elastic-plastic, flies, turns and bends: momentum and angular momentum keep to round-off, energy
-/// to the squares of rotations within an element.
+/// A loose angle of tubes, elastic-plastic, flies, turns and bends: momentum and angular momentum
+/// keep to round-off, energy to the squares of rotations within an element.
 #[test]
 fn a_loose_frame_keeps_momentum() {
     let law = "law = \"j2\"\nhardening = [[0.0, 0.1], [1.0, 0.3]]";
@@ -166,13 +183,13 @@ fn a_loose_frame_keeps_momentum() {
     assert!(unexplained < 1e-3, "{unexplained}");
 }
 
-/// A weld between a node that is held and one that is led away, along it or across it, breaks at its strength and bears nothing from
-/// then on; pressed together it holds. The work until then is `F^2 L / 2 E A` along and `F^2 L^3 / 6 E I` across, where its end
-/// turns freely and the way of 0.5 mm also stretches it, by 1 % of the work.
+/// A weld between a node that is held and one that is led away, along it or across it, breaks at
+/// its strength and bears nothing from then on; pressed together it holds. The work until then is
+/// `F^2 L / 2 E A` along and `F^2 L^3 / 6 E I` across, where its end turns freely and the way of
+/// 0.5 mm also stretches it, by 1 % of the work.
 #[test]
 fn a_weld_breaks_at_its_strength() {
-    let section =
-        "section = \"tube\"\nradius = 3.0\n[part.beam.weld]\nnormal = 2.0\nshear = 0.02\nexponents = [2.0, 1.0]";
+    let section = "section = \"tube\"\nradius = 3.0\n[part.beam.weld]\nnormal = 2.0\nshear = 0.02\nexponents = [2.0, 1.0]";
     let (area, i) = (std::f64::consts::PI * 9.0, std::f64::consts::PI * 81.0 / 4.0);
     let (along, across) = (LENGTH / (2.0 * E * area), LENGTH.powi(3) / (6.0 * E * i));
     for (velocity, work) in [
@@ -181,24 +198,40 @@ fn a_weld_breaks_at_its_strength() {
         ([0.0, 0.0, -0.02], Some(0.02 * 0.02 * across)),
         ([-0.005, 0.0, 0.0], None),
     ] {
-        let rest =
-            format!("[time]\ndamping = 1.0\ndt_max = 0.05\n[[motion]]\nnodes = \"tip\"\nvelocity = {velocity:?}\n");
-        let end = run_alone(&cantilever(1, &Rotation3::identity(), section, ELASTIC, 80.0, &rest), |_| {});
+        let rest = format!(
+            "[time]\ndamping = 1.0\ndt_max = 0.05\n[[motion]]\nnodes = \"tip\"\nvelocity = {velocity:?}\n"
+        );
+        let end = run_alone(
+            &cantilever(1, &Rotation3::identity(), section, ELASTIC, 80.0, &rest),
+            |_| {},
+        );
         let energies = end.ledger.energies(&end.nodes);
         let failed = end.blocks.elements[0].record.failed;
         assert_eq!(failed, work.is_some(), "{velocity:?}: {energies:?}");
         if let Some(work) = work {
-            assert!((energies.internal / work - 1.0).abs() < 0.02, "{velocity:?}: {} {work}", energies.internal);
-            assert!(end.nodes.force.iter().all(|f| f[..3] == [0.0; 3]), "{velocity:?}: {:?}", end.nodes.force);
+            assert!(
+                (energies.internal / work - 1.0).abs() < 0.02,
+                "{velocity:?}: {} {work}",
+                energies.internal
+            );
+            assert!(
+                end.nodes.force.iter().all(|f| f[..3] == [0.0; 3]),
+                "{velocity:?}: {:?}",
+                end.nodes.force
+            );
         } else {
             let pressed = 0.5 * E * area * 0.4 * 0.4 / LENGTH;
-            assert!((energies.internal / pressed - 1.0).abs() < 0.02, "{} {pressed}", energies.internal);
+            assert!(
+                (energies.internal / pressed - 1.0).abs() < 0.02,
+                "{} {pressed}",
+                energies.internal
+            );
         }
     }
 }
 
-/// A sheet of shells with ribs of beams of all sections, that hits a wall: the same bits on 1, 2 and 4 workers, with boxes
-/// renewed by force.
+/// A sheet of shells with ribs of beams of all sections, that hits a wall: the same bits on 1, 2
+/// and 4 workers, with boxes renewed by force.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let (mut nodes, mut shells, mut beams) = (String::new(), String::new(), String::new());
@@ -214,7 +247,9 @@ fn bits_do_not_depend_on_workers() {
             }
         }
     }
-    let part = |id: u32, section: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\n{section}\n");
+    let part = |id: u32, section: &str| {
+        format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\n{section}\n")
+    };
     let text = format!(
         "end_time = 1.0\n[mesh]\nnodes = [{nodes}[100, 20.0, 20.0, 300.0]]\nshells = [{shells}]\nbeams = [{beams}]\n\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = {RHO:?}\n\

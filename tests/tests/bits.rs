@@ -1,7 +1,7 @@
-//! Bits do not depend on workers: the union of workers' pairs is the serial run's at every step, and the state is the
-//! same to the last bit, however often and wherever boxes are cut.
+//! Bits do not depend on workers: the union of workers' pairs is the serial run's at every step,
+//! and the state is the same to the last bit, however often and wherever boxes are cut.
 
-use crumple::embedded::run_alone;
+use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::threads;
 use crumple_tests::{Trace, case, read, run_side_by_side};
@@ -46,12 +46,18 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
 /// A skin is there to save time: what a search collects beyond what touches changes nothing.
 #[test]
 fn how_far_candidates_are_collected_changes_no_bit() {
-    for (name, cycles, skins) in [("tumble", CYCLES, ["0.1", "10"]), ("can-crush", 300, ["0.05", "20"])] {
+    for (name, cycles, skins) in
+        [("tumble", CYCLES, ["0.1", "10"]), ("can-crush", 300, ["0.05", "20"])]
+    {
         let run = |sets: &[&str]| run_side_by_side(&read(&case(name), sets), 1, cycles, 0);
         let default = run(&[]);
         assert!(default.pairs.iter().any(|p| !p.is_empty()), "{name}: nothing touches");
         for skin in skins {
-            assert_same(&default, &run(&[&format!("contact.skin={skin}")]), &format!("{name}, skin {skin}"));
+            assert_same(
+                &default,
+                &run(&[&format!("contact.skin={skin}")]),
+                &format!("{name}, skin {skin}"),
+            );
         }
     }
 }
@@ -73,12 +79,19 @@ fn engine(name: &str, sets: &[&str], cycles: u64, compute_all: bool) -> Engine {
 #[test]
 fn leaving_out_elements_that_nothing_has_strained_changes_no_bit() {
     let tube = ["scene.elements=5"];
-    for (name, sets, cycles) in
-        [("plate", &[][..], 60), ("beam", &[], 40), ("tube-crush", &tube, 60), ("brick-wall", &[], 30)]
-    {
+    for (name, sets, cycles) in [
+        ("plate", &[][..], 60),
+        ("beam", &[], 40),
+        ("tube-crush", &tube, 60),
+        ("brick-wall", &[], 30),
+    ] {
         let [some, all] = [false, true].map(|compute_all| engine(name, sets, cycles, compute_all));
-        let bits = |rows: &[[f64; 4]]| rows.as_flattened().iter().map(|c| (c + 0.0).to_bits()).collect::<Vec<_>>();
-        let columns = |e: &Engine| [&e.nodes.x, &e.nodes.v, &e.nodes.w, &e.nodes.force].map(|column| bits(column));
+        let bits = |rows: &[[f64; 4]]| {
+            rows.as_flattened().iter().map(|c| (c + 0.0).to_bits()).collect::<Vec<_>>()
+        };
+        let columns = |e: &Engine| {
+            [&e.nodes.x, &e.nodes.v, &e.nodes.w, &e.nodes.force].map(|column| bits(column))
+        };
         assert!(columns(&some) == columns(&all), "{name}");
         assert!(some.clock.dt > 0.0 && some.clock.dt == all.clock.dt, "{name}");
     }

@@ -7,8 +7,14 @@ use crumple_tests::{case, read, run_alone, run_side_by_side};
 #[test]
 fn both_searches_give_the_same_bits() {
     for workers in [1, 3] {
-        let [cells, boxes] = ["cells", "boxes"]
-            .map(|s| run_side_by_side(&read(&case("tumble"), &[&format!("contact.search={s}")]), workers, u64::MAX, 0));
+        let [cells, boxes] = ["cells", "boxes"].map(|s| {
+            run_side_by_side(
+                &read(&case("tumble"), &[&format!("contact.search={s}")]),
+                workers,
+                u64::MAX,
+                0,
+            )
+        });
         assert_eq!(cells.digest(), boxes.digest(), "{workers} workers");
         assert!(cells.pairs == boxes.pairs && cells.pairs.iter().any(|p| !p.is_empty()));
     }
@@ -29,7 +35,10 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
     for sets in forms {
         let model = read(&case("tumble"), sets);
         let serial = run_side_by_side(&model, 1, 900, 0);
-        assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000, "{sets:?}: bodies do meet");
+        assert!(
+            serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000,
+            "{sets:?}: bodies do meet"
+        );
         for (workers, force_every) in [(2, 0), (3, 0), (5, 7)] {
             let parallel = run_side_by_side(&model, workers, 900, force_every);
             assert_eq!(serial.digest(), parallel.digest(), "{sets:?}: {workers} workers");
@@ -38,7 +47,8 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
     }
 }
 
-/// A block of solids that slides over facets: segments that a worker meets with its own belong to others, and change workers.
+/// A block of solids that slides over facets: segments that a worker meets with its own belong to
+/// others, and change workers.
 #[test]
 fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
     let model = read(&case("slide"), &["scene.facets=8", "contact.law=mortar"]);
@@ -56,40 +66,68 @@ fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
 fn other_laws_and_weights_keep_bits_momentum_and_energy() {
     for (set, bound) in [("contact.law=penalty", 0.01), ("contact.weighting=mass", 0.01)] {
         let runs = ["1", "2", "4"].map(|workers| {
-            let args = ["run", "cases/tumble", "--workers", workers, "--set", set, "--set", "output.field_interval=-1"];
+            let args = [
+                "run",
+                "cases/tumble",
+                "--workers",
+                workers,
+                "--set",
+                set,
+                "--set",
+                "output.field_interval=-1",
+            ];
             run(crumple_with(&args)).with_code(0)
         });
         for r in &runs {
             assert_eq!(r.digest(), runs[0].digest(), "{set}");
             let s = r.summary();
             let e = &s["energy"];
-            eprintln!("{set}: error {}, penetration {}", e["error_max"], s["contact"]["penetration_max"]);
+            eprintln!(
+                "{set}: error {}, penetration {}",
+                e["error_max"], s["contact"]["penetration_max"]
+            );
             assert!(s["contact"]["pairs_max"].as_u64() > Some(5), "bodies do meet");
-            // Contact work is booked by force times displacement, whatever law gave the force, so the balance is as good
-            // as that of the elements: a trapezoid over steps in which bodies yield.
+            // Contact work is booked by force times displacement, whatever law gave the force, so
+            // the balance is as good as that of the elements: a trapezoid over steps in which
+            // bodies yield.
             assert!(e["error_max"].as_f64().unwrap() < bound, "{set}: {e}");
-            // Contact may only take energy: all of it comes from 216 J of motion. A penalty spring holds some for a
-            // while and gives it back.
+            // Contact may only take energy: all of it comes from 216 J of motion. A penalty spring
+            // holds some for a while and gives it back.
             let contact = e["contact"].as_f64().unwrap();
-            assert!(contact < 0.0 && -contact < e["total_initial"].as_f64().unwrap(), "{set}: contact work {contact}");
+            assert!(
+                contact < 0.0 && -contact < e["total_initial"].as_f64().unwrap(),
+                "{set}: contact work {contact}"
+            );
             let history = r.history();
             for c in ["momentum x", "momentum y", "momentum z"] {
                 let p = history.column(c);
                 // 0.4 kg mm/ms, given with ten digits; nothing outside holds the bodies.
-                p.iter().for_each(|now| assert!((now - p[0]).abs() < 1e-9, "{set}: {c} from {} to {now}", p[0]));
+                p.iter().for_each(|now| {
+                    assert!((now - p[0]).abs() < 1e-9, "{set}: {c} from {} to {now}", p[0])
+                });
             }
         }
     }
 }
 
-/// A rod hits a wall of bricks that lie on each other: a brick's node in a joint of the bed has touched the brick above it, whose
-/// face looks as the rod's does, and is still new to the rod. Taken for an old contact there it was inside by more than all
-/// that contact tells of, and the penalty law threw it out.
+/// A rod hits a wall of bricks that lie on each other: a brick's node in a joint of the bed has
+/// touched the brick above it, whose face looks as the rod's does, and is still new to the rod.
+/// Taken for an old contact there it was inside by more than all that contact tells of, and the
+/// penalty law threw it out.
 #[test]
 fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
     for law in ["lagrange", "penalty"] {
         let set = format!("contact.law={law}");
-        let args = ["run", "cases/brick-wall", "--set", "time.max_cycles=40", "--set", &set, "--workers", "2"];
+        let args = [
+            "run",
+            "cases/brick-wall",
+            "--set",
+            "time.max_cycles=40",
+            "--set",
+            &set,
+            "--workers",
+            "2",
+        ];
         let summary = run(crumple_with(&args)).with_code(0).summary();
         assert!(summary["contact"]["pairs_max"].as_u64() > Some(100), "bricks touch");
         let depth = summary["contact"]["penetration_max"].as_f64().unwrap();
@@ -97,11 +135,17 @@ fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
     }
 }
 
-/// A tube of shells finer than they are thick touches itself round its corners from the start, unless contact takes shells for
-/// no thicker than their sides.
+/// A tube of shells finer than they are thick touches itself round its corners from the start,
+/// unless contact takes shells for no thicker than their sides.
 #[test]
 fn fine_shells_do_not_touch_round_a_corner() {
-    let fine = ["scene.elements=40", "scene.side=40", "scene.length=12", "scene.trigger=0", "time.max_cycles=5"];
+    let fine = [
+        "scene.elements=40",
+        "scene.side=40",
+        "scene.length=12",
+        "scene.trigger=0",
+        "time.max_cycles=5",
+    ];
     let pairs = ["1", "0"].map(|limit| {
         let limit = format!("contact.thickness_limit={limit}");
         let mut most = 0;

@@ -1,5 +1,6 @@
-//! The d3plot database of a run, read back by an independent reader (lasso-python) and compared with the field files, bit
-//! for bit: deploy/read_d3plot.py. Without such a reader only what can be seen from outside is looked at.
+//! The d3plot database of a run, read back by an independent reader (lasso-python) and compared
+//! with the field files, bit for bit: deploy/read_d3plot.py. Without such a reader only what can be
+//! seen from outside is looked at.
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use std::env;
@@ -10,7 +11,10 @@ use std::process::Command;
 fn python() -> Option<std::ffi::OsString> {
     let python = env::var_os("CRUMPLE_PYTHON");
     let has = |p: &std::ffi::OsString| {
-        Command::new(p).args(["-c", "import lasso.dyna, pyvista"]).output().is_ok_and(|o| o.status.success())
+        Command::new(p)
+            .args(["-c", "import lasso.dyna, pyvista"])
+            .output()
+            .is_ok_and(|o| o.status.success())
     };
     let found = python.filter(has);
     if found.is_none() {
@@ -19,7 +23,8 @@ fn python() -> Option<std::ffi::OsString> {
     found
 }
 
-/// Exports in files of at most `size` MB, which are `files` then, and has them read; gives what the reader says.
+/// Exports in files of at most `size` MB, which are `files` then, and has them read; gives what the
+/// reader says.
 fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
     let out = ended.out();
     let dir = out.to_str().unwrap();
@@ -28,30 +33,45 @@ fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
     let names = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
     let mut family: Vec<String> = names.filter(|n| n.starts_with("d3plot")).collect();
     family.sort();
-    let wanted: Vec<String> =
-        (0..files).map(|i| if i == 0 { "d3plot".into() } else { format!("d3plot{i:02}") }).collect();
+    let wanted: Vec<String> = (0..files)
+        .map(|i| if i == 0 { "d3plot".into() } else { format!("d3plot{i:02}") })
+        .collect();
     assert_eq!(family, wanted);
     for name in family {
         let bytes = fs::read(out.join(name)).unwrap();
-        let end = bytes.chunks_exact(4).rev().map(|w| f32::from_ne_bytes(w.try_into().unwrap())).find(|w| *w != 0.0);
-        assert_eq!((bytes.len() % 2048, end), (0, Some(-999_999.0)), "whole blocks, with a marker at the end");
+        let end = bytes
+            .chunks_exact(4)
+            .rev()
+            .map(|w| f32::from_ne_bytes(w.try_into().unwrap()))
+            .find(|w| *w != 0.0);
+        assert_eq!(
+            (bytes.len() % 2048, end),
+            (0, Some(-999_999.0)),
+            "whole blocks, with a marker at the end"
+        );
     }
     let mut reader = Command::new(python()?);
     reader.arg(root().join("deploy/read_d3plot.py")).arg(&out);
     Some(run(reader).with_code(0).said())
 }
 
-/// Shells of several parts with plastic strain, pieces of several workers, states in one file and, written again, in several.
+/// Shells of several parts with plastic strain, pieces of several workers, states in one file and,
+/// written again, in several.
 #[test]
 fn shells_read_back() {
     let args = ["run", "cases/tumble", "--quiet", "--workers", "3", "--end-time", "1.0"];
     let sets = ["--set", "output.field_interval=0.25", "--set", "parallel.force_every=50"];
     let ended = run(crumple_with(&[&args[..], &sets].concat())).with_code(0);
     export_and_read(&ended, "100", 2);
-    // A state of 1200 shells has some 100 kB: twice as many files as before the second time, and none of them is left over.
+    // A state of 1200 shells has some 100 kB: twice as many files as before the second time, and
+    // none of them is left over.
     for (size, files) in [("0", 6), ("1", 2)] {
         let Some(said) = export_and_read(&ended, size, files) else { continue };
-        assert!(said.contains("5 states, ") && said.contains("1200 shells, 0 solids, 0 gone: all agrees"), "{said}");
+        assert!(
+            said.contains("5 states, ")
+                && said.contains("1200 shells, 0 solids, 0 gone: all agrees"),
+            "{said}"
+        );
     }
 }
 
@@ -63,21 +83,34 @@ fn solids_read_back() {
     let ended = run(crumple_with(&[&args[..], &sets].concat())).with_code(0);
     assert!(ended.out().join("d3plot01").is_file(), "{}", ended.said());
     if let Some(said) = export_and_read(&ended, "100", 2) {
-        assert!(said.contains("2 states, ") && said.contains("0 shells, 7152 solids, 0 gone: all agrees"), "{said}");
+        assert!(
+            said.contains("2 states, ")
+                && said.contains("0 shells, 7152 solids, 0 gone: all agrees"),
+            "{said}"
+        );
     }
 }
 
-/// Shells that tear beside a solid that does not: what has failed is gone from the fields and marked in the database. Every
-/// second node and element id is left out, and elements are not numbered as they lie.
+/// Shells that tear beside a solid that does not: what has failed is gone from the fields and
+/// marked in the database. Every second node and element id is left out, and elements are not
+/// numbered as they lie.
 #[test]
 fn what_has_failed_is_marked() {
-    let mut nodes: String =
-        (0..10).map(|n| format!("[{}, {}.0, {}.0, 0.0], ", 2 * n + 3, 5 * (n / 2), 5 * (n % 2))).collect();
+    let mut nodes: String = (0..10)
+        .map(|n| format!("[{}, {}.0, {}.0, 0.0], ", 2 * n + 3, 5 * (n / 2), 5 * (n % 2)))
+        .collect();
     for n in 0..8 {
-        nodes +=
-            &format!("[{}, {}.0, {}.0, {}.0], ", 100 + n, [0, 5, 5, 0][n % 4], [0, 0, 5, 5][n % 4], 50 + 5 * (n / 4));
+        nodes += &format!(
+            "[{}, {}.0, {}.0, {}.0], ",
+            100 + n,
+            [0, 5, 5, 0][n % 4],
+            [0, 0, 5, 5][n % 4],
+            50 + 5 * (n / 4)
+        );
     }
-    let shell = |i: usize| format!("[{}, 9, {}, {}, {}, {}], ", 20 - 2 * i, 4 * i + 3, 4 * i + 7, 4 * i + 9, 4 * i + 5);
+    let shell = |i: usize| {
+        format!("[{}, 9, {}, {}, {}, {}], ", 20 - 2 * i, 4 * i + 3, 4 * i + 7, 4 * i + 9, 4 * i + 5)
+    };
     let shells: String = (0..4).map(shell).collect();
     let text = format!(
         "title = \"Torn strip\"\nunits = \"mm, ms, kg\"\nend_time = 0.3\n[mesh]\nnodes = [{nodes}]\nshells = [{shells}]\n\
@@ -94,7 +127,10 @@ fn what_has_failed_is_marked() {
     let args = ["run", path.to_str().unwrap(), "--quiet", "--workers", "2"];
     let ended = run(crumple_with(&args)).with_code(0);
     if let Some(said) = export_and_read(&ended, "100", 2) {
-        assert!(said.contains("18 nodes, 4 shells, 1 solids, ") && !said.contains(" 0 gone"), "{said}");
+        assert!(
+            said.contains("18 nodes, 4 shells, 1 solids, ") && !said.contains(" 0 gone"),
+            "{said}"
+        );
     }
 }
 
@@ -111,6 +147,11 @@ fn springs_are_left_out() {
 #[test]
 fn a_folder_without_fields_is_refused() {
     let there = tempfile::tempdir().unwrap();
-    let said = run(crumple_with(&["export-d3plot", there.path().to_str().unwrap()])).with_code(2).said();
-    assert!(said.contains("fields.pvd") && said.contains("name the folder of a run that has written fields"), "{said}");
+    let said =
+        run(crumple_with(&["export-d3plot", there.path().to_str().unwrap()])).with_code(2).said();
+    assert!(
+        said.contains("fields.pvd")
+            && said.contains("name the folder of a run that has written fields"),
+        "{said}"
+    );
 }

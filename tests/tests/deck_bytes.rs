@@ -1,6 +1,6 @@
 //! Whatever stands in a deck, reading it ends in a model or in a report.
 
-use crumple::job::read;
+use crumple::input::job::read;
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -14,9 +14,11 @@ static PLATE: LazyLock<Vec<String>> = LazyLock::new(|| {
 
 /// Names of all keywords, from the page that is made of their table.
 static KEYWORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
-    let page = crumple::deck::reference::page();
+    let page = crumple::input::deck::reference::page();
     let names = page.split('`').skip(1).step_by(2);
-    let upper = |n: &&str| n.len() > 3 && n.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
+    let upper = |n: &&str| {
+        n.len() > 3 && n.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+    };
     names.filter(upper).map(String::from).collect()
 });
 
@@ -34,15 +36,29 @@ fn word() -> impl Strategy<Value = String> {
 }
 
 fn line() -> impl Strategy<Value = String> {
-    let columns = (prop::collection::vec(word(), 0..11), prop::sample::select(vec![5usize, 8, 10, 16, 20]));
-    let fixed = columns.prop_map(|(words, width)| words.iter().map(|w| format!("{w:>width$}")).collect::<String>());
+    let columns =
+        (prop::collection::vec(word(), 0..11), prop::sample::select(vec![5usize, 8, 10, 16, 20]));
+    let fixed = columns.prop_map(|(words, width)| {
+        words.iter().map(|w| format!("{w:>width$}")).collect::<String>()
+    });
     let commas = prop::collection::vec(word(), 0..11).prop_map(|words| words.join(","));
     prop_oneof![4 => fixed, 2 => commas, 1 => any::<String>()]
 }
 
 /// A keyword of the table with lines of numbers below it.
 fn block() -> impl Strategy<Value = String> {
-    let option = prop::sample::select(vec!["", "", "", "_TITLE", "_ID", "_MPP", "_THICKNESS", "+", " LONG=Y", "%"]);
+    let option = prop::sample::select(vec![
+        "",
+        "",
+        "",
+        "_TITLE",
+        "_ID",
+        "_MPP",
+        "_THICKNESS",
+        "+",
+        " LONG=Y",
+        "%",
+    ]);
     (prop::sample::select(KEYWORDS.clone()), option, prop::collection::vec(line(), 0..7))
         .prop_map(|(name, option, lines)| format!("*{name}{option}\n{}\n", lines.join("\n")))
 }
@@ -58,8 +74,8 @@ fn survives(bytes: &[u8]) -> (bool, String) {
         match read(&path, sets) {
             Ok(model) => {
                 sound = true;
-                said = crumple::check::describe(&model);
-                let _ = (crumple::deck::export::export(&model), model.records());
+                said = crumple::input::check::describe(&model);
+                let _ = (crumple::input::deck::export::export(&model), model.records());
             }
             Err(report) => {
                 said = report.to_string();

@@ -1,10 +1,12 @@
-//! What joins parts in keyword decks, beams, ties and welds: each deck here adds lines to two plates above each other.
+//! What joins parts in keyword decks, beams, ties and welds: each deck here adds lines to two
+//! plates above each other.
 
-use crumple::job::{Model, read};
+use crumple::input::job::{Model, read};
 use crumple_proto::job::BeamSection;
 use std::fs;
 
-/// Units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z = 2, nodes 11 to 16.
+/// Units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z = 2, nodes 11 to
+/// 16.
 const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nlow\n1,1,1\nhigh\n2,1,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
     *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*INITIAL_VELOCITY\n0\n1.0\n*NODE\n1,0,0,0\n2,10,0,0\n3,20,0,0\n4,0,10,0\n5,10,10,0\n\
     6,20,10,0\n11,0,0,2\n12,10,0,2\n13,20,0,2\n14,0,10,2\n15,10,10,2\n16,20,10,2\n*ELEMENT_SHELL\n1,1,1,2,5,4\n\
@@ -39,17 +41,33 @@ fn beams_have_their_sections_and_axes() {
         3.0,4.0,4.0\n",
     );
     let [rib, tube] = [2, 3].map(|i| model.job.part[i].beam.clone().unwrap());
-    assert_eq!((rib.section, rib.height, rib.width), (BeamSection::Rectangle, 3.0, 2.0), "s is the second axis");
-    assert_eq!((tube.section, tube.radius, tube.wall), (BeamSection::Tube, 2.0, 0.5), "diameters 4 and 3");
+    assert_eq!(
+        (rib.section, rib.height, rib.width),
+        (BeamSection::Rectangle, 3.0, 2.0),
+        "s is the second axis"
+    );
+    assert_eq!(
+        (tube.section, tube.radius, tube.wall),
+        (BeamSection::Tube, 2.0, 0.5),
+        "diameters 4 and 3"
+    );
     assert_eq!(rib.shear_areas, [6.0, 6.0], "shrf is 1");
     assert!((tube.shear_areas[0] / (0.25 * std::f64::consts::PI * 7.0) - 1.0).abs() < 1e-14);
     let slanted = 1.0 / 25.0f64.sqrt();
     let rounded = |x: f64| (x * 1e12).round() / 1e12;
     assert_eq!(second_axes(&model)[0], [0.0, 1.0, 0.0], "towards node 99");
-    assert_eq!(second_axes(&model)[2], [rounded(3.0 * slanted), 0.0, rounded(4.0 * slanted)], "a vector");
-    assert_eq!(second_axes(&model)[1].map(f64::abs).iter().sum::<f64>(), 1.0, "along an axis of space, square to it");
+    assert_eq!(
+        second_axes(&model)[2],
+        [rounded(3.0 * slanted), 0.0, rounded(4.0 * slanted)],
+        "a vector"
+    );
+    assert_eq!(
+        second_axes(&model)[1].map(f64::abs).iter().sum::<f64>(),
+        1.0,
+        "along an axis of space, square to it"
+    );
     assert_eq!(model.mesh.nodes.len(), 12, "what shows the way is no node of the model");
-    let text = crumple::check::describe(&model);
+    let text = crumple::input::check::describe(&model);
     assert!(
         text.contains("beams, elform 1 (Hughes-Liu) -> corotating beam, section tube; shear deforms it, elastically"),
         "{text}"
@@ -63,12 +81,21 @@ fn resultants_and_trusses_are_general_sections() {
         5.0,7.0,9.0\n*SECTION_BEAM\n4,3\n6.0\n*ELEMENT_BEAM\n1,3,1,2,4\n22,4,2,3\n",
     );
     let [beam, truss] = [2, 3].map(|i| model.job.part[i].beam.clone().unwrap());
-    assert_eq!((beam.area, beam.second_moments, beam.torsion), (5.0, [7.0, 9.0], 16.0), "j is iss + itt if blank");
+    assert_eq!(
+        (beam.area, beam.second_moments, beam.torsion),
+        (5.0, [7.0, 9.0], 16.0),
+        "j is iss + itt if blank"
+    );
     assert_eq!(beam.shear_areas, [0.0; 2], "no sa, no shear");
-    let timoshenko = with("*PART\nbeam\n3,3,1\n*SECTION_BEAM\n3,13\n5.0,7.0,9.0,2.0,4.0\n*ELEMENT_BEAM\n1,3,1,2,4\n");
+    let timoshenko = with(
+        "*PART\nbeam\n3,3,1\n*SECTION_BEAM\n3,13\n5.0,7.0,9.0,2.0,4.0\n*ELEMENT_BEAM\n1,3,1,2,4\n",
+    );
     assert_eq!(timoshenko.job.part[2].beam.as_ref().unwrap().shear_areas, [4.0; 2]);
     assert_eq!((truss.area, truss.second_moments, truss.torsion), (6.0, [0.0, 0.0], 0.0));
-    assert!(crumple::check::describe(&model).contains("beams: ids that other elements have too -> ids raised by 100"));
+    assert!(
+        crumple::input::check::describe(&model)
+            .contains("beams: ids that other elements have too -> ids raised by 100")
+    );
 }
 
 #[test]
@@ -86,7 +113,14 @@ fn spot_welds_of_beams_break() {
 }
 
 fn set(model: &Model, name: &str) -> Vec<u64> {
-    model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}")).iter().map(|n| n.0).collect()
+    model
+        .mesh
+        .node_sets
+        .get(name)
+        .unwrap_or_else(|| panic!("no {name}"))
+        .iter()
+        .map(|n| n.0)
+        .collect()
 }
 
 #[test]
@@ -100,11 +134,14 @@ fn contacts_tie() {
     assert_eq!((seam.name.as_str(), seam.nodes.as_str(), seam.tolerance), ("seam", "set-5", 2.5));
     assert_eq!(set(&model, seam.faces.as_deref().unwrap()), [1, 2, 4, 5]);
     assert!(!seam.rotations && !seam.offset && seam.parts.is_empty());
-    assert_eq!((edge.name.as_str(), edge.parts.as_slice(), edge.thicknesses), ("tie-2", [1].as_slice(), [4.0, 2.0]));
+    assert_eq!(
+        (edge.name.as_str(), edge.parts.as_slice(), edge.thicknesses),
+        ("tie-2", [1].as_slice(), [4.0, 2.0])
+    );
     assert!(edge.rotations && edge.offset);
     let at = |id: u64| model.mesh.nodes.iter().find(|n| n.id.0 == id).unwrap().x[2];
     assert_eq!([at(11), at(12), at(15)], [2.0, 0.0, 0.0], "moved without an offset");
-    let text = crumple::check::describe(&model);
+    let text = crumple::input::check::describe(&model);
     for said in [
         "tied         3 nodes, 1 with rotations, 1 at the end of arms",
         "tie 1: tied nodes to surface -> displacements tied, nodes moved onto the surface",
@@ -135,7 +172,8 @@ fn welds_are_bodies_or_beams_that_break() {
         "*CONSTRAINED_SPOTWELD\n1,11\n3,13,3.0,2.0,1.0,4.0\n*NODE\n31,0,0,4\n*CONSTRAINED_SPOTWELD_ID\n7\n11,12\n\
         *CONSTRAINED_GENERALIZED_WELD_SPOT\n5\n\n*SET_NODE_LIST\n5\n6,16\n",
     );
-    let bodies: Vec<Vec<u64>> = model.settings.rigid.iter().map(|b| b.nodes.iter().map(|n| n.0).collect()).collect();
+    let bodies: Vec<Vec<u64>> =
+        model.settings.rigid.iter().map(|b| b.nodes.iter().map(|n| n.0).collect()).collect();
     assert_eq!(bodies, [vec![1, 11, 12], vec![6, 16]], "welds with a node in common are one");
     let part = &model.job.part[2];
     let beam = part.beam.clone().unwrap();
@@ -143,7 +181,10 @@ fn welds_are_bodies_or_beams_that_break() {
     assert_eq!((part.id, part.material.as_str(), beam.section), (3, "mat-1", BeamSection::Tube));
     assert_eq!((beam.radius, weld.normal, weld.shear, weld.exponents), (1.0, 3.0, 2.0, [1.0, 4.0]));
     let beams: Vec<_> = model.mesh.elements.iter().filter(|e| e.part == 3).collect();
-    assert_eq!(beams.iter().map(|e| e.corners().iter().map(|n| n.0).collect()).collect::<Vec<Vec<u64>>>(), [[3, 13]]);
+    assert_eq!(
+        beams.iter().map(|e| e.corners().iter().map(|n| n.0).collect()).collect::<Vec<Vec<u64>>>(),
+        [[3, 13]]
+    );
 }
 
 #[test]
@@ -162,33 +203,47 @@ fn exported_skins_are_skins() {
     let path = folder.path().join("skin.k");
     let lines = "*PART\nskin\n3,1,2\n*MAT_NULL\n2,1.0e-9\n*ELEMENT_SHELL\n7,3,1,2,5,4\n*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n";
     let model = with(lines);
-    fs::write(&path, crumple::deck::export::export(&model).unwrap()).unwrap();
+    fs::write(&path, crumple::input::deck::export::export(&model).unwrap()).unwrap();
     let again = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!([0, 2].map(|i| again.job.part[i].skin), [false, true]);
     let run = |model: &Model| crumple_tests::run_side_by_side(model, 2, 50, 0).digest();
     assert_eq!(run(&model), run(&again));
     // It is felt: what is there and bears is another scene.
-    assert_ne!(run(&model), run(&with(&lines.replace("MAT_NULL\n2,1.0e-9", "MAT_ELASTIC\n2,1.0e-9,1.0,0.3"))));
+    assert_ne!(
+        run(&model),
+        run(&with(&lines.replace("MAT_NULL\n2,1.0e-9", "MAT_ELASTIC\n2,1.0e-9,1.0,0.3")))
+    );
 }
 
 /// Two sections with one title are told apart by their numbers.
 #[test]
 fn cross_sections_of_one_name_are_two() {
-    let section = |id: u32, title: &str| format!("*DATABASE_CROSS_SECTION_SET_ID\n{id},{title}\n5,0,0,6\n");
+    let section =
+        |id: u32, title: &str| format!("*DATABASE_CROSS_SECTION_SET_ID\n{id},{title}\n5,0,0,6\n");
     let lines = format!(
         "{}{}{}*SET_NODE_LIST\n5\n1,4\n*SET_SHELL_LIST\n6\n1\n",
         section(1, "rail"),
         section(2, "rail"),
         section(3, "door")
     );
-    let names: Vec<String> = with(&lines).job.output.section.iter().map(|s| s.name.clone()).collect();
+    let names: Vec<String> =
+        with(&lines).job.output.section.iter().map(|s| s.name.clone()).collect();
     assert_eq!(names, ["rail", "rail (2)", "door"]);
 }
 
 #[test]
 fn node_sets_share_displacements() {
     let model = with("*CONSTRAINED_NODE_SET\n5,7\n*SET_NODE_LIST\n5\n13,3,2\n");
-    let ties: Vec<_> = model.settings.ties.iter().map(|t| (t.node.0, t.carriers[0].0.0, t.carriers[0].1)).collect();
+    let ties: Vec<_> = model
+        .settings
+        .ties
+        .iter()
+        .map(|t| (t.node.0, t.carriers[0].0.0, t.carriers[0].1))
+        .collect();
     assert_eq!(ties, [(3, 2, 1.0), (13, 2, 1.0)]);
-    assert_eq!(model.mesh.nodes.iter().find(|n| n.id.0 == 13).unwrap().x, [20.0, 0.0, 2.0], "where it is");
+    assert_eq!(
+        model.mesh.nodes.iter().find(|n| n.id.0 == 13).unwrap().x,
+        [20.0, 0.0, 2.0],
+        "where it is"
+    );
 }

@@ -1,10 +1,12 @@
-//! What keywords become: each deck here adds a few lines to a plate of two shells above a cube, and the job is looked at.
+//! What keywords become: each deck here adds a few lines to a plate of two shells above a cube, and
+//! the job is looked at.
 
-use crumple::job::{Model, read};
+use crumple::input::job::{Model, read};
 use crumple_proto::mesh::Shape;
 use std::fs;
 
-/// Units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below; nodes 1 to 8 the cube, 11 to 16 the plate.
+/// Units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below; nodes 1 to 8 the cube, 11
+/// to 16 the plate.
 const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
     *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n8,0,10,10\n\
     11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n1,1,11,12,15,14\n\
@@ -30,7 +32,14 @@ fn parameter(model: &Model, key: &str) -> f64 {
 }
 
 fn set(model: &Model, name: &str) -> Vec<u64> {
-    model.mesh.node_sets.get(name).unwrap_or_else(|| panic!("no {name}")).iter().map(|n| n.0).collect()
+    model
+        .mesh
+        .node_sets
+        .get(name)
+        .unwrap_or_else(|| panic!("no {name}"))
+        .iter()
+        .map(|n| n.0)
+        .collect()
 }
 
 #[test]
@@ -38,29 +47,47 @@ fn ids_that_shells_and_solids_share_are_told_apart() {
     let model = with("");
     let solid = model.mesh.elements.iter().find(|e| e.shape == Shape::Hex8).unwrap();
     assert_eq!((solid.id.0, model.mesh.elements.len()), (11, 3), "1, raised by 10");
-    assert!(crumple::check::describe(&model).contains("ids raised by 10"));
+    assert!(crumple::input::check::describe(&model).contains("ids raised by 10"));
 }
 
 #[test]
 fn plastic_materials_keep_their_curves() {
-    let kinematic = format!("{BASE}{MOVES}*MAT_003\n1,7.85e-6,200.0,0.3,0.25,0.5,1.0\n40.0,5.0,0.2\n");
+    let kinematic =
+        format!("{BASE}{MOVES}*MAT_003\n1,7.85e-6,200.0,0.3,0.25,0.5,1.0\n40.0,5.0,0.2\n");
     let model = model_of(&kinematic);
-    assert_eq!(parameter(&model, "hardening_modulus"), 200.0 * 0.5 / 199.5, "from the tangent modulus");
-    assert_eq!((parameter(&model, "yield_stress"), parameter(&model, "failure_strain")), (0.25, 0.2));
+    assert_eq!(
+        parameter(&model, "hardening_modulus"),
+        200.0 * 0.5 / 199.5,
+        "from the tangent modulus"
+    );
+    assert_eq!(
+        (parameter(&model, "yield_stress"), parameter(&model, "failure_strain")),
+        (0.25, 0.2)
+    );
     let rows = |text: &str| {
-        let table = model_of(&format!("{BASE}{MOVES}{text}")).job.material[0].parameters["hardening"].clone();
+        let table =
+            model_of(&format!("{BASE}{MOVES}{text}")).job.material[0].parameters["hardening"]
+                .clone();
         let row = |r: &toml::Value| [0, 1].map(|c| r[c].as_float().unwrap());
         table.as_array().unwrap().iter().map(row).collect::<Vec<_>>()
     };
-    let points = "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,7.85e-6,200.0,0.3\n\n0.0,0.1,0.5\n0.3,0.4,0.6\n";
+    let points =
+        "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,7.85e-6,200.0,0.3\n\n0.0,0.1,0.5\n0.3,0.4,0.6\n";
     assert_eq!(rows(points), [[0.0, 0.3], [0.1, 0.4], [0.5, 0.6]]);
     let curve = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,9\n*DEFINE_CURVE\n9,0,1.0,1000.0\n0.1,3.0e-4\n0.5,4.0e-4\n";
-    assert_eq!(rows(curve), [[0.0, 0.3], [0.1, 0.3], [0.5, 0.4]], "in other units, and level before its first point");
+    assert_eq!(
+        rows(curve),
+        [[0.0, 0.3], [0.1, 0.3], [0.5, 0.4]],
+        "in other units, and level before its first point"
+    );
     let jc = "*MAT_JOHNSON_COOK\n1,7.85e-6,80.0,0,0.25\n0.4,0.3,0.3,0.01,1.0,1800.0,293.0,0.001\n450.0e-6\n";
     let model = model_of(&format!("{BASE}{MOVES}{jc}"));
     assert_eq!(model.job.material[0].law, "johnson_cook");
     assert_eq!(parameter(&model, "youngs_modulus"), 2.0 * 80.0 * 1.25, "from the shear modulus");
-    assert_eq!((parameter(&model, "reference_rate"), parameter(&model, "melting_temperature")), (0.001, 1800.0));
+    assert_eq!(
+        (parameter(&model, "reference_rate"), parameter(&model, "melting_temperature")),
+        (0.001, 1800.0)
+    );
 }
 
 #[test]
@@ -73,16 +100,27 @@ fn rigid_parts_are_bodies_with_what_joins_them() {
     assert_eq!(body.fixed, ["rx", "ry", "rz", "x", "y"], "code 4 of translations, 7 of rotations");
     assert_eq!(set(&model, body.nodes.as_ref().unwrap()), [13, 16]);
     let start = &model.job.initial_velocity[1];
-    assert_eq!((start.velocity, start.spin, start.centre), ([1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [35.0, 5.0, 0.0]));
+    assert_eq!(
+        (start.velocity, start.spin, start.centre),
+        ([1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [35.0, 5.0, 0.0])
+    );
     let switched = with("*DEFORMABLE_TO_RIGID\n1\n");
     assert_eq!(switched.job.rigid[0].parts, [1]);
-    let lines =
-        "*CONSTRAINED_NODAL_RIGID_BODY\n9,0,5\n*SET_NODE_LIST\n5\n1,2,3,4\n*DEFINE_CURVE\n3\n0.0,0.0\n1.0,1.0\n";
+    let lines = "*CONSTRAINED_NODAL_RIGID_BODY\n9,0,5\n*SET_NODE_LIST\n5\n1,2,3,4\n*DEFINE_CURVE\n3\n0.0,0.0\n1.0,1.0\n";
     let led = with(&format!("{lines}*BOUNDARY_PRESCRIBED_MOTION_RIGID\n9,3,2,3,-4.0\n"));
-    assert_eq!((led.job.rigid[0].name.as_str(), led.job.rigid[0].nodes.as_deref()), ("body-9", Some("set-5")));
+    assert_eq!(
+        (led.job.rigid[0].name.as_str(), led.job.rigid[0].nodes.as_deref()),
+        ("body-9", Some("set-5"))
+    );
     let motion = &led.job.motion[0];
-    assert_eq!((motion.rigid.as_deref(), motion.displacement), (Some("body-9"), Some([0.0, 0.0, -4.0])));
-    assert_eq!((motion.dofs.as_slice(), motion.curve.as_deref()), (["z".to_string()].as_slice(), Some("curve-3")));
+    assert_eq!(
+        (motion.rigid.as_deref(), motion.displacement),
+        (Some("body-9"), Some([0.0, 0.0, -4.0]))
+    );
+    assert_eq!(
+        (motion.dofs.as_slice(), motion.curve.as_deref()),
+        (["z".to_string()].as_slice(), Some("curve-3"))
+    );
 }
 
 #[test]
@@ -90,7 +128,10 @@ fn rigid_parts_with_nodes_in_common_are_one_body() {
     let model = with(
         "*DEFORMABLE_TO_RIGID\n1\n3\n*PART\nedge\n3,1,1\n*NODE\n31,30,0,12\n32,30,10,12\n*ELEMENT_SHELL\n9,3,13,31,32,16\n",
     );
-    assert_eq!((model.job.rigid.len(), model.job.rigid[0].parts.as_slice()), (1, [1, 3].as_slice()));
+    assert_eq!(
+        (model.job.rigid.len(), model.job.rigid[0].parts.as_slice()),
+        (1, [1, 3].as_slice())
+    );
 }
 
 #[test]
@@ -113,12 +154,23 @@ fn initial_velocities_of_all_forms() {
 fn pressure_and_gravity_have_their_signs() {
     let curve = "*DEFINE_CURVE\n4\n0.0,1.0\n20.0,1.0\n";
     let segments = "*LOAD_SEGMENT\n4,2.0,0,11,12,15,14\n4,2.0,0,12,15,16,13\n4,2.0,0,1,4,3,2\n";
-    let model = with(&format!("{curve}{segments}*LOAD_BODY_Z\n4,9.81\n*LOAD_NODE_POINT\n5,1,4,0.5\n"));
+    let model =
+        with(&format!("{curve}{segments}*LOAD_BODY_Z\n4,9.81\n*LOAD_NODE_POINT\n5,1,4,0.5\n"));
     let loads = &model.settings.loads;
-    let of = |sign: f64| loads.pressures.iter().filter(move |p| p.pressure == sign * 2.0).flat_map(|p| &p.faces);
+    let of = |sign: f64| {
+        loads.pressures.iter().filter(move |p| p.pressure == sign * 2.0).flat_map(|p| &p.faces)
+    };
     let ids = |sign: f64| of(sign).map(|f| f.0.0).collect::<Vec<_>>();
-    assert_eq!((ids(1.0), ids(-1.0)), (vec![1, 11], vec![2]), "against the normal of a segment, into solids");
-    assert_eq!(model.job.gravity[0].acceleration, [0.0, 0.0, -9.81], "the frame of reference accelerates upwards");
+    assert_eq!(
+        (ids(1.0), ids(-1.0)),
+        (vec![1, 11], vec![2]),
+        "against the normal of a segment, into solids"
+    );
+    assert_eq!(
+        model.job.gravity[0].acceleration,
+        [0.0, 0.0, -9.81],
+        "the frame of reference accelerates upwards"
+    );
     assert_eq!((set(&model, "load-node-5"), model.job.load[0].force), (vec![5], [0.5, 0.0, 0.0]));
 }
 
@@ -128,9 +180,12 @@ fn what_is_held_comes_from_cards_and_codes() {
         "*BOUNDARY_SPC_NODE\n2,0,1,0,1\n3,0,1,0,1\n*SET_NODE_GENERAL\n6\nPART,2\nDBOX,1\n*DEFINE_BOX\n1,-1,11,-1,11,9,11\n\
         *BOUNDARY_SPC_SET\n6,0,0,1\n",
     );
-    let held = |node: u64| model.nodes.fixed[model.mesh.nodes.iter().position(|n| n.id.0 == node).unwrap()];
+    let held = |node: u64| {
+        model.nodes.fixed[model.mesh.nodes.iter().position(|n| n.id.0 == node).unwrap()]
+    };
     assert_eq!([1, 2, 3, 5].map(held), [0b10, 0b111, 0b111, 0]);
-    let coded = model_of(&format!("{}{STEEL}{MOVES}", BASE.replace("16,20,10,12", "16,20,10,12,5,7")));
+    let coded =
+        model_of(&format!("{}{STEEL}{MOVES}", BASE.replace("16,20,10,12", "16,20,10,12,5,7")));
     assert_eq!(coded.nodes.fixed[13], 0b11_1110, "y and z, and all rotations");
 }
 
@@ -141,24 +196,45 @@ fn contacts_become_interfaces() {
         0.4,0.2,3.0\n\n2\n",
     );
     let contact = model.job.contact.as_ref().unwrap();
-    assert_eq!((contact.name.as_str(), contact.friction, contact.parts.as_slice()), ("first", 0.1, [1].as_slice()));
-    let [pair] = contact.interface.as_slice() else { panic!("one interface: {:?}", contact.interface) };
+    assert_eq!(
+        (contact.name.as_str(), contact.friction, contact.parts.as_slice()),
+        ("first", 0.1, [1].as_slice())
+    );
+    let [pair] = contact.interface.as_slice() else {
+        panic!("one interface: {:?}", contact.interface)
+    };
     assert_eq!((pair.parts.as_slice(), pair.against.as_slice()), ([1].as_slice(), [2].as_slice()));
-    assert_eq!((pair.friction, pair.friction_dynamic, pair.friction_decay), (Some(0.4), Some(0.2), Some(3.0)));
+    assert_eq!(
+        (pair.friction, pair.friction_dynamic, pair.friction_decay),
+        (Some(0.4), Some(0.2), Some(3.0))
+    );
     let pair = contact.each().nth(1).unwrap();
-    assert_eq!((pair.thickness, pair.thickness_scale, pair.birth, pair.death), (None, 1.0, 0.0, None));
-    assert!(crumple::check::describe(&model).contains("contact 2: soft 2 -> not used"));
-    assert!(with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n").job.contact.unwrap().parts.is_empty(), "all");
+    assert_eq!(
+        (pair.thickness, pair.thickness_scale, pair.birth, pair.death),
+        (None, 1.0, 0.0, None)
+    );
+    assert!(crumple::input::check::describe(&model).contains("contact 2: soft 2 -> not used"));
+    assert!(
+        with("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n")
+            .job
+            .contact
+            .unwrap()
+            .parts
+            .is_empty(),
+        "all"
+    );
 }
 
 /// Only the contact that says so is of segments; the map of the deck tells.
 #[test]
 fn mortar_contacts_take_the_law_of_segments() {
     let pair = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_MORTAR_ID\n2,second\n1,2,3,3\n\n\n";
-    let law = |model: &Model| model.job.contact.as_ref().unwrap().each().map(|c| c.law).collect::<Vec<_>>();
+    let law = |model: &Model| {
+        model.job.contact.as_ref().unwrap().each().map(|c| c.law).collect::<Vec<_>>()
+    };
     let model = with(&format!("*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5\n\n\n{pair}"));
     assert_eq!(law(&model), ["lagrange", "mortar"]);
-    assert!(crumple::check::describe(&model).contains("second: MORTAR -> law mortar"));
+    assert!(crumple::input::check::describe(&model).contains("second: MORTAR -> law mortar"));
     let model = with(
         "*CONTACT_AUTOMATIC_SINGLE_SURFACE_MORTAR\n1,0,3\n\n\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n\n\n",
     );
@@ -208,15 +284,24 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
     assert_eq!(of(1, 2), (0.2, Some(0.1), 1.0, Some(0.05)), "the mean, and the lower limit");
     let plate = &model.job.part[0];
     assert_eq!((plate.contact_thickness, plate.contact_thickness_scale), (Some(1.5), 0.8));
-    let said = crumple::check::describe(&model);
-    assert!(said.contains("fs -1: friction of the parts -> 3 interfaces; of two parts the mean of theirs"), "{said}");
+    let said = crumple::input::check::describe(&model);
+    assert!(
+        said.contains(
+            "fs -1: friction of the parts -> 3 interfaces; of two parts the mean of theirs"
+        ),
+        "{said}"
+    );
     let alike = deck.replace("0.1,0.1\n", "0.3,0.1,2.0,0.05\n");
     let model = model_of(&format!("{alike}{STEEL}{MOVES}{contact}"));
     let contact = model.job.contact.as_ref().unwrap();
-    assert_eq!((contact.friction, contact.friction_limit, contact.interface.len()), (0.3, Some(0.05), 0));
+    assert_eq!(
+        (contact.friction, contact.friction_limit, contact.interface.len()),
+        (0.3, Some(0.05), 0)
+    );
 }
 
-/// What is exported and read again is the same contact: several cards, sets of parts, and what cards do not say.
+/// What is exported and read again is the same contact: several cards, sets of parts, and what
+/// cards do not say.
 #[test]
 fn exported_contacts_are_read_as_they_were() {
     let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
@@ -233,19 +318,29 @@ fn exported_contacts_are_read_as_they_were() {
             let death = c.death.filter(|&t| t < model.job.end_time);
             format!(
                 "{sides:?} {:?}",
-                crumple_proto::job::Contact { friction_limit: limit, death, parts: vec![], against: vec![], ..c }
+                crumple_proto::job::Contact {
+                    friction_limit: limit,
+                    death,
+                    parts: vec![],
+                    against: vec![],
+                    ..c
+                }
             )
         };
         all.map(plain).collect()
     };
-    let text = crumple::deck::export::export(&job).unwrap();
-    for card in ["*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID", "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID", "*SET_PART_LIST"] {
+    let text = crumple::input::deck::export::export(&job).unwrap();
+    for card in [
+        "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID",
+        "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID",
+        "*SET_PART_LIST",
+    ] {
         assert!(text.lines().any(|l| l == card), "no {card} in\n{text}");
     }
     assert_eq!(text.matches("*CONTACT_").count(), 3, "{text}");
     let again = model_of(&text.replace("*END\n", ""));
     assert_eq!(numbers(&job), numbers(&again), "{text}");
-    let twice = crumple::deck::export::export(&again).unwrap();
+    let twice = crumple::input::deck::export::export(&again).unwrap();
     assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
 }
 
@@ -266,7 +361,10 @@ fn control_cards_set_the_run() {
     );
     let (time, plate, cube) = (&model.job.time, &model.job.part[0], &model.job.part[1]);
     assert_eq!((time.safety, time.mass_scaling_dt, time.damping), (0.67, 1e-3, 3.0));
-    assert_eq!((plate.warping, plate.thinning, plate.hourglass_coefficient), (true, true, Some(0.07)));
+    assert_eq!(
+        (plate.warping, plate.thinning, plate.hourglass_coefficient),
+        (true, true, Some(0.07))
+    );
     assert_eq!((cube.bulk_viscosity, model.job.output.field_interval), (Some([0.05, 1.2]), 0.5));
     assert_eq!(model.job.title, "Two");
 }
@@ -277,21 +375,25 @@ fn single_thicknesses_and_masses() {
         "*ELEMENT_SHELL\n1,1,11,12,15,14\n2,1,12,13,16,15\n",
         "*ELEMENT_SHELL_THICKNESS\n1,1,11,12,15,14\n2.5,2.5,2.5,2.5\n2,1,12,13,16,15\n2.5,2.5,2.5,2.5\n",
     );
-    let model = model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
+    let model =
+        model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
     assert_eq!(model.job.part[0].thickness, 2.5);
     assert!(model.mesh.elements.iter().all(|e| e.thickness == 0.0), "that of the part");
     // The corners without one have the section's, 1.
     let several = shells.replacen("2.5,2.5,2.5,2.5", "2.5,0.0,2.0,2.5", 1);
     let two = model_of(&format!("{several}{STEEL}{MOVES}"));
-    let own: Vec<f64> = two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.thickness).collect();
+    let own: Vec<f64> =
+        two.mesh.elements.iter().filter(|e| e.shape.is_shell()).map(|e| e.thickness).collect();
     assert_eq!((own, two.job.part[0].thickness), (vec![2.0, 2.5], 1.0));
-    let text = crumple::deck::export::export(&two).unwrap();
+    let text = crumple::input::deck::export::export(&two).unwrap();
     assert!(text.contains("*ELEMENT_SHELL_THICKNESS\n"), "{text}");
     assert_eq!(model_of(&text.replace("*END\n", "")).mesh.elements, two.mesh.elements);
-    let below =
-        model_of(&format!("{}{STEEL}{MOVES}", BASE.replace("1,2,1.0,3\n1.0\n", "1,2,1.0,3\n1.0,1.0,1.0,1.0,-1.0\n")));
+    let below = model_of(&format!(
+        "{}{STEEL}{MOVES}",
+        BASE.replace("1,2,1.0,3\n1.0\n", "1,2,1.0,3\n1.0,1.0,1.0,1.0,-1.0\n")
+    ));
     assert_eq!(below.job.part[0].offset, 1.0, "nodes on the lower face");
-    let text = crumple::deck::export::export(&below).unwrap();
+    let text = crumple::input::deck::export::export(&below).unwrap();
     assert_eq!(model_of(&text.replace("*END\n", "")).job.part[0].offset, 1.0);
     let masses: Vec<f64> = model.job.mass.iter().map(|m| m.mass).collect();
     assert_eq!(masses, [0.5, 1.0], "two nodes of a quarter, one of one");
@@ -299,28 +401,48 @@ fn single_thicknesses_and_masses() {
 
 #[test]
 fn planar_walls_have_their_sides_their_mass_and_their_nodes() {
-    let sets = "*SET_NODE_LIST\n5\n1,2,3,4\n*SET_NODE_LIST\n6\n3\n*DEFINE_BOX\n7,-1,11,-1,11,-1,11\n";
+    let sets =
+        "*SET_NODE_LIST\n5\n1,2,3,4\n*SET_NODE_LIST\n6\n3\n*DEFINE_BOX\n7,-1,11,-1,11,-1,11\n";
     let walls = "*RIGIDWALL_PLANAR_FINITE_MOVING_FORCES_ID\n1,sled\n5,6\n0,0,-5,0,0,-3,0.2\n8,0,-5,20,30\n100,4\n10,0\n\
         *RIGIDWALL_PLANAR\n5,0,7\n30,0,0,29,0,0\n0,0,0,1.5\n0,-1,0,0,0,0\n";
     let model = with(&format!("{sets}{walls}"));
     let sled = &model.job.wall[0];
-    assert_eq!((sled.name.as_str(), sled.point, sled.normal), ("sled", [0.0, 0.0, -5.0], Some([0.0, 0.0, 2.0])));
-    assert_eq!((sled.edge, sled.lengths), (Some([8.0, 0.0, 0.0]), Some([20.0, 30.0])), "from the tail to its head");
+    assert_eq!(
+        (sled.name.as_str(), sled.point, sled.normal),
+        ("sled", [0.0, 0.0, -5.0], Some([0.0, 0.0, 2.0]))
+    );
+    assert_eq!(
+        (sled.edge, sled.lengths),
+        (Some([8.0, 0.0, 0.0]), Some([20.0, 30.0])),
+        "from the tail to its head"
+    );
     assert_eq!((sled.mass, sled.speed, sled.friction), (Some(100.0), 4.0, 0.2));
     assert_eq!((sled.nodes.as_deref(), sled.except.as_deref()), (Some("set-5"), Some("set-6")));
     let plane = &model.job.wall[1];
     assert_eq!((plane.edge, plane.mass, plane.except.as_deref()), (None, None, None));
-    assert_eq!(set(&model, plane.nodes.as_ref().unwrap()), [1, 2, 3, 4], "of the set, those in the box");
+    assert_eq!(
+        set(&model, plane.nodes.as_ref().unwrap()),
+        [1, 2, 3, 4],
+        "of the set, those in the box"
+    );
     let near = &model.job.wall[2];
     assert_eq!(near.normal, Some([0.0, 1.0, 0.0]));
-    assert_eq!(set(&model, near.nodes.as_ref().unwrap()), [1, 2, 5, 6, 11, 12, 13], "those with y = 0");
-    let said = crumple::check::describe(&model);
+    assert_eq!(
+        set(&model, near.nodes.as_ref().unwrap()),
+        [1, 2, 5, 6, 11, 12, 13],
+        "those with y = 0"
+    );
+    let said = crumple::input::check::describe(&model);
     assert!(
-        said.contains("sled: soft 10: nodes are stopped within some cycles -> nodes are stopped at once"),
+        said.contains(
+            "sled: soft 10: nodes are stopped within some cycles -> nodes are stopped at once"
+        ),
         "{said}"
     );
     assert!(
-        said.contains("wall-2: stops nodes by nsid 5, boxid 7, offset 0.0 -> the 4 nodes of wall-2-nodes"),
+        said.contains(
+            "wall-2: stops nodes by nsid 5, boxid 7, offset 0.0 -> the 4 nodes of wall-2-nodes"
+        ),
         "{said}"
     );
 }
@@ -334,24 +456,36 @@ fn shaped_walls_are_led_by_curves() {
     );
     let walls = &model.job.wall;
     let punch = walls.iter().find(|w| w.name == "punch").unwrap();
-    assert_eq!((punch.axis, punch.radius, punch.length), (Some([0.0, 51.0, 0.0]), Some(5.0), 100.0));
-    assert_eq!((punch.displacement, punch.curve.as_deref()), (Some([0.0, 0.0, -1.0]), Some("curve-4")), "made a unit");
+    assert_eq!(
+        (punch.axis, punch.radius, punch.length),
+        (Some([0.0, 51.0, 0.0]), Some(5.0), 100.0)
+    );
+    assert_eq!(
+        (punch.displacement, punch.curve.as_deref()),
+        (Some([0.0, 0.0, -1.0]), Some("curve-4")),
+        "made a unit"
+    );
     let plate = walls.iter().find(|w| w.lengths.is_some()).unwrap();
     assert_eq!((plate.velocity, plate.nodes.as_deref()), (Some([0.0, 0.0, 1.0]), None));
-    assert!(crumple::check::describe(&model).contains("punch: a cylinder of length 100 -> its ends are open"));
+    assert!(
+        crumple::input::check::describe(&model)
+            .contains("punch: a cylinder of length 100 -> its ends are open")
+    );
 }
 
 #[test]
 fn springs_go_along_their_vectors_and_to_the_ground() {
-    let parts =
-        "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n*DEFINE_SD_ORIENTATION\n7,0,0,0,2\n";
+    let parts = "*PART\nlink\n3,3,11\n*SECTION_DISCRETE\n3\n\n*MAT_SPRING_ELASTIC\n11,4.0\n*DEFINE_SD_ORIENTATION\n7,0,0,0,2\n";
     let model = with(&format!("{parts}*ELEMENT_DISCRETE\n101,3,5,0,7\n102,3,6,0,7\n"));
     let springs: Vec<_> = model.mesh.elements.iter().filter(|e| e.shape == Shape::Line2).collect();
     let ends: Vec<[u64; 2]> = springs.iter().map(|e| [e.nodes[0].0, e.nodes[1].0]).collect();
     assert_eq!(ends, [[5, 17], [6, 18]], "nodes of their own");
     assert_eq!(model.job.part[2].spring.as_ref().unwrap().direction, Some([0.0, 0.0, 2.0]));
     let node = |id: u64| model.mesh.nodes.iter().position(|n| n.id.0 == id).unwrap();
-    assert_eq!((model.mesh.nodes[node(17)].x, model.nodes.fixed[node(17)]), ([0.0, 0.0, 10.0], 0b111));
+    assert_eq!(
+        (model.mesh.nodes[node(17)].x, model.nodes.fixed[node(17)]),
+        ([0.0, 0.0, 10.0], 0b111)
+    );
 }
 
 #[test]
@@ -377,7 +511,7 @@ fn springs_and_dampers_have_their_laws_and_scales() {
     assert_eq!((law(3).damping, law(3).stiffness), (0.25, 0.0));
     assert_eq!(law(4).force_elongation, [[0.0, 0.0], [1.0, 6.0]]);
     assert_eq!(law(5).force_rate, [[-1.0, -2.0], [1.0, 2.0]]);
-    let said = crumple::check::describe(&model);
+    let said = crumple::input::check::describe(&model);
     for line in [
         "part 3: *MAT_SPRING_ELASTIC scaled by 0.5 -> springs with stiffness",
         "part 5: curve 8 says nothing of negative elongations -> its first slope goes on there",

@@ -1,4 +1,5 @@
-//! Decks run: walls, springs and what they ask to be recorded, on any number of workers. Units mm, ms, kg, so kN and J.
+//! Decks run: walls, springs and what they ask to be recorded, on any number of workers. Units mm,
+//! ms, kg, so kN and J.
 
 use crumple_tests::program::{Ended, crumple_with, run};
 use std::collections::BTreeSet;
@@ -6,7 +7,8 @@ use std::fs;
 
 /// Header and rows of a history, as texts.
 fn table(ended: &Ended, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    let text = fs::read_to_string(ended.out().join(name)).unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
+    let text = fs::read_to_string(ended.out().join(name))
+        .unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
     let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect());
     (lines.next().expect("a header"), lines.collect())
 }
@@ -14,7 +16,10 @@ fn table(ended: &Ended, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
 /// Numbers of a column in the rows whose second field is `of`.
 fn column(ended: &Ended, name: &str, of: &str, column: &str) -> Vec<f64> {
     let (header, rows) = table(ended, name);
-    let at = header.iter().position(|h| h.starts_with(column)).unwrap_or_else(|| panic!("no {column} in {header:?}"));
+    let at = header
+        .iter()
+        .position(|h| h.starts_with(column))
+        .unwrap_or_else(|| panic!("no {column} in {header:?}"));
     let own = rows.iter().filter(|row| row[1] == of);
     own.map(|row| row[at].parse().expect("a number")).collect()
 }
@@ -22,7 +27,14 @@ fn column(ended: &Ended, name: &str, of: &str, column: &str) -> Vec<f64> {
 /// A deck on 1, 2 and 4 workers: one digest, the energies in balance.
 fn on_any_workers(deck: &str, balance: f64) -> [Ended; 3] {
     let runs = ["1", "2", "4"].map(|workers| {
-        let ended = run(crumple_with(&["run", deck, "--workers", workers, "--set", "output.field_interval=-1"]));
+        let ended = run(crumple_with(&[
+            "run",
+            deck,
+            "--workers",
+            workers,
+            "--set",
+            "output.field_interval=-1",
+        ]));
         ended.with_code(0)
     });
     for ended in &runs {
@@ -33,8 +45,9 @@ fn on_any_workers(deck: &str, balance: f64) -> [Ended; 3] {
     runs
 }
 
-/// A sled with a mass that a sheet runs into, a roller that a curve leads into it from below, springs and dampers at its other end:
-/// all of them act, the same on any number of workers, and no energy is lost.
+/// A sled with a mass that a sheet runs into, a roller that a curve leads into it from below,
+/// springs and dampers at its other end: all of them act, the same on any number of workers, and no
+/// energy is lost.
 #[test]
 fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
     // 4e-4 was seen: the wall with a mass is met by single nodes, one step at a time.
@@ -46,9 +59,14 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
     assert_eq!(walls, BTreeSet::from(["roller", "sled"]));
     assert!(rows.len() >= 2 * 50, "a row each at every interval: {}", rows.len());
     let last = |name: &str, c: &str| *column(one, "walls.csv", name, c).last().unwrap();
-    // The sled is 0.02 kg at 2 mm/ms, the sheet 9.4e-3 kg at -10 mm/ms: the sheet is stopped, if not thrown back.
+    // The sled is 0.02 kg at 2 mm/ms, the sheet 9.4e-3 kg at -10 mm/ms: the sheet is stopped, if
+    // not thrown back.
     let momentum = 7.85e-6 * 40.0 * 20.0 * 1.5 * 10.0;
-    assert!(last("sled", "impulse x") > 0.5 * momentum, "{} of {momentum}", last("sled", "impulse x"));
+    assert!(
+        last("sled", "impulse x") > 0.5 * momentum,
+        "{} of {momentum}",
+        last("sled", "impulse x")
+    );
     assert!(last("roller", "impulse z") > 0.0, "it pushes upwards");
     // Its curve ends at 4 mm; the numbers have ten digits.
     assert!((last("roller", "displacement z") - 4.0).abs() < 1e-8);
@@ -61,36 +79,52 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
         for (wall, c) in [("sled", "impulse x"), ("roller", "impulse z")] {
             let (a, b) = (column(one, "walls.csv", wall, c), column(several, "walls.csv", wall, c));
             let scale = a.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            assert!(a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8 * scale), "{wall} {c}");
+            assert!(
+                a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8 * scale),
+                "{wall} {c}"
+            );
         }
     }
 }
 
-/// A cube on a plate: what a transducer feels on a part is what that part feels, from either side, by parts and by segments; and
-/// its digits do not depend on the workers.
+/// A cube on a plate: what a transducer feels on a part is what that part feels, from either side,
+/// by parts and by segments; and its digits do not depend on the workers.
 #[test]
 fn transducers_of_a_deck_feel_the_contact() {
     // 2.4e-5 was seen.
     let runs = on_any_workers("tests/decks/scenes/transducers.k", 1e-4);
     let (header, rows) = table(&runs[0], "transducers.csv");
     assert_eq!(header, ["time [ms]", "transducer", "force x [kN]", "force y [kN]", "force z [kN]"]);
-    assert!(runs.iter().all(|ended| table(ended, "transducers.csv").1 == rows), "the same digits on any workers");
+    assert!(
+        runs.iter().all(|ended| table(ended, "transducers.csv").1 == rows),
+        "the same digits on any workers"
+    );
     for (c, sign) in ["x", "y", "z"].map(|c| [(c, 1.0), (c, -1.0)]).as_flattened() {
         let felt = |name: &str| column(&runs[0], "transducers.csv", name, &format!("force {c}"));
         let of_part = |part: &str| column(&runs[0], "contacts.csv", part, &format!("force {c}"));
         let cube = of_part("2");
         let scale = cube.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
         assert!(*c != "z" || cube.iter().filter(|f| **f > 0.1).count() > 20, "it is hit: {cube:?}");
-        let same = |a: &[f64], b: &[f64], sign: f64| a.iter().zip(b).all(|(a, b)| (a - sign * b).abs() < 1e-8 * scale);
-        let names = if *sign > 0.0 { vec!["cube", "foot from plate", "transducer 4"] } else { vec!["plate from foot"] };
+        let same = |a: &[f64], b: &[f64], sign: f64| {
+            a.iter().zip(b).all(|(a, b)| (a - sign * b).abs() < 1e-8 * scale)
+        };
+        let names = if *sign > 0.0 {
+            vec!["cube", "foot from plate", "transducer 4"]
+        } else {
+            vec!["plate from foot"]
+        };
         for name in names {
-            assert!(same(&felt(name), &cube, *sign), "{name} {c}: {:?}, not {sign} times {cube:?}", felt(name));
+            assert!(
+                same(&felt(name), &cube, *sign),
+                "{name} {c}: {:?}, not {sign} times {cube:?}",
+                felt(name)
+            );
         }
     }
 }
 
-/// A bar that has come to rest under a force at its end bears it in every section; a plane whose head points the other way turns
-/// the sign, and so do elements on the other side.
+/// A bar that has come to rest under a force at its end bears it in every section; a plane whose
+/// head points the other way turns the sign, and so do elements on the other side.
 #[test]
 fn cross_sections_of_a_deck_bear_what_is_applied() {
     // 1.6e-6 was seen.
@@ -99,11 +133,13 @@ fn cross_sections_of_a_deck_bear_what_is_applied() {
         let x = *column(&one, "sections.csv", name, "force x").last().unwrap();
         // Rest is to within exp(-30 * 3) of the slowest mode; numbers have ten digits.
         assert!((x - force).abs() < 1e-8, "{name}: {x}");
-        let [y, z] = ["force y", "force z"].map(|c| *column(&one, "sections.csv", name, c).last().unwrap());
+        let [y, z] =
+            ["force y", "force z"].map(|c| *column(&one, "sections.csv", name, c).last().unwrap());
         assert!(y.abs() < 1e-8 && z.abs() < 1e-8, "{name}: {y} {z}");
     }
     let (header, rows) = table(&one, "nodes.csv");
     assert_eq!(header[..3], ["time [ms]", "nodes", "id"]);
-    let named: BTreeSet<(&str, &str)> = rows.iter().map(|row| (row[1].as_str(), row[2].as_str())).collect();
+    let named: BTreeSet<(&str, &str)> =
+        rows.iter().map(|row| (row[1].as_str(), row[2].as_str())).collect();
     assert_eq!(named, BTreeSet::from([("nodes 0", "25"), ("nodes 0", "26"), ("corner", "27")]));
 }

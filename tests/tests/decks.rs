@@ -1,9 +1,10 @@
-//! Keyword decks: formats that give the same model, decks that are wrong, decks that other programs read, and back again.
+//! Keyword decks: formats that give the same model, decks that are wrong, decks that other programs
+//! read, and back again.
 //!
-//! A file in `decks/bad` begins with what its report has to say: one `$: text` for each piece of text. The pipe and the
-//! Taylor bar are public examples: `decks/README.md`.
+//! A file in `decks/bad` begins with what its report has to say: one `$: text` for each piece of
+//! text. The pipe and the Taylor bar are public examples: `decks/README.md`.
 
-use crumple::job::{Model, read};
+use crumple::input::job::{Model, read};
 use crumple_tests::program::{self, crumple_with};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,8 +48,16 @@ fn all_formats_give_the_same_model() {
         assert_eq!(one, whole(&good(&decks(name))), "{name}");
     }
     assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "\r\n")), "line ends");
-    assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "   \n")), "blanks at line ends");
-    assert_eq!(one, saved("good/fixed.k", |text| text.replace('\n', "\n$ a comment, with commas\n")), "comments");
+    assert_eq!(
+        one,
+        saved("good/fixed.k", |text| text.replace('\n', "   \n")),
+        "blanks at line ends"
+    );
+    assert_eq!(
+        one,
+        saved("good/fixed.k", |text| text.replace('\n', "\n$ a comment, with commas\n")),
+        "comments"
+    );
     let lower = |text: &str| {
         let line = |l: &str| if l.starts_with('*') { l.to_lowercase() } else { l.to_string() };
         text.lines().map(line).collect::<Vec<_>>().join("\n")
@@ -56,7 +65,11 @@ fn all_formats_give_the_same_model() {
     assert_eq!(one, saved("good/fixed.k", lower), "lower case, and no line end at the end");
     let tabs = |text: &str| text.lines().map(with_tabs).collect::<Vec<_>>().join("\n");
     assert_eq!(one, saved("good/fixed.k", tabs), "tabs");
-    assert_eq!(one, saved("good/fixed.k", |text| text.replace("A plate in", "*ABOUT in \u{e9}")), "text before");
+    assert_eq!(
+        one,
+        saved("good/fixed.k", |text| text.replace("A plate in", "*ABOUT in \u{e9}")),
+        "text before"
+    );
 }
 
 /// A line with tabs for blanks wherever these reach a column that is a multiple of eight.
@@ -117,18 +130,24 @@ fn a_report_shows_the_card_and_underlines_the_field() {
 #[test]
 fn what_is_left_out_is_told() {
     let bad = decks("bad/unsupported.k");
-    let allowed = read(&bad, &["mesh.allow_unsupported=true".into()]).unwrap_or_else(|report| panic!("{report}"));
+    let allowed = read(&bad, &["mesh.allow_unsupported=true".into()])
+        .unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(allowed.unsupported.len(), 3);
     assert!(
         allowed.unsupported[0].starts_with("*AIRBAG_SIMPLE_PRESSURE_VOLUME (")
             && allowed.unsupported[0].contains("unsupported.k:")
     );
-    let named =
-        "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_INTERPOLATION\"]";
+    let named = "mesh.leave_out=[\"AIRBAG_SIMPLE_PRESSURE_VOLUME\", \"*load_thermal_constant\", \"CONSTRAINED_INTERPOLATION\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
-    let run = program::run(crumple_with(&["run", bad.to_str().unwrap(), "--allow-unsupported", "--workers", "1"]))
-        .with_code(0);
+    let run = program::run(crumple_with(&[
+        "run",
+        bad.to_str().unwrap(),
+        "--allow-unsupported",
+        "--workers",
+        "1",
+    ]))
+    .with_code(0);
     assert_eq!(run.summary()["unsupported"].as_array().map(Vec::len), Some(3));
 }
 
@@ -139,9 +158,11 @@ fn includes_are_read_in_place() {
     let (before, rest) = text.split_once("*NODE\n").unwrap();
     let (nodes, after) = rest.split_once("*ELEMENT_SHELL\n").unwrap();
     fs::create_dir(folder.path().join("mesh")).unwrap();
-    fs::write(folder.path().join("mesh/nodes.k"), format!("*KEYWORD\n*NODE\n{nodes}*END\nno more")).unwrap();
+    fs::write(folder.path().join("mesh/nodes.k"), format!("*KEYWORD\n*NODE\n{nodes}*END\nno more"))
+        .unwrap();
     let elements = format!("*ELEMENT_SHELL\n{}", after.split("*END").next().unwrap());
-    fs::write(folder.path().join("mesh/all.k"), format!("*KEYWORD\n*INCLUDE\nnodes.k\n{elements}")).unwrap();
+    fs::write(folder.path().join("mesh/all.k"), format!("*KEYWORD\n*INCLUDE\nnodes.k\n{elements}"))
+        .unwrap();
     let main = folder.path().join("main.k");
     fs::write(&main, format!("{before}*INCLUDE\nmesh/ +\nall.k\n*END\n")).unwrap();
     assert_eq!(whole(&good(&main)), whole(&good(&decks("good/fixed.k"))));
@@ -154,7 +175,8 @@ fn includes_of_other_systems_are_found() {
     let text = fs::read_to_string(decks("good/fixed.k")).unwrap();
     let (before, rest) = text.split_once("*NODE\n").unwrap();
     fs::create_dir(folder.path().join("my meshes")).unwrap();
-    fs::write(folder.path().join("my meshes/mesh 1.k"), format!("*KEYWORD\n*NODE\n{rest}")).unwrap();
+    fs::write(folder.path().join("my meshes/mesh 1.k"), format!("*KEYWORD\n*NODE\n{rest}"))
+        .unwrap();
     let main = folder.path().join("main.k");
     let with = |name: &str| fs::write(&main, format!("{before}*INCLUDE\n{name}\n*END\n")).unwrap();
     for name in ["my meshes/mesh 1.k", "\"my meshes/mesh 1.k\"", "my meshes\\mesh 1.k"] {
@@ -166,7 +188,8 @@ fn includes_of_other_systems_are_found() {
     assert!(report.contains("there is my meshes/mesh 1.k"), "{report}");
 }
 
-/// What a deck survives is told: a file cut short, a card that is there twice, velocities in other units.
+/// What a deck survives is told: a file cut short, a card that is there twice, velocities in other
+/// units.
 #[test]
 fn slips_are_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,7 +208,10 @@ fn slips_are_told() {
         ),
         ("faster than any wave", text.replace("      -3.0", "  -3.0e+06")),
     ] {
-        assert!(!plain.contains(said) && told(text.clone()).contains(said), "not said: {said}\n{text}");
+        assert!(
+            !plain.contains(said) && told(text.clone()).contains(said),
+            "not said: {said}\n{text}"
+        );
     }
 }
 
@@ -201,19 +227,30 @@ fn a_jobs_own_keys_go_before_its_decks() {
     let path = folder.path().join("job.toml");
     fs::write(&path, text).unwrap();
     let (job, plain) = (good(&path).job, good(&deck).job);
-    assert_eq!((job.end_time, job.part[0].thickness, &job.part[0].name), (2.0, 4.0, &plain.part[0].name));
-    assert_eq!((job.part[1].thickness, job.fix.len()), (plain.part[1].thickness, plain.fix.len() + 1));
-    let set = read(&path, &["part.plate.thickness=5".into()]).unwrap_or_else(|report| panic!("{report}")).job;
+    assert_eq!(
+        (job.end_time, job.part[0].thickness, &job.part[0].name),
+        (2.0, 4.0, &plain.part[0].name)
+    );
+    assert_eq!(
+        (job.part[1].thickness, job.fix.len()),
+        (plain.part[1].thickness, plain.fix.len() + 1)
+    );
+    let set = read(&path, &["part.plate.thickness=5".into()])
+        .unwrap_or_else(|report| panic!("{report}"))
+        .job;
     assert_eq!(set.part[0].thickness, 5.0, "the command line goes before both");
     fs::write(&path, "end_time = 1.0\n[mesh]\ndeck = \"nowhere.k\"\n").unwrap();
     let Err(report) = read(&path, &[]) else { panic!("it passes") };
     let report = report.to_string();
-    assert!(report.contains("nowhere.k cannot be read") && report.contains("3 | deck = \"nowhere.k\""), "{report}");
+    assert!(
+        report.contains("nowhere.k cannot be read") && report.contains("3 | deck = \"nowhere.k\""),
+        "{report}"
+    );
 }
 
 #[test]
 fn check_tells_what_was_made_of_a_deck() {
-    let text = crumple::check::describe(&good(&decks("good/fixed.k")));
+    let text = crumple::input::check::describe(&good(&decks("good/fixed.k")));
     for said in [
         "asked -> used",
         "shells, elform 16 -> stabilised_quad, c0_triangle",
@@ -227,17 +264,23 @@ fn check_tells_what_was_made_of_a_deck() {
 #[test]
 fn public_decks_are_what_they_are() {
     let pipe = good(&program::root().join("cases/pipe-whip/pipe.k"));
-    assert_eq!((pipe.mesh.nodes.len(), pipe.mesh.elements.len(), pipe.job.part.len()), (2049, 1704, 4));
+    assert_eq!(
+        (pipe.mesh.nodes.len(), pipe.mesh.elements.len(), pipe.job.part.len()),
+        (2049, 1704, 4)
+    );
     assert_eq!(pipe.job.rigid.len(), 2, "pipe and end are one body, the bracket is another");
     let taylor = good(&decks("taylor/input.k"));
     assert_eq!(taylor.job.units, "mm, s, tonne (guessed)");
     assert_eq!(taylor.job.part[0].element.as_deref(), Some("hexahedron"));
 }
 
-/// The pipe as it is written: what spins is rigid and touches nothing. And the whip that a job makes of it.
+/// The pipe as it is written: what spins is rigid and touches nothing. And the whip that a job
+/// makes of it.
 #[test]
 fn the_pipe_runs_to_its_end_on_any_workers() {
-    let run = |job: &str, workers: &str| program::run(crumple_with(&["run", job, "--workers", workers])).with_code(0);
+    let run = |job: &str, workers: &str| {
+        program::run(crumple_with(&["run", job, "--workers", workers])).with_code(0)
+    };
     for job in ["cases/pipe-whip/pipe.k", "cases/pipe-whip"] {
         let one = run(job, "1");
         let summary = one.summary();
@@ -247,8 +290,11 @@ fn the_pipe_runs_to_its_end_on_any_workers() {
         for workers in ["2", "4"] {
             assert_eq!(one.digest(), run(job, workers).digest(), "{job} on {workers} workers");
         }
-        let strained =
-            summary["parts"].as_array().unwrap().iter().filter(|p| p["plastic_strain_max"].as_f64() > Some(0.05));
+        let strained = summary["parts"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|p| p["plastic_strain_max"].as_f64() > Some(0.05));
         let wanted = if job.ends_with("pipe.k") { 0 } else { 2 };
         assert_eq!(strained.count(), wanted, "{job}: the whip bends one pipe and dents the other");
         // Nothing of the pipe that is hit comes out on the far side of the one that hits it.
@@ -257,7 +303,8 @@ fn the_pipe_runs_to_its_end_on_any_workers() {
     }
 }
 
-/// B01 by a deck: the quarter bar of the Taylor deck with the planes that it leaves out, and the copper and speed of B01.
+/// B01 by a deck: the quarter bar of the Taylor deck with the planes that it leaves out, and the
+/// copper and speed of B01.
 #[test]
 fn the_taylor_bar_shortens_as_the_published_one() {
     let copper = [
@@ -271,13 +318,19 @@ fn the_taylor_bar_shortens_as_the_published_one() {
     let model = crumple_tests::read(&decks("taylor/symmetric.toml"), &copper);
     let engine = crumple_tests::run_alone(&model, |_| {});
     // Nodes of the axis: x = z = 0 at the start.
-    let axis = model.mesh.nodes.iter().filter(|n| n.x[0].abs() < 1e-6 && n.x[2].abs() < 1e-6).map(|n| n.id);
+    let axis = model
+        .mesh
+        .nodes
+        .iter()
+        .filter(|n| n.x[0].abs() < 1e-6 && n.x[2].abs() < 1e-6)
+        .map(|n| n.id);
     let axis: std::collections::BTreeSet<_> = axis.collect();
     let own = (0..engine.nodes.held).filter(|&i| axis.contains(&engine.nodes.id[i]));
     let y: Vec<f64> = own.map(|i| engine.nodes.x[i][1]).collect();
-    let length = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
-    // Lengths scale with the bar: 21.43 of 32.4 mm (B01). 2 %: this bar is thicker (L/D 3.75, not 5.06), its foot is not held
-    // to the wall, and it has five cells on its radius; 1.5 % was seen.
+    let length =
+        y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
+    // Lengths scale with the bar: 21.43 of 32.4 mm (B01). 2 %: this bar is thicker (L/D 3.75, not
+    // 5.06), its foot is not held to the wall, and it has five cells on its radius; 1.5 % was seen.
     assert!((length / 30.0 / (21.43 / 32.4) - 1.0).abs() < 0.02, "{length}");
 }
 
@@ -296,24 +349,31 @@ fn an_exported_job_gives_the_same_digest() {
     let folder = tempfile::tempdir().unwrap();
     let deck = folder.path().join("frame.k");
     let deck = deck.to_str().unwrap();
-    let few = ["--set", "time.max_cycles=40", "--set", "output.field_interval=-1", "--workers", "1"];
-    let digest =
-        |job: &str| program::run(crumple_with(&[&["run", job], few.as_slice()].concat())).with_code(0).digest();
-    for job in ["cases/jeep-frame", "cases/tumble", "cases/block", "cases/twist", "cases/pipe-whip"] {
+    let few =
+        ["--set", "time.max_cycles=40", "--set", "output.field_interval=-1", "--workers", "1"];
+    let digest = |job: &str| {
+        program::run(crumple_with(&[&["run", job], few.as_slice()].concat())).with_code(0).digest()
+    };
+    for job in ["cases/jeep-frame", "cases/tumble", "cases/block", "cases/twist", "cases/pipe-whip"]
+    {
         program::run(crumple_with(&["export-deck", job, "--out", deck])).with_code(0);
         assert_eq!(digest(job), digest(deck), "{job}");
     }
 }
 
-/// What has a card of the format is written as one, so that other programs see it; and it gives the same bits.
+/// What has a card of the format is written as one, so that other programs see it; and it gives the
+/// same bits.
 #[test]
 fn exported_cards_say_what_other_programs_have_to_know() {
     let folder = tempfile::tempdir().unwrap();
     let run = |job: &str, sets: &[&str]| {
-        let ended = program::run(crumple_with(&[&["run", job, "--workers", "1", "--no-report"], sets].concat()));
+        let ended = program::run(crumple_with(
+            &[&["run", job, "--workers", "1", "--no-report"], sets].concat(),
+        ));
         ended.with_code(0).digest()
     };
-    // Vectors and factors that cards have in other digits; a spring that is a damper too; one with a direction.
+    // Vectors and factors that cards have in other digits; a spring that is a damper too; one with
+    // a direction.
     let odd = [
         "wall.roller.displacement=[0.0, 0.3, 1.7]",
         "wall.sled.normal=[1.0, 0.1, 0.03]",
@@ -375,16 +435,23 @@ fn exported_cards_say_what_other_programs_have_to_know() {
     let sled = "tests/decks/scenes/sled.k";
     let wanted = run(sled, odd.as_flattened());
     assert_ne!(wanted, run(sled, &[]), "they are felt");
-    program::run(crumple_with(&[&["export-deck", sled, "--out", first], odd.as_flattened()].concat())).with_code(0);
+    program::run(crumple_with(
+        &[&["export-deck", sled, "--out", first], odd.as_flattened()].concat(),
+    ))
+    .with_code(0);
     assert_eq!(wanted, run(first, &[]));
 }
 
 #[test]
 fn the_page_of_keywords_is_current() {
     let path = program::root().join("cases/DECKS.md");
-    let page = crumple::deck::reference::page();
+    let page = crumple::input::deck::reference::page();
     if std::env::var_os("CRUMPLE_BLESS").is_some() {
         fs::write(&path, &page).unwrap();
     }
-    assert_eq!(fs::read_to_string(&path).unwrap(), page, "run this test with CRUMPLE_BLESS=1 and look at what changed");
+    assert_eq!(
+        fs::read_to_string(&path).unwrap(),
+        page,
+        "run this test with CRUMPLE_BLESS=1 and look at what changed"
+    );
 }

@@ -1,6 +1,7 @@
-//! Edges that meet edges, of shells and of solids: the same bits whichever workers own the one and the other.
+//! Edges that meet edges, of shells and of solids: the same bits whichever workers own the one and
+//! the other.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -20,7 +21,8 @@ struct Bodies {
     element: usize,
 }
 
-/// Where a body lies: a point, its length along a direction in the plane, and whether it is one of those above [mm].
+/// Where a body lies: a point, its length along a direction in the plane, and whether it is one of
+/// those above [mm].
 struct Place {
     at: [f64; 3],
     length: f64,
@@ -54,7 +56,15 @@ impl Bodies {
             self.element += 1;
             let n = first + 2 * i;
             let part = if p.above { 1 } else { 2 };
-            writeln!(self.shells, "[{}, {part}, {n}, {}, {}, {}],", self.element, n + 2, n + 3, n + 1).unwrap();
+            writeln!(
+                self.shells,
+                "[{}, {part}, {n}, {}, {}, {}],",
+                self.element,
+                n + 2,
+                n + 3,
+                n + 1
+            )
+            .unwrap();
         }
     }
 
@@ -72,7 +82,15 @@ impl Bodies {
                 self.element += 1;
                 let n = first + 5 * i + j;
                 let part = if p.above { 1 } else { 2 };
-                writeln!(self.shells, "[{}, {part}, {n}, {}, {}, {}],", self.element, n + 5, n + 6, n + 1).unwrap();
+                writeln!(
+                    self.shells,
+                    "[{}, {part}, {n}, {}, {}, {}],",
+                    self.element,
+                    n + 5,
+                    n + 6,
+                    n + 1
+                )
+                .unwrap();
             }
         }
     }
@@ -99,8 +117,8 @@ impl Bodies {
     }
 }
 
-/// Strips, bars and bent sheets in two layers; the upper one comes down and slides over the lower one, from edge to edge, also where
-/// these belong to different workers.
+/// Strips, bars and bent sheets in two layers; the upper one comes down and slides over the lower
+/// one, from edge to edge, also where these belong to different workers.
 fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
     let mut bodies = Bodies::default();
     for (above, angle) in [(true, 0.0), (false, 70.0)] {
@@ -119,8 +137,9 @@ fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
         }
     }
     let set = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    let parts =
-        |ids: [u32; 2], more: &str| ids.map(|i| format!("[[part]]\nid = {i}\nmaterial = \"steel\"\n{more}\n")).concat();
+    let parts = |ids: [u32; 2], more: &str| {
+        ids.map(|i| format!("[[part]]\nid = {i}\nmaterial = \"steel\"\n{more}\n")).concat()
+    };
     let text = format!(
         r#"
         title = "Strips, bars and roofs across each other"
@@ -160,7 +179,8 @@ fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
         parts([3, 4], ""),
         -weight,
     );
-    job::read_text(PathBuf::from("grid.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+    job::read_text(PathBuf::from("grid.toml"), text, &[])
+        .unwrap_or_else(|report| panic!("{report}"))
 }
 
 const LAWS: [&str; 5] = [
@@ -184,7 +204,11 @@ fn edges_across_workers_give_the_same_bits() {
                 differs, None,
                 "{law}: cycle in which the pairs of {workers} workers differ, renewed every {every}"
             );
-            assert_eq!(many.digest(), alone.digest(), "{law}: {workers} workers, renewed every {every}");
+            assert_eq!(
+                many.digest(),
+                alone.digest(),
+                "{law}: {workers} workers, renewed every {every}"
+            );
         }
     }
 }

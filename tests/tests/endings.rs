@@ -1,6 +1,6 @@
 //! How a run ends other than well, through the binary: exit codes, and what is kept.
 
-use crumple::stop::StopFlag;
+use crumple::run::stop::StopFlag;
 use crumple_proto::transport::threads::{Threads, connect};
 use crumple_proto::transport::{Lost, Tag, Traffic, Transport};
 use crumple_tests::program::{Ended, assert_finite, crumple_with, run, start};
@@ -10,7 +10,8 @@ use std::fs;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// Above the stability limit energy grows from step to step: the run has to be ended, with what it had in order.
+/// Above the stability limit energy grows from step to step: the run has to be ended, with what it
+/// had in order.
 #[test]
 fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     let unstable = ["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=2.5"];
@@ -19,38 +20,65 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     let reason = s["reason"].as_str().unwrap().to_owned();
     assert_eq!(s["status"], "failed");
     for text in ["element ", "time ", "cycle ", "time.safety = 2.5 is above the stability limit"] {
-        assert!(reason.contains(text) && failed.said().contains(&reason), "not said: {text}: {reason}");
+        assert!(
+            reason.contains(text) && failed.said().contains(&reason),
+            "not said: {text}: {reason}"
+        );
     }
     kept(&failed);
-    // Nothing is decided by one worker alone, so the last good state does not depend on them either.
-    let alone = run(crumple_with(&["run", "cases/jeep-frame", "--workers", "1", "--set", "time.safety=2.5"]));
+    // Nothing is decided by one worker alone, so the last good state does not depend on them
+    // either.
+    let alone = run(crumple_with(&[
+        "run",
+        "cases/jeep-frame",
+        "--workers",
+        "1",
+        "--set",
+        "time.safety=2.5",
+    ]));
     assert_eq!((alone.digest(), &alone.summary()["reason"]), (failed.digest(), &s["reason"]));
 }
 
-/// Just above the limit plasticity holds the motion in bounds; swings from step to step, or the balance of energy, tell all the same. The order to stop
-/// reaches workers at a cycle of their own, so nothing is said of the digest.
+/// Just above the limit plasticity holds the motion in bounds; swings from step to step, or the
+/// balance of energy, tell all the same. The order to stop reaches workers at a cycle of their own,
+/// so nothing is said of the digest.
 #[test]
 fn a_run_that_gains_energy_ends_and_names_its_element() {
-    let failed =
-        run(crumple_with(&["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=1.5"])).with_code(3);
+    let failed = run(crumple_with(&[
+        "run",
+        "cases/jeep-frame",
+        "--workers",
+        "2",
+        "--set",
+        "time.safety=1.5",
+    ]))
+    .with_code(3);
     let reason = failed.summary()["reason"].as_str().unwrap().to_owned();
     for text in ["energy", "element ", "time ", "time.safety is 1.5, use 0.9 or less"] {
-        assert!(reason.contains(text) && failed.said().contains(&reason), "not said: {text}: {reason}");
+        assert!(
+            reason.contains(text) && failed.said().contains(&reason),
+            "not said: {text}: {reason}"
+        );
     }
     kept(&failed);
 }
 
-/// Ctrl-C: all workers end the same cycle and write their state. A run with as many cycles gives the same bits.
+/// Ctrl-C: all workers end the same cycle and write their state. A run with as many cycles gives
+/// the same bits.
 #[test]
 fn an_interrupted_run_keeps_the_state_of_its_last_cycle() {
-    let job = ["run", "cases/jeep-frame", "--workers", "3", "--set", "output.history_interval=0.05"];
+    let job =
+        ["run", "cases/jeep-frame", "--workers", "3", "--set", "output.history_interval=0.05"];
     for signal in [Signal::INT, Signal::TERM] {
         let mut running = start(crumple_with(&job));
         running.wait_for_rows(3);
         running.signal(signal);
         let stopped = running.end().with_code(130);
         let s = stopped.summary();
-        assert_eq!((&s["status"], &s["reason"]), (&"stopped".into(), &"stopped by the user".into()));
+        assert_eq!(
+            (&s["status"], &s["reason"]),
+            (&"stopped".into(), &"stopped by the user".into())
+        );
         kept(&stopped);
         let cycles = format!("time.max_cycles={}", s["cycles"]);
         let counted = run(crumple_with(&[&job[..], &["--set", &cycles]].concat())).with_code(0);
@@ -61,9 +89,13 @@ fn an_interrupted_run_keeps_the_state_of_its_last_cycle() {
 
 #[test]
 fn a_limit_of_cycles_is_a_regular_end() {
-    let ended = run(crumple_with(&["run", "cases/tumble", "--set", "time.max_cycles=37"])).with_code(0);
+    let ended =
+        run(crumple_with(&["run", "cases/tumble", "--set", "time.max_cycles=37"])).with_code(0);
     let s = ended.summary();
-    assert_eq!((&s["status"], &s["reason"], &s["cycles"]), (&"completed".into(), &"max_cycles".into(), &37.into()));
+    assert_eq!(
+        (&s["status"], &s["reason"], &s["cycles"]),
+        (&"completed".into(), &"max_cycles".into(), &37.into())
+    );
     kept(&ended);
 }
 
@@ -78,7 +110,10 @@ fn kept(r: &Ended) {
     }
     let time = h.column("time");
     let end = r.summary()["end_time"].as_f64().unwrap();
-    assert!((time.last().unwrap() - end).abs() <= 1e-8 * end, "the last row is of the end: {time:?}, {end}");
+    assert!(
+        (time.last().unwrap() - end).abs() <= 1e-8 * end,
+        "the last row is of the end: {time:?}, {end}"
+    );
     assert!(r.read_fields() >= 2, "the start and the end");
 }
 
@@ -134,7 +169,12 @@ fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
         ("[5, 18.0, 0.0, 0.0]", "[5, 9.0, 0.0, 0.0]", &[], &["element 2"]),
         ("end_time = 0.1", "end_time = 0.1", &["--set", "end_time=nan"], &["end_time", "nan"]),
         ("end_time = 0.1", "end_time = -0.1", &[], &["end_time", "plate.toml:"]),
-        ("end_time = 0.1", "end_time = 0.1", &["--workers", "0"], &["0 workers cannot run anything"]),
+        (
+            "end_time = 0.1",
+            "end_time = 0.1",
+            &["--workers", "0"],
+            &["0 workers cannot run anything"],
+        ),
         ("end_time = 0.1", "end_time = 0.1", &["--workers", "3"], &["workers", "2"]),
     ];
     for (from, to, more, said) in cases {
@@ -156,7 +196,8 @@ fn a_job_that_is_not_there_is_bad_input() {
     }
 }
 
-/// A folder that cannot be written is found out before the run and named; the code is that of bad input.
+/// A folder that cannot be written is found out before the run and named; the code is that of bad
+/// input.
 #[test]
 fn an_output_folder_that_cannot_be_written_is_named() {
     let there = tempfile::tempdir().unwrap();
@@ -165,17 +206,25 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     for in_the_way in ["history.csv", "summary.json"] {
         fs::create_dir_all(there.path().join(in_the_way)).unwrap();
     }
-    for (out, named) in [(file.join("below"), "below"), (file, "file"), (there.path().to_owned(), "history.csv")] {
+    for (out, named) in
+        [(file.join("below"), "below"), (file, "file"), (there.path().to_owned(), "history.csv")]
+    {
         let out = out.to_str().unwrap();
         let refused =
-            run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out])).with_code(2).said();
+            run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out]))
+                .with_code(2)
+                .said();
         for text in [named, "choose another folder with --out"] {
-            assert!(refused.contains(text) && !refused.contains("panicked"), "not said: {text}: {refused}");
+            assert!(
+                refused.contains(text) && !refused.contains("panicked"),
+                "not said: {text}: {refused}"
+            );
         }
     }
 }
 
-/// A wire that panics after so many messages have come in: the worker behind it is lost in the middle of a step.
+/// A wire that panics after so many messages have come in: the worker behind it is lost in the
+/// middle of a step.
 struct Frail(Threads, u32);
 
 impl Transport for Frail {
@@ -210,8 +259,8 @@ impl Transport for Frail {
     }
 }
 
-/// A worker that panics takes its wires with it: master and other workers find that out and end, nobody waits for it.
-/// The binary turns this error into code 4.
+/// A worker that panics takes its wires with it: master and other workers find that out and end,
+/// nobody waits for it. The binary turns this error into code 4.
 #[test]
 fn a_worker_that_panics_is_a_lost_worker() {
     for messages in [0, 1, 40, 2000] {
@@ -230,18 +279,32 @@ fn a_worker_that_panics_is_a_lost_worker() {
             let mut model = read(&case("tumble"), &["output.field_interval=-1"]);
             let out = tempfile::tempdir().unwrap();
             let trace = out.path().join("trace.json");
-            let results = crumple::control::Results { out: out.path(), trace: Some(&trace) };
-            let ended = crumple::control::run(&mut model, &mut master, results, true, &StopFlag::default());
+            let results = crumple::run::control::Results { out: out.path(), trace: Some(&trace) };
+            let ended = crumple::run::control::run(
+                &mut model,
+                &mut master,
+                results,
+                true,
+                &StopFlag::default(),
+            );
             let text = fs::read_to_string(&trace).unwrap();
-            serde_json::from_str::<serde_json::Value>(&text).expect("what came of the trace is JSON");
+            serde_json::from_str::<serde_json::Value>(&text)
+                .expect("what came of the trace is JSON");
             say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();
         });
         // Two workers and the master end with an error; the third worker does not come back.
         let mut errors: Vec<String> = (0..3)
-            .map(|_| hear.recv_timeout(Duration::from_secs(60)).expect("nobody waits for ever").unwrap_err())
+            .map(|_| {
+                hear.recv_timeout(Duration::from_secs(60))
+                    .expect("nobody waits for ever")
+                    .unwrap_err()
+            })
             .collect();
         errors.sort();
-        assert!(errors[0].starts_with("a worker was lost: rank"), "after {messages} messages: {errors:?}");
+        assert!(
+            errors[0].starts_with("a worker was lost: rank"),
+            "after {messages} messages: {errors:?}"
+        );
         assert!(errors[1].contains("was lost") && errors[2].contains("was lost"), "{errors:?}");
     }
 }

@@ -1,7 +1,7 @@
-//! Element deletion: what fails leaves the contact surface, and what was behind it is touched from then on, whichever
-//! workers own the one and the other.
+//! Element deletion: what fails leaves the contact surface, and what was behind it is touched from
+//! then on, whichever workers own the one and the other.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -21,7 +21,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// `count` cubes from `from` on, of the part that `part` gives for a layer; returns the id of the first node.
+    /// `count` cubes from `from` on, of the part that `part` gives for a layer; returns the id of
+    /// the first node.
     fn block(&mut self, count: [usize; 3], from: [f64; 3], part: impl Fn(usize) -> u32) -> usize {
         let first = self.node + 1;
         let [a, b, c] = count;
@@ -30,7 +31,8 @@ impl Rows {
             for j in 0..=b {
                 for i in 0..=a {
                     let x: [f64; 3] = std::array::from_fn(|n| from[n] + SIDE * [i, j, k][n] as f64);
-                    writeln!(self.nodes, "[{}, {:?}, {:?}, {:?}],", id(i, j, k), x[0], x[1], x[2]).unwrap();
+                    writeln!(self.nodes, "[{}, {:?}, {:?}, {:?}],", id(i, j, k), x[0], x[1], x[2])
+                        .unwrap();
                 }
             }
         }
@@ -38,8 +40,16 @@ impl Rows {
             let (i, j, k) = (n % a, n / a % b, n / (a * b));
             self.solid += 1;
             write!(self.solids, "[{}, {}", self.solid, part(k)).unwrap();
-            for (di, dj, dk) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-            {
+            for (di, dj, dk) in [
+                (0, 0, 0),
+                (1, 0, 0),
+                (1, 1, 0),
+                (0, 1, 0),
+                (0, 0, 1),
+                (1, 0, 1),
+                (1, 1, 1),
+                (0, 1, 1),
+            ] {
                 write!(self.solids, ", {}", id(i + di, j + dj, k + dk)).unwrap();
             }
             self.solids += "],\n";
@@ -49,12 +59,14 @@ impl Rows {
     }
 }
 
-/// A rod of one cube's width strikes a plate whose upper layer is brittle and whose lower one is not.
+/// A rod of one cube's width strikes a plate whose upper layer is brittle and whose lower one is
+/// not.
 fn rod_on_plate() -> Model {
     let mut rows = Rows::default();
     let plate = rows.block([5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
     let rod = rows.block([1, 1, 4], [10.5, 9.5, 2.0 * SIDE + GAP], |_| 3);
-    let set = |ids: std::ops::Range<usize>| ids.map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
+    let set =
+        |ids: std::ops::Range<usize>| ids.map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
     let text = format!(
         r#"
         title = "A rod through a brittle layer"
@@ -109,12 +121,15 @@ fn rod_on_plate() -> Model {
     job::read_text(PathBuf::from("rod.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// The rod goes through the brittle layer and is stopped and thrown back by the one beneath, whose faces only come to
-/// light when the first is gone: without them it would fall through all the plate.
+/// The rod goes through the brittle layer and is stopped and thrown back by the one beneath, whose
+/// faces only come to light when the first is gone: without them it would fall through all the
+/// plate.
 #[test]
 fn what_was_behind_a_failed_element_is_touched() {
     let model = rod_on_plate();
-    let top = |e: &crumple_worker::engine::Engine| e.contact.as_ref().map_or(0, |c| c.surface.segments.len());
+    let top = |e: &crumple_worker::engine::Engine| {
+        e.contact.as_ref().map_or(0, |c| c.surface.segments.len())
+    };
     let (mut at_start, mut lowest, mut failed) = (None, f64::INFINITY, 0);
     let end = run_alone(&model, |e| {
         at_start.get_or_insert(top(e));
@@ -122,16 +137,28 @@ fn what_was_behind_a_failed_element_is_touched() {
         lowest = rod.fold(lowest, |low: f64, (_, x)| low.min(x[2]));
         failed = e.blocks.elements.iter().filter(|b| b.record.failed).count();
     });
-    assert!(failed > 0 && top(&end) > at_start.unwrap(), "{failed} failed: each bares up to five faces");
-    // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth of its height.
+    assert!(
+        failed > 0 && top(&end) > at_start.unwrap(),
+        "{failed} failed: each bares up to five faces"
+    );
+    // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth
+    // of its height.
     assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");
     assert!(lowest > SIDE - 0.5, "and to be stopped by the lower one: {lowest}");
-    let speed =
-        end.nodes.id.iter().zip(&end.nodes.v).filter(|(id, _)| id.0 > 108).map(|(_, v)| v[2]).sum::<f64>() / 20.0;
+    let speed = end
+        .nodes
+        .id
+        .iter()
+        .zip(&end.nodes.v)
+        .filter(|(id, _)| id.0 > 108)
+        .map(|(_, v)| v[2])
+        .sum::<f64>()
+        / 20.0;
     assert!(speed > 0.0, "thrown back: {speed}");
 }
 
-/// Surfaces, and with them the bits, do not depend on who owns what has failed and what lies behind.
+/// Surfaces, and with them the bits, do not depend on who owns what has failed and what lies
+/// behind.
 #[test]
 fn deletion_gives_the_same_bits_on_any_number_of_workers() {
     let model = rod_on_plate();
@@ -145,7 +172,8 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
     }
 }
 
-/// A sheet of 8 by 8 shells above another one; a node of the upper sheet is shot along it, through its neighbours.
+/// A sheet of 8 by 8 shells above another one; a node of the upper sheet is shot along it, through
+/// its neighbours.
 fn shot_sheet(inverted: &str, element: &str) -> Model {
     const N: usize = 8;
     let (mut nodes, mut quads) = (String::new(), String::new());
@@ -153,11 +181,15 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
         let (first, z) = (sheet * (N + 1) * (N + 1) + 1, 3.0 * sheet as f64);
         let id = |i: usize, j: usize| first + j * (N + 1) + i;
         for (i, j) in (0..=N).flat_map(|j| (0..=N).map(move |i| (i, j))) {
-            writeln!(nodes, "[{}, {:?}, {:?}, {z:?}],", id(i, j), SIDE * i as f64, SIDE * j as f64).unwrap();
+            writeln!(nodes, "[{}, {:?}, {:?}, {z:?}],", id(i, j), SIDE * i as f64, SIDE * j as f64)
+                .unwrap();
         }
         for (i, j) in (0..N).flat_map(|j| (0..N).map(move |i| (i, j))) {
-            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string()).join(", ");
-            writeln!(quads, "[{}, {}, {corners}],", sheet * N * N + j * N + i + 1, sheet + 1).unwrap();
+            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]
+                .map(|n| n.to_string())
+                .join(", ");
+            writeln!(quads, "[{}, {}, {corners}],", sheet * N * N + j * N + i + 1, sheet + 1)
+                .unwrap();
         }
     }
     let shot = (N + 1) * (N + 1) + 1 + 4 * (N + 1) + 4;
@@ -197,10 +229,12 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
         [contact]
         "#
     );
-    job::read_text(PathBuf::from("shot.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+    job::read_text(PathBuf::from("shot.toml"), text, &[])
+        .unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// An inverted shell ends the run, or leaves the contact surface and the sums where its part lets it, whoever owns it.
+/// An inverted shell ends the run, or leaves the contact surface and the sums where its part lets
+/// it, whoever owns it.
 #[test]
 fn inverted_shells_end_the_run_or_leave_it() {
     for element in ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"] {
@@ -208,15 +242,26 @@ fn inverted_shells_end_the_run_or_leave_it() {
         assert!(stopped.trouble.is_some(), "{element}: the scene has to invert a shell");
 
         let model = shot_sheet("delete", element);
-        let segments = |e: &crumple_worker::engine::Engine| e.contact.as_ref().map_or(0, |c| c.surface.segments.len());
+        let segments = |e: &crumple_worker::engine::Engine| {
+            e.contact.as_ref().map_or(0, |c| c.surface.segments.len())
+        };
         let (mut at_start, mut named) = (None, 0);
         let end = run_alone(&model, |e| {
             at_start.get_or_insert(segments(e));
             named = e.inverted.len();
         });
-        let failed: Vec<_> = end.blocks.elements.iter().filter(|e| e.record.failed).map(|e| e.record.id).collect();
-        assert!(!failed.is_empty() && failed.len() < 16, "{element}: a few around the node, {}", failed.len());
-        assert_eq!(segments(&end), at_start.unwrap() - failed.len(), "{element}: each was one segment");
+        let failed: Vec<_> =
+            end.blocks.elements.iter().filter(|e| e.record.failed).map(|e| e.record.id).collect();
+        assert!(
+            !failed.is_empty() && failed.len() < 16,
+            "{element}: a few around the node, {}",
+            failed.len()
+        );
+        assert_eq!(
+            segments(&end),
+            at_start.unwrap() - failed.len(),
+            "{element}: each was one segment"
+        );
         assert_eq!(named, failed.len(), "{element}: each is named");
         assert!(failed.iter().all(|&id| end.blocks.is_deleted(id)));
 

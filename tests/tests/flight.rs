@@ -1,7 +1,9 @@
-//! The jeep frame thrown with a spin, touching nothing: what is kept, and how seldom boxes are renewed.
+//! The jeep frame thrown with a spin, touching nothing: what is kept, and how seldom boxes are
+//! renewed.
 //!
-//! Wang 2007 redecomposes when the largest displacement exceeds the buffer. Here displacement is measured apart from a
-//! rigid motion of each worker's content, so flight alone asks for nothing; only the frame's own vibration does.
+//! Wang 2007 redecomposes when the largest displacement exceeds the buffer. Here displacement is
+//! measured apart from a rigid motion of each worker's content, so flight alone asks for nothing;
+//! only the frame's own vibration does.
 
 use crumple_tests::program::{Ended, crumple_with, numbers, run};
 
@@ -9,7 +11,8 @@ use crumple_tests::program::{Ended, crumple_with, numbers, run};
 const BUFFER: &str = "parallel.buffer=7.042";
 
 fn flight(workers: &str) -> Ended {
-    // Boxes are recomputed for the load only, which depends on the clock; here motion alone is to ask.
+    // Boxes are recomputed for the load only, which depends on the clock; here motion alone is to
+    // ask.
     let args = [
         "run",
         "cases/flight",
@@ -30,7 +33,8 @@ fn drift(r: &Ended, name: &str) -> f64 {
     let h = r.history();
     let [x, y, z] = ["x", "y", "z"].map(|c| h.column(&format!("{name} {c}")));
     let size = (x[0] * x[0] + y[0] * y[0] + z[0] * z[0]).sqrt();
-    let off = |i: usize| ((x[i] - x[0]).powi(2) + (y[i] - y[0]).powi(2) + (z[i] - z[0]).powi(2)).sqrt();
+    let off =
+        |i: usize| ((x[i] - x[0]).powi(2) + (y[i] - y[0]).powi(2) + (z[i] - z[0]).powi(2)).sqrt();
     (0..x.len()).map(off).fold(0.0, f64::max) / size
 }
 
@@ -44,18 +48,21 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
     let buffer: f64 = BUFFER.split_once('=').unwrap().1.parse().unwrap();
     // Against fixed boxes the frame would use up the buffer every 0.7 b / |v| = 0.5 ms.
     let fixed = 20.0 * numbers(&s["momentum"]["start"])[0].abs() / 103.9 / (0.7 * buffer);
-    // Against boxes that only translate, by the spin's motion relative to the centre of a worker's quarter
-    // (half its length is 500 mm at 0.0229 / ms, and of two bodies twice that is relative).
+    // Against boxes that only translate, by the spin's motion relative to the centre of a worker's
+    // quarter (half its length is 500 mm at 0.0229 / ms, and of two bodies twice that is relative).
     let spin = 0.005f64.hypot(0.01).hypot(0.02);
     let translated = 20.0 * spin * 500.0 / (0.7 * buffer);
-    eprintln!("{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate {translated:.0}");
+    eprintln!(
+        "{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate {translated:.0}"
+    );
     assert!(fixed > 30.0 && translated > 30.0);
-    // The frame starts to spin without the stretch that belongs to it and swings; that may use the margin up now and then.
+    // The frame starts to spin without the stretch that belongs to it and swings; that may use the
+    // margin up now and then.
     assert!(low == 0 && high <= 2, "{low} low and {high} high in 20 ms");
 
     for r in [&one, &four] {
-        // Central differences keep linear momentum, and angular momentum of lumped masses, to round-off of the sums;
-        // history has ten digits.
+        // Central differences keep linear momentum, and angular momentum of lumped masses, to
+        // round-off of the sums; history has ten digits.
         let (p, l) = (drift(r, "momentum"), drift(r, "angular momentum"));
         let error = r.summary()["energy"]["error_max"].as_f64().unwrap();
         eprintln!("momentum {p:.1e}, angular momentum {l:.1e}, energy {error:.1e}");
@@ -64,7 +71,10 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
         assert!(error < 1e-6, "energy drifts by {error:e}");
         let m = &r.summary()["momentum"];
         let (start, end) = (numbers(&m["start"]), numbers(&m["end"]));
-        // In full digits: a sum of 7190 terms of 13.4 * m, round-off sqrt(7190) * 1e-16 and more over 6000 steps.
-        (0..3).for_each(|c| assert!((end[c] - start[c]).abs() < 1e-10 * start[0].abs(), "{start:?} {end:?}"));
+        // In full digits: a sum of 7190 terms of 13.4 * m, round-off sqrt(7190) * 1e-16 and more
+        // over 6000 steps.
+        (0..3).for_each(|c| {
+            assert!((end[c] - start[c]).abs() < 1e-10 * start[0].abs(), "{start:?} {end:?}")
+        });
     }
 }

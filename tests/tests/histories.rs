@@ -1,5 +1,6 @@
-//! Histories by kind against closed forms, and the same values on any number of workers. Units mm, ms, kg, so kN and J.
-//! Numbers in the files have ten digits: that, times the largest of a column, is what sums of them are compared within.
+//! Histories by kind against closed forms, and the same values on any number of workers. Units mm,
+//! ms, kg, so kN and J. Numbers in the files have ten digits: that, times the largest of a column,
+//! is what sums of them are compared within.
 
 use crumple_tests::program::{Ended, crumple_with, run};
 use std::fs;
@@ -16,14 +17,17 @@ struct Table {
 
 impl Table {
     fn of(ended: &Ended, name: &str) -> Self {
-        let text =
-            fs::read_to_string(ended.out().join(name)).unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
+        let text = fs::read_to_string(ended.out().join(name))
+            .unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
         let mut lines = text.lines().map(|line| line.split(',').map(String::from).collect());
         Self { header: lines.next().expect("a header"), rows: lines.collect() }
     }
 
     fn at(&self, name: &str) -> usize {
-        self.header.iter().position(|h| h.starts_with(name)).unwrap_or_else(|| panic!("no {name} in {:?}", self.header))
+        self.header
+            .iter()
+            .position(|h| h.starts_with(name))
+            .unwrap_or_else(|| panic!("no {name} in {:?}", self.header))
     }
 
     /// A column of the rows that have `word` in column `by`; of all rows where `by` is empty.
@@ -59,12 +63,15 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// The two bars, with a row in every cycle.
 fn bars(workers: &str) -> Ended {
     let sets = ["--set", "output.history_interval=1e-9", "--set", "output.field_interval=-1"];
-    run(crumple_with(&[&["run", "cases/bars", "--quiet", "--workers", workers], &sets[..]].concat())).with_code(0)
+    run(crumple_with(
+        &[&["run", "cases/bars", "--quiet", "--workers", workers], &sets[..]].concat(),
+    ))
+    .with_code(0)
 }
 
-/// What the parts have adds up to what the model has, and the contact force on a bar is what changes its momentum: with
-/// the impulse F mid between two mid-steps, and momentum at a time the mean of those before and after,
-/// `P(n+1) - P(n) = (F(n) mid(n) + F(n+1) mid(n+1)) / 2`.
+/// What the parts have adds up to what the model has, and the contact force on a bar is what
+/// changes its momentum: with the impulse F mid between two mid-steps, and momentum at a time the
+/// mean of those before and after, `P(n+1) - P(n) = (F(n) mid(n) + F(n+1) mid(n+1)) / 2`.
 #[test]
 fn parts_add_up_and_contact_changes_their_momentum() {
     let ended = bars("1");
@@ -79,14 +86,24 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     }
     let mass = parts.column("mass", "part", "1");
     let side = 100.0 / 40.0;
-    assert!((mass[0] / (RHO * 0.2 * side * 100.0) - 1.0).abs() < DIGITS, "a bar one quad wide: {}", mass[0]);
+    assert!(
+        (mass[0] / (RHO * 0.2 * side * 100.0) - 1.0).abs() < DIGITS,
+        "a bar one quad wide: {}",
+        mass[0]
+    );
 
     let contacts = Table::of(&ended, "contacts.csv");
     let (f1, f2) = (contacts.vector("force", "part", "1"), contacts.vector("force", "part", "2"));
-    assert!(f1.iter().zip(&f2).all(|(a, b)| (0..3).all(|c| a[c] == -b[c])), "what one feels the other feels too");
+    assert!(
+        f1.iter().zip(&f2).all(|(a, b)| (0..3).all(|c| a[c] == -b[c])),
+        "what one feels the other feels too"
+    );
     let pairs = Table::of(&ended, "contact_pairs.csv").vector("force", "on part", "1");
     let felt: Vec<[f64; 3]> = f1.iter().copied().filter(|f| *f != [0.0; 3]).collect();
-    assert!(felt.len() > 20 && pairs.iter().copied().filter(|f| *f != [0.0; 3]).eq(felt), "one pair of parts");
+    assert!(
+        felt.len() > 20 && pairs.iter().copied().filter(|f| *f != [0.0; 3]).eq(felt),
+        "one pair of parts"
+    );
 
     let dt = all.column("dt");
     // The last row tells of the time before, with the step after it.
@@ -101,8 +118,8 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     }
 }
 
-/// The files hold the same on any number of workers, to round-off of the sums over them; the state is the same to the bit,
-/// and the same as without any of these files.
+/// The files hold the same on any number of workers, to round-off of the sums over them; the state
+/// is the same to the bit, and the same as without any of these files.
 #[test]
 fn workers_make_no_difference() {
     let scene = |workers: &str, more: &[&str]| {
@@ -115,8 +132,14 @@ fn workers_make_no_difference() {
     let off = ["output.parts=false", "output.contacts=false"].map(|s| ["--set", s]);
     let without = scene("1", off.as_flattened());
     assert_eq!(alone.digest(), without.digest());
-    assert!(!without.out().join("parts.csv").exists() && !without.out().join("contacts.csv").exists());
-    let touched = Table::of(&alone, "contacts.csv").vector("force", "", "").iter().filter(|f| **f != [0.0; 3]).count();
+    assert!(
+        !without.out().join("parts.csv").exists() && !without.out().join("contacts.csv").exists()
+    );
+    let touched = Table::of(&alone, "contacts.csv")
+        .vector("force", "", "")
+        .iter()
+        .filter(|f| **f != [0.0; 3])
+        .count();
     assert!(touched > 10, "bodies touch: {touched}");
     for workers in ["2", "4"] {
         let several = scene(workers, &[]);
@@ -125,7 +148,8 @@ fn workers_make_no_difference() {
             let (a, b) = (Table::of(&alone, name), Table::of(&several, name));
             assert_eq!(a.rows.len(), b.rows.len(), "{name}");
             for c in first..a.header.len() {
-                let numbers = |t: &Table| t.rows.iter().map(|r| r[c].parse().unwrap()).collect::<Vec<f64>>();
+                let numbers =
+                    |t: &Table| t.rows.iter().map(|r| r[c].parse().unwrap()).collect::<Vec<f64>>();
                 let (x, y) = (numbers(&a), numbers(&b));
                 let scale = largest(&x);
                 let differ = x.iter().zip(&y).find(|(x, y)| (**x - **y).abs() > DIGITS * scale);
@@ -135,8 +159,8 @@ fn workers_make_no_difference() {
     }
 }
 
-/// Transducers on each part, and from one on another, have the same digits on any number of workers, add up to what parts feel,
-/// and change nothing of the state.
+/// Transducers on each part, and from one on another, have the same digits on any number of
+/// workers, add up to what parts feel, and change nothing of the state.
 #[test]
 fn transducers_have_the_same_digits_on_any_workers() {
     let asked = "output.transducer=[{ name = \"on 2\", parts = [2] }, { name = \"2 from 1\", parts = [2], from_parts = [1] }, \
@@ -158,7 +182,9 @@ fn transducers_have_the_same_digits_on_any_workers() {
     let scale = largest(part.as_flattened());
     assert!(scale > 0.0 && part.iter().filter(|f| **f != [0.0; 3]).count() > 5, "part 2 is hit");
     assert!(part.iter().zip(of("on 2")).all(|(a, b)| apart(*a, b) < DIGITS * scale));
-    assert!(of("2 from 1").iter().zip(of("1 from 2")).all(|(a, b)| apart(*a, b.map(|c| -c)) == 0.0));
+    assert!(
+        of("2 from 1").iter().zip(of("1 from 2")).all(|(a, b)| apart(*a, b.map(|c| -c)) == 0.0)
+    );
 }
 
 /// A strip of ten quads of side 5 along x, 4 thick, parts 1 (the first half) and 2.
@@ -166,11 +192,13 @@ fn strip(more: &str) -> String {
     let (mut nodes, mut shells) = (String::new(), String::new());
     for i in 0..=10 {
         for j in 0..2 {
-            nodes += &format!("[{}, {:?}, {:?}, 0.0], ", 2 * i + j + 1, 5.0 * i as f64, 5.0 * j as f64);
+            nodes +=
+                &format!("[{}, {:?}, {:?}, 0.0], ", 2 * i + j + 1, 5.0 * i as f64, 5.0 * j as f64);
         }
         if i < 10 {
             let n = 2 * i + 1;
-            shells += &format!("[{}, {}, {n}, {}, {}, {}], ", i + 1, 1 + i / 5, n + 2, n + 3, n + 1);
+            shells +=
+                &format!("[{}, {}, {n}, {}, {}, {}], ", i + 1, 1 + i / 5, n + 2, n + 3, n + 1);
         }
     }
     format!(
@@ -199,9 +227,9 @@ fn place(nodes: &Table, ids: [&str; 2]) -> [f64; 3] {
     std::array::from_fn(|c| 0.5 * (a[c] + b[c]))
 }
 
-/// A strip that has come to rest under a force at its tip bears that force in every section, and the moment that it has
-/// about the section's middle where the strip now is. Rest is to within `exp(-8.35 * 4)` of the slowest mode, critically
-/// damped: 3e-15, times its time.
+/// A strip that has come to rest under a force at its tip bears that force in every section, and
+/// the moment that it has about the section's middle where the strip now is. Rest is to within
+/// `exp(-8.35 * 4)` of the slowest mode, critically damped: 3e-15, times its time.
 #[test]
 fn sections_bear_what_is_applied() {
     let force = [0.5, 0.0, 2e-3];
@@ -222,22 +250,34 @@ fn sections_bear_what_is_applied() {
             let m = *sections.vector("moment", "section", name).last().unwrap();
             let c = *sections.vector("middle", "section", name).last().unwrap();
             let signed = |v: [f64; 3]| v.map(|c| sign * c);
-            assert!(apart(f, signed(force)) < DIGITS * force[0], "{name}: force {f:?}, applied {force:?}");
-            assert!(apart(m, signed(turn)) < 1e-7 * turn[1].abs(), "{name}: moment {m:?}, not {turn:?}");
+            assert!(
+                apart(f, signed(force)) < DIGITS * force[0],
+                "{name}: force {f:?}, applied {force:?}"
+            );
+            assert!(
+                apart(m, signed(turn)) < 1e-7 * turn[1].abs(),
+                "{name}: moment {m:?}, not {turn:?}"
+            );
             assert!(apart(c, middle) < DIGITS * tip[0], "{c:?}, not {middle:?}");
         }
     }
 }
 
-/// Pressure that acts on a section's own elements is no force in the section: the right half under a pressure p passes on
-/// what acts beyond the section's nodes, p times its area but for the half element that they carry themselves.
+/// Pressure that acts on a section's own elements is no force in the section: the right half under
+/// a pressure p passes on what acts beyond the section's nodes, p times its area but for the half
+/// element that they carry themselves.
 #[test]
 fn pressure_on_the_elements_of_a_section_does_not_count() {
     let p = 1e-6;
-    let ended = job(&held_strip(&format!("[[pressure]]\nparts = [2]\npressure = {p:?}\n")), &["--workers", "1"]);
-    let force = *Table::of(&ended, "sections.csv").vector("force", "section", "right").last().unwrap();
+    let ended = job(
+        &held_strip(&format!("[[pressure]]\nparts = [2]\npressure = {p:?}\n")),
+        &["--workers", "1"],
+    );
+    let force =
+        *Table::of(&ended, "sections.csv").vector("force", "section", "right").last().unwrap();
     let wanted = -p * (125.0 - 12.5);
-    // The strip bends by a thousandth of its length, which turns the pressure's direction and shortens nothing.
+    // The strip bends by a thousandth of its length, which turns the pressure's direction and
+    // shortens nothing.
     assert!((force[2] / wanted - 1.0).abs() < 1e-5, "{force:?}, not {wanted}");
 }
 
@@ -250,19 +290,25 @@ fn nodes_fall() {
          [output]\nfield_interval = -1\nhistory_interval = 1e-9\n[[output.node]]\nids = [3]\n"
     ));
     let nodes = Table::of(&job(&text, &["--workers", "2"]), "nodes.csv");
-    let [u, v, a] = ["displacement", "velocity", "acceleration"].map(|name| nodes.vector(name, "id", "3"));
+    let [u, v, a] =
+        ["displacement", "velocity", "acceleration"].map(|name| nodes.vector(name, "id", "3"));
     let times = nodes.column("time", "", "");
     // The last row has the velocity of the mid-step before, see the README.
     assert!(times.len() > 20);
     for (((t, u), v), a) in times.iter().zip(&u).zip(&v).zip(&a).take(times.len() - 1) {
-        assert!((v[2] - v0 + g * t).abs() < DIGITS * v0 && (a[2] + g).abs() < 1e-7 * g, "{t}: {v:?} {a:?}");
-        // Steps of a strip that stays as it is change by round-off only, so that the scheme is exact.
+        assert!(
+            (v[2] - v0 + g * t).abs() < DIGITS * v0 && (a[2] + g).abs() < 1e-7 * g,
+            "{t}: {v:?} {a:?}"
+        );
+        // Steps of a strip that stays as it is change by round-off only, so that the scheme is
+        // exact.
         assert!((u[2] - v0 * t + 0.5 * g * t * t).abs() < DIGITS, "{t}: {u:?}");
     }
 }
 
-/// What a wall has given is what has changed the momentum: with P(n) the mean of the momenta of the mid-steps around it,
-/// `P(n) - P(n-1) = (I(n) - I(n-2)) / 2`. Mean forces times the times between rows are the impulse.
+/// What a wall has given is what has changed the momentum: with P(n) the mean of the momenta of the
+/// mid-steps around it, `P(n) - P(n-1) = (I(n) - I(n-2)) / 2`. Mean forces times the times between
+/// rows are the impulse.
 #[test]
 fn walls_change_the_momentum() {
     let text = strip(
@@ -273,7 +319,8 @@ fn walls_change_the_momentum() {
         let ended = job(&text, &["--workers", workers]);
         let (walls, all) = (Table::of(&ended, "walls.csv"), ended.history());
         let (times, momentum) = (all.column("time"), all.column("momentum x"));
-        let impulse: Vec<f64> = walls.vector("impulse", "wall", "barrier").iter().map(|p| p[0]).collect();
+        let impulse: Vec<f64> =
+            walls.vector("impulse", "wall", "barrier").iter().map(|p| p[0]).collect();
         let last = times.len() - 1;
         assert!(
             impulse[last] > 1.5 * momentum[0].abs(),
@@ -282,11 +329,19 @@ fn walls_change_the_momentum() {
             momentum[0]
         );
         for n in 2..last {
-            let (change, given) = (momentum[n] - momentum[n - 1], 0.5 * (impulse[n] - impulse[n - 2]));
-            assert!((change - given).abs() < DIGITS * momentum[0].abs(), "row {n}: {change}, not {given}");
+            let (change, given) =
+                (momentum[n] - momentum[n - 1], 0.5 * (impulse[n] - impulse[n - 2]));
+            assert!(
+                (change - given).abs() < DIGITS * momentum[0].abs(),
+                "row {n}: {change}, not {given}"
+            );
         }
         let mean = walls.vector("mean force", "wall", "barrier");
         let summed: f64 = (1..=last).map(|n| mean[n][0] * (times[n] - times[n - 1])).sum();
-        assert!(((summed + impulse[0]) / impulse[last] - 1.0).abs() < 1e-6, "{summed}, not {}", impulse[last]);
+        assert!(
+            ((summed + impulse[0]) / impulse[last] - 1.0).abs() < 1e-6,
+            "{summed}, not {}",
+            impulse[last]
+        );
     }
 }

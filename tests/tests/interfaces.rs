@@ -1,6 +1,6 @@
 //! Contact interfaces: parts that touch by numbers of their own, or not at all. Units mm, ms, kg.
 
-use crumple::job;
+use crumple::input::job;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 
@@ -13,11 +13,18 @@ const RAMP: f64 = 0.1;
 /// Mean velocity and height of the block's nodes.
 fn block(e: &Engine) -> ([f64; 3], f64) {
     let part = |id: u32| e.settings.parts.iter().position(|p| p.id == id).unwrap() as u32;
-    let mut nodes: Vec<u32> =
-        e.blocks.elements.iter().filter(|l| l.record.part == part(2)).flat_map(|l| l.nodes).collect();
+    let mut nodes: Vec<u32> = e
+        .blocks
+        .elements
+        .iter()
+        .filter(|l| l.record.part == part(2))
+        .flat_map(|l| l.nodes)
+        .collect();
     nodes.sort_unstable();
     nodes.dedup();
-    let mean = |of: &dyn Fn(usize) -> f64| nodes.iter().map(|&n| of(n as usize)).sum::<f64>() / nodes.len() as f64;
+    let mean = |of: &dyn Fn(usize) -> f64| {
+        nodes.iter().map(|&n| of(n as usize)).sum::<f64>() / nodes.len() as f64
+    };
     let velocity = std::array::from_fn(|c| mean(&|n| e.nodes.v[n][c]));
     (velocity, mean(&|n| e.nodes.x[n][2]))
 }
@@ -37,12 +44,21 @@ fn an_interface_of_the_two_parts_gives_the_bits_of_one_contact() {
     let turned = "contact.interface=[{parts=[2], against=[1], friction=0.3}]";
     assert_eq!(digest(&[short, "contact.friction=0", turned]), plain, "either way round");
     let other = "contact.interface=[{parts=[2], friction=0.3}]";
-    assert_eq!(digest(&[short, "contact.friction=0", other]), frictionless, "the block with itself");
+    assert_eq!(
+        digest(&[short, "contact.friction=0", other]),
+        frictionless,
+        "the block with itself"
+    );
     let alone = "contact.interface=[{parts=[1], against=[2]}]";
-    assert_eq!(digest(&[short, "contact.law=none", "contact.friction=0.3", alone]), plain, "nothing else touches");
+    assert_eq!(
+        digest(&[short, "contact.law=none", "contact.friction=0.3", alone]),
+        plain,
+        "nothing else touches"
+    );
 }
 
-/// Speed at a time of a mass under friction that falls with the speed, by small steps of the midpoint rule.
+/// Speed at a time of a mass under friction that falls with the speed, by small steps of the
+/// midpoint rule.
 fn slowed(friction: impl Fn(f64) -> f64, end: f64) -> f64 {
     let steps = 20_000;
     let (dt, mut v, mut t) = (end / f64::from(steps), SPEED, 0.0f64);
@@ -63,8 +79,12 @@ fn friction_falls_with_the_sliding_speed() {
     let constant = slowed(|_| fs, end);
     for law in ["lagrange", "kinematic", "penalty"] {
         let law = format!("contact.law={law}");
-        let numbers = ["contact.friction=0.4", "contact.friction_dynamic=0.1", "contact.friction_decay=0.25"];
-        let engine = run_alone(&read(&case("slide"), &[&numbers[..], &[&law, "end_time=1.5"]].concat()), |_| {});
+        let numbers =
+            ["contact.friction=0.4", "contact.friction_dynamic=0.1", "contact.friction_decay=0.25"];
+        let engine = run_alone(
+            &read(&case("slide"), &[&numbers[..], &[&law, "end_time=1.5"]].concat()),
+            |_| {},
+        );
         let lost = SPEED - block(&engine).0[0];
         let right = SPEED - expected;
         assert!((lost / right - 1.0).abs() < 0.01, "{law}: lost {lost}, {right} by hand");
@@ -72,7 +92,8 @@ fn friction_falls_with_the_sliding_speed() {
     }
 }
 
-/// Without contact the weight drives the block down: with w(t) = W t/T up to T, and W after it, it sinks by W/m (t^2/2 - T t/2 + T^2/6).
+/// Without contact the weight drives the block down: with w(t) = W t/T up to T, and W after it, it
+/// sinks by W/m (t^2/2 - T t/2 + T^2/6).
 #[test]
 fn parts_that_do_not_touch_pass_through_each_other() {
     let end = 0.5;
@@ -107,19 +128,28 @@ fn contact_is_there_from_birth_to_death() {
         }
         speeds.push((e.clock.time, block(e).0[2]));
     });
-    assert!(seen[0] == 0 && seen[1] > 100 && seen[2] == 0, "pairs before, between and after: {seen:?}");
+    assert!(
+        seen[0] == 0 && seen[1] > 100 && seen[2] == 0,
+        "pairs before, between and after: {seen:?}"
+    );
     let at = |t: f64| speeds.iter().find(|s| s.0 >= t).unwrap().1;
     assert!(at(0.19) < -1.0, "it falls: {}", at(0.19));
     assert!(at(0.38) > at(0.19) + 1.0, "it is stopped: {} after {}", at(0.38), at(0.19));
     assert!(at(0.59) < at(0.41) - 1.0, "it falls again: {} after {}", at(0.59), at(0.41));
 }
 
-/// Two sheets of 1 mm that fly at each other turn where their middles are as far apart as the interface says.
+/// Two sheets of 1 mm that fly at each other turn where their middles are as far apart as the
+/// interface says.
 #[test]
 fn sheets_meet_at_the_thickness_of_their_interface() {
     let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
         let node = |k: usize| {
-            format!("[{}, {:?}, {:?}, {z:?}],", first + k, 5.0 * (k % 4) as f64 + shift, 5.0 * (k / 4) as f64 + shift)
+            format!(
+                "[{}, {:?}, {:?}, {z:?}],",
+                first + k,
+                5.0 * (k % 4) as f64 + shift,
+                5.0 * (k / 4) as f64 + shift
+            )
         };
         let nodes: String = (0..16).map(node).collect();
         let corners = |e: usize| {
@@ -130,7 +160,9 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
     };
     let gap = |contact: &str| {
         let ((n1, s1), (n2, s2)) = (sheet(1, 1, 1, 0.0, 0.0), sheet(21, 21, 2, 6.0, 1.3));
-        let set = |first: usize| (first..first + 16).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
+        let set = |first: usize| {
+            (first..first + 16).map(|n| n.to_string()).collect::<Vec<_>>().join(", ")
+        };
         let text = format!(
             "end_time = 6.0\n[mesh]\nnodes = [{n1}{n2}]\nshells = [{s1}{s2}]\n[mesh.node_sets]\nlow = [{}]\nhigh = [{}]\n\
              [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
@@ -149,7 +181,10 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
             let of = |range: std::ops::Range<usize>| range.map(|n| e.nodes.x[n][2]);
             let felt = (0..16).any(|n| e.nodes.v[n][2] != 0.0);
             if felt && apart.is_none() {
-                apart = Some(of(16..32).fold(f64::INFINITY, f64::min) - of(0..16).fold(f64::NEG_INFINITY, f64::max));
+                apart = Some(
+                    of(16..32).fold(f64::INFINITY, f64::min)
+                        - of(0..16).fold(f64::NEG_INFINITY, f64::max),
+                );
             }
         });
         apart.expect("they meet")
@@ -168,7 +203,8 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
     }
 }
 
-/// Several laws in one scene: the same bits on any number of workers, momentum kept, and no energy made.
+/// Several laws in one scene: the same bits on any number of workers, momentum kept, and no energy
+/// made.
 #[test]
 fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
     let laws = "contact.interface=[{parts=[1], law=\"kinematic\"}, {parts=[2], against=[1, 3], law=\"penalty\", friction=0.2}, \
@@ -186,11 +222,18 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
     assert_ne!(plain.digest(), serial.digest(), "the laws matter");
     let mut momentum: Option<[f64; 3]> = None;
     let engine = run_alone(&model, |e| {
-        let sum = |c: usize| (0..e.nodes.len()).map(|n| e.nodes.v[n][c] / e.nodes.inv_mass[n][c]).sum::<f64>();
+        let sum = |c: usize| {
+            (0..e.nodes.len()).map(|n| e.nodes.v[n][c] / e.nodes.inv_mass[n][c]).sum::<f64>()
+        };
         let now = [sum(0), sum(1), sum(2)];
         let first = momentum.get_or_insert(now);
-        (0..3)
-            .for_each(|c| assert!((now[c] - first[c]).abs() < 1e-9, "cycle {}: {now:?} from {first:?}", e.clock.cycle));
+        (0..3).for_each(|c| {
+            assert!(
+                (now[c] - first[c]).abs() < 1e-9,
+                "cycle {}: {now:?} from {first:?}",
+                e.clock.cycle
+            )
+        });
     });
     let energies = engine.ledger.energies(&engine.nodes);
     assert!(energies.contact < 0.0, "contact takes: {energies:?}");
@@ -199,8 +242,12 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
 /// Friction by speed, a birth and a death: the same bits on any number of workers.
 #[test]
 fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
-    let numbers =
-        ["contact.friction=0.4", "contact.friction_dynamic=0.1", "contact.friction_decay=0.5", "contact.death=2.5"];
+    let numbers = [
+        "contact.friction=0.4",
+        "contact.friction_dynamic=0.1",
+        "contact.friction_decay=0.5",
+        "contact.death=2.5",
+    ];
     for scene in ["tumble", "slide"] {
         let model = read(&case(scene), &[&numbers[..], &["time.max_cycles=900"]].concat());
         let serial = run_side_by_side(&model, 1, 900, 0);
@@ -234,8 +281,17 @@ fn mistakes_in_interfaces_are_told_all_at_once() {
     for words in wanted {
         assert!(report.contains(words), "{words} in\n{report}");
     }
-    assert_eq!(report.matches("thickness_scale` is").count(), 1, "what interfaces take over is told once\n{report}");
+    assert_eq!(
+        report.matches("thickness_scale` is").count(),
+        1,
+        "what interfaces take over is told once\n{report}"
+    );
     let hidden = "contact.interface=[{name=\"first\", parts=[1]}, {name=\"all\"}]".to_string();
     let model = job::read(&case("slide"), &[hidden]).unwrap_or_else(|report| panic!("{report}"));
-    assert!(model.warnings.iter().any(|w| w.message.contains("no two parts are in the interface `first`")));
+    assert!(
+        model
+            .warnings
+            .iter()
+            .any(|w| w.message.contains("no two parts are in the interface `first`"))
+    );
 }

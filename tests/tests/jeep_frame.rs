@@ -1,5 +1,5 @@
-//! The jeep frame through the binary: the paper's counts, what a run leaves behind, balances, and one state for any
-//! number of workers.
+//! The jeep frame through the binary: the paper's counts, what a run leaves behind, balances, and
+//! one state for any number of workers.
 
 use crumple_tests::program::{Ended, assert_finite, crumple_with, numbers, run};
 use serde_json::Value;
@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 fn jeep(workers: usize, end_time: &str) -> Ended {
     let workers = workers.to_string();
     let run_it = ["run", "cases/jeep-frame", "--set", "output.field_interval=5"];
-    run(crumple_with(&[&run_it[..], &["--workers", &workers, "--end-time", end_time]].concat())).with_code(0)
+    run(crumple_with(&[&run_it[..], &["--workers", &workers, "--end-time", end_time]].concat()))
+        .with_code(0)
 }
 
 /// The scene of Wang 2007: 7208 shells, 7190 nodes, at rest inside: nothing to warn of.
@@ -57,22 +58,24 @@ fn balances(r: &Ended) {
     // 5 to 7 % with hourglass coefficient 0.01; above 8 % folds are too stiff to trust.
     let [hourglass, internal] = ["hourglass", "internal"].map(|k| s["energy"][k].as_f64().unwrap());
     assert!(hourglass < 0.08 * internal, "hourglass {hourglass} of {internal}");
-    // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front of the tangent plane of another one
-    // adds nothing to that (`PLANE` in `contact/local.rs`), so that a node is up to 0.02 deep in the next one when it goes over. Folds
-    // flatter than what `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others: 0.059 here (0.13
-    // with `SINKS` of 0.5). A node past the middle of a shell has 1.
+    // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front
+    // of the tangent plane of another one adds nothing to that (`PLANE` in `contact/local.rs`), so
+    // that a node is up to 0.02 deep in the next one when it goes over. Folds flatter than what
+    // `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others:
+    // 0.059 here (0.13 with `SINKS` of 0.5). A node past the middle of a shell has 1.
     let deepest = s["contact"]["penetration_max"].as_f64().unwrap();
     assert!(deepest < 0.1, "penetration {deepest}");
-    // Momentum is that of the present time, the impulse that of the last mid-step: they differ by the wall's force
-    // over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
+    // Momentum is that of the present time, the impulse that of the last mid-step: they differ by
+    // the wall's force over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
     let m = &s["momentum"];
-    let (start, end, wall) = (numbers(&m["start"]), numbers(&m["end"]), numbers(&m["wall_impulse"]));
+    let (start, end, wall) =
+        (numbers(&m["start"]), numbers(&m["end"]), numbers(&m["wall_impulse"]));
     for c in 0..3 {
         let left = end[c] - start[c] - wall[c];
         assert!(left.abs() < 1e-3 * start[0].abs(), "component {c}: {left} of {}", start[0]);
     }
-    // The barrier is flat and the frame symmetric: nothing pushes it sideways. Folds that lie on each other follow round-off:
-    // 1e-4 within 25 ms without contact, 7e-4 to 27e-4 with it.
+    // The barrier is flat and the frame symmetric: nothing pushes it sideways. Folds that lie on
+    // each other follow round-off: 1e-4 within 25 ms without contact, 7e-4 to 27e-4 with it.
     assert!(wall[0] > 100.0 && wall[1].abs() < 4e-3 * wall[0], "wall impulse {wall:?}");
 }
 
@@ -81,51 +84,88 @@ fn whole_summary(s: &Value) {
     for key in ["end_time", "cycles", "nodes", "workers", "wall_s", "grind_ns"] {
         assert!(s[key].is_number(), "{key}: {}", s[key]);
     }
-    for (key, value) in [("status", "completed"), ("reason", "end_time"), ("transport", "threads")] {
+    for (key, value) in [("status", "completed"), ("reason", "end_time"), ("transport", "threads")]
+    {
         assert_eq!(s[key], value);
     }
-    assert_eq!((&s["nodes"], &s["elements"]["quad4"], &s["workers"]), (&7190.into(), &7208.into(), &3.into()));
+    assert_eq!(
+        (&s["nodes"], &s["elements"]["quad4"], &s["workers"]),
+        (&7190.into(), &7208.into(), &3.into())
+    );
     assert_eq!(s["end_time"].as_f64(), Some(10.0));
     let groups: [(&str, &[&str]); 5] = [
-        ("energy", &["kinetic", "internal", "contact", "hourglass", "external", "total_initial", "error"]),
+        (
+            "energy",
+            &["kinetic", "internal", "contact", "hourglass", "external", "total_initial", "error"],
+        ),
         ("dt", &["first", "min", "last"]),
         ("redecompositions", &["low", "high"]),
         ("imbalance", &["mean", "max"]),
         ("contact", &["pairs_max", "penetration_max"]),
     ];
     for (group, keys) in groups {
-        keys.iter().for_each(|key| assert!(s[group][key].is_number(), "{group}.{key}: {}", s[group][key]));
+        keys.iter()
+            .for_each(|key| assert!(s[group][key].is_number(), "{group}.{key}: {}", s[group][key]));
     }
-    assert_eq!((numbers(&s["momentum"]["start"]).len(), numbers(&s["momentum"]["end"]).len()), (3, 3));
+    assert_eq!(
+        (numbers(&s["momentum"]["start"]).len(), numbers(&s["momentum"]["end"]).len()),
+        (3, 3)
+    );
     for (phase, seconds) in s["phase_s"].as_object().unwrap() {
         let (mean, max) = (seconds["mean"].as_f64().unwrap(), seconds["max"].as_f64().unwrap());
         assert!(0.0 <= mean && mean <= max * (1.0 + 1e-12), "{phase}: mean {mean}, max {max}");
     }
-    let phases: f64 = s["phase_s"].as_object().unwrap().values().map(|p| p["mean"].as_f64().unwrap()).sum();
+    let phases: f64 =
+        s["phase_s"].as_object().unwrap().values().map(|p| p["mean"].as_f64().unwrap()).sum();
     let wall = s["wall_s"].as_f64().unwrap();
     assert!(phases > 0.5 * wall && phases < 1.1 * wall, "phases add up to {phases} s of {wall} s");
     let digest = s["state_digest"].as_str().unwrap();
-    assert!(digest.len() == 64 && digest.bytes().all(|b| b.is_ascii_hexdigit()), "blake3 in hex: {digest}");
+    assert!(
+        digest.len() == 64 && digest.bytes().all(|b| b.is_ascii_hexdigit()),
+        "blake3 in hex: {digest}"
+    );
     // 126 kJ: 1403.9 kg at 13.4112 mm/ms; the masses are sums of 7208 shells, exact to round-off.
     let kinetic = 0.5 * 1403.9 * 13.4112f64.powi(2);
     let initial = s["energy"]["total_initial"].as_f64().unwrap();
-    assert!((initial / kinetic - 1.0).abs() < 1e-4, "{initial} J, and {kinetic} J from the mass as printed, 6 digits");
+    assert!(
+        (initial / kinetic - 1.0).abs() < 1e-4,
+        "{initial} J, and {kinetic} J from the mass as printed, 6 digits"
+    );
 }
 
 fn history(r: &Ended) {
     let h = r.history();
-    for name in ["time [ms]", "cycle", "dt [ms]", "kinetic [J]", "internal [J]", "hourglass [J]", "contact work [J]"] {
+    for name in [
+        "time [ms]",
+        "cycle",
+        "dt [ms]",
+        "kinetic [J]",
+        "internal [J]",
+        "hourglass [J]",
+        "contact work [J]",
+    ] {
         assert!(h.header.iter().any(|c| c == name), "{name} not in {:?}", h.header);
     }
-    for name in ["wall work [J]", "energy error [-]", "momentum x [kg mm/ms]", "pairs", "barrier mean force x [kN]"] {
+    for name in [
+        "wall work [J]",
+        "energy error [-]",
+        "momentum x [kg mm/ms]",
+        "pairs",
+        "barrier mean force x [kN]",
+    ] {
         assert!(h.header.iter().any(|c| c == name), "{name} not in {:?}", h.header);
     }
     assert!(h.header.iter().collect::<BTreeSet<_>>().len() == h.header.len(), "no name twice");
     assert!(h.rows.iter().all(|row| row.len() == h.header.len()), "rows are whole");
-    // A row every 0.25 ms, one at 0 and one at the end; which of the last two comes first is a matter of round-off.
+    // A row every 0.25 ms, one at 0 and one at the end; which of the last two comes first is a
+    // matter of round-off.
     assert!((41..=42).contains(&h.rows.len()), "{} rows", h.rows.len());
     let time = h.column("time");
-    assert!(time[0] == 0.0 && time.windows(2).all(|t| t[0] < t[1]) && (time.last().unwrap() - 10.0).abs() < 1e-9);
+    assert!(
+        time[0] == 0.0
+            && time.windows(2).all(|t| t[0] < t[1])
+            && (time.last().unwrap() - 10.0).abs() < 1e-9
+    );
 }
 
 /// The log says what was done and why.
@@ -134,9 +174,14 @@ fn redecompositions(r: &Ended) {
     let log = r.log();
     let of = |kind: &str| {
         let events = log.iter().filter(|e| e["fields"]["kind"] == kind);
-        events.inspect(|e| assert!(e["fields"]["why"].as_str().is_some_and(|w| !w.is_empty()), "{e}")).count() as u64
+        events
+            .inspect(|e| assert!(e["fields"]["why"].as_str().is_some_and(|w| !w.is_empty()), "{e}"))
+            .count() as u64
     };
     let counts = ["low", "high"].map(|kind| s["redecompositions"][kind].as_u64().unwrap());
     assert_eq!([of("low"), of("high")], counts, "events in the log and numbers in the summary");
-    assert!(counts[0] + counts[1] > 0, "the front is squashed and the rear is not: boxes are renewed");
+    assert!(
+        counts[0] + counts[1] > 0,
+        "the front is squashed and the rear is not: boxes are renewed"
+    );
 }

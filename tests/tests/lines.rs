@@ -1,7 +1,7 @@
-//! Beams as lines in contact: against each other, edges of shells and solids, and faces; closed forms, and the same bits on any number of
-//! workers. Units mm, ms, kg.
+//! Beams as lines in contact: against each other, edges of shells and solids, and faces; closed
+//! forms, and the same bits on any number of workers. Units mm, ms, kg.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
@@ -46,12 +46,18 @@ impl Rows {
         let third = self.node([310.0, 470.0, 590.0]);
         for pair in nodes.windows(2) {
             self.element += 1;
-            writeln!(self.beams, "[{}, {part}, {}, {}, {third}],", self.element, pair[0], pair[1]).unwrap();
+            writeln!(self.beams, "[{}, {part}, {}, {}, {third}],", self.element, pair[0], pair[1])
+                .unwrap();
         }
     }
 
     /// A grid of quads over a rectangle, `at` by its fractions; gives its nodes.
-    fn sheet(&mut self, part: u32, [n, m]: [usize; 2], at: impl Fn(f64, f64) -> [f64; 3]) -> Vec<usize> {
+    fn sheet(
+        &mut self,
+        part: u32,
+        [n, m]: [usize; 2],
+        at: impl Fn(f64, f64) -> [f64; 3],
+    ) -> Vec<usize> {
         let mut nodes = Vec::new();
         for i in 0..=n {
             for j in 0..=m {
@@ -62,18 +68,29 @@ impl Rows {
             for j in 0..m {
                 let [a, b] = [nodes[(m + 1) * i + j], nodes[(m + 1) * (i + 1) + j]];
                 self.element += 1;
-                writeln!(self.shells, "[{}, {part}, {a}, {b}, {}, {}],", self.element, b + 1, a + 1).unwrap();
+                writeln!(
+                    self.shells,
+                    "[{}, {part}, {a}, {b}, {}, {}],",
+                    self.element,
+                    b + 1,
+                    a + 1
+                )
+                .unwrap();
             }
         }
         nodes
     }
 
-    /// The job, with node sets, and the rest of it. Part 1 has beams, part 2 too, part 3 shells, part 4 solids.
+    /// The job, with node sets, and the rest of it. Part 1 has beams, part 2 too, part 3 shells,
+    /// part 4 solids.
     fn model(&self, end_time: f64, sets: &[(&str, &[usize])], rest: &str) -> Model {
         let list = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-        let sets: Vec<String> = sets.iter().map(|(name, ids)| format!("{name} = [{}]", list(ids))).collect();
+        let sets: Vec<String> =
+            sets.iter().map(|(name, ids)| format!("{name} = [{}]", list(ids))).collect();
         let tube = |id: u32| {
-            format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\nradius = {RADIUS:?}\n")
+            format!(
+                "[[part]]\nid = {id}\nmaterial = \"steel\"\n[part.beam]\nsection = \"tube\"\nradius = {RADIUS:?}\n"
+            )
         };
         let text = format!(
             "end_time = {end_time:?}\n[mesh]\nnodes = [{}]\nbeams = [{}]\nshells = [{}]\nsolids = [{}]\n\
@@ -88,7 +105,8 @@ impl Rows {
             tube(1),
             tube(2),
         );
-        job::read_text(PathBuf::from("lines.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
+        job::read_text(PathBuf::from("lines.toml"), text, &[])
+            .unwrap_or_else(|report| panic!("{report}"))
     }
 }
 
@@ -97,7 +115,9 @@ const THICKNESS: f64 = 1.0;
 
 /// Place and velocity of the node with this id.
 fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
-    let n = (0..e.nodes.held).find(|&n| e.nodes.id[n].label() == id as u64).expect("a node of the mesh");
+    let n = (0..e.nodes.held)
+        .find(|&n| e.nodes.id[n].label() == id as u64)
+        .expect("a node of the mesh");
     ([0, 1, 2].map(|c| e.nodes.x[n][c]), [0, 1, 2].map(|c| e.nodes.v[n][c]))
 }
 
@@ -107,8 +127,9 @@ fn momenta(e: &Engine) -> [f64; 6] {
     [p[0], p[1], p[2], l[0], l[1], l[2]]
 }
 
-/// Two rigid beams at right angles, `off` from the middle of both; the upper one comes down with 1 mm/ms. Gives the velocities
-/// along z of their centres when they are apart or together for good, and the change of the momenta.
+/// Two rigid beams at right angles, `off` from the middle of both; the upper one comes down with 1
+/// mm/ms. Gives the velocities along z of their centres when they are apart or together for good,
+/// and the change of the momenta.
 fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
     const CELLS: usize = 11; // no node where they cross
     let mut rows = Rows::default();
@@ -126,19 +147,25 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
         let now = momenta(e);
         let first = *start.get_or_insert(now);
         let size = first[2].abs();
-        change = now.iter().zip(first).map(|(a, b)| (a - b).abs()).fold(change, |m, d| m.max(d / (size * LENGTH)));
+        change = now
+            .iter()
+            .zip(first)
+            .map(|(a, b)| (a - b).abs())
+            .fold(change, |m, d| m.max(d / (size * LENGTH)));
         touched |= e.contact.as_ref().is_some_and(|c| c.own_table().any(|p| p.name.is_edge()));
     });
     assert!(touched, "{law}: they met as lines");
     let mean = |ids: &[usize]| {
         let weight = |k: usize| if k == 0 || k == CELLS { 0.5 } else { 1.0 };
-        ids.iter().enumerate().map(|(k, &id)| weight(k) * at(&end, id).1[2]).sum::<f64>() / CELLS as f64
+        ids.iter().enumerate().map(|(k, &id)| weight(k) * at(&end, id).1[2]).sum::<f64>()
+            / CELLS as f64
     };
     ([mean(&above), mean(&below)], change)
 }
 
-/// Rigid beams that meet `d` from the middles of both: what passes from one to the other is `m v (1 + e)/2/(1 + m d^2/I)`, with
-/// the rebound e = 0 of the laws that let nothing give way and e = 1 of a spring without damping.
+/// Rigid beams that meet `d` from the middles of both: what passes from one to the other is `m v (1
+/// + e)/2/(1 + m d^2/I)`, with the rebound e = 0 of the laws that let nothing give way and e = 1 of
+/// a spring without damping.
 #[test]
 fn crossed_rigid_beams_take_over_the_closed_form() {
     for d in [0.0, 20.0] {
@@ -152,13 +179,17 @@ fn crossed_rigid_beams_take_over_the_closed_form() {
             let ([above, below], change) = crossed(law, d);
             let struck = 0.5 * (1.0 + rebound) / (1.0 + arm);
             assert!((-below - struck).abs() < 0.01, "{law}, {d} off: {below} for {struck}");
-            assert!((above + below + 1.0).abs() < 1e-9, "{law}, {d} off: momentum, {above} {below}");
+            assert!(
+                (above + below + 1.0).abs() < 1e-9,
+                "{law}, {d} off: momentum, {above} {below}"
+            );
             assert!(change < 1e-9, "{law}, {d} off: momenta change by {change}");
         }
     }
 }
 
-/// Deformable beams, elastic and hollow as they come: none goes through the other, no energy comes from nothing.
+/// Deformable beams, elastic and hollow as they come: none goes through the other, no energy comes
+/// from nothing.
 #[test]
 fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
     for law in LAWS {
@@ -187,8 +218,9 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
     }
 }
 
-/// A rigid beam comes down on the free edge of a sheet that stands upright and is held, off its middle: it gives off
-/// `m v (1 + e)/(1 + m d^2/I)` with the rebound e, and turns about the edge, at the distance of its radius and half the thickness.
+/// A rigid beam comes down on the free edge of a sheet that stands upright and is held, off its
+/// middle: it gives off `m v (1 + e)/(1 + m d^2/I)` with the rebound e, and turns about the edge,
+/// at the distance of its radius and half the thickness.
 #[test]
 fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
     let (v, d) = (1.0, 20.0);
@@ -211,8 +243,10 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
         });
         let arm = d * d / (LENGTH * LENGTH / 12.0 * (1.0 + 2.0 / 121.0));
         let weight = |k: usize| if k == 0 || k == 11 { 0.5 } else { 1.0 };
-        let mean = bar.iter().enumerate().map(|(k, &n)| weight(k) * at(&end, n).1[2]).sum::<f64>() / 11.0;
-        // Without anything that gives way it stays on the edge, by a spring without damping it comes off as fast as it came.
+        let mean =
+            bar.iter().enumerate().map(|(k, &n)| weight(k) * at(&end, n).1[2]).sum::<f64>() / 11.0;
+        // Without anything that gives way it stays on the edge, by a spring without damping it
+        // comes off as fast as it came.
         let rebound = if law == "penalty" { 1.0 } else { 0.0 };
         let kept = v * ((1.0 + rebound) / (1.0 + arm) - 1.0);
         assert!((mean - kept).abs() < 0.01 * v, "{law}: the middle goes on with {mean} for {kept}");
@@ -220,7 +254,8 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
     }
 }
 
-/// A beam under gravity comes to rest on a sheet, its line at `r + t/2` from that of the sheet; all that holds it are nodes of either.
+/// A beam under gravity comes to rest on a sheet, its line at `r + t/2` from that of the sheet; all
+/// that holds it are nodes of either.
 #[test]
 fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
     for law in LAWS {
@@ -246,9 +281,9 @@ fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
     }
 }
 
-/// Three beams in a triangle hold a cube that stands on its corner between them: each lies against one of its edges, in the
-/// plane of this and the axis, so that the corner is `(r - rho cos a)/sin a` from the plane of the beams, with `rho` from the axis to
-/// a beam, `cos a = 1/sqrt(3)`.
+/// Three beams in a triangle hold a cube that stands on its corner between them: each lies against
+/// one of its edges, in the plane of this and the axis, so that the corner is `(r - rho cos a)/sin
+/// a` from the plane of the beams, with `rho` from the axis to a beam, `cos a = 1/sqrt(3)`.
 #[test]
 fn a_cage_of_beams_holds_a_cube_by_its_edges() {
     let (rho, side) = (15.0, 40.0);
@@ -262,7 +297,8 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             let end = |along: f64| [rho * c - along * s, rho * s + along * c, 0.0];
             held.extend(rows.bar(1, 3, end(-24.0), end(24.0)));
         }
-        // Edges of the cube go up from its corner in the planes through the axis and the middles of the beams.
+        // Edges of the cube go up from its corner in the planes through the axis and the middles of
+        // the beams.
         let edges: [[f64; 3]; 3] = std::array::from_fn(|k| {
             let (s, c) = (k as f64 * 120f64.to_radians()).sin_cos();
             [side * sin * c, side * sin * s, side * cos]
@@ -274,8 +310,11 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             })
         };
         let around = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let cube: Vec<usize> =
-            [0.0, 1.0].iter().flat_map(|&up| around.map(|[a, b]| [a, b, up])).map(|k| rows.node(corner(k))).collect();
+        let cube: Vec<usize> = [0.0, 1.0]
+            .iter()
+            .flat_map(|&up| around.map(|[a, b]| [a, b, up]))
+            .map(|k| rows.node(corner(k)))
+            .collect();
         rows.element += 1;
         let ids: Vec<String> = cube.iter().map(usize::to_string).collect();
         writeln!(rows.solids, "[{}, 4, {}],", rows.element, ids.join(", ")).unwrap();
@@ -288,14 +327,19 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             lowest = lowest.min(at(e, cube[0]).0[2]);
         });
         let (x, v) = at(&end, cube[0]);
-        assert!((x[2] - depth).abs() < 0.02 * RADIUS, "{law}: the corner is at {} for {depth}", x[2]);
+        assert!(
+            (x[2] - depth).abs() < 0.02 * RADIUS,
+            "{law}: the corner is at {} for {depth}",
+            x[2]
+        );
         assert!(lowest > depth - 0.02 * RADIUS && v[2].abs() < 1e-3, "{law}: {lowest}, {v:?}");
         let table = end.contact.as_ref().unwrap().own_table();
         assert_eq!(table.filter(|p| p.name.is_edge()).count(), 3, "{law}: an edge on each beam");
     }
 }
 
-/// A slide down a row of beams: joints between them do not stop what comes along, a beam across without friction.
+/// A slide down a row of beams: joints between them do not stop what comes along, a beam across
+/// without friction.
 #[test]
 fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     for law in LAWS {
@@ -311,7 +355,8 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
             })
             .collect();
         rows.beams(1, &track);
-        let middle = 2.0 * RADIUS + 10.0 * (0..6).map(|i| (6.0 * (6.0 - f64::from(i))).to_radians().sin()).sum::<f64>();
+        let middle = 2.0 * RADIUS
+            + 10.0 * (0..6).map(|i| (6.0 * (6.0 - f64::from(i))).to_radians().sin()).sum::<f64>();
         let rider = rows.bar(2, 3, [-5.0, -15.0, middle + 0.05], [-5.0, 15.0, middle + 0.05]);
         let rest = format!(
             "[[rigid]]\nname = \"rider\"\nparts = [2]\nfixed = [\"rx\", \"ry\", \"rz\"]\n[time]\ndt_max = 1e-3\n\
@@ -334,7 +379,8 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     }
 }
 
-/// A pile of loose beams, sheets and a bar of solids in two layers, which comes down, slides and turns; one beam breaks.
+/// A pile of loose beams, sheets and a bar of solids in two layers, which comes down, slides and
+/// turns; one beam breaks.
 fn pile(contact: &str) -> Model {
     let mut rows = Rows::default();
     let mut upper = Vec::new();
@@ -351,7 +397,8 @@ fn pile(contact: &str) -> Model {
     upper.extend(&lid);
     // Ribs along edges of both, and a post under the lid's corner.
     let ribs = [(&sheet, 8, 3), (&sheet, 8, 5), (&lid, 5, 2)];
-    let ribs = ribs.map(|(of, step, from)| of.iter().copied().skip(from).step_by(step).collect::<Vec<_>>());
+    let ribs = ribs
+        .map(|(of, step, from)| of.iter().copied().skip(from).step_by(step).collect::<Vec<_>>());
     ribs.iter().for_each(|rib| rows.beams(2, rib));
     let below = rows.node([61.0 * -0.4, 43.0 * -0.5, 3.0]);
     rows.beams(1, &[lid[0], below]);
@@ -398,7 +445,11 @@ fn lines_across_workers_give_the_same_bits() {
                 differs, None,
                 "{law}: first cycle in which pairs of {workers} workers differ, renewed every {every}"
             );
-            assert_eq!(many.digest(), alone.digest(), "{law}: {workers} workers, renewed every {every}");
+            assert_eq!(
+                many.digest(),
+                alone.digest(),
+                "{law}: {workers} workers, renewed every {every}"
+            );
         }
     }
 }
@@ -417,8 +468,9 @@ fn beams_are_out_of_contact_where_the_job_says_so() {
         let mut rows = Rows::default();
         let above = rows.bar(1, 6, [-50.0, 1.0, 3.0], [50.0, 1.0, 3.0]);
         let below = rows.bar(2, 7, [2.0, -50.0, -3.0], [2.0, 50.0, -3.0]);
-        let rest =
-            format!("[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -10.0]\n[contact]\n{contact}\n");
+        let rest = format!(
+            "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -10.0]\n[contact]\n{contact}\n"
+        );
         let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |_| {});
         let through = at(&end, above[3]).0[2] < at(&end, below[3]).0[2];
         assert_eq!(through, passes, "{contact}");
@@ -434,14 +486,26 @@ fn broken_beams_leave_the_contact() {
     let rest = "[[initial_velocity]]\nnodes = \"above\"\nvelocity = [0.0, 0.0, -4.0]\n\
                 [[motion]]\nnodes = \"far\"\ndofs = [\"y\"]\nvelocity = [0.0, 4.0, 0.0]\n\
                 [[fix]]\nnodes = \"near\"\ndofs = [\"x\", \"y\", \"z\"]\n[[fix]]\nnodes = \"far\"\ndofs = [\"x\", \"z\"]\n[contact]\n";
-    let sets: [(&str, &[usize]); 3] = [("above", &above), ("near", &below[..1]), ("far", &below[1..])];
+    let sets: [(&str, &[usize]); 3] =
+        [("above", &above), ("near", &below[..1]), ("far", &below[1..])];
     let ends = ["", "\n[part.beam.weld]\nnormal = 1.0"].map(|weld| {
         let mut model = rows.model(2.0, &sets, rest);
-        let weak = model.settings.parts.iter_mut().find(|p| p.id == 2).and_then(|p| p.beam.as_mut()).unwrap();
+        let weak = model
+            .settings
+            .parts
+            .iter_mut()
+            .find(|p| p.id == 2)
+            .and_then(|p| p.beam.as_mut())
+            .unwrap();
         weak.contact_radius = Some(RADIUS);
         if !weld.is_empty() {
-            let limits =
-                crumple_proto::job::Weld { normal: 1.0, shear: 0.0, bending: 0.0, torsion: 0.0, exponents: [2.0; 2] };
+            let limits = crumple_proto::job::Weld {
+                normal: 1.0,
+                shear: 0.0,
+                bending: 0.0,
+                torsion: 0.0,
+                exponents: [2.0; 2],
+            };
             weak.weld = Some(limits);
         }
         let end = run_alone(&model, |_| {});

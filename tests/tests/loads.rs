@@ -1,7 +1,7 @@
 //! Loads and prescribed motion against closed forms, and the same bits on any number of workers.
 //! Units mm, ms, kg, so kN and GPa.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use crumple_worker::nodes::xyz;
@@ -9,19 +9,29 @@ use crumple_worker::nodes::xyz;
 const RHO: f64 = 7.85e-6;
 const E: f64 = 207.0;
 
-/// A square plate of side `side` in the plane z = 0 with `n` x `n` shells, part 1; set `all` holds its nodes, `edge`
-/// those at x = 0, `lower` the first half. `rest` is the rest of the job.
+/// A square plate of side `side` in the plane z = 0 with `n` x `n` shells, part 1; set `all` holds
+/// its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of the job.
 fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Model {
     let (mut nodes, mut shells, mut edge) = (String::new(), String::new(), Vec::new());
     for i in 0..=n {
         for j in 0..=n {
             let id = i * (n + 1) + j + 1;
-            nodes += &format!("[{id}, {:?}, {:?}, 0.0],\n", side * i as f64 / n as f64, side * j as f64 / n as f64);
+            nodes += &format!(
+                "[{id}, {:?}, {:?}, 0.0],\n",
+                side * i as f64 / n as f64,
+                side * j as f64 / n as f64
+            );
             if i == 0 {
                 edge.push(id);
             }
             if i < n && j < n {
-                shells += &format!("[{}, 1, {id}, {}, {}, {}],\n", i * n + j + 1, id + n + 1, id + n + 2, id + 1);
+                shells += &format!(
+                    "[{}, 1, {id}, {}, {}, {}],\n",
+                    i * n + j + 1,
+                    id + n + 1,
+                    id + n + 2,
+                    id + 1
+                );
             }
         }
     }
@@ -60,7 +70,8 @@ impl Balance {
     }
 }
 
-/// Free fall: `z = -g t^2 / 2` at every step but for the change of the last two, and work that is all kinetic.
+/// Free fall: `z = -g t^2 / 2` at every step but for the change of the last two, and work that is
+/// all kinetic.
 #[test]
 fn gravity_makes_all_fall_alike() {
     let g = 9.81e-3;
@@ -70,7 +81,10 @@ fn gravity_makes_all_fall_alike() {
         2,
         1.0,
         1.0,
-        &format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[mass]]\nnodes = \"edge\"\nmass = 0.1\n", -g),
+        &format!(
+            "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\n[[mass]]\nnodes = \"edge\"\nmass = 0.1\n",
+            -g
+        ),
     );
     let mut balance = Balance::default();
     run_alone(&model, |e| {
@@ -79,14 +93,18 @@ fn gravity_makes_all_fall_alike() {
         let place = |i: usize| (e.nodes.x[i][2] + 0.5 * g * t * t).abs();
         worst = (0..e.nodes.held).map(place).fold(worst, f64::max);
     });
-    // The scheme is exact for a constant force and step; its error is a change of the step, squared.
+    // The scheme is exact for a constant force and step; its error is a change of the step,
+    // squared.
     assert!(worst < 1e-7 * g, "{worst}");
     let Balance { left, work, .. } = balance;
-    assert!(work > 1e-6 && left < 1e-12 * work, "round-off of the sums of 600 steps: {left} of {work}");
+    assert!(
+        work > 1e-6 && left < 1e-12 * work,
+        "round-off of the sums of 600 steps: {left} of {work}"
+    );
 }
 
-/// Nodal forces and moments give the whole set its acceleration, a curve scales them, and damping alone slows
-/// the plate by exp(-a t).
+/// Nodal forces and moments give the whole set its acceleration, a curve scales them, and damping
+/// alone slows the plate by exp(-a t).
 #[test]
 fn nodal_loads_and_damping() {
     let (side, thickness) = (20.0, 1.0);
@@ -98,21 +116,31 @@ fn nodal_loads_and_damping() {
     let momentum: f64 = (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][0]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt; // mid-step
     let steps = end.clock.cycle as f64;
-    assert!((momentum / (0.3 * 5.0 * t * t) - 1.0).abs() < 1.0 / (steps * steps), "a rectangle rule: {momentum}");
+    assert!(
+        (momentum / (0.3 * 5.0 * t * t) - 1.0).abs() < 1.0 / (steps * steps),
+        "a rectangle rule: {momentum}"
+    );
     let Balance { left, work, .. } = balance;
-    assert!(left < 1e-6 * work, "waves between nodes of unlike mass, second order: {left} of {work}");
+    assert!(
+        left < 1e-6 * work,
+        "waves between nodes of unlike mass, second order: {left} of {work}"
+    );
 
     let rest = "[time]\ndamping = 5.0\n[[initial_velocity]]\nvelocity = [0.0, 3.0, 0.0]\n";
     let mut balance = Balance::from(0.5 * mass * 9.0);
     let end = run_alone(&plate(side, 2, thickness, 0.3, rest), |e| balance.look(e));
     let t = end.clock.time - 0.5 * end.clock.last_dt;
     let v = end.nodes.v[0][1];
-    assert!((v / (3.0 * (-5.0 * t).exp()) - 1.0).abs() < 1e-4, "second order: (a dt)^2 a t / 12 = 1e-5: {v}");
+    assert!(
+        (v / (3.0 * (-5.0 * t).exp()) - 1.0).abs() < 1e-4,
+        "second order: (a dt)^2 a t / 12 = 1e-5: {v}"
+    );
     let Balance { left, work, .. } = balance;
     assert!(work < 0.0 && left < 1e-12 * mass * 9.0, "{left} of {work}");
 }
 
-/// A free plate under pressure goes against its normal with p A / m, however it is turned: its momentum is p A t.
+/// A free plate under pressure goes against its normal with p A / m, however it is turned: its
+/// momentum is p A t.
 #[test]
 fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let (side, p) = (20.0, 1e-3);
@@ -121,19 +149,22 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.look(e));
     let momentum: f64 = (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt;
-    // Only bending, from nodal masses that are not in proportion to nodal areas at round-off, could disturb it.
+    // Only bending, from nodal masses that are not in proportion to nodal areas at round-off, could
+    // disturb it.
     assert!((momentum / (-p * side * side * t) - 1.0).abs() < 1e-9, "{momentum}");
     let Balance { left, work, .. } = balance;
     assert!(left < 1e-9 * work, "{left} of {work}");
 
-    // Turning by a quarter about y in the run: the force turns from -z to -x, so that its impulse is 2 p A T / pi in each.
+    // Turning by a quarter about y in the run: the force turns from -z to -x, so that its impulse
+    // is 2 p A T / pi in each.
     let turn = std::f64::consts::FRAC_PI_2 / 0.3;
     let rest = format!(
         "[[pressure]]\nnodes = \"all\"\npressure = {p:?}\n[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\n\
          spin = [0.0, {turn:?}, 0.0]\ncentre = [10.0, 10.0, 0.0]\n"
     );
     let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |_| {});
-    let sum = |c: usize| (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][c]).sum::<f64>();
+    let sum =
+        |c: usize| (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][c]).sum::<f64>();
     let expected = 2.0 * p * side * side * 0.3 / std::f64::consts::PI;
     for c in [0, 2] {
         // Spinning at 5.2/ms stretches the plate by rho (w r)^2 / E = 1e-4 and more in its area.
@@ -141,12 +172,14 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     }
 }
 
-/// A plate held at one edge under pressure and damping comes to rest at the deflection of a cantilever, p b L^4/(8 E I)
-/// (nu = 0.3 clamps the strip's curvature at the root only), and the work is in the balance.
+/// A plate held at one edge under pressure and damping comes to rest at the deflection of a
+/// cantilever, p b L^4/(8 E I) (nu = 0.3 clamps the strip's curvature at the root only), and the
+/// work is in the balance.
 #[test]
 fn dynamic_relaxation_finds_the_static_answer() {
     let (side, thickness, p) = (100.0, 4.0, 1e-4);
-    // First frequency of a cantilever: 3.516/L^2 sqrt(E I/(rho A)); damping of twice its circular frequency is critical.
+    // First frequency of a cantilever: 3.516/L^2 sqrt(E I/(rho A)); damping of twice its circular
+    // frequency is critical.
     let w = 3.516 / (side * side) * (E * thickness * thickness / 12.0 / RHO).sqrt();
     let rest = format!(
         "[time]\ndamping = {:?}\n[[fix]]\nnodes = \"edge\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
@@ -159,13 +192,15 @@ fn dynamic_relaxation_finds_the_static_answer() {
     let beam = p * side.powi(4) / (8.0 * E * thickness.powi(3) / 12.0);
     let tips: Vec<f64> = (110..121).map(|i| end.nodes.x[i][2]).collect();
     let tip = tips.iter().sum::<f64>() / 11.0;
-    // A square cantilever plate is stiffer than the beam (coefficient 0.129 against 1/8 of p L^4 / D, D = E I/(1 - nu^2)).
+    // A square cantilever plate is stiffer than the beam (coefficient 0.129 against 1/8 of p L^4 /
+    // D, D = E I/(1 - nu^2)).
     assert!((tip / (0.129 * 8.0 * 0.91 * beam) - 1.0).abs() < 0.02, "{tip} {beam}");
     let Balance { left, work, .. } = balance;
     assert!(left < 0.01 * work.abs(), "the balance of the elements: {left} of {work}");
 }
 
-/// Catalogue A19 (a): a whole turn prescribed in 100 and in 1000 steps leaves no stress, at a quarter, a half and the end.
+/// Catalogue A19 (a): a whole turn prescribed in 100 and in 1000 steps leaves no stress, at a
+/// quarter, a half and the end.
 #[test]
 fn a_prescribed_turn_leaves_no_stress() {
     for steps in [100.0, 1000.0] {
@@ -173,14 +208,18 @@ fn a_prescribed_turn_leaves_no_stress() {
         let end = steps * dt * (1.0 - 1e-9);
         for axis in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]] {
             let spin = axis.map(|a: f64| a * std::f64::consts::TAU / end);
-            let rest = format!("[[motion]]\nnodes = \"all\"\nspin = {spin:?}\ncentre = [3.0, 4.0, 5.0]\n");
+            let rest =
+                format!("[[motion]]\nnodes = \"all\"\nspin = {spin:?}\ncentre = [3.0, 4.0, 5.0]\n");
             let mut worst = 0.0f64;
             let mut cycles = 0;
             run_alone(&plate(20.0, 2, 1.0, end, &rest), |e| {
                 cycles += 1;
                 for b in &e.blocks.blocks {
-                    for (i, el) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
-                        let fields = b.element.fields(b.state(i), &el.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
+                    for (i, el) in e.blocks.elements[b.first..b.first + b.count].iter().enumerate()
+                    {
+                        let fields = b
+                            .element
+                            .fields(b.state(i), &el.nodes.map(|n| xyz(&e.nodes.x[n as usize])));
                         worst = worst.max(fields.von_mises / E);
                     }
                 }
@@ -197,7 +236,8 @@ fn block(end_time: f64, rest: &str, look: impl FnMut(&Engine)) -> Engine {
     run_alone(&plate(20.0, 4, 10.0, end_time, &format!("{wall}{rest}")), look)
 }
 
-/// Catalogue A07: a block under 1 MPa slides with 10 m/s, mu = 0.3: it stops after 2.6167 ms and 13.083 mm and stays.
+/// Catalogue A07: a block under 1 MPa slides with 10 m/s, mu = 0.3: it stops after 2.6167 ms and
+/// 13.083 mm and stays.
 #[test]
 fn a_pressed_block_slides_to_a_stop() {
     let rest = "[[pressure]]\nparts = [1]\npressure = 1e-3\n[[initial_velocity]]\nvelocity = [10.0, 0.0, 0.0]\n";
@@ -212,14 +252,18 @@ fn a_pressed_block_slides_to_a_stop() {
         }
     });
     assert!((stop / 2.6167 - 1.0).abs() < 0.005, "stops at {stop}");
-    assert!((end.nodes.x[12][0] - 10.0 - 13.083).abs() < 0.005 * 13.083, "after {}", end.nodes.x[12][0] - 10.0);
+    assert!(
+        (end.nodes.x[12][0] - 10.0 - 13.083).abs() < 0.005 * 13.083,
+        "after {}",
+        end.nodes.x[12][0] - 10.0
+    );
     assert!(fastest_after < 1e-2, "stays: {fastest_after}");
     let e = end.ledger.energies(&end.nodes);
     assert!((e.wall / -1.570 - 1.0).abs() < 0.005, "friction took it all: {}", e.wall);
 }
 
-/// Catalogue A09: on an incline with mu = 0.3 a block goes with g (sin a - mu cos a) at 20 and 25 degrees and does not
-/// creep at 15. The incline is turned gravity.
+/// Catalogue A09: on an incline with mu = 0.3 a block goes with g (sin a - mu cos a) at 20 and 25
+/// degrees and does not creep at 15. The incline is turned gravity.
 #[test]
 fn a_block_on_an_incline() {
     for (degrees, acceleration) in [(15.0f64, 0.0), (20.0, 0.5897e-3), (25.0, 1.4786e-3)] {
@@ -233,7 +277,8 @@ fn a_block_on_an_incline() {
     }
 }
 
-/// A plate on planes of symmetry is a quarter of a plate: what the planes hold does not move, the rest does.
+/// A plate on planes of symmetry is a quarter of a plate: what the planes hold does not move, the
+/// rest does.
 #[test]
 fn planes_of_symmetry_hold_what_they_must() {
     let rest = "[[symmetry]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[symmetry]]\npoint = [0.0, 0.0, 0.0]\n\
@@ -241,7 +286,10 @@ fn planes_of_symmetry_hold_what_they_must() {
     let model = plate(20.0, 2, 1.0, 1.0, rest);
     let (_, nodes) = model.records();
     // x, ry, rz on the first plane; y, rx, rz on the second; all of these in the corner.
-    assert_eq!([nodes[0].fixed, nodes[1].fixed, nodes[3].fixed, nodes[4].fixed], [0b11_1011, 0b11_0001, 0b10_1010, 0]);
+    assert_eq!(
+        [nodes[0].fixed, nodes[1].fixed, nodes[3].fixed, nodes[4].fixed],
+        [0b11_1011, 0b11_0001, 0b10_1010, 0]
+    );
     assert_eq!((nodes[1].v[0], nodes[1].w, nodes[1].v[2] != 0.0), (0.0, [1.0, 0.0, 0.0], true));
 }
 

@@ -5,12 +5,15 @@ use rustix::process::Signal;
 use std::fs;
 use std::time::{Duration, Instant};
 
-const JEEP: [&str; 6] = ["run", "cases/jeep-frame", "--end-time", "3", "--set", "output.field_interval=-1"];
+const JEEP: [&str; 6] =
+    ["run", "cases/jeep-frame", "--end-time", "3", "--set", "output.field_interval=-1"];
 const TUMBLE: [&str; 4] = ["run", "cases/tumble", "--set", "output.field_interval=-1"];
 /// A run that is to be ended long before its time.
-const LONG: [&str; 5] = ["run", "cases/jeep-frame", "--quiet", "--set", "output.history_interval=0.05"];
+const LONG: [&str; 5] =
+    ["run", "cases/jeep-frame", "--quiet", "--set", "output.history_interval=0.05"];
 
-/// Open MPI waits 1 s before each of SIGTERM and SIGKILL; on a busy machine a state may take longer to write.
+/// Open MPI waits 1 s before each of SIGTERM and SIGKILL; on a busy machine a state may take longer
+/// to write.
 fn long_run(ranks: usize) -> Running {
     let mut command = mpirun(ranks, &LONG);
     command.env("OMPI_MCA_odls_base_sigkill_timeout", "3");
@@ -42,7 +45,9 @@ fn a_single_rank_runs_its_workers_as_threads() {
     if no_mpi().is_some() {
         return;
     }
-    let s = run(mpirun(1, &["run", "cases/tumble", "--end-time", "0.1", "--workers", "2"])).with_code(0).summary();
+    let s = run(mpirun(1, &["run", "cases/tumble", "--end-time", "0.1", "--workers", "2"]))
+        .with_code(0)
+        .summary();
     assert_eq!((&s["transport"], &s["workers"]), (&"threads".into(), &2.into()));
 }
 
@@ -53,7 +58,8 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
         return;
     }
     for ranks in [1, 3] {
-        let ended = run(mpirun(ranks, &["run", "cases/tumble", "--set", "time.safty=0.8"])).with_code(2);
+        let ended =
+            run(mpirun(ranks, &["run", "cases/tumble", "--set", "time.safty=0.8"])).with_code(2);
         let said = ended.said();
         assert!(said.contains("did you mean `safety`"), "{said}");
         assert_eq!(said.matches("unknown key").count(), 1, "said once, by the master: {said}");
@@ -61,7 +67,8 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
     }
 }
 
-/// MPI cannot tell ranks that one of them is gone, but mpirun can, and ends them: 128 + 9 is its code for SIGKILL.
+/// MPI cannot tell ranks that one of them is gone, but mpirun can, and ends them: 128 + 9 is its
+/// code for SIGKILL.
 #[test]
 fn a_worker_that_is_killed_ends_the_job() {
     if no_mpi().is_some() {
@@ -74,7 +81,8 @@ fn a_worker_that_is_killed_ends_the_job() {
         send(ranks[victim], Signal::KILL);
         running.end().with_code(137);
         // Ended ranks that nobody has asked for their code have no command line any more.
-        let alive = |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| !line.is_empty());
+        let alive =
+            |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| !line.is_empty());
         let deadline = Instant::now() + Duration::from_secs(10);
         while ranks.iter().any(alive) {
             assert!(Instant::now() < deadline, "rank {victim} was killed and others live on");
@@ -96,12 +104,14 @@ fn an_interrupted_master_stops_all_ranks_with_code_130() {
     assert_eq!((&s["status"], &s["reason"]), (&"stopped".into(), &"stopped by the user".into()));
     assert!(stopped.read_fields() >= 1);
     let cycles = format!("time.max_cycles={}", s["cycles"]);
-    let counted = run(crumple_with(&[&LONG[..], &["--workers", "3", "--set", &cycles]].concat())).with_code(0);
+    let counted = run(crumple_with(&[&LONG[..], &["--workers", "3", "--set", &cycles]].concat()))
+        .with_code(0);
     assert_eq!(stopped.digest(), counted.digest());
 }
 
-/// Ctrl-C reaches mpirun, which terminates the ranks after odls_base_sigkill_timeout and kills them after as long
-/// again: time for them to keep their state. The code is Open MPI's own, 1, whatever the ranks say.
+/// Ctrl-C reaches mpirun, which terminates the ranks after odls_base_sigkill_timeout and kills them
+/// after as long again: time for them to keep their state. The code is Open MPI's own, 1, whatever
+/// the ranks say.
 #[test]
 fn an_interrupted_mpirun_leaves_a_whole_state() {
     if no_mpi().is_some() {
@@ -121,7 +131,8 @@ fn a_signal_to_a_worker_alone_does_not_stop_it() {
     if no_mpi().is_some() {
         return;
     }
-    let mut running = start(mpirun(3, &["run", "cases/tumble", "--set", "output.field_interval=-1"]));
+    let mut running =
+        start(mpirun(3, &["run", "cases/tumble", "--set", "output.field_interval=-1"]));
     running.wait_for_rows(2);
     send(running.ranks()[1], Signal::TERM);
     assert_eq!(running.end().with_code(0).summary()["status"], "completed");

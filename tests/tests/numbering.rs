@@ -1,7 +1,8 @@
-//! Meshes whose ids lie all over them are numbered anew inside: the same answer as in rows, the same on any number of workers,
-//! and the user's ids in all that is asked for and written. Units mm, ms, kg.
+//! Meshes whose ids lie all over them are numbered anew inside: the same answer as in rows, the
+//! same on any number of workers, and the user's ids in all that is asked for and written. Units
+//! mm, ms, kg.
 
-use crumple::field_file::{Piece, pieces_of_folder};
+use crumple::results::field_file::{Piece, pieces_of_folder};
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::partition::NodeRecord;
@@ -17,7 +18,8 @@ const SHUFFLED: &str = "scene.shuffle=7";
 #[test]
 fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     const CYCLES: u64 = 200;
-    let (rows, shuffled) = (read(&case("tube-crush"), &[FINE]), read(&case("tube-crush"), &[FINE, SHUFFLED]));
+    let (rows, shuffled) =
+        (read(&case("tube-crush"), &[FINE]), read(&case("tube-crush"), &[FINE, SHUFFLED]));
     assert_eq!(rows.renumbered, None);
     let renumbered = shuffled.renumbered.expect("ids are random");
     assert!(renumbered.before > 1.0 && renumbered.after < 0.2, "{renumbered:?}");
@@ -30,7 +32,8 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
 
     // Sums go in another order: nodes differ by round-off, of a way of 1.4 mm and sides of 2.5 mm.
     let of_rows = run_side_by_side(&rows, 1, CYCLES, 0);
-    let there: HashMap<[u64; 3], [f64; 3]> = of_rows.nodes.iter().map(|n| (n.x0.map(f64::to_bits), n.x)).collect();
+    let there: HashMap<[u64; 3], [f64; 3]> =
+        of_rows.nodes.iter().map(|n| (n.x0.map(f64::to_bits), n.x)).collect();
     let apart = |n: &NodeRecord| {
         let x = there[&n.x0.map(f64::to_bits)];
         (0..3).fold(0.0f64, |most, c| most.max((n.x[c] - x[c]).abs()))
@@ -42,8 +45,9 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     assert!(moved > 1.0, "{moved} mm");
 }
 
-/// Plates that meet, a fin tied to one of them by its foot and to one node by its top, and a rigid plate on a spring. Places in the
-/// mesh are in rows; `id` makes ids of those of nodes, `number` of those of shells.
+/// Plates that meet, a fin tied to one of them by its foot and to one node by its top, and a rigid
+/// plate on a spring. Places in the mesh are in rows; `id` makes ids of those of nodes, `number` of
+/// those of shells.
 fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> String {
     let (mut nodes, mut shells) = (Vec::new(), Vec::new());
     // Part, quads along both sides, and where node (i, j) is.
@@ -58,18 +62,26 @@ fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> Strin
         let first = nodes.len();
         let node = |i: usize, j: usize| id(first + j * (a + 1) + i);
         nodes.extend(
-            (0..=b).flat_map(|j| (0..=a).map(move |i| (i, j))).map(|(i, j)| (node(i, j), at(i as f64, j as f64))),
+            (0..=b)
+                .flat_map(|j| (0..=a).map(move |i| (i, j)))
+                .map(|(i, j)| (node(i, j), at(i as f64, j as f64))),
         );
         for (i, j) in (0..b).flat_map(|j| (0..a).map(move |i| (i, j))) {
-            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)].map(|n| n.to_string());
+            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]
+                .map(|n| n.to_string());
             shells.push(format!("[{}, {part}, {}]", number(shells.len()), corners.join(", ")));
         }
         first
     });
-    let of = |range: std::ops::Range<usize>| range.map(&id).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
-    let nodes: Vec<String> = nodes.iter().map(|(n, [x, y, z])| format!("[{n}, {x:?}, {y:?}, {z:?}]")).collect();
+    let of = |range: std::ops::Range<usize>| {
+        range.map(&id).map(|n| n.to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let nodes: Vec<String> =
+        nodes.iter().map(|(n, [x, y, z])| format!("[{n}, {x:?}, {y:?}, {z:?}]")).collect();
     let part = |n: usize| {
-        format!("[[part]]\nid = {n}\nmaterial = \"steel\"\nelement = \"belytschko_tsay\"\nthickness = 1.0\n")
+        format!(
+            "[[part]]\nid = {n}\nmaterial = \"steel\"\nelement = \"belytschko_tsay\"\nthickness = 1.0\n"
+        )
     };
     format!(
         "end_time = 1.0\nunits = \"mm, ms, kg\"\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [[9999, 5, {}, {}]]\n\
@@ -96,8 +108,9 @@ fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> Strin
     )
 }
 
-/// Ids all over against ids in rows: nodes differ by round-off, of a way of 1 mm. In contact, who goes first among pairs and which of two
-/// faces a node takes at their edge go by ids; that is 3e-6 mm here.
+/// Ids all over against ids in rows: nodes differ by round-off, of a way of 1 mm. In contact, who
+/// goes first among pairs and which of two faces a node takes at their edge go by ids; that is 3e-6
+/// mm here.
 #[test]
 fn contact_ties_springs_and_rigid_bodies_go_along() {
     const COUNT: usize = 81 * 81 + 21 * 21 + 11 * 6 + 6 * 6;
@@ -109,22 +122,28 @@ fn contact_ties_springs_and_rigid_bodies_go_along() {
         fs::write(&path, joined(id, number) + rest).unwrap();
         read(&path, &[])
     };
-    let (scattered, number) = (|place: usize| 1 + place * 1009 % COUNT, |place: usize| 1 + place * 1847 % SHELLS);
+    let (scattered, number) =
+        (|place: usize| 1 + place * 1009 % COUNT, |place: usize| 1 + place * 1847 % SHELLS);
     for (rest, tolerance) in [("", 1e-9), ("[contact]\nfriction = 0.1\n", 1e-5)] {
-        let models = [job(&|place| 1 + place, &|place| 1 + place, rest), job(&scattered, &number, rest)];
+        let models =
+            [job(&|place| 1 + place, &|place| 1 + place, rest), job(&scattered, &number, rest)];
         assert_eq!(models.each_ref().map(|model| model.renumbered.is_some()), [false, true]);
         let [of_rows, one] = models.each_ref().map(|model| run_side_by_side(model, 1, CYCLES, 0));
         let three = run_side_by_side(&models[1], 3, CYCLES, 40);
         assert_eq!(one.digest(), three.digest(), "{rest}");
         assert_eq!(one.pairs.iter().any(|pairs| !pairs.is_empty()), !rest.is_empty());
-        let by_id =
-            |nodes: &[NodeRecord]| -> HashMap<u64, NodeRecord> { nodes.iter().map(|n| (n.id.label(), *n)).collect() };
+        let by_id = |nodes: &[NodeRecord]| -> HashMap<u64, NodeRecord> {
+            nodes.iter().map(|n| (n.id.label(), *n)).collect()
+        };
         let [of_rows, one] = [of_rows, one].map(|trace| by_id(&trace.nodes));
         assert_eq!([of_rows.len(), one.len()], [COUNT; 2]);
         let apart = |(place, c): (usize, usize)| {
             (of_rows[&(1 + place as u64)].x[c] - one[&(scattered(place) as u64)].x[c]).abs()
         };
-        let most = (0..COUNT).flat_map(|place| [0, 1, 2].map(|c| (place, c))).map(apart).fold(0.0, f64::max);
+        let most = (0..COUNT)
+            .flat_map(|place| [0, 1, 2].map(|c| (place, c)))
+            .map(apart)
+            .fold(0.0, f64::max);
         assert!(most < tolerance, "{most} mm, {rest}");
         let moved = one.values().map(|n| (n.x[2] - n.x0[2]).abs()).fold(0.0, f64::max);
         assert!(moved > 0.3, "{moved} mm");
@@ -151,8 +170,9 @@ fn given(shuffle: u32) -> Mesh {
 /// A run of some cycles that asks for histories of nodes and of elements by their ids.
 fn asked_for(shuffle: u32, nodes: &[u64], elements: &[u64]) -> Ended {
     let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
-    let more =
-        format!("\n[[output.node]]\nids = {nodes:?}\n[[output.section]]\nnodes = \"head\"\nelements = {elements:?}\n");
+    let more = format!(
+        "\n[[output.node]]\nids = {nodes:?}\n[[output.section]]\nnodes = \"head\"\nelements = {elements:?}\n"
+    );
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("job.toml");
     fs::write(&path, text + &more).unwrap();
@@ -177,7 +197,8 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
     // The same nodes and elements by the ids that they have in either mesh.
     let (in_rows, mesh) = (given(0), given(7));
     let place = |mesh: &Mesh, id: NodeId| mesh.nodes[id.0 as usize - 1].x.map(f64::to_bits);
-    let shuffled: HashMap<[u64; 3], u64> = mesh.nodes.iter().map(|n| (n.x.map(f64::to_bits), n.id.0)).collect();
+    let shuffled: HashMap<[u64; 3], u64> =
+        mesh.nodes.iter().map(|n| (n.x.map(f64::to_bits), n.id.0)).collect();
     let of_nodes: HashMap<Vec<u64>, u64> =
         mesh.elements.iter().map(|e| (e.corners().iter().map(|n| n.0).collect(), e.id.0)).collect();
     let nodes = [4321, 17, 9000, 500];
@@ -186,7 +207,9 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
     let at_head = in_rows.elements.iter().filter(|e| e.corners().iter().any(|n| head.contains(n)));
     let elements: Vec<&MeshElement> = at_head.step_by(3).collect();
     let ids: Vec<u64> = elements.iter().map(|e| e.id.0).collect();
-    let corners = |e: &&MeshElement| e.corners().iter().map(|&n| shuffled[&place(&in_rows, n)]).collect::<Vec<_>>();
+    let corners = |e: &&MeshElement| {
+        e.corners().iter().map(|&n| shuffled[&place(&in_rows, n)]).collect::<Vec<_>>()
+    };
     let shuffled_ids: Vec<u64> = elements.iter().map(|e| of_nodes[&corners(e)]).collect();
     let (one, ended) = (asked_for(0, &nodes, &ids), asked_for(7, &there, &shuffled_ids));
 
@@ -197,11 +220,18 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
     assert_eq!(told_ids, sorted, "by ascending id");
     let histories = |ended: &Ended, ids: [u64; 4]| {
         let all = rows(ended, "nodes.csv", 3);
-        ids.map(|id| all.iter().filter(|r| r.0[1] == id.to_string()).map(|r| r.1[..6].to_vec()).collect::<Vec<_>>())
+        ids.map(|id| {
+            all.iter()
+                .filter(|r| r.0[1] == id.to_string())
+                .map(|r| r.1[..6].to_vec())
+                .collect::<Vec<_>>()
+        })
     };
     let numbers = |of: [Vec<Vec<f64>>; 4]| of.into_iter().flatten().flatten().collect::<Vec<f64>>();
     assert_near(&numbers(histories(&one, nodes)), &numbers(histories(&ended, there)), "nodes");
-    let section = |ended: &Ended| rows(ended, "sections.csv", 2).into_iter().flat_map(|r| r.1[..3].to_vec()).collect();
+    let section = |ended: &Ended| {
+        rows(ended, "sections.csv", 2).into_iter().flat_map(|r| r.1[..3].to_vec()).collect()
+    };
     let (ours, theirs): (Vec<f64>, Vec<f64>) = (section(&one), section(&ended));
     assert!(ours.iter().any(|f| f.abs() > 1.0), "the section bears some kN");
     assert_near(&ours, &theirs, "section");
@@ -212,7 +242,8 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
     for file in pieces_of_folder(&step) {
         let piece = Piece::read(&file).unwrap();
         let nodes = piece.i64("node_id").unwrap();
-        let (points, moved) = (piece.array("Points").unwrap(), piece.array("displacement").unwrap());
+        let (points, moved) =
+            (piece.array("Points").unwrap(), piece.array("displacement").unwrap());
         for (n, (x, u)) in nodes.iter().zip(points.chunks(3).zip(moved.chunks(3))) {
             assert!((0..3).all(|c| (x[c] - u[c] - at[n][c]).abs() < 1e-4), "node {n} is at {x:?}");
         }
@@ -245,14 +276,23 @@ fn check_says_so_and_an_exported_deck_has_the_ids_of_the_mesh() {
 #[test]
 fn an_element_in_trouble_and_ids_that_are_not_there_are_told_as_the_mesh_has_them() {
     let sets = ["--set", FINE, "--set", SHUFFLED, "--workers", "2", "--quiet"];
-    let said = run(crumple_with(&[&["run", "cases/tube-crush", "--set", "time.safety=3"], &sets[..]].concat())).said();
-    let id = said.split("element ").nth(1).and_then(|rest| rest.split(' ').next()).expect("an element is named");
+    let said = run(crumple_with(
+        &[&["run", "cases/tube-crush", "--set", "time.safety=3"], &sets[..]].concat(),
+    ))
+    .said();
+    let id = said
+        .split("element ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next())
+        .expect("an element is named");
     assert!((1..=11520).contains(&id.parse::<u64>().unwrap()), "{said}");
     let there = tempfile::tempdir().unwrap();
     let path = there.path().join("job.toml");
     let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
     fs::write(&path, text + "\n[[output.node]]\nids = [20000]\n").unwrap();
-    let said = run(crumple_with(&[&["run", path.to_str().unwrap()], &sets[..]].concat())).with_code(2).said();
+    let said = run(crumple_with(&[&["run", path.to_str().unwrap()], &sets[..]].concat()))
+        .with_code(2)
+        .said();
     assert!(said.contains("a history of node 20000, which no element has"), "{said}");
 }
 

@@ -1,5 +1,6 @@
-//! The field files of a real run, read back with VTK: every element once, shared nodes equal to the last bit,
-//! times in order, all values finite. What is looked at is listed in deploy/read_fields.py.
+//! The field files of a real run, read back with VTK: every element once, shared nodes equal to the
+//! last bit, times in order, all values finite. What is looked at is listed in
+//! deploy/read_fields.py.
 
 use crumple_tests::program::{crumple_with, root, run};
 use std::env;
@@ -21,7 +22,10 @@ fn vtk_reads_the_fields_of_a_run() {
         reader.arg(root().join("deploy/read_fields.py")).arg(ended.out());
         let said = run(reader).with_code(0).said();
         let steps = said.lines().filter(|line| line.contains(": 7208 cells")).count();
-        assert!(steps >= 5, "t = 0 and every 0.05 ms, but only {steps} steps with {workers} workers: {said}");
+        assert!(
+            steps >= 5,
+            "t = 0 and every 0.05 ms, but only {steps} steps with {workers} workers: {said}"
+        );
         assert_eq!(ended.out().join("fields/exterior.pvd").exists(), workers != "1");
     }
 }

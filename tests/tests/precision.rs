@@ -1,6 +1,7 @@
-//! Single precision in elements: nearly the crash of double precision, the same bits on any number of workers.
+//! Single precision in elements: nearly the crash of double precision, the same bits on any number
+//! of workers.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 
 const SINGLE: &str = "elements.precision=single";
@@ -12,18 +13,25 @@ fn tube(sets: &[&str]) -> Model {
     read(&case("tube"), &all)
 }
 
-/// What buckles makes round-off larger, and steps are shorter by a 4096th, which moves a fold as much: at the end the energy
-/// that deforms is off by 4e-6 (and by 6e-7 and 2e-7 with 12 and 16 shells over a side).
+/// What buckles makes round-off larger, and steps are shorter by a 4096th, which moves a fold as
+/// much: at the end the energy that deforms is off by 4e-6 (and by 6e-7 and 2e-7 with 12 and 16
+/// shells over a side).
 #[test]
 fn a_tube_folds_as_in_double_precision() {
     let [double, single] = [&[][..], &[SINGLE]].map(|sets| {
         let mut met = 0;
-        let engine = run_alone(&tube(sets), |e| met += e.contact.iter().map(|c| c.own_pairs().count()).sum::<usize>());
+        let engine = run_alone(&tube(sets), |e| {
+            met += e.contact.iter().map(|c| c.own_pairs().count()).sum::<usize>()
+        });
         assert!(met > 0, "the folds touch");
         (engine.ledger.energies(&engine.nodes), engine.clock.cycle)
     });
     let off = single.0.internal / double.0.internal - 1.0;
-    assert!(double.0.internal > 100.0 && off.abs() < 5e-5 && off != 0.0, "{} J, off by {off:e}", double.0.internal);
+    assert!(
+        double.0.internal > 100.0 && off.abs() < 5e-5 && off != 0.0,
+        "{} J, off by {off:e}",
+        double.0.internal
+    );
     let cycles = single.1 as f64 / double.1 as f64 - 1.0;
     assert!((0.0..1e-3).contains(&cycles), "{} cycles, then {}", double.1, single.1);
 }
@@ -34,7 +42,11 @@ fn bits_do_not_depend_on_workers() {
     let alone = run_side_by_side(&model, 1, 800, 0);
     for (workers, force_every) in [(2, 0), (3, 0), (3, 50)] {
         let trace = run_side_by_side(&model, workers, 800, force_every);
-        assert_eq!(trace.digest(), alone.digest(), "{workers} workers, boxes renewed every {force_every} cycles");
+        assert_eq!(
+            trace.digest(),
+            alone.digest(),
+            "{workers} workers, boxes renewed every {force_every} cycles"
+        );
     }
     let double = run_side_by_side(&tube(&[]), 1, 800, 0);
     assert_ne!(double.digest(), alone.digest(), "it is another precision");
@@ -43,7 +55,8 @@ fn bits_do_not_depend_on_workers() {
 #[test]
 fn a_wrong_precision_is_told_with_what_is_right() {
     let sets = ["elements.precision=\"half\"".to_string()];
-    let report = job::read(&case("tube"), &sets).err().expect("there is no such precision").to_string();
+    let report =
+        job::read(&case("tube"), &sets).err().expect("there is no such precision").to_string();
     for word in ["elements.precision", "half", "double", "single"] {
         assert!(report.contains(word), "no '{word}' in: {report}");
     }

@@ -11,12 +11,14 @@ const RUN: [&str; 4] = ["run", "cases/bars", "--workers", "2"];
 
 fn bars(more: &[&str]) -> Ended {
     run(crumple_with(
-        &[&RUN[..], &["--set", "time.max_cycles=60", "--set", "output.field_interval=0.01"], more].concat(),
+        &[&RUN[..], &["--set", "time.max_cycles=60", "--set", "output.field_interval=0.01"], more]
+            .concat(),
     ))
 }
 
 fn page(run: &Ended) -> String {
-    fs::read_to_string(run.out().join("report.html")).unwrap_or_else(|e| panic!("report.html: {e}: {}", run.said()))
+    fs::read_to_string(run.out().join("report.html"))
+        .unwrap_or_else(|e| panic!("report.html: {e}: {}", run.said()))
 }
 
 /// What stands between two marks.
@@ -40,13 +42,18 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     let quads = summary["elements"]["quad4"].as_u64().unwrap();
     assert_eq!(facts["model"]["elements"].as_u64(), Some(quads), "shells are all seen");
     assert_eq!(facts["model"]["frames"].as_array().unwrap().len(), ended.read_fields());
-    assert!(first.contains(summary["state_digest"].as_str().unwrap()), "the summary is on the page");
+    assert!(
+        first.contains(summary["state_digest"].as_str().unwrap()),
+        "the summary is on the page"
+    );
     assert_eq!(facts["plots"]["plots"][0]["title"], "Energies");
     // They add up: at every time to the line of the total, which stays.
     let lines = facts["plots"]["plots"][0]["lines"].as_array().unwrap();
     let line = |label: &str| -> Vec<f64> {
         let found = lines.iter().find(|line| line["label"] == label);
-        found.map_or(Vec::new(), |l| l["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect())
+        found.map_or(Vec::new(), |l| {
+            l["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+        })
     };
     let total = line("total");
     for (row, total_now) in total.iter().enumerate() {
@@ -58,7 +65,10 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
             "{sum} {total_now}"
         );
     }
-    assert!(total.len() > 1 && line("internal").last().copied() > Some(0.01 * total[0]), "they change: {total:?}");
+    assert!(
+        total.len() > 1 && line("internal").last().copied() > Some(0.01 * total[0]),
+        "they change: {total:?}"
+    );
 
     fs::remove_file(ended.out().join("report.html")).unwrap();
     run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
@@ -68,19 +78,32 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     let whole = fs::read(&piece).unwrap();
     fs::write(&piece, &whole[..whole.len() * 9 / 10]).unwrap();
     fs::remove_file(ended.out().join("history.csv")).unwrap();
-    let said = run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0).said();
-    assert!(said.contains("step_000000/piece_001.vtu: ends within array") && said.contains("history.csv: "), "{said}");
+    let said =
+        run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0).said();
+    assert!(
+        said.contains("step_000000/piece_001.vtu: ends within array")
+            && said.contains("history.csv: "),
+        "{said}"
+    );
     assert!(page(&ended).contains("Not read: "), "problems are on the page");
 }
 
-/// Walls that move have a path over the times of the history, those that stand none; and the page with them has no fault.
+/// Walls that move have a path over the times of the history, those that stand none; and the page
+/// with them has no fault.
 #[test]
 fn walls_that_move_have_their_paths() {
-    let ended = run(crumple_with(&["run", "tests/decks/scenes/sled.k", "--workers", "1"])).with_code(0);
+    let ended =
+        run(crumple_with(&["run", "tests/decks/scenes/sled.k", "--workers", "1"])).with_code(0);
     let walls = facts(&page(&ended))["walls"].clone();
     let path = |w: usize| walls[w]["path"].clone();
-    let last = |w: usize, c: usize| path(w)["moved"].as_array().unwrap().last().unwrap()[c].as_f64().unwrap();
-    assert!((last(1, 2) - 4.0).abs() < 1e-8, "the roller ends where its curve takes it: {}", path(1));
+    let last = |w: usize, c: usize| {
+        path(w)["moved"].as_array().unwrap().last().unwrap()[c].as_f64().unwrap()
+    };
+    assert!(
+        (last(1, 2) - 4.0).abs() < 1e-8,
+        "the roller ends where its curve takes it: {}",
+        path(1)
+    );
     // The sled is thrown back, along its normal only.
     assert!(last(0, 0).abs() > 0.1 && last(0, 1) == 0.0, "{}", path(0));
     assert!(!page(&ended).contains("drawn where they are at first"));
@@ -112,7 +135,8 @@ fn a_run_that_failed_has_a_page_that_says_why() {
 #[test]
 fn a_folder_of_nothing_is_bad_input() {
     let dir = tempfile::tempdir().unwrap();
-    let said = run(crumple_with(&["report", &dir.path().display().to_string()])).with_code(2).said();
+    let said =
+        run(crumple_with(&["report", &dir.path().display().to_string()])).with_code(2).said();
     assert!(said.contains("holds nothing of a run") && said.contains("summary.json"), "{said}");
 }
 
@@ -123,10 +147,13 @@ fn browser() -> Option<PathBuf> {
     }
     let path = std::env::var_os("PATH")?;
     let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-    std::env::split_paths(&path).flat_map(|dir| names.map(|name| dir.join(name))).find(|file| file.is_file())
+    std::env::split_paths(&path)
+        .flat_map(|dir| names.map(|name| dir.join(name)))
+        .find(|file| file.is_file())
 }
 
-/// What the page is after its scripts have run. Pictures are drawn by software, so that no graphics card is needed.
+/// What the page is after its scripts have run. Pictures are drawn by software, so that no graphics
+/// card is needed.
 fn opened(browser: &Path, page: &Path, fragment: &str, profile: &Path, more: &[&str]) -> String {
     let mut command = Command::new(browser);
     command.args([
@@ -158,10 +185,18 @@ fn a_browser_draws_the_page_without_a_fault() {
     let profile = tempfile::tempdir().unwrap();
     let ended = bars(&[]).with_code(0);
     let file = ended.out().join("report.html");
-    for fragment in ["check", "check&colour=part&edges=0&time=0.02", "check&colour=element class&view=top"] {
+    for fragment in
+        ["check", "check&colour=part&edges=0&time=0.02", "check&colour=element class&view=top"]
+    {
         let html = opened(&browser, &file, fragment, profile.path(), &[]);
         let say = |name| attribute(&html, name);
-        assert_eq!(say("state").as_deref(), Some("ready"), "{:?} {}", say("why"), &html[..html.len().min(2000)]);
+        assert_eq!(
+            say("state").as_deref(),
+            Some("ready"),
+            "{:?} {}",
+            say("why"),
+            &html[..html.len().min(2000)]
+        );
         assert_eq!(say("errors").as_deref(), Some("0"), "{:?}", say("why"));
         let covered: f64 = say("covered").unwrap().parse().unwrap();
         assert!(covered > 0.002, "the model covers {covered} of the stage");
@@ -173,7 +208,11 @@ fn a_browser_draws_the_page_without_a_fault() {
     // Without WebGL, and without fields: no picture, but words, plots and tables.
     let html = opened(&browser, &file, "", profile.path(), &["--disable-3d-apis"]);
     assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));
-    assert!(html.contains("shows no WebGL") && html.contains("class=\"uplot"), "{:?}", attribute(&html, "why"));
+    assert!(
+        html.contains("shows no WebGL") && html.contains("class=\"uplot"),
+        "{:?}",
+        attribute(&html, "why")
+    );
     let ended = bars(&["--set", "output.field_interval=-1"]).with_code(0);
     let html = opened(&browser, &ended.out().join("report.html"), "", profile.path(), &[]);
     assert_eq!(attribute(&html, "state").as_deref(), Some("without-picture"));

@@ -1,6 +1,7 @@
-//! Rigid bodies made of shells: falling, guided, led, in contact, on any number of workers. Units mm, ms, kg.
+//! Rigid bodies made of shells: falling, guided, led, in contact, on any number of workers. Units
+//! mm, ms, kg.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::collections::BTreeMap;
@@ -20,10 +21,13 @@ impl Scene {
         let first = self.nodes.len() + 1;
         let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
         for i in 0..=cells[0] {
-            self.nodes.extend((0..=cells[1]).map(|j| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]]));
+            self.nodes.extend(
+                (0..=cells[1]).map(|j| [at[0] + side * i as f64, at[1] + side * j as f64, at[2]]),
+            );
         }
         for i in 0..cells[0] {
-            let shell = |j| (self.parts, [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+            let shell =
+                |j| (self.parts, [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
             self.shells.extend((0..cells[1]).map(shell));
         }
         self.parts
@@ -47,7 +51,8 @@ impl Scene {
                             })
                         };
                         let quad = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                        let outward = if level == 0 { [quad[0], quad[3], quad[2], quad[1]] } else { quad };
+                        let outward =
+                            if level == 0 { [quad[0], quad[3], quad[2], quad[1]] } else { quad };
                         self.shells.push((self.parts, outward));
                     }
                 }
@@ -58,16 +63,19 @@ impl Scene {
 
     /// The job, with sets of all nodes of each part, `part_1` and so on; `rest` is the rest of it.
     fn job(&self, end_time: f64, rest: &str) -> Model {
-        let nodes =
-            self.nodes.iter().zip(1..).map(|([x, y, z], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, {z:?}],\n"));
-        let shells = self
-            .shells
+        let nodes = self
+            .nodes
             .iter()
             .zip(1..)
-            .map(|((p, [a, b, c, d]), id): (_, u32)| format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n"));
+            .map(|([x, y, z], id): (_, u32)| format!("[{id}, {x:?}, {y:?}, {z:?}],\n"));
+        let shells =
+            self.shells.iter().zip(1..).map(|((p, [a, b, c, d]), id): (_, u32)| {
+                format!("[{id}, {p}, {a}, {b}, {c}, {d}],\n")
+            });
         let (nodes, shells): (String, String) = (nodes.collect(), shells.collect());
         let set = |p: usize| {
-            let mut ids: Vec<usize> = self.shells.iter().filter(|s| s.0 == p).flat_map(|s| s.1).collect();
+            let mut ids: Vec<usize> =
+                self.shells.iter().filter(|s| s.0 == p).flat_map(|s| s.1).collect();
             ids.sort_unstable();
             ids.dedup();
             format!("part_{p} = {ids:?}, ")
@@ -90,11 +98,14 @@ impl Scene {
 fn cube(rest: &str, end_time: f64, look: impl FnMut(&Engine)) -> Engine {
     let mut scene = Scene::default();
     scene.cuboid([0.0; 3], [2, 2, 2], 5.0);
-    run_alone(&scene.job(end_time, &format!("[[rigid]]\nname = \"cube\"\nparts = [1]\n{rest}")), look)
+    run_alone(
+        &scene.job(end_time, &format!("[[rigid]]\nname = \"cube\"\nparts = [1]\n{rest}")),
+        look,
+    )
 }
 
-/// Catalogue A13: a cube of 1 kg falls 100 mm under g = 9.81 m/s2: it meets the floor after 142.78 ms with 1.40071 m/s,
-/// and stays there: the impact is plastic.
+/// Catalogue A13: a cube of 1 kg falls 100 mm under g = 9.81 m/s2: it meets the floor after 142.78
+/// ms with 1.40071 m/s, and stays there: the impact is plastic.
 #[test]
 fn a_rigid_cube_falls_and_lands() {
     let rest = "mass = 1.0\n[time]\ndt_max = 0.05\n[[gravity]]\nacceleration = [0.0, 0.0, -9.81e-3]\n\
@@ -112,14 +123,17 @@ fn a_rigid_cube_falls_and_lands() {
     assert!((end.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
     assert!((landed - 142.78).abs() < 0.06, "to a step: {landed}");
     assert!((fastest + 1.40071).abs() < 1.5 * 0.05 * 9.81e-3, "mid-step, and to a step: {fastest}");
-    assert!(end.bodies.bodies[0].last.velocity.norm() < 1e-9 && end.bodies.bodies[0].last_spin.norm() < 1e-9);
+    assert!(
+        end.bodies.bodies[0].last.velocity.norm() < 1e-9
+            && end.bodies.bodies[0].last_spin.norm() < 1e-9
+    );
     assert!(dip > -1e-9, "no node goes below: {dip}");
     let wall = end.ledger.energies(&end.nodes).wall;
     assert!((wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3, "all is lost: {wall}");
 }
 
-/// A body that is guided along x goes with F / m whatever else pulls at it, and one that may turn about z only turns
-/// with M / J.
+/// A body that is guided along x goes with F / m whatever else pulls at it, and one that may turn
+/// about z only turns with M / J.
 #[test]
 fn guided_bodies_follow_what_is_left_free() {
     let dofs = |list: &str| {
@@ -131,7 +145,9 @@ fn guided_bodies_follow_what_is_left_free() {
     let body = &end.bodies.bodies[0];
     let way = 0.5 * 0.3 / body.mass;
     assert!(
-        (body.centre.x - 5.0 - way).abs() < 1e-11 * way && body.centre.y == 5.0 && body.turn.angle() == 0.0,
+        (body.centre.x - 5.0 - way).abs() < 1e-11 * way
+            && body.centre.y == 5.0
+            && body.turn.angle() == 0.0,
         "{}",
         body.centre
     );
@@ -146,7 +162,8 @@ fn guided_bodies_follow_what_is_left_free() {
     );
 }
 
-/// Led by its spin, a cube that carries a deformable plate does ten turns: its nodes end where they began.
+/// Led by its spin, a cube that carries a deformable plate does ten turns: its nodes end where they
+/// began.
 #[test]
 fn a_led_body_takes_its_nodes_along() {
     let turns = 10.0 * std::f64::consts::TAU;
@@ -156,14 +173,17 @@ fn a_led_body_takes_its_nodes_along() {
         0.8 * turns
     );
     let end = cube(&rest, 1.0, |_| {});
-    let off =
-        |i: usize| (0..3).map(|c| (end.nodes.x[i][c] - end.nodes.x0[i][c] - (c + 1) as f64).abs()).fold(0.0, f64::max);
+    let off = |i: usize| {
+        (0..3)
+            .map(|c| (end.nodes.x[i][c] - end.nodes.x0[i][c] - (c + 1) as f64).abs())
+            .fold(0.0, f64::max)
+    };
     let worst = (0..end.nodes.held).map(off).fold(0.0, f64::max);
     assert!(worst < 1e-11, "63 radians in 100 steps, eps each, on 10 mm: {worst:e}");
 }
 
-/// A rigid cube flies into a free elastic plate, off its middle: linear and angular momentum of both are kept to
-/// round-off, energy does not grow, and the plate takes its share.
+/// A rigid cube flies into a free elastic plate, off its middle: linear and angular momentum of
+/// both are kept to round-off, energy does not grow, and the plate takes its share.
 #[test]
 fn contact_with_a_deformable_plate_keeps_momentum() {
     let mut scene = Scene::default();
@@ -192,11 +212,18 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
         let body = &end.bodies.bodies[0];
         let energies = end.ledger.energies(&end.nodes);
         let initial = 0.5 * body.mass * 101.0;
-        eprintln!("{law}: momentum {worst:?}, {energies:?}, initial {initial}, penetration {deepest}");
-        assert!(pairs > 20 && body.last.velocity.z > -9.0, "they do meet: {pairs}, {}", body.last.velocity);
+        eprintln!(
+            "{law}: momentum {worst:?}, {energies:?}, initial {initial}, penetration {deepest}"
+        );
+        assert!(
+            pairs > 20 && body.last.velocity.z > -9.0,
+            "they do meet: {pairs}, {}",
+            body.last.velocity
+        );
         let p = body.mass * 10.0;
         assert!(worst[0] < 1e-12 * p, "{law}: round-off of a thousand steps: {worst:?} of {p}");
-        // Positions and velocities are half a step apart, which shifts L by F x v dt/2 within a contact only.
+        // Positions and velocities are half a step apart, which shifts L by F x v dt/2 within a
+        // contact only.
         assert!(worst[1] < 0.01 * p * 10.0, "{law}: {worst:?}");
         let kept = energies.kinetic + energies.internal + energies.hourglass;
         assert!(kept < initial * 1.01, "{law}: {kept} of {initial}");
@@ -204,9 +231,9 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
     }
 }
 
-/// Catalogue C06: a rigid cube that starts 0.1 mm deep in a plate that is held fixed is let out gradually: the law gives
-/// back 0.002 of the depth per step, so that it goes with no more than twice 0.002 d / dt, not with d / dt, and gains
-/// less than 1e-3 J.
+/// Catalogue C06: a rigid cube that starts 0.1 mm deep in a plate that is held fixed is let out
+/// gradually: the law gives back 0.002 of the depth per step, so that it goes with no more than
+/// twice 0.002 d / dt, not with d / dt, and gains less than 1e-3 J.
 #[test]
 fn an_initial_penetration_does_not_throw_a_body_out() {
     let mut scene = Scene::default();
@@ -220,11 +247,15 @@ fn an_initial_penetration_does_not_throw_a_body_out() {
         energy = energy.max(e.bodies.bodies[0].energy());
     });
     eprintln!("{fastest} m/s, {energy} J, against {} m/s", 0.1 / end.clock.first_dt);
-    assert!(fastest < 2.0 * 0.002 * 0.1 / end.clock.first_dt && energy < 1e-3, "{fastest} {energy}");
+    assert!(
+        fastest < 2.0 * 0.002 * 0.1 / end.clock.first_dt && energy < 1e-3,
+        "{fastest} {energy}"
+    );
 }
 
-/// A rigid cube that carries a deformable plate by shared nodes, falls and slides on a wall, is hit by a second rigid
-/// body and by an elastic one: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+/// A rigid cube that carries a deformable plate by shared nodes, falls and slides on a wall, is hit
+/// by a second rigid body and by an elastic one: the same bits on 1, 2 and 4 workers, with boxes
+/// renewed by force.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let mut scene = Scene::default();
@@ -232,8 +263,9 @@ fn bits_do_not_depend_on_workers() {
     scene.cuboid([2.0, 3.0, 17.0], [4, 2, 2], 5.0);
     scene.plate([-5.0, -3.0, 29.0], [5, 5], 5.0);
     // A flap on the first cube: shares the nodes of one edge.
-    let edge: Vec<usize> =
-        (0..4).map(|j| scene.nodes.iter().position(|n| *n == [15.0, 5.0 * j as f64, 15.0]).unwrap() + 1).collect();
+    let edge: Vec<usize> = (0..4)
+        .map(|j| scene.nodes.iter().position(|n| *n == [15.0, 5.0 * j as f64, 15.0]).unwrap() + 1)
+        .collect();
     scene.parts += 1;
     let first = scene.nodes.len() + 1;
     scene.nodes.extend((0..4).map(|j| [20.0, 5.0 * j as f64, 15.0]));

@@ -1,6 +1,6 @@
 //! Thicknesses of single shells, and shells whose middle is beside their nodes. Units mm, ms, kg.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::fmt::Write;
@@ -10,8 +10,15 @@ const E: f64 = 200.0;
 const RHO: f64 = 7.85e-6;
 const WIDTH: f64 = 10.0;
 
-/// A strip of `n` squares along x, clamped at x = 0 and pulled at its other end by `force`, slowed down to rest.
-fn strip(n: usize, thickness: f64, [force, damping, end]: [f64; 3], of_part: &str, of_mesh: &str) -> Model {
+/// A strip of `n` squares along x, clamped at x = 0 and pulled at its other end by `force`, slowed
+/// down to rest.
+fn strip(
+    n: usize,
+    thickness: f64,
+    [force, damping, end]: [f64; 3],
+    of_part: &str,
+    of_mesh: &str,
+) -> Model {
     let mut text = format!("end_time = {end:?}\n[mesh]\nnodes = [");
     for node in 0..2 * (n + 1) {
         let [x, y] = [node / 2, node % 2].map(|k| WIDTH * k as f64);
@@ -20,7 +27,8 @@ fn strip(n: usize, thickness: f64, [force, damping, end]: [f64; 3], of_part: &st
     text += "]\nshells = [";
     for e in 0..n {
         let first = 2 * e + 1;
-        write!(text, "[{}, 1, {first}, {}, {}, {}],", e + 1, first + 2, first + 3, first + 1).unwrap();
+        write!(text, "[{}, 1, {first}, {}, {}, {}],", e + 1, first + 2, first + 3, first + 1)
+            .unwrap();
     }
     let [last, other] = [2 * n + 1, 2 * n + 2];
     write!(
@@ -50,33 +58,49 @@ fn near(found: f64, wanted: f64, tolerance: f64, why: &str) {
     assert!((found / wanted - 1.0).abs() < tolerance, "{found} for {wanted}: {why}");
 }
 
-/// Half of a strip is twice as thick: it weighs as much, carries half of the stress and lengthens by half.
+/// Half of a strip is twice as thick: it weighs as much, carries half of the stress and lengthens
+/// by half.
 #[test]
 fn a_strip_of_two_thicknesses_lengthens_and_weighs_by_each() {
     let (n, force) = (8, 0.1);
-    let model = strip(n, 1.0, [force, 200.0, 0.6], "", "thicknesses = [[5, 2.0], [6, 2.0], [7, 2.0], [8, 2.0]]");
+    let model = strip(
+        n,
+        1.0,
+        [force, 200.0, 0.6],
+        "",
+        "thicknesses = [[5, 2.0], [6, 2.0], [7, 2.0], [8, 2.0]]",
+    );
     let masses: Vec<f64> = model.elements.mass.iter().map(|m| m / (RHO * WIDTH * WIDTH)).collect();
-    (0..n).for_each(|e| near(masses[e], if e < 4 { 1.0 } else { 2.0 }, 1e-12, "round-off of the mass"));
-    let said = crumple::check::describe(&model);
+    (0..n).for_each(|e| {
+        near(masses[e], if e < 4 { 1.0 } else { 2.0 }, 1e-12, "round-off of the mass")
+    });
+    let said = crumple::input::check::describe(&model);
     assert!(said.contains("1 to 2"), "{said}");
     let engine = run_alone(&model, |_| {});
     let total: f64 = (0..engine.nodes.len()).map(|i| engine.nodes.mass[i]).sum();
     near(total, RHO * WIDTH * WIDTH * 12.0, 1e-12, "round-off of the mass of all");
     let half = 4.0 * WIDTH * force / (E * WIDTH);
-    near(moved(&engine, 8, 0), half, 1e-3, "the thin half; strains of 5e-5, and what damping leaves");
+    near(
+        moved(&engine, 8, 0),
+        half,
+        1e-3,
+        "the thin half; strains of 5e-5, and what damping leaves",
+    );
     near(moved(&engine, 17, 0), 1.5 * half, 1e-3, "both halves");
     let block = &engine.blocks.blocks[0];
     for e in 0..n {
-        let fields =
-            block.element.fields(block.state(e), &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        let fields = block
+            .element
+            .fields(block.state(e), &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
         let thickness = if e < 4 { 1.0 } else { 2.0 };
         assert_eq!(fields.thickness, thickness);
         near(fields.stress[0], force / (WIDTH * thickness), 1e-3, "stress");
     }
 }
 
-/// The tip of a strip that is pulled along its nodes, e below its middle, comes to where its middle is on the line of the force as a
-/// beam under tension and bending does: it rises by `e (1 - 1/cosh k L)`, `k^2 = F/EI`.
+/// The tip of a strip that is pulled along its nodes, e below its middle, comes to where its middle
+/// is on the line of the force as a beam under tension and bending does: it rises by `e (1 - 1/cosh
+/// k L)`, `k^2 = F/EI`.
 #[test]
 fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
     let (n, thickness, force) = (6, 2.0, 0.1);
@@ -90,12 +114,18 @@ fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
     }
 }
 
-/// Two sheets that fly at each other turn where their middles are as far apart as half the thicknesses of the shells that meet.
+/// Two sheets that fly at each other turn where their middles are as far apart as half the
+/// thicknesses of the shells that meet.
 #[test]
 fn shells_meet_at_their_own_thickness() {
     let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
         let node = |k: usize| {
-            format!("[{}, {:?}, {:?}, {z:?}],", first + k, 5.0 * (k % 4) as f64 + shift, 5.0 * (k / 4) as f64 + shift)
+            format!(
+                "[{}, {:?}, {:?}, {z:?}],",
+                first + k,
+                5.0 * (k % 4) as f64 + shift,
+                5.0 * (k / 4) as f64 + shift
+            )
         };
         let nodes: String = (0..16).map(node).collect();
         let corners = |e: usize| {
@@ -120,7 +150,10 @@ fn shells_meet_at_their_own_thickness() {
             let of = |range: std::ops::Range<usize>| range.map(|n| e.nodes.x[n][2]);
             let felt = (0..16).any(|n| e.nodes.v[n][2] != 0.0);
             if felt && apart.is_none() {
-                apart = Some(of(16..32).fold(f64::INFINITY, f64::min) - of(0..16).fold(f64::NEG_INFINITY, f64::max));
+                apart = Some(
+                    of(16..32).fold(f64::INFINITY, f64::min)
+                        - of(0..16).fold(f64::NEG_INFINITY, f64::max),
+                );
             }
         });
         apart.expect("they meet")
@@ -136,24 +169,35 @@ fn shells_meet_at_their_own_thickness() {
         (all.as_str(), "contact_thickness = 0.4", 0.7),
     ] {
         let apart = gap(thicknesses, of_part);
-        assert!((apart - wanted).abs() < 0.01, "{thicknesses} {of_part}: {apart} apart, {wanted} wanted");
+        assert!(
+            (apart - wanted).abs() < 0.01,
+            "{thicknesses} {of_part}: {apart} apart, {wanted} wanted"
+        );
     }
 }
 
-/// Thicknesses of single shells and offsets in a scene with much contact: the same bits on any number of workers.
+/// Thicknesses of single shells and offsets in a scene with much contact: the same bits on any
+/// number of workers.
 #[test]
 fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
     let plain = read(&case("tumble"), &["time.max_cycles=600"]);
     let rows = plain.mesh.elements.iter().filter(|e| e.id.label() % 3 != 0);
-    let rows: Vec<String> =
-        rows.map(|e| format!("[{}, {:?}]", e.id.label(), 0.8 + 0.1 * (e.id.label() % 5) as f64)).collect();
+    let rows: Vec<String> = rows
+        .map(|e| format!("[{}, {:?}]", e.id.label(), 0.8 + 0.1 * (e.id.label() % 5) as f64))
+        .collect();
     let thicknesses = format!("mesh.thicknesses=[{}]", rows.join(", "));
-    let model =
-        read(&case("tumble"), &["time.max_cycles=600", &thicknesses, "part.1.offset=0.5", "part.5.offset=-1.0"]);
+    let model = read(
+        &case("tumble"),
+        &["time.max_cycles=600", &thicknesses, "part.1.offset=0.5", "part.5.offset=-1.0"],
+    );
     let serial = run_side_by_side(&model, 1, 600, 0);
     assert_ne!(serial.digest(), run_side_by_side(&plain, 1, 600, 0).digest(), "they matter");
     for (workers, force_every) in [(2, 0), (3, 7), (4, 0)] {
-        assert_eq!(serial.digest(), run_side_by_side(&model, workers, 600, force_every).digest(), "{workers} workers");
+        assert_eq!(
+            serial.digest(),
+            run_side_by_side(&model, workers, 600, force_every).digest(),
+            "{workers} workers"
+        );
     }
 }
 
@@ -178,7 +222,8 @@ fn mistakes_in_thicknesses_and_offsets_are_told_all_at_once() {
     }
 }
 
-/// Pressed weight, mass and speed of the block of `cases/slide`, its foot, and how long the weight grows.
+/// Pressed weight, mass and speed of the block of `cases/slide`, its foot, and how long the weight
+/// grows.
 const WEIGHT: f64 = 0.4;
 const MASS: f64 = 0.0314;
 const SPEED: f64 = 10.0;
@@ -197,16 +242,19 @@ fn sliding(e: &Engine) -> f64 {
 
 const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
 
-/// Runs the block of `cases/slide` with each law under a third of what Coulomb's friction would be: it has lost `tau A/m` a time once
-/// that is reached. Gives the loss over that by law.
+/// Runs the block of `cases/slide` with each law under a third of what Coulomb's friction would be:
+/// it has lost `tau A/m` a time once that is reached. Gives the loss over that by law.
 fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
     let (friction, end) = (0.3, 1.5);
     let limit = friction * WEIGHT / FOOT / 3.0;
     // Coulomb's friction grows in the ramp up to the limit, in a third of it.
     let lost = limit * FOOT / MASS * (end - 0.5 * RAMP / 3.0);
     LAWS.map(|law| {
-        let sets =
-            [format!("contact.law={law}"), format!("contact.friction_limit={limit:?}"), format!("end_time={end:?}")];
+        let sets = [
+            format!("contact.law={law}"),
+            format!("contact.friction_limit={limit:?}"),
+            format!("end_time={end:?}"),
+        ];
         let engine = run_alone(&read(&sets.each_ref().map(String::as_str)), |_| {});
         (SPEED - sliding(&engine)) / lost
     })
@@ -227,7 +275,16 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
     for (e, first) in [1, 2, 4, 5].into_iter().enumerate() {
         let face = [first, first + 1, first + 4, first + 3];
         let [a, b, c, d] = face;
-        write!(text, "[{}, 2, {a}, {b}, {c}, {d}, {}, {}, {}, {}],", e + 1, a + 9, b + 9, c + 9, d + 9).unwrap();
+        write!(
+            text,
+            "[{}, 2, {a}, {b}, {c}, {d}, {}, {}, {}, {}],",
+            e + 1,
+            a + 9,
+            b + 9,
+            c + 9,
+            d + 9
+        )
+        .unwrap();
     }
     text += "]\n[mesh.node_sets]\nbase = [101, 102, 103, 104]\nblock = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, \
              18]\ntop = [10, 11, 12, 13, 14, 15, 16, 17, 18]\n";
@@ -238,12 +295,14 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
     for (found, law) in limited(read).into_iter().zip(LAWS) {
         near(found, 1.0, 0.02, law);
     }
-    let [high, none] = [&["time.max_cycles=300", "contact.friction_limit=1.0"][..], &["time.max_cycles=300"]];
+    let [high, none] =
+        [&["time.max_cycles=300", "contact.friction_limit=1.0"][..], &["time.max_cycles=300"]];
     let digest = |sets| run_side_by_side(&read(sets), 1, 300, 0).digest();
     assert_eq!(digest(high), digest(none), "a limit that is never reached changes nothing");
 }
 
-/// On facets as large as a half of it: nodes of the base bear too, and where the block ends between them is not known.
+/// On facets as large as a half of it: nodes of the base bear too, and where the block ends between
+/// them is not known.
 #[test]
 fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
     for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(LAWS) {
@@ -253,13 +312,19 @@ fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
 
 #[test]
 fn limited_friction_gives_the_same_bits_on_any_number_of_workers() {
-    for (scene, limit) in [("tumble", "contact.friction_limit=0.01"), ("slide", "contact.friction_limit=1e-4")] {
+    for (scene, limit) in
+        [("tumble", "contact.friction_limit=0.01"), ("slide", "contact.friction_limit=1e-4")]
+    {
         for law in LAWS {
             let law = format!("contact.law={law}");
             let sets = ["time.max_cycles=600", "contact.friction=0.3", law.as_str()];
             let model = read(&case(scene), &[&sets[..], &[limit]].concat());
             let serial = run_side_by_side(&model, 1, 600, 0);
-            assert_ne!(serial.digest(), run_side_by_side(&read(&case(scene), &sets), 1, 600, 0).digest(), "it matters");
+            assert_ne!(
+                serial.digest(),
+                run_side_by_side(&read(&case(scene), &sets), 1, 600, 0).digest(),
+                "it matters"
+            );
             for (workers, force_every) in [(2, 0), (3, 11)] {
                 let parallel = run_side_by_side(&model, workers, 600, force_every);
                 assert_eq!(serial.digest(), parallel.digest(), "{scene}, {law}: {workers} workers");

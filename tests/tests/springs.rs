@@ -1,14 +1,17 @@
-//! Springs and dampers against closed forms, and the same bits on any number of workers. Units of the closed forms.
+//! Springs and dampers against closed forms, and the same bits on any number of workers. Units of
+//! the closed forms.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
-/// A job of `springs`, each of a part of its own: ends as numbers of `nodes` from 1, and what `[part.spring]` holds. The set `n1`
-/// holds the first node, and so on. `rest` is the rest of the job.
+/// A job of `springs`, each of a part of its own: ends as numbers of `nodes` from 1, and what
+/// `[part.spring]` holds. The set `n1` holds the first node, and so on. `rest` is the rest of the
+/// job.
 fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest: &str) -> Model {
-    let (mut points, mut sets, mut rows, mut parts) = (String::new(), String::new(), String::new(), String::new());
+    let (mut points, mut sets, mut rows, mut parts) =
+        (String::new(), String::new(), String::new(), String::new());
     for (id, [x, y, z]) in (1..).zip(nodes) {
         points += &format!("[{id}, {x:?}, {y:?}, {z:?}],\n");
         sets += &format!("n{id} = [{id}], ");
@@ -29,7 +32,8 @@ fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest
 
 const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
 
-/// Unexplained energy while the step stays: velocities start at a whole time, and the last steps are cut.
+/// Unexplained energy while the step stays: velocities start at a whole time, and the last steps
+/// are cut.
 #[derive(Default)]
 struct Balance {
     first: Option<f64>,
@@ -48,9 +52,9 @@ impl Balance {
     }
 }
 
-/// A mass m on a spring k goes as v/w sin(w t) with w^2 = k/m, along the spring, along a direction that stays, and by a
-/// table of forces alike. Central differences have the frequency 2/dt asin(w dt/2): after the angle w t = 20 they are
-/// ahead by 20 (w dt)^2 / 24.
+/// A mass m on a spring k goes as v/w sin(w t) with w^2 = k/m, along the spring, along a direction
+/// that stays, and by a table of forces alike. Central differences have the frequency 2/dt asin(w
+/// dt/2): after the angle w t = 20 they are ahead by 20 (w dt)^2 / 24.
 #[test]
 fn a_mass_on_a_spring_swings_with_its_frequency() {
     let (k, m, v, step) = (3.0, 2.0, 0.05, 0.02);
@@ -77,8 +81,8 @@ fn a_mass_on_a_spring_swings_with_its_frequency() {
     }
 }
 
-/// A damper c slows a mass by exp(-c t/m): its force is half a step late, which makes the rate c/m (1 + c dt/2m). The
-/// energy that it takes is internal energy.
+/// A damper c slows a mass by exp(-c t/m): its force is half a step late, which makes the rate c/m
+/// (1 + c dt/2m). The energy that it takes is internal energy.
 #[test]
 fn a_damper_slows_exponentially() {
     let (c, m, v, dt) = (0.8, 2.0, 3.0, 1e-3);
@@ -93,22 +97,27 @@ fn a_damper_slows_exponentially() {
         let t = end.clock.time - 0.5 * end.clock.last_dt;
         let ratio = end.nodes.v[1][0] / (v * (-c * t / m).exp());
         let late = c * c * dt * t / (2.0 * m * m);
-        assert!((ratio - 1.0).abs() < 1.2 * late && (ratio - 1.0).abs() > 0.5 * late, "{numbers}: {ratio} {late}");
+        assert!(
+            (ratio - 1.0).abs() < 1.2 * late && (ratio - 1.0).abs() > 0.5 * late,
+            "{numbers}: {ratio} {late}"
+        );
         assert!(balance.worst < 1e-12, "{numbers}: {}", balance.worst);
         let taken = end.ledger.energies(&end.nodes).internal / (0.5 * m * v * v);
         assert!((taken - (1.0 - (-2.0 * c * 2.0 / m).exp())).abs() < 1e-3, "{numbers}: {taken}");
     }
 }
 
-/// Two free masses on a spring that hardens and a damper fly and turn about each other: momentum and angular momentum
-/// and energy keep to round-off.
+/// Two free masses on a spring that hardens and a damper fly and turn about each other: momentum
+/// and angular momentum and energy keep to round-off.
 #[test]
 fn free_masses_keep_momentum() {
     let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n[[mass]]\nnodes = \"n2\"\nmass = 5.0\n[time]\nsafety = 0.1\n\
                 [[initial_velocity]]\nnodes = \"n1\"\nvelocity = [1.0, 2.0, -0.5]\n\
                 [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.3, -0.2, 0.6]\n";
-    let springs =
-        [([1, 2], "force_elongation = [[-1.0, -2.0], [0.0, 0.0], [0.5, 2.0], [1.0, 8.0]]"), ([1, 2], "damping = 0.1")];
+    let springs = [
+        ([1, 2], "force_elongation = [[-1.0, -2.0], [0.0, 0.0], [0.5, 2.0], [1.0, 8.0]]"),
+        ([1, 2], "damping = 0.1"),
+    ];
     let mut first = None;
     let (mut worst, mut balance) = ([0.0f64; 2], Balance::default());
     run_alone(&scene(&[[0.0; 3], [1.0, 0.5, 0.0]], &springs, 30.0, rest), |e| {
@@ -124,7 +133,8 @@ fn free_masses_keep_momentum() {
     assert!(balance.worst < 1e-11, "{}", balance.worst);
 }
 
-/// Eight masses in a ring with springs across: the step at full safety is stable, one that is 1.8 times as long is not.
+/// Eight masses in a ring with springs across: the step at full safety is stable, one that is 1.8
+/// times as long is not.
 #[test]
 fn the_step_is_stable_and_not_much_too_short() {
     let ring = |i: usize| {
@@ -134,7 +144,8 @@ fn the_step_is_stable_and_not_much_too_short() {
     let nodes: Vec<[f64; 3]> = (0..8).map(ring).collect();
     let pairs = (1..=8).flat_map(|i| [[i, i % 8 + 1], [i, (i + 2) % 8 + 1]]);
     let springs: Vec<([usize; 2], &str)> = pairs.map(|p| (p, "stiffness = 4.0")).collect();
-    let masses: String = (1..=8).map(|i| format!("[[mass]]\nnodes = \"n{i}\"\nmass = 1.0\n")).collect();
+    let masses: String =
+        (1..=8).map(|i| format!("[[mass]]\nnodes = \"n{i}\"\nmass = 1.0\n")).collect();
     let job = |safety: f64| {
         let rest = format!(
             "{masses}[time]\nsafety = {safety:?}\ndt_min_ratio = 0.0\n\
@@ -145,11 +156,15 @@ fn the_step_is_stable_and_not_much_too_short() {
     let mut most = 0.0f64;
     run_alone(&job(1.0), |e| most = most.max(e.nodes.v[4][0].abs()));
     let wild = run_side_by_side(&job(1.8), 1, 400, 0);
-    assert!(most < 1e-5 && (wild.trouble.is_some() || wild.nodes[4].v[0].abs() > 1e-2), "{most} {:?}", wild.nodes[4]);
+    assert!(
+        most < 1e-5 && (wild.trouble.is_some() || wild.nodes[4].v[0].abs() > 1e-2),
+        "{most} {:?}",
+        wild.nodes[4]
+    );
 }
 
-/// A sheet of shells on springs and dampers of all kinds to the ground and to a rigid body: the same bits on 1, 2 and 4 workers,
-/// with boxes renewed by force.
+/// A sheet of shells on springs and dampers of all kinds to the ground and to a rigid body: the
+/// same bits on 1, 2 and 4 workers, with boxes renewed by force.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let (mut nodes, mut shells, mut springs) = (String::new(), String::new(), String::new());
@@ -171,7 +186,14 @@ fn bits_do_not_depend_on_workers() {
             }
             if i < 4 && j < 4 {
                 shells += &format!("[{n}, 1, {n}, {}, {}, {}],\n", n + 5, n + 6, n + 1);
-                shells += &format!("[{}, 2, {}, {}, {}, {}],\n", n + 50, n + 200, n + 205, n + 206, n + 201);
+                shells += &format!(
+                    "[{}, 2, {}, {}, {}, {}],\n",
+                    n + 50,
+                    n + 200,
+                    n + 205,
+                    n + 206,
+                    n + 201
+                );
             }
         }
     }
@@ -193,7 +215,12 @@ fn bits_do_not_depend_on_workers() {
     let model = read(&path, &[]);
     let serial = run_side_by_side(&model, 1, 900, 0);
     let met = serial.pairs.iter().any(|p| !p.is_empty());
-    assert!(serial.trouble.is_none() && met, "{:?} in {} cycles", serial.trouble, serial.pairs.len());
+    assert!(
+        serial.trouble.is_none() && met,
+        "{:?} in {} cycles",
+        serial.trouble,
+        serial.pairs.len()
+    );
     for (workers, force) in [(2, 0), (4, 0), (2, 7), (4, 11)] {
         let parallel = run_side_by_side(&model, workers, 900, force);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");

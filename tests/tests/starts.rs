@@ -1,6 +1,7 @@
-//! Bodies that start inside each other's thickness: contact lets that be, and makes no energy of it. Units mm, ms, kg.
+//! Bodies that start inside each other's thickness: contact lets that be, and makes no energy of
+//! it. Units mm, ms, kg.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::program::{Ended, crumple_with, run};
 use crumple_tests::run_alone;
 use crumple_worker::engine::Engine;
@@ -32,14 +33,17 @@ impl Mesh {
         for j in 0..n[1] {
             for i in 0..n[0] {
                 self.elements += 1;
-                let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
+                let corners =
+                    [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
                 self.shells += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
             }
         }
     }
 
     fn model(&self, end: f64, thickness: f64, contact: &str, rest: &str) -> Model {
-        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {thickness:?}\n");
+        let part = |id: u32| {
+            format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = {thickness:?}\n")
+        };
         let parts: String = (1..=self.parts).map(part).collect();
         let text = format!(
             "end_time = {end:?}\n[mesh]\nnodes = [{}]\nshells = [{}]\n[output]\nfield_interval = -1.0\n\
@@ -61,14 +65,17 @@ const LAWS: [&str; 4] = [
     "law = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = 1.0",
 ];
 
-/// Two plates, half a thickness apart where they ought to be a whole one, and askew so that no nodes match: at rest they stay.
+/// Two plates, half a thickness apart where they ought to be a whole one, and askew so that no
+/// nodes match: at rest they stay.
 #[test]
 fn plates_at_rest_inside_each_other_stay_at_rest() {
     for law in LAWS {
         for tilt in [0.0, 0.03] {
             let mut mesh = Mesh::default();
             mesh.sheet(1, [6, 6], |x, y| [30.0 * x, 30.0 * y, 0.0]);
-            mesh.sheet(2, [5, 4], |x, y| [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 0.5 + tilt * 22.0 * x]);
+            mesh.sheet(2, [5, 4], |x, y| {
+                [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 0.5 + tilt * 22.0 * x]
+            });
             let model = mesh.model(3.0, 1.0, law, "");
             let (mut pairs, mut kinetic) = (0, 0.0f64);
             let end = run_alone(&model, |e: &Engine| {
@@ -77,13 +84,22 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
             });
             let energies = end.ledger.energies(&end.nodes);
             let work = energies.contact.abs() + energies.starting.abs();
-            assert!(end.clock.cycle > 2000 && pairs > 20, "{law}: {} cycles, {pairs} pairs", end.clock.cycle);
-            assert_eq!((kinetic, work), (0.0, 0.0), "{law}, tilt {tilt}: nothing pushes, so nothing moves");
+            assert!(
+                end.clock.cycle > 2000 && pairs > 20,
+                "{law}: {} cycles, {pairs} pairs",
+                end.clock.cycle
+            );
+            assert_eq!(
+                (kinetic, work),
+                (0.0, 0.0),
+                "{law}, tilt {tilt}: nothing pushes, so nothing moves"
+            );
         }
     }
 }
 
-/// A panel whose rim is folded back to 0.6 of a thickness, as a hem is, flies, spins and swings: contact may not drive it.
+/// A panel whose rim is folded back to 0.6 of a thickness, as a hem is, flies, spins and swings:
+/// contact may not drive it.
 #[test]
 fn a_folded_panel_in_flight_gains_nothing() {
     for law in LAWS {
@@ -95,8 +111,7 @@ fn a_folded_panel_in_flight_gains_nothing() {
             s => [40.0 - (s - 41.0), 0.6],
         };
         mesh.sheet(1, [56, 8], |x, y| [fold(x)[0], 40.0 * y, fold(x)[1]]);
-        let rest =
-            "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\ncentre = [20.0, 20.0, 0.0]\n";
+        let rest = "[[initial_velocity]]\nvelocity = [3.0, 0.0, 2.0]\nspin = [0.1, 0.3, 0.05]\ncentre = [20.0, 20.0, 0.0]\n";
         let model = mesh.model(6.0, 1.0, &format!("{law}\nthickness_limit = 0.0"), rest);
         let (mut first, mut most, mut work) = (None, 0.0f64, 0.0f64);
         run_alone(&model, |e: &Engine| {
@@ -106,12 +121,16 @@ fn a_folded_panel_in_flight_gains_nothing() {
             work = work.max(now.contact);
         });
         let first = first.unwrap();
-        assert!(work < 1e-3 * first && most < 1.001 * first, "{law}: work {work}, {most} of {first}");
+        assert!(
+            work < 1e-3 * first && most < 1.001 * first,
+            "{law}: work {work}, {most} of {first}"
+        );
     }
 }
 
-/// Plates half a thickness apart, one thrown at the other: the work at pairs that started so is told apart from the rest, and they give
-/// no more than they took. Plates that start clear of each other and meet have none.
+/// Plates half a thickness apart, one thrown at the other: the work at pairs that started so is
+/// told apart from the rest, and they give no more than they took. Plates that start clear of each
+/// other and meet have none.
 #[test]
 fn work_at_starting_penetrations_is_booked_apart() {
     for law in LAWS {
@@ -121,7 +140,7 @@ fn work_at_starting_penetrations_is_booked_apart() {
             mesh.sheet(2, [5, 4], |x, y| [3.0 + 22.0 * x + 4.0 * y, 2.0 + 24.0 * y, 1.0 + gap]);
             let model = mesh.model(0.4, 1.0, law, "");
             let (mut taken, mut given, mut contact, mut kinetic) = (0.0f64, 0.0f64, 0.0f64, 0.0);
-            let ended = crumple::embedded::run_alone(&model, |e: &mut Engine| {
+            let ended = crumple::run::embedded::run_alone(&model, |e: &mut Engine| {
                 if e.clock.cycle == 0 {
                     let upper = (0..e.nodes.held).filter(|&n| e.nodes.x0[n][2] > 0.25);
                     upper.collect::<Vec<_>>().into_iter().for_each(|n| e.nodes.v[n][2] = -1.0);
@@ -134,9 +153,15 @@ fn work_at_starting_penetrations_is_booked_apart() {
                 ControlFlow::Continue(())
             });
             assert!(ended.is_ok_and(|ended| ended.trouble.is_none()), "{law}");
-            assert!(contact < -0.01 * kinetic, "{law}, gap {gap}: they meet, {contact} of {kinetic}");
+            assert!(
+                contact < -0.01 * kinetic,
+                "{law}, gap {gap}: they meet, {contact} of {kinetic}"
+            );
             if inside {
-                assert!(taken < 0.5 * contact, "{law}: {taken} of {contact}: all that meets started so");
+                assert!(
+                    taken < 0.5 * contact,
+                    "{law}: {taken} of {contact}: all that meets started so"
+                );
                 assert!(given < 1e-3 * kinetic, "{law}: {given} of {kinetic}");
             } else {
                 assert_eq!((taken, given), (0.0, 0.0), "{law}");
@@ -145,12 +170,17 @@ fn work_at_starting_penetrations_is_booked_apart() {
     }
 }
 
-/// Springs without a damper that are too stiff for the step throw bars apart with more than they came with: from 1 % on that is warned of,
-/// at 10 % it ends the run.
+/// Springs without a damper that are too stiff for the step throw bars apart with more than they
+/// came with: from 1 % on that is warned of, at 10 % it ends the run.
 #[test]
 fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
     let bars = |scale: f64| {
-        let sets = ["law=penalty", "penalty_cap=false", "penalty_damping=0", &format!("penalty_scale={scale}")];
+        let sets = [
+            "law=penalty",
+            "penalty_cap=false",
+            "penalty_damping=0",
+            &format!("penalty_scale={scale}"),
+        ];
         let sets = sets.map(|set| format!("contact.{set}"));
         let set = sets.iter().flat_map(|set| ["--set", set]);
         run(crumple_with(&["run", "cases/bars"].into_iter().chain(set).collect::<Vec<_>>()))

@@ -1,10 +1,11 @@
-//! The stable step where masses of nodes are shared: with springs, ties with an offset, and shells in penalty contact. What the step
-//! is reckoned with holds at any safety up to 1 (or where contact is, up to what it is told of the safety), so the limit is bisected
-//! as in A23 and A24 of the catalogue. Units: modulus and density of the shells are 1.
+//! The stable step where masses of nodes are shared: with springs, ties with an offset, and shells
+//! in penalty contact. What the step is reckoned with holds at any safety up to 1 (or where contact
+//! is, up to what it is told of the safety), so the limit is bisected as in A23 and A24 of the
+//! catalogue. Units: modulus and density of the shells are 1.
 
-use crumple::embedded::run_alone;
-use crumple::job::{self, Model};
-use crumple::spectrum;
+use crumple::analysis::spectrum;
+use crumple::input::job::{self, Model};
+use crumple::run::embedded::run_alone;
 use crumple_worker::engine::Engine;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 use std::ops::ControlFlow;
@@ -41,12 +42,19 @@ impl Scene {
     }
 
     fn part(&mut self, id: u32, element: &str, thickness: f64) {
-        let element = if element == "c0_triangle" { String::new() } else { format!("element = {element:?}\n") };
-        self.rest += &format!("[[part]]\nid = {id}\nmaterial = \"unit\"\nthickness = {thickness:?}\n{element}");
+        let element = if element == "c0_triangle" {
+            String::new()
+        } else {
+            format!("element = {element:?}\n")
+        };
+        self.rest += &format!(
+            "[[part]]\nid = {id}\nmaterial = \"unit\"\nthickness = {thickness:?}\n{element}"
+        );
     }
 
     fn model(&self, sets: &[(&str, &[usize])], nu: f64, safety: f64, cycles: usize) -> Model {
-        let sets: Vec<String> = sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
+        let sets: Vec<String> =
+            sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
         let text = format!(
             "end_time = 1e9\n[mesh]\nnodes = [{}]\nshells = [{}]\nsprings = [{}]\nnode_sets = {{ {} }}\n\
              [output]\nfield_interval = -1.0\n[time]\nsafety = {safety:?}\nmax_cycles = {cycles}\ndt_min_ratio = 0.0\ndamping = {:?}\n\
@@ -99,17 +107,21 @@ fn limit(model: impl Fn(f64) -> Model) -> f64 {
 
 const SHELLS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "c0_triangle"];
 
-/// A square, or two triangles, as it lies or out of shape, with springs from its corners outwards along the diagonals to the ground.
+/// A square, or two triangles, as it lies or out of shape, with springs from its corners outwards
+/// along the diagonals to the ground.
 fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene, Vec<usize>) {
     let mut scene = Scene::default();
     let far = if distorted { [1.4, 0.7] } else { [1.0, 1.0] };
     let corners = [[0.0, 0.0], [1.0, 0.0], far, [0.0, 1.0]];
     let nodes = corners.map(|[x, y]| scene.node([x, y, 0.0]));
     match element {
-        "c0_triangle" => [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(1, &t.map(|c: usize| nodes[c]))),
+        "c0_triangle" => {
+            [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(1, &t.map(|c: usize| nodes[c])))
+        }
         _ => scene.shell(1, &nodes),
     }
-    let ground: Vec<usize> = corners.iter().map(|[x, y]| scene.node([3.0 * x - 1.0, 3.0 * y - 1.0, 0.0])).collect();
+    let ground: Vec<usize> =
+        corners.iter().map(|[x, y]| scene.node([3.0 * x - 1.0, 3.0 * y - 1.0, 0.0])).collect();
     (0..4).for_each(|c| scene.spring(2, [nodes[c], ground[c]]));
     scene.part(1, element, 0.01);
     scene.rest += &format!(
@@ -119,28 +131,34 @@ fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene,
     (scene, ground)
 }
 
-/// A lone element with four springs is stable at full safety, however stiff they are against it: each mode of both has its share of
-/// the mass. It was not at 0.9 while the lone square's own 5 % and the springs' 10 % were both taken from the safety.
+/// A lone element with four springs is stable at full safety, however stiff they are against it:
+/// each mode of both has its share of the mass. It was not at 0.9 while the lone square's own 5 %
+/// and the springs' 10 % were both taken from the safety.
 #[test]
 fn a_lone_element_with_four_springs_bears_its_step() {
     for element in SHELLS {
         for distorted in [false, true] {
             for nu in [0.0, 0.3] {
-                // The corner's mass is 0.0025, the square of its highest frequency some 5: springs of a fiftieth of that and more.
+                // The corner's mass is 0.0025, the square of its highest frequency some 5: springs
+                // of a fiftieth of that and more.
                 for stiffness in [2e-4, 2e-3, 1e-2, 1.0] {
                     let of = |safety: f64| {
                         let (scene, ground) = lone(element, distorted, stiffness, 0.0);
                         scene.model(&[("ground", &ground)], nu, safety, 1500)
                     };
                     let limit = limit(of);
-                    assert!(limit > 0.98, "{element}, distorted {distorted}, nu {nu}, stiffness {stiffness}: {limit}");
+                    assert!(
+                        limit > 0.98,
+                        "{element}, distorted {distorted}, nu {nu}, stiffness {stiffness}: {limit}"
+                    );
                 }
             }
         }
     }
 }
 
-/// Dampers need mass in proportion to their strength, not to its square: weak ones take next to none of the step.
+/// Dampers need mass in proportion to their strength, not to its square: weak ones take next to
+/// none of the step.
 #[test]
 fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
     let first = |damping: f64| {
@@ -161,17 +179,23 @@ fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
 /// A lone square, or two triangles, whose edge stands at the end of arms from a plate.
 fn tied(element: &str, arm: f64, safety: f64) -> Model {
     let mut scene = Scene::default();
-    let plate = [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]].map(|[x, y]| scene.node([x, y, 0.0]));
+    let plate =
+        [[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]].map(|[x, y]| scene.node([x, y, 0.0]));
     scene.shell(1, &plate);
     let corners = [[0.0, 0.0, arm], [1.0, 0.0, arm], [1.0, 1.0, arm], [0.0, 1.0, arm]];
     let nodes = corners.map(|x| scene.node(x));
     match element {
-        "c0_triangle" => [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(2, &t.map(|c: usize| nodes[c]))),
+        "c0_triangle" => {
+            [[0, 1, 2], [0, 2, 3]].iter().for_each(|t| scene.shell(2, &t.map(|c: usize| nodes[c])))
+        }
         _ => scene.shell(2, &nodes),
     }
     scene.part(1, "belytschko_tsay", 0.02);
     scene.part(2, element, 0.01);
-    scene.rest += &format!("[[tie]]\nnodes = \"edge\"\nparts = [1]\noffset = true\ntolerance = {:?}\n", 2.0 * arm);
+    scene.rest += &format!(
+        "[[tie]]\nnodes = \"edge\"\nparts = [1]\noffset = true\ntolerance = {:?}\n",
+        2.0 * arm
+    );
     scene.model(&[("edge", &nodes[..2])], 0.3, safety, 1500)
 }
 
@@ -186,7 +210,8 @@ fn a_lone_element_tied_with_an_offset_bears_its_step() {
     }
 }
 
-/// A square that lies on another one, smaller or turned, pressed on by springs of a contact as stiff as they may be.
+/// A square that lies on another one, smaller or turned, pressed on by springs of a contact as
+/// stiff as they may be.
 fn pressed(turned: bool, form: &str, safety: f64) -> Model {
     let mut scene = Scene { damping: 0.1, ..Scene::default() };
     let thickness = 0.05;
@@ -211,8 +236,9 @@ fn pressed(turned: bool, form: &str, safety: f64) -> Model {
     scene.model(&[], 0.3, safety, 6000)
 }
 
-/// Contact springs of a shell on another at their bound: stable at the step that the engine takes. The law is told of a safety of 0.9 and
-/// leaves half of the room, so that the step may be 0.951 of what the elements bear at least; where it truly ends is bisected.
+/// Contact springs of a shell on another at their bound: stable at the step that the engine takes.
+/// The law is told of a safety of 0.9 and leaves half of the room, so that the step may be 0.951 of
+/// what the elements bear at least; where it truly ends is bisected.
 #[test]
 fn shells_in_penalty_contact_bear_their_step() {
     for turned in [false, true] {
@@ -242,17 +268,22 @@ fn shells_in_penalty_contact_bear_their_step() {
     }
 }
 
-/// Limits at which runs begin to grow, and what is found of the highest frequency of the assembled system without running.
+/// Limits at which runs begin to grow, and what is found of the highest frequency of the assembled
+/// system without running.
 fn assert_found(what: &str, of: impl Fn(f64) -> Model, at: f64, bisected: f64) {
     let model = of(0.3);
     let found = spectrum::assembled(&model, at).unwrap_or_else(|why| panic!("{what}: {why}"));
     let unit = found.taken / model.settings.safety;
     let share = found.limit / (bisected * unit);
-    assert!((share - 1.0).abs() < 0.02, "{what}: found {} of the bisected {bisected}, {found:?}", share * bisected);
+    assert!(
+        (share - 1.0).abs() < 0.02,
+        "{what}: found {} of the bisected {bisected}, {found:?}",
+        share * bisected
+    );
 }
 
-/// The assembled system's limit is found to 2 % for a lone square with springs, ones out of shape and triangles, plates that are tied with
-/// arms, and a patch.
+/// The assembled system's limit is found to 2 % for a lone square with springs, ones out of shape
+/// and triangles, plates that are tied with arms, and a patch.
 #[test]
 fn the_limit_of_the_assembled_system_is_found() {
     for element in SHELLS {
@@ -261,7 +292,12 @@ fn the_limit_of_the_assembled_system_is_found() {
                 let (scene, ground) = lone(element, distorted, stiffness, 0.0);
                 scene.model(&[("ground", &ground)], 0.3, safety, 1500)
             };
-            assert_found(&format!("{element}, distorted {distorted}, springs of {stiffness}"), of, 0.0, limit(of));
+            assert_found(
+                &format!("{element}, distorted {distorted}, springs of {stiffness}"),
+                of,
+                0.0,
+                limit(of),
+            );
         }
         let of = |safety: f64| tied(element, 0.6, safety);
         assert_found(&format!("{element} at the end of an arm"), of, 0.0, limit(of));
@@ -271,7 +307,9 @@ fn the_limit_of_the_assembled_system_is_found() {
         let n = 6;
         let place = |i: usize| i as f64 + 0.2 * ((i * i) as f64).sin();
         let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
-        (0..=n).for_each(|i| (0..=n).for_each(|j| _ = scene.node([place(i), place(j) + 0.2 * place(i), 0.0])));
+        (0..=n).for_each(|i| {
+            (0..=n).for_each(|j| _ = scene.node([place(i), place(j) + 0.2 * place(i), 0.0]))
+        });
         let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
         let corners = |(i, j)| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
         cells.map(corners).for_each(|corners| scene.shell(1, &corners));
@@ -281,8 +319,9 @@ fn the_limit_of_the_assembled_system_is_found() {
     assert_found("a patch", of, 0.0, limit(of));
 }
 
-/// A sheet that is stretched by a half along x and held: at the time at which it stands still its limit is that which is bisected from
-/// there, with mass that has spread and stress that stiffens it.
+/// A sheet that is stretched by a half along x and held: at the time at which it stands still its
+/// limit is that which is bisected from there, with mass that has spread and stress that stiffens
+/// it.
 #[test]
 fn the_limit_of_a_stretched_sheet_is_found() {
     let (n, end) = (4, 500.0);
@@ -291,7 +330,9 @@ fn the_limit_of_a_stretched_sheet_is_found() {
         let node = |i: usize, j: usize| 1 + i * (n + 1) + j;
         (0..=n).for_each(|i| (0..=n).for_each(|j| _ = scene.node([i as f64, j as f64, 0.0])));
         for i in 0..n {
-            (0..n).for_each(|j| scene.shell(1, &[node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]));
+            (0..n).for_each(|j| {
+                scene.shell(1, &[node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])
+            });
         }
         scene.part(1, "belytschko_tsay", 0.1);
         let [near, far] = [0, n].map(|i| (0..=n).map(|j| node(i, j)).collect::<Vec<_>>());

@@ -40,7 +40,8 @@ fn a_study_runs_once_and_keeps_failures_as_points() {
     let first = study(folder.path(), STUDY, 0);
     assert!(first.contains("4 points, 4 of them to run"), "{first}");
     let results = std::fs::read_to_string(folder.path().join("out/results.csv")).unwrap();
-    let codes: Vec<&str> = results.lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
+    let codes: Vec<&str> =
+        results.lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
     // Three times the stable step fails whatever the mesh.
     assert_eq!(codes, ["0", "3", "0", "3"], "{results}");
     for chart in ["front.svg", "front.png", "map.svg", "map.png"] {
@@ -55,10 +56,26 @@ fn mistakes_are_named_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
         ("scene.elements", "scene.elemnts", "the same at another point"),
-        ("field = \"velocity\"", "field = \"velocty\"", "measure `speed`: there is no field `velocty`"),
-        ("field = \"velocity\", component = \"x\", part = 2", "history = \"kinetik\"", "did you mean `kinetic`?"),
-        ("field = \"velocity\", component = \"x\", part = 2", "summary = \"energy.eror\"", "did you mean `error`?"),
-        ("kind = \"pareto\"", "kind = \"pareto\"\nmeasure = \"sped\"", "there is no measure `sped`; there are: speed"),
+        (
+            "field = \"velocity\"",
+            "field = \"velocty\"",
+            "measure `speed`: there is no field `velocty`",
+        ),
+        (
+            "field = \"velocity\", component = \"x\", part = 2",
+            "history = \"kinetik\"",
+            "did you mean `kinetic`?",
+        ),
+        (
+            "field = \"velocity\", component = \"x\", part = 2",
+            "summary = \"energy.eror\"",
+            "did you mean `error`?",
+        ),
+        (
+            "kind = \"pareto\"",
+            "kind = \"pareto\"\nmeasure = \"sped\"",
+            "there is no measure `sped`; there are: speed",
+        ),
         ("part = 2", "prt = 2", "unknown field `prt`"),
         ("x = \"scene.elements\"", "x = \"scene.refine\"", "no series varies `scene.refine`"),
         ("component = \"x\"", "stat = \"max\"", "belong to history"),

@@ -1,7 +1,8 @@
-//! Subcycles: bars with a few short elements against a closed form and against all elements in each cycle, energy over many steps,
-//! the resonance that layers keep out, and the same bits on any number of workers. Units mm, ms, kg.
+//! Subcycles: bars with a few short elements against a closed form and against all elements in each
+//! cycle, energy over many steps, the resonance that layers keep out, and the same bits on any
+//! number of workers. Units mm, ms, kg.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 
@@ -18,8 +19,8 @@ enum Kind {
     Beams,
 }
 
-/// A bar along x of square elements, a quarter as long in its middle: 19 long and 4 short ones. Its root at x = 0 is held along it,
-/// its tip is pulled.
+/// A bar along x of square elements, a quarter as long in its middle: 19 long and 4 short ones. Its
+/// root at x = 0 is held along it, its tip is pulled.
 fn bar(kind: Kind, end_time: f64, sets: &[&str]) -> Model {
     written(&bar_text(kind, end_time), sets)
 }
@@ -45,12 +46,15 @@ fn bar_text(kind: Kind, end_time: f64) -> String {
     }
     let row = |i: usize| match kind {
         Kind::Shells => [node(i, 0), node(i + 1, 0), node(i + 1, 1), node(i, 1)].to_vec(),
-        Kind::Solids => {
-            [0, 1, 2, 3].map(|k| node(i, k)).into_iter().chain([0, 1, 2, 3].map(|k| node(i + 1, k))).collect()
-        }
+        Kind::Solids => [0, 1, 2, 3]
+            .map(|k| node(i, k))
+            .into_iter()
+            .chain([0, 1, 2, 3].map(|k| node(i + 1, k)))
+            .collect(),
         Kind::Beams => vec![node(i, 0), node(i + 1, 0), 99],
     };
-    let elements: String = (0..23).map(|i| format!("{:?},", [vec![i + 1, 1], row(i)].concat())).collect();
+    let elements: String =
+        (0..23).map(|i| format!("{:?},", [vec![i + 1, 1], row(i)].concat())).collect();
     let (name, part) = match kind {
         Kind::Shells => ("shells", format!("thickness = {SIDE:?}\npoints = 2")),
         Kind::Solids => ("solids", "bulk_viscosity = [0.0, 0.0]".to_string()),
@@ -60,7 +64,8 @@ fn bar_text(kind: Kind, end_time: f64) -> String {
         }
     };
     let set = |i: usize| (0..n).map(|k| node(i, k)).collect::<Vec<_>>();
-    let across = if kind == Kind::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
+    let across =
+        if kind == Kind::Beams { "\"y\", \"z\", \"rx\", \"ry\", \"rz\"" } else { "\"y\", \"z\"" };
     format!(
         "end_time = {end_time:?}\n[mesh]\nnodes = [{nodes}]\n{name} = [{elements}]\n\
          node_sets = {{ root = {:?}, tip = {:?}, all = {:?} }}\n[output]\nfield_interval = -1.0\n\
@@ -90,9 +95,10 @@ fn tip(e: &Engine) -> f64 {
     e.nodes.x[last][0] - e.nodes.x0[last][0]
 }
 
-/// A suddenly pulled tip goes with F c/(E A) until the wave is back: 1.5 F L/(E A) after 1.5 L/c. Elements 5 and 1.25 long ring behind the
-/// front and miss that by 0.2 % if all are computed in each cycle, by 0.4 % if the long ones are in every fourth. Beams too, whose wave runs at
-/// the same speed.
+/// A suddenly pulled tip goes with F c/(E A) until the wave is back: 1.5 F L/(E A) after 1.5 L/c.
+/// Elements 5 and 1.25 long ring behind the front and miss that by 0.2 % if all are computed in
+/// each cycle, by 0.4 % if the long ones are in every fourth. Beams too, whose wave runs at the
+/// same speed.
 #[test]
 fn a_pulled_bar_goes_as_the_wave_says() {
     let exact = 1.5 * FORCE * LENGTH / (E * SIDE * SIDE);
@@ -107,7 +113,11 @@ fn a_pulled_bar_goes_as_the_wave_says() {
         let [every, some] = [bar(kind, end, &[]), model].map(|model| run_alone(&model, |_| {}));
         assert_eq!(some.clock.cycle % 4, 0, "{kind:?}: outer steps are whole");
         for (what, e) in [("every", &every), ("some", &some)] {
-            println!("{kind:?} {what}: {} of {exact}, {} cycles", tip(e) / exact - 1.0, e.clock.cycle);
+            println!(
+                "{kind:?} {what}: {} of {exact}, {} cycles",
+                tip(e) / exact - 1.0,
+                e.clock.cycle
+            );
             assert!((tip(e) / exact - 1.0).abs() < 6e-3, "{kind:?} {what}: {} of {exact}", tip(e));
         }
         assert!(every.clock.cycle.abs_diff(some.clock.cycle) <= 4, "{kind:?}: the same steps");
@@ -124,7 +134,8 @@ fn layers_lie_behind_rigid_bodies() {
     assert_eq!(slow(&model), 15, "of 17, those that touch a body beside the short ones are not");
 }
 
-/// Largest error of the balance of energy when outer steps begin, over the work done at the most, in some outer steps.
+/// Largest error of the balance of energy when outer steps begin, over the work done at the most,
+/// in some outer steps.
 fn imbalance(model: &Model) -> f64 {
     let (mut most, mut work) = (0.0f64, 0.0f64);
     run_alone(model, |e| {
@@ -137,23 +148,30 @@ fn imbalance(model: &Model) -> f64 {
     most / work
 }
 
-/// In 5000 outer steps, 250 periods of the bar, energy stays within half a percent of the largest work: what a sudden force excites at
-/// the end of the stable step is beyond the second order of the balance, and does not grow. Without the layers that keep the short elements'
-/// motion from the slow forces it grows without bound at this step, whose multiple by 4 is half a period of one of their modes.
+/// In 5000 outer steps, 250 periods of the bar, energy stays within half a percent of the largest
+/// work: what a sudden force excites at the end of the stable step is beyond the second order of
+/// the balance, and does not grow. Without the layers that keep the short elements' motion from the
+/// slow forces it grows without bound at this step, whose multiple by 4 is half a period of one of
+/// their modes.
 #[test]
 fn energy_stays_with_a_layer_and_resonates_without() {
     let end = 20_000.0 * 0.78 * 0.25 * SIDE / (E / RHO).sqrt();
     let sets = ["time.subcycles=4", "time.safety=0.78"];
     let with = imbalance(&bar(Kind::Shells, end, &sets));
     let early = imbalance(&bar(Kind::Shells, 0.1 * end, &sets));
-    let without = imbalance(&bar(Kind::Shells, 0.1 * end, &[&sets[..], &["time.subcycle_layers=0"]].concat()));
+    let without = imbalance(&bar(
+        Kind::Shells,
+        0.1 * end,
+        &[&sets[..], &["time.subcycle_layers=0"]].concat(),
+    ));
     println!("with a layer {with}, in the first tenth {early}, without {without}");
     assert!(with < 5e-3 && with < 2.0 * early, "with a layer: {with}, in the first tenth {early}");
     assert!(without > 1e3, "without: {without}");
 }
 
-/// Two strips of shells with short ones in them fly into each other, one of them under pressure: pairs and state are those of
-/// one worker on three, with boxes renewed every 7 cycles, in the middle of outer steps of 3 too.
+/// Two strips of shells with short ones in them fly into each other, one of them under pressure:
+/// pairs and state are those of one worker on three, with boxes renewed every 7 cycles, in the
+/// middle of outer steps of 3 too.
 #[test]
 fn workers_and_renewals_change_no_bit() {
     let mut x = vec![0.0];
@@ -165,11 +183,17 @@ fn workers_and_renewals_change_no_bit() {
     for (s, z) in [0.0, 2.0].into_iter().enumerate() {
         for (i, x) in x.iter().enumerate() {
             (0..4).for_each(|j| {
-                nodes += &format!("[{}, {:?}, {:?}, {z:?}],", node(s, i, j), x + 3.0 * s as f64, 5.0 * j as f64)
+                nodes += &format!(
+                    "[{}, {:?}, {:?}, {z:?}],",
+                    node(s, i, j),
+                    x + 3.0 * s as f64,
+                    5.0 * j as f64
+                )
             });
         }
         for (i, j) in (0..20).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            let corners = [node(s, i, j), node(s, i + 1, j), node(s, i + 1, j + 1), node(s, i, j + 1)];
+            let corners =
+                [node(s, i, j), node(s, i + 1, j), node(s, i + 1, j + 1), node(s, i, j + 1)];
             shells += &format!(
                 "[{}, {}, {}, {}, {}, {}],",
                 100 * s + 3 * i + j + 1,
@@ -190,10 +214,14 @@ fn workers_and_renewals_change_no_bit() {
          [[gravity]]\nacceleration = [0.0, 0.0, -1.0]\n\
          [[initial_velocity]]\nnodes = \"upper\"\nvelocity = [4.0, 1.0, -30.0]\nspin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n[contact]\n"
     );
-    let [model, kept] =
-        [true, false].map(|all| written(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
+    let [model, kept] = [true, false]
+        .map(|all| written(&text, &["time.subcycles=3", &format!("time.subcycle_contact={all}")]));
     assert_eq!(slow(&kept), 0, "all parts are in contact");
-    assert!(kept.warnings.iter().any(|w| w.message.contains("in no contact")), "{:?}", kept.warnings);
+    assert!(
+        kept.warnings.iter().any(|w| w.message.contains("in no contact")),
+        "{:?}",
+        kept.warnings
+    );
     assert!(slow(&model) > 60, "{}", slow(&model));
     let cycles = 1601;
     let serial = run_side_by_side(&model, 1, cycles, 0);
@@ -206,32 +234,59 @@ fn workers_and_renewals_change_no_bit() {
     }
     assert_eq!(serial.digest(), forced.digest());
     let without = run_side_by_side(&written(&text, &[]), 1, cycles, 0);
-    let place = |t: &crumple_tests::Trace| t.nodes.iter().map(|n| n.x[2]).sum::<f64>() / t.nodes.len() as f64;
-    assert!((place(&serial) - place(&without)).abs() < 0.02, "{} and {}", place(&serial), place(&without));
+    let place = |t: &crumple_tests::Trace| {
+        t.nodes.iter().map(|n| n.x[2]).sum::<f64>() / t.nodes.len() as f64
+    };
+    assert!(
+        (place(&serial) - place(&without)).abs() < 0.02,
+        "{} and {}",
+        place(&serial),
+        place(&without)
+    );
 }
 
 /// A mesh without small elements is computed as if the key were not there, and told so.
 #[test]
 fn no_slow_elements_are_told() {
     let [plain, asked] = [&[][..], &["time.subcycles=3"]].map(|sets| read(&case("plate"), sets));
-    assert!(asked.warnings.iter().any(|w| w.message.contains("leaves no slow element")), "{:?}", asked.warnings);
+    assert!(
+        asked.warnings.iter().any(|w| w.message.contains("leaves no slow element")),
+        "{:?}",
+        asked.warnings
+    );
     assert_eq!((asked.settings.subcycles, plain.settings.subcycles), (1, 1));
     let [a, b] = [plain, asked].map(|model| run_side_by_side(&model, 1, 50, 0).digest());
     assert_eq!(a, b);
 }
 
-/// The bar of `cases/graded` free to bend under gravity, with a rigid block at its tip, a spring to the ground and a strip tied on: the
-/// same bits on three workers with boxes renewed every 35 cycles, and energies as without subcycles.
+/// The bar of `cases/graded` free to bend under gravity, with a rigid block at its tip, a spring to
+/// the ground and a strip tied on: the same bits on three workers with boxes renewed every 35
+/// cycles, and energies as without subcycles.
 #[test]
 fn rigid_bodies_ties_and_springs_go_with_it() {
     let text = std::fs::read_to_string(case("graded").join("job.toml")).unwrap();
     let strip: String = (0..9)
         .map(|i| {
-            format!("[{}, {}.0, 0.5, 1.5], [{}, {}.0, 4.5, 1.5],\n", 301 + 2 * i, 30 + 5 * i, 302 + 2 * i, 30 + 5 * i)
+            format!(
+                "[{}, {}.0, 0.5, 1.5], [{}, {}.0, 4.5, 1.5],\n",
+                301 + 2 * i,
+                30 + 5 * i,
+                302 + 2 * i,
+                30 + 5 * i
+            )
         })
         .collect();
     let quads: String = (0..8)
-        .map(|i| format!("[{}, 3, {}, {}, {}, {}],\n", 301 + i, 301 + 2 * i, 303 + 2 * i, 304 + 2 * i, 302 + 2 * i))
+        .map(|i| {
+            format!(
+                "[{}, 3, {}, {}, {}, {}],\n",
+                301 + i,
+                301 + 2 * i,
+                303 + 2 * i,
+                304 + 2 * i,
+                302 + 2 * i
+            )
+        })
         .collect();
     let (head, tail) = text.split_once("[[fix]]").unwrap();
     let (_, loads) = tail.split_once("[[curve]]").unwrap();
@@ -242,9 +297,15 @@ fn rigid_bodies_ties_and_springs_go_with_it() {
          [[rigid]]\nname = \"block\"\nparts = [2]\n[[tie]]\nnodes = \"glued\"\nparts = [1]\ntolerance = 2.0\noffset = true\n\
          [[gravity]]\nacceleration = [0.0, 0.0, -2.0]\n[[curve]]{loads}"
     );
-    let nodes = format!("nodes = [\n[101, 105.0, 0.0, 0.0], [102, 105.0, 5.0, 0.0], [201, 7.0, 0.0, -30.0],\n{strip}");
+    let nodes = format!(
+        "nodes = [\n[101, 105.0, 0.0, 0.0], [102, 105.0, 5.0, 0.0], [201, 7.0, 0.0, -30.0],\n{strip}"
+    );
     let text = text.replacen("nodes = [\n", &nodes, 1);
-    let text = text.replacen("shells = [\n", &format!("shells = [\n[101, 2, 55, 101, 102, 56],\n{quads}"), 1);
+    let text = text.replacen(
+        "shells = [\n",
+        &format!("shells = [\n[101, 2, 55, 101, 102, 56],\n{quads}"),
+        1,
+    );
     let sets = "springs = [[401, 4, 5, 201]]\n[mesh.node_sets]\nground = [201]\n\
                 glued = [301, 302, 303, 304, 311, 312, 313, 314, 315, 316, 317, 318]\n";
     let text = text.replacen("[mesh.node_sets]\n", sets, 1);
@@ -252,12 +313,17 @@ fn rigid_bodies_ties_and_springs_go_with_it() {
     let model = job("time.subcycles=3");
     // Three fewer than by their own steps: those at tied nodes leave the arms their share.
     assert_eq!(slow(&model), 21, "of 27 quads in the bar, 8 tied on, one rigid, and a spring");
-    let [serial, forced] = [(1, 0), (3, 35)].map(|(workers, every)| run_side_by_side(&model, workers, 2700, every));
+    let [serial, forced] =
+        [(1, 0), (3, 35)].map(|(workers, every)| run_side_by_side(&model, workers, 2700, every));
     assert!(forced.renewals >= 2700 / 35);
     assert_eq!(serial.digest(), forced.digest());
     // At a smaller step than above: 2.8e-3 at 0.9.
     let short = |m: &str| written(&text, &["end_time=0.3", "time.safety=0.7", m]);
-    let internal = |m: &str| run_alone(&short(m), |_| {}).ledger.energies(&Default::default()).internal;
+    let internal =
+        |m: &str| run_alone(&short(m), |_| {}).ledger.energies(&Default::default()).internal;
     let (every, some) = (internal("time.subcycles=1"), internal("time.subcycles=3"));
-    assert!((some / every - 1.0).abs() < 2e-3, "of second order in the outer step: {some} of {every}");
+    assert!(
+        (some / every - 1.0).abs() < 2e-3,
+        "of second order in the outer step: {some} of {every}"
+    );
 }

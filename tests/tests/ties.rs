@@ -1,7 +1,7 @@
-//! Nodes tied to surfaces: waves through a tie, momentum and energy, the same bits on any number of workers, and jobs that are wrong.
-//! Units mm, ms, kg.
+//! Nodes tied to surfaces: waves through a tie, momentum and energy, the same bits on any number of
+//! workers, and jobs that are wrong. Units mm, ms, kg.
 
-use crumple::job::{self, Model};
+use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
@@ -32,13 +32,19 @@ impl Rows {
     }
 
     /// A block of solids from one corner to the other; gives its nodes by their places in the grid.
-    fn block(&mut self, part: u32, [from, to]: [[f64; 3]; 2], n: [usize; 3]) -> Vec<([usize; 3], usize)> {
+    fn block(
+        &mut self,
+        part: u32,
+        [from, to]: [[f64; 3]; 2],
+        n: [usize; 3],
+    ) -> Vec<([usize; 3], usize)> {
         let mut ids = Vec::new();
         for k in 0..=n[2] {
             for j in 0..=n[1] {
                 for i in 0..=n[0] {
                     let at = [i, j, k];
-                    let x = [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * at[c] as f64 / n[c] as f64);
+                    let x =
+                        [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * at[c] as f64 / n[c] as f64);
                     ids.push((at, self.node(x)));
                 }
             }
@@ -47,11 +53,13 @@ impl Rows {
         for k in 0..n[2] {
             for j in 0..n[1] {
                 for i in 0..n[0] {
-                    let layer = |k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
+                    let layer =
+                        |k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];
                     self.elements += 1;
                     let corners = [layer(k), layer(k + 1)].concat();
                     let corners: Vec<String> = corners.iter().map(usize::to_string).collect();
-                    self.solids += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
+                    self.solids +=
+                        &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
                 }
             }
         }
@@ -71,7 +79,8 @@ impl Rows {
         for j in 0..n[1] {
             for i in 0..n[0] {
                 self.elements += 1;
-                let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
+                let corners =
+                    [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)].map(|n| n.to_string());
                 self.shells += &format!("[{}, {part}, {}],\n", self.elements, corners.join(", "));
             }
         }
@@ -79,7 +88,8 @@ impl Rows {
     }
 
     fn job(&self, sets: &[(&str, Vec<usize>)], rest: &str) -> String {
-        let sets: Vec<String> = sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
+        let sets: Vec<String> =
+            sets.iter().map(|(name, ids)| format!("{name} = {ids:?}")).collect();
         format!(
             "[mesh]\nnodes = [{}]\nshells = [{}]\nsolids = [{}]\nbeams = [{}]\nnode_sets = {{ {} }}\n\
              [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = {RHO:?}\n\
@@ -100,20 +110,23 @@ fn model(text: &str) -> Result<Model, String> {
     job::read(&path, &[]).map_err(|report| report.to_string())
 }
 
-/// Two bars end to end, of 2 x 2 and 3 x 3 cells across; the nodes of the second one's end are tied to the first one's, `gap` away.
+/// Two bars end to end, of 2 x 2 and 3 x 3 cells across; the nodes of the second one's end are tied
+/// to the first one's, `gap` away.
 fn bars(gap: f64, rest: &str) -> String {
     let mut rows = Rows::default();
     let along = (LENGTH / CELL) as usize;
     rows.block(1, [[0.0; 3], [LENGTH, SIDE, SIDE]], [along, 2, 2]);
-    let second = rows.block(2, [[LENGTH + gap, 0.0, 0.0], [2.0 * LENGTH, SIDE, SIDE]], [along, 3, 3]);
+    let second =
+        rows.block(2, [[LENGTH + gap, 0.0, 0.0], [2.0 * LENGTH, SIDE, SIDE]], [along, 3, 3]);
     let end = second.iter().filter(|(at, _)| at[0] == 0).map(|n| n.1).collect();
     let own = second.iter().map(|n| n.1).collect();
     let parts = "[[part]]\nid = 1\nmaterial = \"steel\"\n[[part]]\nid = 2\nmaterial = \"steel\"\n";
     rows.job(&[("end", end), ("second", own)], &format!("{parts}{rest}"))
 }
 
-/// What a run keeps where nothing holds it: the largest changes of momentum and angular momentum since the first look, and the largest
-/// imbalance of energy as a fraction of what there was at first.
+/// What a run keeps where nothing holds it: the largest changes of momentum and angular momentum
+/// since the first look, and the largest imbalance of energy as a fraction of what there was at
+/// first.
 #[derive(Default)]
 struct Watch {
     first: Option<[[f64; 3]; 2]>,
@@ -133,36 +146,44 @@ impl Watch {
         if e.clock.cycle == 1 {
             self.initial = energies.balance(0.0);
         }
-        self.unexplained = self.unexplained.max(energies.balance(self.initial).abs() / self.initial);
+        self.unexplained =
+            self.unexplained.max(energies.balance(self.initial).abs() / self.initial);
     }
 }
 
-/// The end of the second bar shares the displacements of one node: struck there, all of it goes on together, and momentum keeps.
+/// The end of the second bar shares the displacements of one node: struck there, all of it goes on
+/// together, and momentum keeps.
 #[test]
 fn nodes_share_displacements() {
-    let rest =
-        "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [1.0, 0.0, 0.0]\n";
+    let rest = "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [1.0, 0.0, 0.0]\n";
     let text = format!("end_time = 0.02\n{}", bars(0.0, rest));
-    let listed = text.split("end = [").nth(1).unwrap().split(']').next().unwrap().replacen("550, ", "", 1);
+    let listed =
+        text.split("end = [").nth(1).unwrap().split(']').next().unwrap().replacen("550, ", "", 1);
     let text = text.replacen("node_sets = {", &format!("node_sets = {{ rest = [{listed}],"), 1);
     let mut watch = Watch::default();
     let end = run_alone(&model(&text).unwrap(), |e: &Engine| watch.look(e));
     let carrier = end.nodes.held_number(crumple_proto::ids::NodeId(550)).unwrap() as usize;
     for id in listed.split(", ").map(|id| crumple_proto::ids::NodeId(id.parse().unwrap())) {
-        assert_eq!(end.nodes.v[end.nodes.held_number(id).unwrap() as usize], end.nodes.v[carrier], "{id}");
+        assert_eq!(
+            end.nodes.v[end.nodes.held_number(id).unwrap() as usize],
+            end.nodes.v[carrier],
+            "{id}"
+        );
     }
     let whole = RHO * SIDE * SIDE * LENGTH;
     assert!(watch.changed[0] < 1e-12 * whole, "round-off: {:?}", watch.changed);
-    // Nothing is lost or won as nodes are tied to one that moves otherwise: it is as much as the mesh came with.
+    // Nothing is lost or won as nodes are tied to one that moves otherwise: it is as much as the
+    // mesh came with.
     let came = watch.first.unwrap()[0][0];
     assert!((came - whole).abs() < 1e-12 * whole, "{came} {whole}");
 }
 
 const TIE: &str = "[[tie]]\nname = \"joint\"\nnodes = \"end\"\nparts = [1]\n";
 
-/// The first bar runs into the second one at rest: a wave with half its velocity goes through both, the momentum of the second one
-/// grows by the stress `rho c v / 2` times the area, and arrives at its middle with the velocity of waves. 1 % is what the rings of the
-/// front leave in means over 30 cells; the front is two cells wide.
+/// The first bar runs into the second one at rest: a wave with half its velocity goes through both,
+/// the momentum of the second one grows by the stress `rho c v / 2` times the area, and arrives at
+/// its middle with the velocity of waves. 1 % is what the rings of the front leave in means over 30
+/// cells; the front is two cells wide.
 #[test]
 fn a_wave_goes_through_a_tie() {
     let c = (E / RHO).sqrt();
@@ -202,17 +223,25 @@ fn a_wave_goes_through_a_tie() {
     assert!(changed < 1e-12 * whole, "round-off of sums over 1000 nodes: {changed} of {whole}");
     // The same in one mesh: the step changes with the strain, which costs the balance that much.
     let mut rows = Rows::default();
-    let one = rows.block(1, [[0.0; 3], [2.0 * LENGTH, SIDE, SIDE]], [(2.0 * LENGTH / CELL) as usize, 2, 2]);
+    let one = rows.block(
+        1,
+        [[0.0; 3], [2.0 * LENGTH, SIDE, SIDE]],
+        [(2.0 * LENGTH / CELL) as usize, 2, 2],
+    );
     let second = one.iter().filter(|(at, _)| at[0] as f64 * CELL > LENGTH).map(|n| n.1).collect();
-    let text = rows.job(&[("second", second)], &format!("[[part]]\nid = 1\nmaterial = \"steel\"\n{rest}"));
+    let text =
+        rows.job(&[("second", second)], &format!("[[part]]\nid = 1\nmaterial = \"steel\"\n{rest}"));
     let mut one = Watch::default();
-    run_alone(&self::model(&format!("end_time = {:?}\n{text}", 1.4 * half)).unwrap(), |e: &Engine| one.look(e));
+    run_alone(
+        &self::model(&format!("end_time = {:?}\n{text}", 1.4 * half)).unwrap(),
+        |e: &Engine| one.look(e),
+    );
     let (unexplained, of_one) = (watch.unexplained, one.unexplained);
     assert!(unexplained < 2.0 * of_one && of_one < 1e-6, "{unexplained}, in one mesh {of_one}");
 }
 
-/// Tied bars turn in free flight: momentum and angular momentum keep, nothing strains at the tie but for what flying apart takes,
-/// and tied nodes stay where they stand on their faces.
+/// Tied bars turn in free flight: momentum and angular momentum keep, nothing strains at the tie
+/// but for what flying apart takes, and tied nodes stay where they stand on their faces.
 #[test]
 fn tied_bars_turn_without_strain() {
     let spin = 2.0;
@@ -229,21 +258,26 @@ fn tied_bars_turn_without_strain() {
     assert!(unexplained < 1e-6, "{unexplained}");
     let at = |id| xyz_of(&end, id);
     for tie in &model.settings.ties {
-        let stand = tie.carriers.iter().fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
+        let stand = tie
+            .carriers
+            .iter()
+            .fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
         let off = (0..3).map(|c| (stand[c] - at(tie.node)[c]).abs()).fold(0.0, f64::max);
         assert!(off < 1e-12 * 1000.0, "round-off of the steps: {off}");
     }
 }
 
-/// A patch at the end of arms above a plate, in free flight: it turns about an axis of the plate and is struck at one end. Momentum and
-/// angular momentum keep, arms keep their length, and what turns without being struck does not strain.
+/// A patch at the end of arms above a plate, in free flight: it turns about an axis of the plate
+/// and is struck at one end. Momentum and angular momentum keep, arms keep their length, and what
+/// turns without being struck does not strain.
 #[test]
 fn arms_turn_with_their_face() {
     for struck in [false, true] {
         let mut rows = Rows::default();
         rows.plate(1, [[0.0, 0.0], [40.0, 40.0]], 0.0, [4, 4]);
         let patch = rows.plate(2, [[8.0, 9.0], [31.0, 32.0]], 1.1, [4, 3]);
-        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        let part =
+            |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
         let strike = "[[initial_velocity]]\nnodes = \"far\"\nvelocity = [0.0, 3.0, 5.0]\n";
         let far = vec![1, 2];
         let rest = format!(
@@ -260,12 +294,19 @@ fn arms_turn_with_their_face() {
         let end = run_alone(&model, |e: &Engine| watch.look(e));
         let Watch { changed: worst, unexplained, initial, .. } = watch;
         let energies = end.ledger.energies(&end.nodes);
-        // The arms turn exactly, their moments act as if by small steps: squares of rotations within a step are left.
+        // The arms turn exactly, their moments act as if by small steps: squares of rotations
+        // within a step are left.
         let (strained, left) = if struck { (0.5, 1e-3) } else { (1e-4, 1e-5) };
-        assert!(energies.internal < strained * initial && unexplained < left, "{unexplained} of {energies:?}");
+        assert!(
+            energies.internal < strained * initial && unexplained < left,
+            "{unexplained} of {energies:?}"
+        );
         let at = |id| xyz_of(&end, id);
         for tie in &model.settings.ties {
-            let foot = tie.carriers.iter().fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
+            let foot = tie
+                .carriers
+                .iter()
+                .fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
             let arm = (0..3).map(|c| (at(tie.node)[c] - foot[c]).powi(2)).sum::<f64>().sqrt();
             assert!((arm - 1.1).abs() < 1e-10, "{arm}: round-off of some thousand turns");
         }
@@ -278,8 +319,9 @@ fn xyz_of(e: &Engine, id: crumple_proto::ids::NodeId) -> [f64; 3] {
     [0, 1, 2].map(|c| e.nodes.x[i as usize][c])
 }
 
-/// A fine patch tied to a coarse plate, posts of beams tied with their rotations between it and a plate above, a rigid foot that carries a
-/// plate's edge, and a block that falls on the patch, above a wall: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+/// A fine patch tied to a coarse plate, posts of beams tied with their rotations between it and a
+/// plate above, a rigid foot that carries a plate's edge, and a block that falls on the patch,
+/// above a wall: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let mut rows = Rows::default();
@@ -313,7 +355,12 @@ fn bits_do_not_depend_on_workers() {
         part(5, ""),
         part(6, ""),
     );
-    let sets = [("patch", patch), ("ends", ends), ("edge", edge), ("block", block.iter().map(|n| n.1).collect())];
+    let sets = [
+        ("patch", patch),
+        ("ends", ends),
+        ("edge", edge),
+        ("block", block.iter().map(|n| n.1).collect()),
+    ];
     let model = model(&format!("end_time = 1.0\n{}", rows.job(&sets, &rest))).unwrap();
     assert_eq!(model.settings.ties.len(), 56 + 6);
     assert!(model.settings.ties.iter().filter(|t| t.rotations).count() == 6);
@@ -327,7 +374,8 @@ fn bits_do_not_depend_on_workers() {
     }
 }
 
-/// The same plate with the patch, hit on the patch: what the block loses the plate gains, and no energy comes from nowhere.
+/// The same plate with the patch, hit on the patch: what the block loses the plate gains, and no
+/// energy comes from nowhere.
 #[test]
 fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
     let mut rows = Rows::default();
@@ -342,8 +390,10 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         part(2, "thickness = 1.0"),
         part(5, ""),
     );
-    let text = format!("end_time = 0.6\n{}", rows.job(&[("patch", patch), ("block", block)], &rest));
-    // The kinematic law asks for the masses of the nodes themselves, which tied ones have given away.
+    let text =
+        format!("end_time = 0.6\n{}", rows.job(&[("patch", patch), ("block", block)], &rest));
+    // The kinematic law asks for the masses of the nodes themselves, which tied ones have given
+    // away.
     for law in ["lagrange", "kinematic"] {
         let model = model(&text.replace("LAW", law)).unwrap();
         let (mut watch, mut least, mut deepest) = (Watch::default(), 0.0f64, 0.0f64);
@@ -358,20 +408,24 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         assert!(least < 1e-3, "{law}: contact gives energy: {least}");
         assert!(worst < 1e-11, "{law}: {worst}");
         assert!(most < 0.01, "{law}: {most}");
-        // 0.016 of the thickness were seen by both; as if tied nodes weighed nothing it is 0.89 by the kinematic law.
+        // 0.016 of the thickness were seen by both; as if tied nodes weighed nothing it is 0.89 by
+        // the kinematic law.
         assert!(deepest < 0.05, "{law}: {deepest}");
     }
 }
 
-/// A plate of two elements, one of them brittle under a patch that is tied to it. Pulled apart the brittle one fails: the patch is let go
-/// with the mass and the velocity that it has, and goes on alone, on any number of workers.
+/// A plate of two elements, one of them brittle under a patch that is tied to it. Pulled apart the
+/// brittle one fails: the patch is let go with the mass and the velocity that it has, and goes on
+/// alone, on any number of workers.
 #[test]
 fn a_face_that_fails_lets_go() {
     let mut rows = Rows::default();
     rows.plate(1, [[0.0, 0.0], [10.0, 10.0]], 0.0, [1, 1]);
     let patch = rows.plate(3, [[2.0, 2.0], [8.0, 8.0]], 1.0, [2, 2]);
     let pulled = vec![2, 4];
-    let part = |id: u32, material: &str| format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = 1.0\n");
+    let part = |id: u32, material: &str| {
+        format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = 1.0\n")
+    };
     let brittle = "[[material]]\nname = \"brittle\"\nlaw = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
                    yield_stress = 0.2\nfailure_strain = 0.01\n";
     let rest = format!(
@@ -381,7 +435,10 @@ fn a_face_that_fails_lets_go() {
         part(1, "brittle"),
         part(3, "steel")
     );
-    let text = format!("end_time = 0.2\n{}", rows.job(&[("patch", patch.clone()), ("pulled", pulled)], &rest));
+    let text = format!(
+        "end_time = 0.2\n{}",
+        rows.job(&[("patch", patch.clone()), ("pulled", pulled)], &rest)
+    );
     let model = model(&text).unwrap();
     assert_eq!(model.settings.ties.len(), 9);
     let mut watch = Watch::default();
@@ -390,7 +447,10 @@ fn a_face_that_fails_lets_go() {
         watch.look(e);
         whole.push((0..e.nodes.held).map(|i| e.nodes.mass[i]).sum::<f64>());
         if e.ties.is_empty() && left.is_none() {
-            left = Some((e.clock.time, patch.iter().map(|&n| xyz_of(e, id_of(n))).collect::<Vec<_>>()));
+            left = Some((
+                e.clock.time,
+                patch.iter().map(|&n| xyz_of(e, id_of(n))).collect::<Vec<_>>(),
+            ));
         }
     });
     let (time, places) = left.expect("it is let go");
@@ -399,7 +459,8 @@ fn a_face_that_fails_lets_go() {
     assert!(whole.iter().all(|m| (m - mass).abs() < 1e-14 * mass * 100.0), "masses are given back");
     assert!(watch.changed[0] < 1e-10 * mass * 10.0, "momentum: {:?}", watch.changed);
     // From then on the patch goes on as a whole by its own momentum.
-    let mean = |x: &[[f64; 3]]| [0, 1].map(|c| x.iter().map(|p| p[c]).sum::<f64>() / x.len() as f64);
+    let mean =
+        |x: &[[f64; 3]]| [0, 1].map(|c| x.iter().map(|p| p[c]).sum::<f64>() / x.len() as f64);
     let now: Vec<[f64; 3]> = patch.iter().map(|&n| xyz_of(&end, id_of(n))).collect();
     let went = [0, 1].map(|c| (mean(&now)[c] - mean(&places)[c]) / (end.clock.time - time));
     assert!(went[0] > 10.0 && went[0] < 90.0 && (went[1] - 1.0).abs() < 0.3, "{went:?}");
@@ -415,8 +476,8 @@ fn id_of(n: usize) -> crumple_proto::ids::NodeId {
     crumple_proto::ids::NodeId(n as u64)
 }
 
-/// Ties one on another: a strip on a strip on a strip, struck at one end, keep their momentum and go on together; at the end of arms
-/// that is refused.
+/// Ties one on another: a strip on a strip on a strip, struck at one end, keep their momentum and
+/// go on together; at the end of arms that is refused.
 #[test]
 fn ties_stand_on_ties_but_for_arms() {
     let scene = |offset: bool, shift: f64| {
@@ -424,10 +485,13 @@ fn ties_stand_on_ties_but_for_arms() {
         rows.plate(1, [[0.0, 0.0], [40.0, 10.0]], 0.0, [4, 1]);
         let second = rows.plate(2, [[30.0, 1.0], [70.0, 9.0]], shift, [4, 1]);
         let third = rows.plate(3, [[31.0, 2.0], [39.0, 8.0]], 2.0 * shift, [2, 1]);
-        let on_first: Vec<usize> = second.iter().copied().filter(|n| (n - second[0]) % 5 < 2).collect();
-        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
-        let tie =
-            |nodes: &str, part: u32| format!("[[tie]]\nnodes = \"{nodes}\"\nparts = [{part}]\noffset = {offset}\n");
+        let on_first: Vec<usize> =
+            second.iter().copied().filter(|n| (n - second[0]) % 5 < 2).collect();
+        let part =
+            |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        let tie = |nodes: &str, part: u32| {
+            format!("[[tie]]\nnodes = \"{nodes}\"\nparts = [{part}]\noffset = {offset}\n")
+        };
         let rest = format!(
             "{}{}{}{}{}[[initial_velocity]]\nnodes = \"third\"\nvelocity = [3.0, 1.0, 0.0]\n",
             part(1),
@@ -438,20 +502,32 @@ fn ties_stand_on_ties_but_for_arms() {
         );
         (
             third.clone(),
-            model(&format!("end_time = 0.5\n{}", rows.job(&[("second", on_first), ("third", third)], &rest))),
+            model(&format!(
+                "end_time = 0.5\n{}",
+                rows.job(&[("second", on_first), ("third", third)], &rest)
+            )),
         )
     };
     let (_, refused) = scene(true, 1.0);
     let refused = refused.err().expect("arms on arms");
-    assert!(refused.contains("which is tied itself") && refused.contains("without offsets only"), "{refused}");
+    assert!(
+        refused.contains("which is tied itself") && refused.contains("without offsets only"),
+        "{refused}"
+    );
     let (third, model) = scene(false, 0.0);
     let model = model.unwrap();
-    assert!(model.warnings.iter().any(|w| w.message.contains("start with other velocities")), "{:?}", model.warnings);
-    // The third stands between nodes of the second one, all of them tied: what carries it is of the first.
+    assert!(
+        model.warnings.iter().any(|w| w.message.contains("start with other velocities")),
+        "{:?}",
+        model.warnings
+    );
+    // The third stands between nodes of the second one, all of them tied: what carries it is of the
+    // first.
     let own = |n: u64| third.contains(&(n as usize));
     let of_third: Vec<_> = model.settings.ties.iter().filter(|t| own(t.node.0)).collect();
     assert!(
-        of_third.len() == 6 && of_third.iter().all(|t| t.carriers.iter().all(|c| c.0.0 <= 10) && t.faces.len() > 1)
+        of_third.len() == 6
+            && of_third.iter().all(|t| t.carriers.iter().all(|c| c.0.0 <= 10) && t.faces.len() > 1)
     );
     let mut watch = Watch::default();
     run_alone(&model, |e: &Engine| watch.look(e));
@@ -460,10 +536,16 @@ fn ties_stand_on_ties_but_for_arms() {
     for (came, velocity) in came.into_iter().zip([3.0, 1.0, 0.0]) {
         assert!((came - mass * velocity).abs() < 1e-12 * mass, "{came}");
     }
-    assert!(watch.changed[0] < 1e-11 * mass && watch.unexplained < 1e-3, "{:?} {}", watch.changed, watch.unexplained);
+    assert!(
+        watch.changed[0] < 1e-11 * mass && watch.unexplained < 1e-3,
+        "{:?} {}",
+        watch.changed,
+        watch.unexplained
+    );
 }
 
-/// A motion that leads a plate and what is tied to it leads both alike, and does the work of both masses once.
+/// A motion that leads a plate and what is tied to it leads both alike, and does the work of both
+/// masses once.
 #[test]
 fn led_nodes_take_what_is_tied_along() {
     let mut rows = Rows::default();
@@ -477,7 +559,9 @@ fn led_nodes_take_what_is_tied_along() {
         part(2)
     );
     let both = plate.iter().chain(&patch).copied().collect();
-    let model = model(&format!("end_time = 1.0\n{}", rows.job(&[("patch", patch), ("both", both)], &rest))).unwrap();
+    let model =
+        model(&format!("end_time = 1.0\n{}", rows.job(&[("patch", patch), ("both", both)], &rest)))
+            .unwrap();
     let end = run_alone(&model, |_| {});
     let speeds: Vec<f64> = end.nodes.v.iter().map(|v| v[0]).collect();
     // Round-off of places over the length of a step.
@@ -486,12 +570,15 @@ fn led_nodes_take_what_is_tied_along() {
     let energies = end.ledger.energies(&end.nodes);
     let exact = 0.5 * mass * speeds[0].powi(2);
     // Half a step is between the velocities and the work.
-    assert!((energies.external / exact - 1.0).abs() < 0.01 && speeds[0] > 1.9, "{energies:?} {exact}");
+    assert!(
+        (energies.external / exact - 1.0).abs() < 0.01 && speeds[0] > 1.9,
+        "{energies:?} {exact}"
+    );
     assert!(energies.balance(0.0).abs() < 1e-9 * exact, "{}", energies.balance(0.0));
 }
 
-/// A block falls on a patch that is tied to a plate, which lies on a rigid wall with a mass: the wall feels the blow in the same step, and
-/// momentum of all keeps.
+/// A block falls on a patch that is tied to a plate, which lies on a rigid wall with a mass: the
+/// wall feels the blow in the same step, and momentum of all keeps.
 #[test]
 fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     let mut rows = Rows::default();
@@ -508,7 +595,11 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
         part(3, "")
     );
     let block = block.iter().map(|n| n.1).collect();
-    let model = model(&format!("end_time = 0.3\n{}", rows.job(&[("patch", patch), ("block", block)], &rest))).unwrap();
+    let model = model(&format!(
+        "end_time = 0.3\n{}",
+        rows.job(&[("patch", patch), ("block", block)], &rest)
+    ))
+    .unwrap();
     let (mut deepest, mut first, mut worst) = (0.0f64, None, 0.0f64);
     let end = run_alone(&model, |e: &Engine| {
         let wall = &e.walls.each()[0];
@@ -539,54 +630,89 @@ fn jobs_that_are_wrong_are_told() {
         words.iter().for_each(|word| assert!(report.contains(word), "not said: {word}\n{report}"));
     };
     said("[[tie]]\nnodes = \"end\"\n", &["a tie has no surface"]);
-    said("[[tie]]\nnodes = \"ends\"\nparts = [3]\n", &["there is no node set `ends`", "tie: there is no part 3"]);
+    said(
+        "[[tie]]\nnodes = \"ends\"\nparts = [3]\n",
+        &["there is no node set `ends`", "tie: there is no part 3"],
+    );
     said(
         "[[tie]]\nnodes = \"end\"\nnode = 550\nparts = [1]\n",
         &["has no surface and no offset", "node 550 is tied to itself"],
     );
     said("[[tie]]\nnodes = \"end\"\nnode = 9999\n", &["no element has node 9999"]);
     said("[[tie]]\nnodes = \"end\"\nparts = [1]\ntolerance = -1.0\n", &["tolerance is -1"]);
-    said("[[tie]]\nnodes = \"end\"\nparts = [1]\nthicknesses = [0.0, -1.0]\n", &["a thickness is -1"]);
+    said(
+        "[[tie]]\nnodes = \"end\"\nparts = [1]\nthicknesses = [0.0, -1.0]\n",
+        &["a thickness is -1"],
+    );
     said(
         &format!("{TIE}[[wall]]\npoint = [-1.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n"),
         &["16 tied nodes do not meet rigid walls"],
     );
     said(&format!("{TIE}{TIE}"), &["is tied twice: by tie `joint` and tie `joint`"]);
-    said("[[tie]]\nnodes = \"second\"\nparts = [1]\n", &["tie 1: 960 of 976 nodes are not near enough to its surface"]);
+    said(
+        "[[tie]]\nnodes = \"second\"\nparts = [1]\n",
+        &["tie 1: 960 of 976 nodes are not near enough to its surface"],
+    );
     said("[[tie]]\nnodes = \"end\"\nparts = [2]\n", &["none of its 16 nodes is near enough"]);
-    said("[[tie]]\nnodes = \"end\"\nparts = [1]\nfaces = \"second\"\n", &["its surface has no face"]);
+    said(
+        "[[tie]]\nnodes = \"end\"\nparts = [1]\nfaces = \"second\"\n",
+        &["its surface has no face"],
+    );
     said(
         &format!("{TIE}[[fix]]\nnodes = \"end\"\ndofs = [\"y\"]\n"),
         &["16 tied nodes are held or moved by something else: 550, 611,"],
     );
-    said(&format!("{TIE}[[rigid]]\nname = \"b\"\nparts = [2]\n"), &["16 tied nodes belong to rigid bodies"]);
+    said(
+        &format!("{TIE}[[rigid]]\nname = \"b\"\nparts = [2]\n"),
+        &["16 tied nodes belong to rigid bodies"],
+    );
 }
 
-/// Nodes beside a surface are moved onto it, which is told; those farther off than the tolerance are not tied.
+/// Nodes beside a surface are moved onto it, which is told; those farther off than the tolerance
+/// are not tied.
 #[test]
 fn nodes_are_moved_onto_the_surface() {
     let moving = "[[initial_velocity]]\nvelocity = [1.0, 0.0, 0.0]\n";
     let near = model(&format!("end_time = 1.0\n{}", bars(0.1, &format!("{TIE}{moving}")))).unwrap();
     let warning = near.warnings.iter().find(|w| w.message.contains("moved onto")).unwrap();
-    assert!(warning.message.contains("tie `joint`: 16 nodes are moved onto its surface"), "{}", warning.message);
+    assert!(
+        warning.message.contains("tie `joint`: 16 nodes are moved onto its surface"),
+        "{}",
+        warning.message
+    );
     let at = |id| near.mesh.nodes.iter().find(|n| n.id == id).unwrap().x[0];
-    assert!(near.settings.ties.iter().all(|t| (at(t.node) - LENGTH).abs() < 1e-12), "round-off of the projection");
+    assert!(
+        near.settings.ties.iter().all(|t| (at(t.node) - LENGTH).abs() < 1e-12),
+        "round-off of the projection"
+    );
     // A twentieth of a diagonal of 2 sqrt 2 is 0.14.
-    let far = model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}{moving}")))).err().unwrap();
+    let far =
+        model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}{moving}")))).err().unwrap();
     assert!(far.contains("none of its 16 nodes"), "{far}");
-    model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}tolerance = 0.25\n{moving}")))).unwrap();
+    model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}tolerance = 0.25\n{moving}"))))
+        .unwrap();
     // Thicknesses as a deck gives them, but no less than the twentieth.
-    model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}thicknesses = [0.2, 0.2]\n{moving}")))).unwrap();
-    model(&format!("end_time = 1.0\n{}", bars(0.1, &format!("{TIE}thicknesses = [0.01, 0.0]\n{moving}")))).unwrap();
+    model(&format!(
+        "end_time = 1.0\n{}",
+        bars(0.2, &format!("{TIE}thicknesses = [0.2, 0.2]\n{moving}"))
+    ))
+    .unwrap();
+    model(&format!(
+        "end_time = 1.0\n{}",
+        bars(0.1, &format!("{TIE}thicknesses = [0.01, 0.0]\n{moving}"))
+    ))
+    .unwrap();
 }
 
-/// A block falls on one large skin between the corners of a frame, and not through it; without the skin it would. The skin has mass, sets
-/// no step and bears nothing: a corner that moves feels no other one.
+/// A block falls on one large skin between the corners of a frame, and not through it; without the
+/// skin it would. The skin has mass, sets no step and bears nothing: a corner that moves feels no
+/// other one.
 #[test]
 fn a_skin_touches_and_bears_nothing() {
     let run = |skin: bool| {
         let mut rows = Rows::default();
-        let corners = [[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]].map(|[x, y]| rows.node([x, y, 0.0]));
+        let corners = [[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]]
+            .map(|[x, y]| rows.node([x, y, 0.0]));
         let block = rows.block(1, [[15.0, 15.0, 1.0], [25.0, 25.0, 11.0]], [2, 2, 2]);
         let mut sets = vec![("block", block.iter().map(|n| n.1).collect())];
         let [a, b, c, d] = corners;
@@ -595,7 +721,8 @@ fn a_skin_touches_and_bears_nothing() {
             rows.shells += &format!("[{}, 2, {a}, {b}, {c}, {d}],\n", rows.elements);
             sets.push(("corner", vec![a]));
         }
-        let part = |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
+        let part =
+            |id: u32, rest: &str| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\n{rest}\n");
         let led = "[[initial_velocity]]\nnodes = \"corner\"\nvelocity = [1.0, 0.0, 0.0]\n";
         let rest = format!(
             "{}{}[contact]\n[[initial_velocity]]\nnodes = \"block\"\nvelocity = [0.0, 0.0, -5.0]\n{}",
@@ -616,12 +743,16 @@ fn a_skin_touches_and_bears_nothing() {
     let skin = b[2];
     assert!(skin < -0.5, "the block takes the skin along: {skin}");
     assert!(low(&with) > skin - 0.1, "and does not go through: {} {skin}", low(&with));
-    // Elastic, it would pull both to the same velocity. The block pushes along a normal that tilts with the corners, by 1e-6.
-    assert!((a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4, "a corner feels no other: {a:?} {b:?}");
+    // Elastic, it would pull both to the same velocity. The block pushes along a normal that tilts
+    // with the corners, by 1e-6.
+    assert!(
+        (a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4,
+        "a corner feels no other: {a:?} {b:?}"
+    );
 }
 
-/// A coarse patch in the plane of a fine plate that carries it: contact sees neither inside the other, from either side, and leaves them
-/// in peace.
+/// A coarse patch in the plane of a fine plate that carries it: contact sees neither inside the
+/// other, from either side, and leaves them in peace.
 #[test]
 fn contact_lets_what_is_tied_be() {
     let mut rows = Rows::default();
@@ -633,15 +764,26 @@ fn contact_lets_what_is_tied_be() {
         part(1),
         part(2)
     );
-    let model = model(&format!("end_time = 0.2\n{}", rows.job(&[("patch", patch)], &rest))).unwrap();
-    assert!(!model.warnings.iter().any(|w| w.message.contains("start inside")), "{:?}", model.warnings);
+    let model =
+        model(&format!("end_time = 0.2\n{}", rows.job(&[("patch", patch)], &rest))).unwrap();
+    assert!(
+        !model.warnings.iter().any(|w| w.message.contains("start inside")),
+        "{:?}",
+        model.warnings
+    );
     let end = run_alone(&model, |_| {});
-    let off = end.nodes.v.iter().flat_map(|v| [v[0] - 1.0, v[1], v[2] - 5.0]).fold(0.0, |m: f64, d| m.max(d.abs()));
+    let off = end
+        .nodes
+        .v
+        .iter()
+        .flat_map(|v| [v[0] - 1.0, v[1], v[2] - 5.0])
+        .fold(0.0, |m: f64, d| m.max(d.abs()));
     assert!(off < 1e-11, "round-off: {off}");
 }
 
-/// A cantilever of two strips of shells, the second one's edge tied across the first one's last row of cells: with rotations its tip
-/// goes down by P L^3 / 3 E I as one strip does, without it hangs on a hinge. 2 %: the tie bends the row's cells bilinearly.
+/// A cantilever of two strips of shells, the second one's edge tied across the first one's last row
+/// of cells: with rotations its tip goes down by P L^3 / 3 E I as one strip does, without it hangs
+/// on a hinge. 2 %: the tie bends the row's cells bilinearly.
 #[test]
 fn a_tied_edge_bends_as_one_strip() {
     let (length, width) = (100.0f64, 10.0);
@@ -652,10 +794,14 @@ fn a_tied_edge_bends_as_one_strip() {
         let mut rows = Rows::default();
         let first = rows.plate(1, [[0.0, 0.0], [50.0, width]], 0.0, [10, 2]);
         let second = rows.plate(2, [[47.0, 0.0], [length, width]], 0.0, [10, 3]);
-        let every = |ids: &[usize], from: usize| ids.iter().copied().skip(from).step_by(11).collect::<Vec<_>>();
-        let sets = [("root", every(&first, 0)), ("edge", every(&second, 0)), ("tip", every(&second, 10))];
+        let every = |ids: &[usize], from: usize| {
+            ids.iter().copied().skip(from).step_by(11).collect::<Vec<_>>()
+        };
+        let sets =
+            [("root", every(&first, 0)), ("edge", every(&second, 0)), ("tip", every(&second, 10))];
         let tip = sets[2].1[0];
-        let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
+        let part =
+            |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
         let rest = format!(
             "{}{}[[tie]]\nnodes = \"edge\"\nparts = [1]\nrotations = {rotations}\n[time]\ndamping = {:?}\n\
              [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\

@@ -1,8 +1,8 @@
 //! The time line of a run: what it holds, and that it agrees with what the summary says.
 
-use crumple::control::{self, Results};
-use crumple::stop::StopFlag;
-use crumple::summary::Summary;
+use crumple::results::summary::Summary;
+use crumple::run::control::{self, Results};
+use crumple::run::stop::StopFlag;
 use crumple_proto::report::PHASES;
 use crumple_proto::transport::threads::connect;
 use crumple_tests::{case, read};
@@ -37,7 +37,8 @@ fn spans(events: &[Value], worker: usize) -> Vec<&Value> {
     events.iter().filter(|e| e["ph"] == "X" && e["tid"] == worker).collect()
 }
 
-/// Every phase of every worker, in the order of time, adding up to what the summary says; renewals and orders are there.
+/// Every phase of every worker, in the order of time, adding up to what the summary says; renewals
+/// and orders are there.
 #[test]
 fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
     let (summary, events) = traced(&["time.max_cycles=120", "parallel.force_every=25"]);
@@ -48,7 +49,8 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
         let spans = spans(&events, worker);
         let mut end = 0.0;
         for s in &spans {
-            // Times have three digits behind the point: they end where the next begins up to half of the last.
+            // Times have three digits behind the point: they end where the next begins up to half
+            // of the last.
             assert!(number(s, "ts") >= end - 1e-3, "overlap at {s}");
             end = number(s, "ts") + number(s, "dur");
         }
@@ -60,15 +62,20 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
             sums[p] += seconds;
         }
         let cycles: Vec<u64> = spans.iter().map(|s| s["args"]["cycle"].as_u64().unwrap()).collect();
-        assert!(cycles.is_sorted() && (cycles[0], cycles[cycles.len() - 1]) == (0, 119), "{cycles:?}");
+        assert!(
+            cycles.is_sorted() && (cycles[0], cycles[cycles.len() - 1]) == (0, 119),
+            "{cycles:?}"
+        );
         let moments: Vec<&str> = events
             .iter()
             .filter(|e| e["ph"] == "i" && e["tid"] == worker)
             .map(|e| e["name"].as_str().unwrap())
             .collect();
-        for words in
-            ["order 1 has come: high redecomposition", "order 1: high redecomposition", "order 2: low redecomposition"]
-        {
+        for words in [
+            "order 1 has come: high redecomposition",
+            "order 1: high redecomposition",
+            "order 2: low redecomposition",
+        ] {
             assert!(moments.contains(&words), "{words} is not among {moments:?}");
         }
     }
@@ -76,7 +83,11 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
         let said = &summary.phase_s[*name];
         // Nanoseconds are cut off once per event, of microseconds and more.
         let close = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.max(1e-6);
-        assert!(close(most[p], said.max) && close(sums[p] / WORKERS as f64, said.mean), "{name}: {} {said:?}", most[p]);
+        assert!(
+            close(most[p], said.max) && close(sums[p] / WORKERS as f64, said.mean),
+            "{name}: {} {said:?}",
+            most[p]
+        );
     }
 }
 
@@ -84,7 +95,7 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
 #[test]
 fn a_run_that_fails_leaves_its_trace() {
     let (summary, events) = traced(&["time.safety=3"]);
-    assert_eq!(summary.status, crumple::summary::Status::Failed, "{}", summary.reason);
+    assert_eq!(summary.status, crumple::results::summary::Status::Failed, "{}", summary.reason);
     for worker in 0..WORKERS {
         let last = spans(&events, worker).last().unwrap()["args"]["cycle"].as_u64().unwrap();
         assert!(last.abs_diff(summary.cycles) <= 1, "cycle {last} of {}", summary.cycles);

@@ -1,6 +1,6 @@
-//! The quick checks of the catalogue, entry by entry: what is within its tolerance, and what is not, is what the committed
-//! table `tests/verification.json` says. After a change of results, look at the table that `crumple verify` writes, and
-//! commit it.
+//! The quick checks of the catalogue, entry by entry: what is within its tolerance, and what is
+//! not, is what the committed table `tests/verification.json` says. After a change of results, look
+//! at the table that `crumple verify` writes, and commit it.
 
 use crumple::verify::{Bench, CATALOGUE, Row};
 use serde_json::Value;
@@ -19,8 +19,13 @@ fn committed(id: &str, check: &str) -> Verdicts {
     let checks = find(&table["entries"], "id", id)["checks"].clone();
     let rows = find(&checks, "name", check)["rows"].clone();
     let text = |v: &Value| v.as_str().unwrap().to_string();
-    let row = |r: &Value| ((text(&r["quantity"]), text(&r["variant"])), r["passes"].as_bool().unwrap());
-    rows.as_array().unwrap_or_else(|| panic!("{id} {check} is not in the table")).iter().map(row).collect()
+    let row =
+        |r: &Value| ((text(&r["quantity"]), text(&r["variant"])), r["passes"].as_bool().unwrap());
+    rows.as_array()
+        .unwrap_or_else(|| panic!("{id} {check} is not in the table"))
+        .iter()
+        .map(row)
+        .collect()
 }
 
 fn quick(id: &str) {
@@ -29,14 +34,22 @@ fn quick(id: &str) {
     for check in entry.checks.iter().filter(|c| c.quick) {
         let rows = (check.run)(&bench).unwrap_or_else(|why| panic!("{id} {}: {why}", check.name));
         for r in rows.iter().filter(|r| !r.passes()) {
-            eprintln!("{id} {} ({}): {} against {}; {}", r.quantity, r.variant, r.ours, r.reference, r.known);
+            eprintln!(
+                "{id} {} ({}): {} against {}; {}",
+                r.quantity, r.variant, r.ours, r.reference, r.known
+            );
         }
         let verdict = |r: &Row| ((r.quantity.clone(), r.variant.clone()), r.passes());
         let now: Verdicts = rows.iter().map(verdict).collect();
         assert_eq!(now.len(), rows.len(), "{id} {}: rows have the same name", check.name);
         let then = committed(id, check.name);
-        let changed: Vec<_> = now.iter().filter(|(row, passes)| then.get(*row) != Some(*passes)).collect();
-        assert!(changed.is_empty(), "{id} {}: otherwise than in the table: {changed:?}", check.name);
+        let changed: Vec<_> =
+            now.iter().filter(|(row, passes)| then.get(*row) != Some(*passes)).collect();
+        assert!(
+            changed.is_empty(),
+            "{id} {}: otherwise than in the table: {changed:?}",
+            check.name
+        );
         assert_eq!(now.len(), then.len(), "{id} {}: rows of the table are missing", check.name);
     }
 }
@@ -58,6 +71,7 @@ entries! {
 
 #[test]
 fn every_entry_with_a_quick_check_is_tested() {
-    let quick: Vec<&str> = CATALOGUE.iter().filter(|e| e.checks.iter().any(|c| c.quick)).map(|e| e.id).collect();
+    let quick: Vec<&str> =
+        CATALOGUE.iter().filter(|e| e.checks.iter().any(|c| c.quick)).map(|e| e.id).collect();
     assert_eq!(quick, TESTED);
 }

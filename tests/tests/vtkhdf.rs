@@ -1,11 +1,12 @@
-//! The VTKHDF file of a run, read back by VTK and compared with the field files, bit for bit: deploy/read_vtkhdf.py. A binary built
-//! without it refuses, and says what to do.
+//! The VTKHDF file of a run, read back by VTK and compared with the field files, bit for bit:
+//! deploy/read_vtkhdf.py. A binary built without it refuses, and says what to do.
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use std::env;
 use std::process::Command;
 
-/// A run with the file asked for by its job; `None` where the binary is built without it, once that has been refused as it should.
+/// A run with the file asked for by its job; `None` where the binary is built without it, once that
+/// has been refused as it should.
 fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
     let asked = ["run", job, "--quiet", "--set", "output.vtkhdf=true"];
     let ended = run(crumple_with(&[&asked[..], more].concat()));
@@ -13,7 +14,11 @@ fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
         return Some(ended);
     }
     let said = ended.said();
-    assert!(said.contains("this crumple was built without VTKHDF") && said.contains("--features vtkhdf"), "{said}");
+    assert!(
+        said.contains("this crumple was built without VTKHDF")
+            && said.contains("--features vtkhdf"),
+        "{said}"
+    );
     assert_eq!(ended.code, Some(2), "bad input");
     let export = run(crumple_with(&["export-vtkhdf", "."])).with_code(2).said();
     assert!(export.contains("this crumple was built without VTKHDF"), "{export}");
@@ -45,7 +50,11 @@ fn shells_of_several_workers_read_back() {
 #[test]
 fn other_shapes_and_failing_elements_read_back() {
     for (job, more, wanted) in [
-        ("tests/decks/scenes/transducers.k", &["--workers", "2"][..], "91 cells at first, 91 at last"),
+        (
+            "tests/decks/scenes/transducers.k",
+            &["--workers", "2"][..],
+            "91 cells at first, 91 at last",
+        ),
         (
             "tests/decks/scenes/sled.k",
             &["--workers", "2", "--set", "material.mat-1.failure_strain=0.001"],
@@ -55,6 +64,9 @@ fn other_shapes_and_failing_elements_read_back() {
         let Some(ended) = with_file(job, more) else { return };
         let Some(said) = read_back(&ended) else { return };
         assert!(said.contains(wanted), "{job}: {said}");
-        assert!(job.ends_with("transducers.k") || !said.contains("36 at last"), "{job}: some fail: {said}");
+        assert!(
+            job.ends_with("transducers.k") || !said.contains("36 at last"),
+            "{job}: some fail: {said}"
+        );
     }
 }

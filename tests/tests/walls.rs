@@ -1,26 +1,33 @@
 //! Rigid walls that move, end somewhere or are round, on any number of workers. Units mm, ms, kg.
 
-use crumple::job::Model;
+use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
 const RHO: f64 = 7.85e-6;
 
-/// Square plates of shells of 1 mm, a part and a node set `part_1` and so on each: corner, sides and cells along x and y.
-/// `rest` is the rest of the job.
+/// Square plates of shells of 1 mm, a part and a node set `part_1` and so on each: corner, sides
+/// and cells along x and y. `rest` is the rest of the job.
 fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -> Model {
-    let (mut nodes, mut shells, mut sets, mut parts) = (String::new(), String::new(), String::new(), String::new());
+    let (mut nodes, mut shells, mut sets, mut parts) =
+        (String::new(), String::new(), String::new(), String::new());
     let (mut first, mut shell) = (1, 1);
     for (p, &(at, side, cells)) in (1..).zip(plates) {
         let node = |i: usize, j: usize| first + i * (cells[1] + 1) + j;
         for i in 0..=cells[0] {
             for j in 0..=cells[1] {
-                let x = [at[0] + side[0] * i as f64 / cells[0] as f64, at[1] + side[1] * j as f64 / cells[1] as f64];
+                let x = [
+                    at[0] + side[0] * i as f64 / cells[0] as f64,
+                    at[1] + side[1] * j as f64 / cells[1] as f64,
+                ];
                 nodes += &format!("[{}, {:?}, {:?}, {:?}],\n", node(i, j), x[0], x[1], at[2]);
                 if i < cells[0] && j < cells[1] {
                     let ring = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
-                    shells += &format!("[{shell}, {p}, {}, {}, {}, {}],\n", ring[0], ring[1], ring[2], ring[3]);
+                    shells += &format!(
+                        "[{shell}, {p}, {}, {}, {}, {}],\n",
+                        ring[0], ring[1], ring[2], ring[3]
+                    );
                     shell += 1;
                 }
             }
@@ -46,8 +53,9 @@ fn along_z(e: &Engine) -> f64 {
     momentum(&e.nodes).0[2] + e.walls.carried(true).1.z
 }
 
-/// A plate falls flat on a wall of mass M that comes to meet it, and a rigid one likewise: both go on with what momentum
-/// gives, (m v + M V) / (m + M), to round-off; the energy that is lost is m M / (m + M) (V - v)^2 / 2, and booked.
+/// A plate falls flat on a wall of mass M that comes to meet it, and a rigid one likewise: both go
+/// on with what momentum gives, (m v + M V) / (m + M), to round-off; the energy that is lost is m M
+/// / (m + M) (V - v)^2 / 2, and booked.
 #[test]
 fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     let (big, mass, speed, v) = (0.004, RHO * 20.0 * 20.0, 2.0, -10.0);
@@ -66,9 +74,14 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
             drift = drift.max((along_z(e) - start).abs());
         });
         let after = start / (mass + big);
-        let worst = (0..end.nodes.held).map(|i| (end.nodes.v[i][2] - after).abs()).fold(0.0, f64::max);
+        let worst =
+            (0..end.nodes.held).map(|i| (end.nodes.v[i][2] - after).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-9, "{rigid}: {worst} off {after}");
-        assert!((end.walls.each()[0].velocity().z - after).abs() < 1e-9, "{:?}", end.walls.each()[0].velocity());
+        assert!(
+            (end.walls.each()[0].velocity().z - after).abs() < 1e-9,
+            "{:?}",
+            end.walls.each()[0].velocity()
+        );
         assert!(drift < 1e-11 * mass * 10.0, "{rigid}: round-off of all steps: {drift}");
         let lost = 0.5 * mass * big / (mass + big) * (speed - v) * (speed - v);
         let wall = end.ledger.energies(&end.nodes).wall;
@@ -79,8 +92,8 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     }
 }
 
-/// A rigid plate and another one meet a light wall in the same step, while a third plate presses on the rigid one: the wall takes
-/// the velocity of what it meets, and never more.
+/// A rigid plate and another one meet a light wall in the same step, while a third plate presses on
+/// the rigid one: the wall takes the velocity of what it meets, and never more.
 #[test]
 fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     let rest = "[[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.0, 0.0, 1.0]\nmass = 1e-6\n\
@@ -88,7 +101,11 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
                 [[initial_velocity]]\nvelocity = [0.0, 0.0, -10.0]\n\
                 [[initial_velocity]]\nnodes = \"part_3\"\nvelocity = [0.0, 0.0, -10.5]\n";
     let (side, cells) = ([20.0, 20.0], [4, 4]);
-    let plates = [([0.0; 3], side, cells), ([40.0, 0.0, 0.0], side, cells), ([0.0, 0.0, 1.001], side, cells)];
+    let plates = [
+        ([0.0; 3], side, cells),
+        ([40.0, 0.0, 0.0], side, cells),
+        ([0.0, 0.0, 1.001], side, cells),
+    ];
     let (mut fastest, mut pairs) = (0.0f64, false);
     run_alone(&job(&plates, 0.03, rest), |e| {
         fastest = fastest.min(e.walls.each()[0].velocity().z);
@@ -98,7 +115,8 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     assert!((-10.5..-9.0).contains(&fastest), "the plates come with 10 and 10.5: {fastest}");
 }
 
-/// Two strips fall: the one above the rectangle rests on it, the other falls by. A rigid one does the same.
+/// Two strips fall: the one above the rectangle rests on it, the other falls by. A rigid one does
+/// the same.
 #[test]
 fn a_rectangle_lets_pass_what_is_beside_it() {
     let strips = [([1.0, 1.0, 0.2], [6.0, 6.0], [3, 3]), ([12.0, 1.0, 0.2], [6.0, 6.0], [3, 3])];
@@ -112,7 +130,8 @@ fn a_rectangle_lets_pass_what_is_beside_it() {
         );
         let end = run_alone(&job(&strips, 0.3, &rest), |_| {});
         let range = |ids: std::ops::Range<usize>| {
-            ids.map(|i| end.nodes.x[i][2]).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], z| [l.min(z), h.max(z)])
+            ids.map(|i| end.nodes.x[i][2])
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], z| [l.min(z), h.max(z)])
         };
         let [on, beside] = [range(0..16), range(16..32)];
         assert!(on[0] > -1e-9 && on[1] < 0.2, "{rigid}: {on:?}");
@@ -120,8 +139,8 @@ fn a_rectangle_lets_pass_what_is_beside_it() {
     }
 }
 
-/// A strip that falls across a cylinder, rigid or not, hangs over it: its middle stays outside and its ends go down, and
-/// a cylinder that is led upwards through the set of its ends passes these.
+/// A strip that falls across a cylinder, rigid or not, hangs over it: its middle stays outside and
+/// its ends go down, and a cylinder that is led upwards through the set of its ends passes these.
 #[test]
 fn a_cylinder_catches_a_strip() {
     let strip = [([-20.0, 0.0, 10.5], [40.0, 4.0], [20, 2])];
@@ -150,8 +169,9 @@ fn a_cylinder_catches_a_strip() {
     }
 }
 
-/// A wall with a mass throws two plates and a rigid one against each other, against a rectangle, a led cylinder and a plane
-/// that only some nodes meet: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+/// A wall with a mass throws two plates and a rigid one against each other, against a rectangle, a
+/// led cylinder and a plane that only some nodes meet: the same bits on 1, 2 and 4 workers, with
+/// boxes renewed by force.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let plates = [

@@ -1,4 +1,5 @@
-//! Factors over time: linear between points, constant outside, and their exact integrals from time 0.
+//! Factors over time: linear between points, constant outside, and their exact integrals from time
+//! 0.
 
 /// A piecewise linear factor.
 #[derive(Clone, Debug)]
@@ -77,13 +78,16 @@ mod tests {
     #[test]
     fn values_are_linear_between_points_and_constant_outside() {
         let c = Curve::new(&[[1.0, 2.0], [3.0, 6.0], [4.0, 0.0]]);
-        for (t, y) in [(-1.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (3.5, 3.0), (4.0, 0.0), (9.0, 0.0)] {
+        for (t, y) in
+            [(-1.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (3.5, 3.0), (4.0, 0.0), (9.0, 0.0)]
+        {
             assert_eq!(c.value(t), y, "at {t}");
         }
         assert_eq!(Curve::one().value(7.0), 1.0);
     }
 
-    /// By hand: 2 t up to 1, then the trapezoids; and by a sum of midpoints, which is exact to h^2/24 of the curvature.
+    /// By hand: 2 t up to 1, then the trapezoids; and by a sum of midpoints, which is exact to
+    /// h^2/24 of the curvature.
     #[test]
     fn integrals_start_at_time_0_wherever_the_points_are() {
         for shift in [0.0, -1.5, 0.7] {
@@ -95,10 +99,17 @@ mod tests {
                 first += h * y;
             }
             assert!((c.integral(5.0) - first).abs() < 1e-6, "{} {first}", c.integral(5.0));
-            assert!((c.second_integral(5.0) - second).abs() < 1e-6, "{} {second}", c.second_integral(5.0));
+            assert!(
+                (c.second_integral(5.0) - second).abs() < 1e-6,
+                "{} {second}",
+                c.second_integral(5.0)
+            );
             assert_eq!([c.integral(0.0), c.second_integral(0.0)], [0.0; 2]);
         }
         let c = Curve::new(&[[1.0, 2.0], [3.0, 6.0], [4.0, 0.0]]);
-        assert_eq!([c.integral(1.0), c.integral(3.0), c.integral(4.0), c.integral(6.0)], [2.0, 10.0, 13.0, 13.0]);
+        assert_eq!(
+            [c.integral(1.0), c.integral(3.0), c.integral(4.0), c.integral(6.0)],
+            [2.0, 10.0, 13.0, 13.0]
+        );
     }
 }

@@ -1,14 +1,15 @@
-//! The energy ledger: work in, stored, dissipated, lost. Sums are for reports; nothing is decided from them.
+//! The energy ledger: work in, stored, dissipated, lost. Sums are for reports; nothing is decided
+//! from them.
 
-use crate::elements::PassTotals;
+use crate::fem::elements::PassTotals;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::report::Energies;
 use nalgebra::Vector3;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
-/// Work of impulses in a step, in two halves: up to the present time with the velocities of the mid-step before, and from
-/// then on with those of the mid-step after [energy].
+/// Work of impulses in a step, in two halves: up to the present time with the velocities of the
+/// mid-step before, and from then on with those of the mid-step after [energy].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// `p . v- / 2`
@@ -125,12 +126,13 @@ impl Ledger {
         self.external.book(work);
     }
 
-    /// Energies at the present time, between the mid-steps with velocities v- and v+ (`v` and `next_v`). With a kinetic
-    /// energy of `m v- . v+ / 2` and internal work by the trapezoidal rule in force the central difference scheme keeps
-    /// the balance to round-off while the step is constant: `m (v+ - v-) = dt f` gives
-    /// `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
+    /// Energies at the present time, between the mid-steps with velocities v- and v+ (`v` and
+    /// `next_v`). With a kinetic energy of `m v- . v+ / 2` and internal work by the trapezoidal
+    /// rule in force the central difference scheme keeps the balance to round-off while the step is
+    /// constant: `m (v+ - v-) = dt f` gives `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
     ///
-    /// After a step, and before the next, those are the energies of the time at which the step began.
+    /// After a step, and before the next, those are the energies of the time at which the step
+    /// began.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
         let (kinetic, swing) = kinetic(nodes);
         Energies {
@@ -147,22 +149,26 @@ impl Ledger {
     }
 }
 
-/// Kinetic energy of owned nodes at the present time, and what the mean of the squares has beyond it,
-/// `m |v+ - v-|^2 / 4` [energy].
+/// Kinetic energy of owned nodes at the present time, and what the mean of the squares has beyond
+/// it, `m |v+ - v-|^2 / 4` [energy].
 fn kinetic(nodes: &Nodes) -> (f64, f64) {
     let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let change = |a: &Row, b: &Row| (0..3).map(|c| (b[c] - a[c]) * (b[c] - a[c])).sum::<f64>();
     let swing = |i: usize| 0.25 * nodes.mass[i] * change(&nodes.v[i], &nodes.next_v[i]);
     let of = |i: usize| {
-        let turning = if nodes.rotations { nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i]) } else { 0.0 };
+        let turning = if nodes.rotations {
+            nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i])
+        } else {
+            0.0
+        };
         0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
     };
     let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
     (own().map(of).sum(), own().map(swing).sum())
 }
 
-/// Linear and angular momentum of owned nodes about the origin at the last mid-step.
-/// Nodes have no memory of where between two times they are; angular momentum uses present positions.
+/// Linear and angular momentum of owned nodes about the origin at the last mid-step. Nodes have no
+/// memory of where between two times they are; angular momentum uses present positions.
 pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
     momentum_of(nodes, &nodes.v, &nodes.w)
 }

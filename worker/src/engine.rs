@@ -1,26 +1,26 @@
 //! The serial engine of one worker: builds mesh, state and laws from its share, then owns them.
 
-pub use crate::agreement::Agreed;
-use crate::agreement::Agreement;
-use crate::blocks::Blocks;
+use crate::constraints::prescribed::Prescribed;
+use crate::constraints::rigid::Bodies;
+use crate::constraints::ties::Ties;
+use crate::constraints::walls::Walls;
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::enforce::Elasticity;
 use crate::energy::{Ledger, momentum, momentum_at_present};
 use crate::erosion::erode;
-use crate::halo::Halo;
+use crate::fem::blocks::Blocks;
 use crate::histories::Histories;
 use crate::loads::Loads;
-use crate::membership::{Local, Share, settle};
-use crate::migrate::{centre, migrate};
-use crate::motion::Motion;
+use crate::math::rigid_motion::Motion;
 use crate::nodes::Nodes;
-use crate::prescribed::Prescribed;
-use crate::rigid::Bodies;
-use crate::ties::Ties;
+use crate::parallel::ghosts::Halo;
+use crate::parallel::migrate::{centre, migrate};
+use crate::parallel::partition::{Local, Share, settle};
+pub use crate::parallel::reduction::Agreed;
+use crate::parallel::reduction::Agreement;
 use crate::time::Clock;
 use crate::trace::Recorder;
-use crate::wall::Walls;
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
@@ -129,7 +129,8 @@ pub struct Engine {
     pub ledger: Ledger,
     /// Where what is recorded is.
     histories: Histories,
-    /// Energies when the present outer step began: later in it those of slow elements are of another time than motion.
+    /// Energies when the present outer step began: later in it those of slow elements are of
+    /// another time than motion.
     balance: Option<Energies>,
     /// How held nodes have moved since the boxes were last renewed.
     pub motion: Motion,
@@ -148,7 +149,12 @@ impl Engine {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn new(wire: &mut dyn Transport, settings: Settings, tree: CutTree, share: Share) -> Result<Self, Lost> {
+    pub fn new(
+        wire: &mut dyn Transport,
+        settings: Settings,
+        tree: CutTree,
+        share: Share,
+    ) -> Result<Self, Lost> {
         let mut local = settle(wire, &settings, share, true)?;
         let mut ties = Ties::start(wire, &settings, &mut local.nodes)?;
         ties.settle(wire, &mut local.nodes)?;
@@ -248,7 +254,12 @@ impl Engine {
         }
         self.loads.settle(&self.nodes, &self.blocks, self.settings.subcycles);
         self.prescribed.settle(&self.nodes);
-        self.histories.settle(&self.settings.histories, self.settings.subcycles, &self.nodes, &self.blocks);
+        self.histories.settle(
+            &self.settings.histories,
+            self.settings.subcycles,
+            &self.nodes,
+            &self.blocks,
+        );
         self.agreement.urgency = 0.0;
         self.centre = self.mean_centre();
     }
@@ -279,24 +290,28 @@ impl Engine {
         centre(&self.nodes, nodes, shape)
     }
 
-    /// Calls `f` with the centre and the load of every own element. All loads add up to `cost`, what a cycle costs here;
-    /// a contact pair weighs as much as `pair_weight` elements.
+    /// Calls `f` with the centre and the load of every own element. All loads add up to `cost`,
+    /// what a cycle costs here; a contact pair weighs as much as `pair_weight` elements.
     pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
         let mut pairs = vec![0u32; self.nodes.held];
-        let load = |e: &crate::blocks::LocalElement| self.settings.load(&e.record);
+        let load = |e: &crate::fem::blocks::LocalElement| self.settings.load(&e.record);
         let mut units = self.blocks.elements.iter().map(load).sum::<f64>();
         for n in self.contact.iter().flat_map(|c| c.own_pair_nodes()) {
             pairs[n as usize] += 1;
         }
-        // In a regular mesh a node is the first corner of one element; that one carries the node's pairs.
-        let carried = |e: &crate::blocks::LocalElement| pair_weight * f64::from(pairs[e.nodes[0] as usize]);
+        // In a regular mesh a node is the first corner of one element; that one carries the node's
+        // pairs.
+        let carried = |e: &crate::fem::blocks::LocalElement| {
+            pair_weight * f64::from(pairs[e.nodes[0] as usize])
+        };
         units += self.blocks.elements.iter().map(carried).sum::<f64>();
         for e in &self.blocks.elements {
             f(self.centre_of(e.nodes, e.record.shape), cost / units * (load(e) + carried(e)));
         }
     }
 
-    /// Sends a history row if one is due; velocities before and after the present time must both be known.
+    /// Sends a history row if one is due; velocities before and after the present time must both be
+    /// known.
     ///
     /// # Errors
     /// The master is gone.
@@ -320,14 +335,16 @@ impl Engine {
 
     /// Energies at the present time or, when the run has `ended`, at the time before.
     ///
-    /// With subcycles the balance of [`crate::energy::Ledger::energies`] holds where an outer step begins and at nodes that have slow
-    /// elements only, or fast ones only. Those between swing within an outer step of m steps of dt, and what is kept has beside it, to
-    /// second order, `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/m`. It counts as kinetic here.
+    /// With subcycles the balance of [`crate::energy::Ledger::energies`] holds where an outer step
+    /// begins and at nodes that have slow elements only, or fast ones only. Those between swing
+    /// within an outer step of m steps of dt, and what is kept has beside it, to second order,
+    /// `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/m`. It counts as kinetic here.
     pub fn energies(&self, ended: bool) -> Energies {
         let mut energies = self.ledger.energies(&self.nodes);
         if self.settings.subcycles > 1 {
             let (m, dt) = (self.settings.subcycles as f64, self.clock.dt);
-            energies.kinetic -= dt * dt / 12.0 * (2.0 * m - 1.0) * (m - 1.0) * self.blocks.coupling(&self.nodes);
+            energies.kinetic -=
+                dt * dt / 12.0 * (2.0 * m - 1.0) * (m - 1.0) * self.blocks.coupling(&self.nodes);
         }
         if self.nodes.me == 0 {
             energies.kinetic += self.bodies.beyond().0 + self.walls.carried(ended).0;
@@ -335,8 +352,8 @@ impl Engine {
         energies
     }
 
-    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time before, with subcycles those
-    /// of the last outer step's start.
+    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time
+    /// before, with subcycles those of the last outer step's start.
     ///
     /// # Errors
     /// The master is gone.
@@ -372,12 +389,15 @@ impl Engine {
     }
 }
 
-/// What contact knows of the bodies. Parts whose material cannot be built are refused before the start.
+/// What contact knows of the bodies. Parts whose material cannot be built are refused before the
+/// start.
 fn elasticity(settings: &Settings) -> Elasticity {
     let of = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);
-        let law = material.and_then(|m| crate::materials::build(m).ok());
-        law.map_or((0.0, 0.0), |law| (law.elastic().youngs_modulus, law.elastic().plate_wave_speed()))
+        let law = material.and_then(|m| crate::fem::materials::build(m).ok());
+        law.map_or((0.0, 0.0), |law| {
+            (law.elastic().youngs_modulus, law.elastic().plate_wave_speed())
+        })
     };
     let (moduli, speeds) = settings.parts.iter().map(of).unzip();
     Elasticity { safety: settings.safety, moduli, speeds, with_edges: with_edges(settings) }

@@ -1,11 +1,14 @@
-//! What a worker records at every history interval beside sums: its parts' energies, contact between parts, nodes and
-//! sections. Read off the state when a row is due; nothing of it is felt by the state, and no step computes any of it.
+//! What a worker records at every history interval beside sums: its parts' energies, contact
+//! between parts, nodes and sections. Read off the state when a row is due; nothing of it is felt
+//! by the state, and no step computes any of it.
 
-use crate::blocks::Blocks;
 use crate::contact::Contact;
 use crate::engine::Engine;
+use crate::fem::blocks::Blocks;
 use crate::nodes::{Nodes, Row, xyz};
-use crumple_proto::histories::{Asked, ContactShare, NodeState, PairForce, PartShare, Section, SectionShare, Shares};
+use crumple_proto::histories::{
+    Asked, ContactShare, NodeState, PairForce, PartShare, Section, SectionShare, Shares,
+};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
 use nalgebra::Vector3;
@@ -19,10 +22,11 @@ pub struct Histories {
     /// Owned nodes of all groups, ascending.
     nodes: Vec<u32>,
     sections: Vec<LocalSection>,
-    /// Accelerations of these nodes when the present outer step began, with subcycles: no later time in it has one
-    /// [length/time^2].
+    /// Accelerations of these nodes when the present outer step began, with subcycles: no later
+    /// time in it has one [length/time^2].
     accelerations: HashMap<NodeId, [f64; 3]>,
-    /// With subcycles: contact forces in the present outer step so far, and in the whole one before.
+    /// With subcycles: contact forces in the present outer step so far, and in the whole one
+    /// before.
     felt: Felt,
     felt_before: Felt,
 }
@@ -36,7 +40,8 @@ struct Felt {
 
 impl Felt {
     fn add(&mut self, share: f64, contact: &Contact, nodes: &Nodes, asked: &Asked) {
-        let add = |sum: &mut [f64; 3], force: [f64; 3]| (0..3).for_each(|c| sum[c] += share * force[c]);
+        let add =
+            |sum: &mut [f64; 3], force: [f64; 3]| (0..3).for_each(|c| sum[c] += share * force[c]);
         if asked.contacts {
             for c in contact.forces_between_parts() {
                 add(self.between_parts.entry(c.parts).or_default(), c.force);
@@ -54,14 +59,18 @@ impl Felt {
     }
 
     fn transducers(&self) -> Vec<PairForce> {
-        self.on_transducers.iter().map(|(&(transducer, pair), &force)| PairForce { transducer, pair, force }).collect()
+        self.on_transducers
+            .iter()
+            .map(|(&(transducer, pair), &force)| PairForce { transducer, pair, force })
+            .collect()
     }
 }
 
 /// What a worker has of a section.
 #[derive(Debug, Default)]
 struct LocalSection {
-    /// Corner slots of own elements at the section's nodes, these nodes, and the cycles that a force in the slot acts for.
+    /// Corner slots of own elements at the section's nodes, these nodes, and the cycles that a
+    /// force in the slot acts for.
     corners: Vec<(usize, u32, f64)>,
     /// Owned nodes.
     nodes: Vec<u32>,
@@ -82,13 +91,14 @@ impl Histories {
             return;
         }
         let slots = blocks.first_slots();
-        let place: HashMap<_, usize> = blocks.elements.iter().enumerate().map(|(i, e)| (e.record.id, i)).collect();
+        let place: HashMap<_, usize> =
+            blocks.elements.iter().enumerate().map(|(i, e)| (e.record.id, i)).collect();
         let local = |section: &Section| {
             let mut corners = Vec::new();
             for &i in section.elements.iter().filter_map(|id| place.get(id)) {
                 let e = &blocks.elements[i];
-                let at =
-                    (0..e.record.shape.corners()).filter(|&c| section.nodes.binary_search(&e.record.nodes[c]).is_ok());
+                let at = (0..e.record.shape.corners())
+                    .filter(|&c| section.nodes.binary_search(&e.record.nodes[c]).is_ok());
                 let cycles = if e.record.slow { subcycles as f64 } else { 1.0 };
                 corners.extend(at.map(|c| (slots[i] + c, e.nodes[c], cycles)));
             }
@@ -114,12 +124,18 @@ impl Histories {
         self.felt.add(1.0 / settings.subcycles as f64, contact, nodes, &settings.histories);
     }
 
-    /// This worker's shares of a row. Velocities are those before and after the present time or, when the run has `ended`,
-    /// those of the last two mid-steps; forces are then those of the last step.
+    /// This worker's shares of a row. Velocities are those before and after the present time or,
+    /// when the run has `ended`, those of the last two mid-steps; forces are then those of the last
+    /// step.
     pub fn shares(&self, engine: &Engine, ended: bool) -> Shares {
         let asked = &engine.settings.histories;
-        // Contact answers the forces of slow elements all at once: only a mean over an outer step tells anything.
-        let felt = (engine.settings.subcycles > 1).then_some(if ended { &self.felt } else { &self.felt_before });
+        // Contact answers the forces of slow elements all at once: only a mean over an outer step
+        // tells anything.
+        let felt = (engine.settings.subcycles > 1).then_some(if ended {
+            &self.felt
+        } else {
+            &self.felt_before
+        });
         Shares {
             parts: if asked.parts { parts(engine, ended) } else { Vec::new() },
             contacts: match (&engine.contact, felt) {
@@ -171,16 +187,26 @@ impl Histories {
             }
             let places = section.nodes.iter().map(|&n| at(n)).sum::<V3>();
             let nodes = section.nodes.len() as u64;
-            SectionShare { force: force.into(), moment: moment.into(), places: places.into(), nodes }
+            SectionShare {
+                force: force.into(),
+                moment: moment.into(),
+                places: places.into(),
+                nodes,
+            }
         };
         self.sections.iter().map(share).collect()
     }
 }
 
-/// What the own elements of each part have. A node's mass is that of the corners at it; what `[[mass]]` adds is in no part.
+/// What the own elements of each part have. A node's mass is that of the corners at it; what
+/// `[[mass]]` adds is in no part.
 fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
     let (nodes, blocks) = (&engine.nodes, &engine.blocks);
-    let share = |energy: &[f64; 2]| PartShare { internal: energy[0], hourglass: energy[1], ..PartShare::default() };
+    let share = |energy: &[f64; 2]| PartShare {
+        internal: energy[0],
+        hourglass: energy[1],
+        ..PartShare::default()
+    };
     let mut parts: Vec<PartShare> = blocks.by_part.iter().map(share).collect();
     let dot = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     for b in &blocks.blocks {
@@ -191,7 +217,11 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
             for n in e.nodes[..e.record.shape.corners()].iter().map(|&n| n as usize) {
                 let (v, next) = (&nodes.v[n], &nodes.next_v[n]);
-                let turning = if nodes.rotations { inertia * dot(&nodes.w[n], &nodes.next_w[n]) } else { 0.0 };
+                let turning = if nodes.rotations {
+                    inertia * dot(&nodes.w[n], &nodes.next_w[n])
+                } else {
+                    0.0
+                };
                 part.mass += mass;
                 part.kinetic += 0.5 * (mass * dot(v, next) + turning);
                 let at = |c: usize| if ended { v[c] } else { 0.5 * (v[c] + next[c]) };
@@ -202,8 +232,9 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
     parts
 }
 
-/// Acceleration of a held node when an outer step begins [length/time^2]. Forces of slow elements come all at once, so that only
-/// means over an outer step tell anything: the velocity is now ahead of its mean by half of what it gains in one.
+/// Acceleration of a held node when an outer step begins [length/time^2]. Forces of slow elements
+/// come all at once, so that only means over an outer step tell anything: the velocity is now ahead
+/// of its mean by half of what it gains in one.
 fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
     let (before, after) = (&nodes.v[n], &nodes.next_v[n]);
@@ -213,11 +244,13 @@ fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
             (now - mean[c]) / (0.5 * engine.settings.subcycles as f64 * clock.last_dt)
         }),
         // At the start nothing is strained: loads and initial contact act alone.
-        None => [0, 1, 2].map(|c| if clock.mid() > 0.0 { (after[c] - before[c]) / clock.mid() } else { 0.0 }),
+        None => [0, 1, 2]
+            .map(|c| if clock.mid() > 0.0 { (after[c] - before[c]) / clock.mid() } else { 0.0 }),
     }
 }
 
-/// The motion of a held node: velocity at the present time, or at the last mid-step when the run has `ended`.
+/// The motion of a held node: velocity at the present time, or at the last mid-step when the run
+/// has `ended`.
 fn node(engine: &Engine, n: usize, ended: bool) -> NodeState {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
     let (before, after) = (&nodes.v[n], &nodes.next_v[n]);

@@ -1,12 +1,13 @@
 //! Loads: body forces, nodal forces, pressure on faces, and damping in proportion to mass.
 //!
-//! Pressure is added to the corner forces of the element that is loaded, so that nodes gather it in ascending element
-//! id with everything else. Work is force times the mean of the velocities before and after, as in the ledger.
+//! Pressure is added to the corner forces of the element that is loaded, so that nodes gather it in
+//! ascending element id with everything else. Work is force times the mean of the velocities before
+//! and after, as in the ledger.
 
-use crate::blocks::Blocks;
 use crate::contact::enforce::Steps;
 use crate::curve::Curve;
 use crate::energy::Work;
+use crate::fem::blocks::Blocks;
 use crate::nodes::{Nodes, Row, row};
 use crumple_proto::loads::{Loads as LoadJob, Pressure};
 use nalgebra::Vector3;
@@ -24,8 +25,8 @@ pub struct Loads {
     pub damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
-    /// Cycles that a load on a held node acts for: those of an outer step where it has slow elements only, which then move as
-    /// with one long step; empty without subcycles.
+    /// Cycles that a load on a held node acts for: those of an outer step where it has slow
+    /// elements only, which then move as with one long step; empty without subcycles.
     cycles: Vec<f64>,
 }
 
@@ -61,7 +62,11 @@ impl Loads {
         Self {
             curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
             gravity: job.gravity.iter().map(|g| (row(g.acceleration), g.curve)).collect(),
-            forces: job.forces.iter().map(|f| NodalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 }).collect(),
+            forces: job
+                .forces
+                .iter()
+                .map(|f| NodalForce { job: f.clone(), nodes: Vec::new(), factor: 0.0 })
+                .collect(),
             pressures: job.pressures.clone(),
             faces: Vec::new(),
             damping: job.damping,
@@ -106,9 +111,16 @@ impl Loads {
         }
     }
 
-    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers wait for, or the rest. With
-    /// `all`, when an outer step begins, slow elements get what acts for all of its cycles.
-    pub fn add_pressures(&mut self, blocks: &mut Blocks, nodes: &Nodes, time: f64, [all, front]: [bool; 2]) {
+    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers
+    /// wait for, or the rest. With `all`, when an outer step begins, slow elements get what acts
+    /// for all of its cycles.
+    pub fn add_pressures(
+        &mut self,
+        blocks: &mut Blocks,
+        nodes: &Nodes,
+        time: f64,
+        [all, front]: [bool; 2],
+    ) {
         let due = |f: &&mut LoadedFace| f.front == front && (all || f.cycles == 1.0);
         for face in self.faces.iter_mut().filter(due).filter(|f| f.rigid) {
             face.slots.iter().for_each(|&s| blocks.force[s] = [0.0; 4]);
@@ -134,7 +146,8 @@ impl Loads {
         if all || cycles == 1.0 { cycles } else { 0.0 }
     }
 
-    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job; with `all` an outer step begins.
+    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job;
+    /// with `all` an outer step begins.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, all: bool) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
@@ -161,8 +174,9 @@ impl Loads {
         }
     }
 
-    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the damping a,
-    /// `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2` (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
+    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the
+    /// damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2` (Belytschko, Liu & Moran
+    /// 2000, box 6.1, with C = a M).
     pub fn damp(&self, nodes: &mut Nodes, mid: f64) {
         if self.damping > 0.0 {
             let b = 0.5 * self.damping * mid;
@@ -171,7 +185,9 @@ impl Loads {
                     nodes.next_v[i][c] = (nodes.next_v[i][c] - b * nodes.v[i][c]) / (1.0 + b);
                 }
             }
-            for ((next, w), inverse) in nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia).take(nodes.held) {
+            for ((next, w), inverse) in
+                nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia).take(nodes.held)
+            {
                 for c in (0..3).filter(|&c| inverse[c] > 0.0) {
                     next[c] = (next[c] - b * w[c]) / (1.0 + b);
                 }
@@ -179,19 +195,22 @@ impl Loads {
         }
     }
 
-    /// Work done on owned nodes and elements in the step, when the velocities at its end are known; with `all` on slow elements
-    /// too [energy].
+    /// Work done on owned nodes and elements in the step, when the velocities at its end are known;
+    /// with `all` on slow elements too [energy].
     pub fn work(&self, nodes: &Nodes, steps: Steps, all: bool) -> Work {
         let moved = |f: &Row, i: usize| Work::of_all(f, &nodes.v[i], &nodes.next_v[i]);
         let turned = |f: &Row, i: usize| Work::of_all(f, &nodes.w[i], &nodes.next_w[i]);
         let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
         let mut work = Work::default();
         if !self.gravity.is_empty() {
-            work += own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, all))).sum();
+            work +=
+                own().map(|i| moved(&self.falling, i) * (nodes.mass[i] * self.times(i, all))).sum();
         }
         for load in &self.forces {
             let (f, m) = (row(load.job.force), row(load.job.moment));
-            let of = |i: usize| moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() };
+            let of = |i: usize| {
+                moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() }
+            };
             let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
             work += owned.map(|i| of(i) * self.times(i, all)).sum::<Work>() * load.factor;
         }
@@ -225,8 +244,9 @@ fn factor(curves: &[Curve], curve: Option<usize>, time: f64) -> f64 {
     curve.map_or(1.0, |c| curves[c].value(time))
 }
 
-/// Forces of a pressure on the corners `x` of a face: exact integrals of `-p N_i n` over the triangle or the bilinear
-/// quad, so that they do work in proportion to the volume swept, and those on a closed surface sum to zero.
+/// Forces of a pressure on the corners `x` of a face: exact integrals of `-p N_i n` over the
+/// triangle or the bilinear quad, so that they do work in proportion to the volume swept, and those
+/// on a closed surface sum to zero.
 fn on_corners(pressure: f64, x: &[Row; 4], nodes: [u32; 4]) -> [Row; 4] {
     let [a, b, c, d] = x.map(|r| Vector3::new(r[0], r[1], r[2]));
     if nodes[2] == nodes[3] {
@@ -237,7 +257,8 @@ fn on_corners(pressure: f64, x: &[Row; 4], nodes: [u32; 4]) -> [Row; 4] {
     // x(xi, eta) has the tangents along_xi + eta twist and along_eta + xi twist.
     let (along_xi, along_eta) = ((b - a + c - d) * 0.25, (c - b + d - a) * 0.25);
     let twist = (a - b + c - d) * 0.25;
-    let (mean, by_xi, by_eta) = (along_xi.cross(&along_eta), along_xi.cross(&twist), twist.cross(&along_eta));
+    let (mean, by_xi, by_eta) =
+        (along_xi.cross(&along_eta), along_xi.cross(&twist), twist.cross(&along_eta));
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(xi, eta)| row(((mean + (by_xi * xi + by_eta * eta) / 3.0) * -pressure).into()))
 }
@@ -246,16 +267,29 @@ fn on_corners(pressure: f64, x: &[Row; 4], nodes: [u32; 4]) -> [Row; 4] {
 mod tests {
     use super::*;
 
-    /// Over a bilinear quad the forces are the integral of -p N_i n, here by a fine midpoint rule (error below h^2), and
-    /// over a flat one a quarter of p A each.
+    /// Over a bilinear quad the forces are the integral of -p N_i n, here by a fine midpoint rule
+    /// (error below h^2), and over a flat one a quarter of p A each.
     #[test]
     fn corner_forces_are_the_integral_of_the_pressure() {
-        let flat = [[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 3.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.0]];
+        let flat = [
+            [0.0, 0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0, 0.0],
+            [2.0, 3.0, 0.0, 0.0],
+            [0.0, 3.0, 0.0, 0.0],
+        ];
         assert_eq!(on_corners(0.5, &flat, [0, 1, 2, 3]), [[0.0, 0.0, -0.75, 0.0]; 4]);
         let thirds = on_corners(0.5, &[flat[0], flat[1], flat[2], flat[2]], [0, 1, 2, 2]);
-        assert_eq!(thirds, [[0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0; 4]]);
+        assert_eq!(
+            thirds,
+            [[0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0, 0.0, -0.5, 0.0], [0.0; 4]]
+        );
 
-        let q = [[0.0, 0.0, 0.3, 0.0], [2.0, 0.1, -0.2, 0.0], [2.3, 1.9, 0.4, 0.0], [-0.2, 2.2, 0.0, 0.0]];
+        let q = [
+            [0.0, 0.0, 0.3, 0.0],
+            [2.0, 0.1, -0.2, 0.0],
+            [2.3, 1.9, 0.4, 0.0],
+            [-0.2, 2.2, 0.0, 0.0],
+        ];
         let exact = on_corners(1.0, &q, [0, 1, 2, 3]);
         let v = q.map(|r| Vector3::new(r[0], r[1], r[2]));
         let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
@@ -265,8 +299,9 @@ mod tests {
             let at = |k: i32| (f64::from(k) + 0.5) * 2.0 / f64::from(n) - 1.0;
             let (xi, eta) = (at(i / n), at(i % n));
             let tangent = |along: usize| -> Vector3<f64> {
-                let slope =
-                    |(s, t): (f64, f64)| 0.25 * if along == 0 { s * (1.0 + t * eta) } else { t * (1.0 + s * xi) };
+                let slope = |(s, t): (f64, f64)| {
+                    0.25 * if along == 0 { s * (1.0 + t * eta) } else { t * (1.0 + s * xi) }
+                };
                 signs.iter().zip(v).map(|(&st, p)| p * slope(st)).sum()
             };
             let area = tangent(0).cross(&tangent(1)) * (4.0 / f64::from(n * n));

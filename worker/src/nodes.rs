@@ -1,7 +1,8 @@
-//! Nodal columns. The first `held` nodes carry own elements and are integrated here, also when other workers
-//! hold them too: all compute the same bits. The rest are exterior: copies that contact needs.
+//! Nodal columns. The first `held` nodes carry own elements and are integrated here, also when
+//! other workers hold them too: all compute the same bits. The rest are exterior: copies that
+//! contact needs.
 
-use crate::elements::NodeView;
+use crate::fem::elements::NodeView;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::NodeRecord;
@@ -51,16 +52,18 @@ pub struct Nodes {
     pub x0: Vec<Row>,
     /// Coordinates [length].
     pub x: Vec<Row>,
-    /// Coordinates when it was last seen where surfaces are folded, in the same cycle by all workers [length].
+    /// Coordinates when it was last seen where surfaces are folded, in the same cycle by all
+    /// workers [length].
     pub seen: Vec<Row>,
     /// Velocities at the last mid-step [length/time].
     pub v: Vec<Row>,
     /// Rotational velocities at the last mid-step [1/time].
     pub w: Vec<Row>,
-    /// Velocities at the next mid-step; before contact is enforced, those without contact [length/time].
+    /// Velocities at the next mid-step; before contact is enforced, those without contact
+    /// [length/time].
     pub next_v: Vec<Row>,
-    /// Rotational velocities at the next mid-step; before contact is enforced, those without contact [1/time]. Of exterior nodes where
-    /// contact has friction only.
+    /// Rotational velocities at the next mid-step; before contact is enforced, those without
+    /// contact [1/time]. Of exterior nodes where contact has friction only.
     pub next_w: Vec<Row>,
     /// Force without contact [force]; held nodes only.
     pub force: Vec<Row>,
@@ -72,8 +75,8 @@ pub struct Nodes {
     pub inertia: Vec<f64>,
     /// Inverse mass per component, zero where fixed or prescribed.
     pub inv_mass: Vec<Row>,
-    /// Mean velocities in the cycles of the outer step so far, as fractions of all of its cycles; empty without subcycles
-    /// [length/time].
+    /// Mean velocities in the cycles of the outer step so far, as fractions of all of its cycles;
+    /// empty without subcycles [length/time].
     pub mean_v: Vec<Row>,
     /// The same of rotational velocities [1/time].
     pub mean_w: Vec<Row>,
@@ -82,7 +85,8 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// Held nodes of worker `me` from records sorted by id; they are its own until others are found to hold them.
+    /// Held nodes of worker `me` from records sorted by id; they are its own until others are found
+    /// to hold them.
     pub fn new(records: &[NodeRecord], me: u32, rotations: bool) -> Self {
         let mut n = Self { me, held: records.len(), rotations, ..Self::default() };
         records.iter().for_each(|r| n.push(r, me));
@@ -146,7 +150,8 @@ impl Nodes {
                 self.next_v[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
             }
         }
-        let turning = self.next_w.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
+        let turning =
+            self.next_w.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
         for ((next, w), (moment, inverse)) in turning {
             for c in 0..4 {
                 next[c] = w[c] + mid * moment[c] * inverse[c];
@@ -164,12 +169,15 @@ impl Nodes {
         self.w[..turning].swap_with_slice(&mut self.next_w[..turning]);
     }
 
-    /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with `begins` it is the first of them.
+    /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with
+    /// `begins` it is the first of them.
     pub fn follow(&mut self, subcycles: u64, begins: bool) {
         let share = 1.0 / subcycles as f64;
         for (mean, v) in [(&mut self.mean_v, &self.v), (&mut self.mean_w, &self.w)] {
             for (mean, v) in mean.iter_mut().zip(v) {
-                (0..4).for_each(|c| mean[c] = share.mul_add(v[c], if begins { 0.0 } else { mean[c] }));
+                (0..4).for_each(|c| {
+                    mean[c] = share.mul_add(v[c], if begins { 0.0 } else { mean[c] })
+                });
             }
         }
     }
@@ -180,7 +188,8 @@ impl Nodes {
         Some(Mean { id: self.id[i], v, w: self.mean_w.get(i).map_or([0.0; 3], xyz) })
     }
 
-    /// Keeps mean velocities of held nodes from now on; `means` are those from where they were kept before.
+    /// Keeps mean velocities of held nodes from now on; `means` are those from where they were kept
+    /// before.
     pub fn keep_means(&mut self, means: &[Mean]) {
         self.mean_v = vec![[0.0; 4]; self.held];
         self.mean_w = vec![[0.0; 4]; if self.rotations { self.held } else { 0 }];
@@ -205,11 +214,25 @@ impl Nodes {
 
     /// Bytes of the columns of moving and of turning, spare room of lists left out.
     pub fn bytes(&self) -> [usize; 2] {
-        let rows = |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
-        let named = size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
-        let moving = [&self.x0, &self.x, &self.seen, &self.v, &self.next_v, &self.mean_v, &self.force, &self.inv_mass];
+        let rows =
+            |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
+        let named =
+            size_of_val(&self.id[..]) + size_of_val(&self.owner[..]) + size_of_val(&self.fixed[..]);
+        let moving = [
+            &self.x0,
+            &self.x,
+            &self.seen,
+            &self.v,
+            &self.next_v,
+            &self.mean_v,
+            &self.force,
+            &self.inv_mass,
+        ];
         let turning = [&self.w, &self.next_w, &self.mean_w, &self.moment, &self.inv_inertia];
-        [named + size_of_val(&self.mass[..]) + rows(&moving), size_of_val(&self.inertia[..]) + rows(&turning)]
+        [
+            named + size_of_val(&self.mass[..]) + rows(&moving),
+            size_of_val(&self.inertia[..]) + rows(&turning),
+        ]
     }
 
     /// Number of local nodes, exterior ones included.
@@ -217,7 +240,8 @@ impl Nodes {
         self.id.len()
     }
 
-    /// Mass of node `i` as contact meets it: a tied node, whose carriers have its mass, still has it there [mass].
+    /// Mass of node `i` as contact meets it: a tied node, whose carriers have its mass, still has
+    /// it there [mass].
     pub fn contact_mass(&self, i: usize) -> f64 {
         let [x, y, z, _] = self.inv_mass[i];
         let inverse = x.max(y).max(z);
@@ -241,7 +265,8 @@ impl Nodes {
 
     /// Local number of a node, held or exterior.
     pub fn number(&self, id: NodeId) -> Option<u32> {
-        let exterior = || self.id[self.held..].binary_search(&id).ok().map(|i| (self.held + i) as u32);
+        let exterior =
+            || self.id[self.held..].binary_search(&id).ok().map(|i| (self.held + i) as u32);
         self.held_number(id).or_else(exterior)
     }
 }

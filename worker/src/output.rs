@@ -1,4 +1,5 @@
-//! What a worker writes: its piece of the fields at one time, and the exterior copies that it holds.
+//! What a worker writes: its piece of the fields at one time, and the exterior copies that it
+//! holds.
 
 use crate::engine::Engine;
 use crate::nodes::{Row, xyz};
@@ -34,7 +35,12 @@ pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<
     let folder = Path::new(&engine.settings.field_dir).join(vtu::step_folder(index));
     write_piece(engine, &folder.join(vtu::piece_name(me)), engine.nodes.held, &own_cells(engine))?;
     if several {
-        write_piece(engine, &folder.join(vtu::exterior_name(me)), engine.nodes.len(), &exterior_cells(engine))?;
+        write_piece(
+            engine,
+            &folder.join(vtu::exterior_name(me)),
+            engine.nodes.len(),
+            &exterior_cells(engine),
+        )?;
     }
     Ok(())
 }
@@ -47,7 +53,11 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             if b.element.can_fail() && b.element.failed(b.state(i)) {
                 let inverted = u64::from(b.element.is_deleted(b.state(i)));
-                parts[e.record.part as usize].add(&PartRecord { failed: 1, inverted, ..PartRecord::default() });
+                parts[e.record.part as usize].add(&PartRecord {
+                    failed: 1,
+                    inverted,
+                    ..PartRecord::default()
+                });
                 continue; // it is no more to be seen
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
@@ -58,7 +68,8 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
                 range[1].include(f.von_mises);
             }
             let (plastic_strain, von_mises) = (f.plastic_strain, f.von_mises);
-            let one = PartRecord { elements: 1, plastic_strain, von_mises, ..PartRecord::default() };
+            let one =
+                PartRecord { elements: 1, plastic_strain, von_mises, ..PartRecord::default() };
             parts[e.record.part as usize].add(&one);
         }
     }
@@ -68,7 +79,8 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     }
     for (number, part) in parts.iter_mut().enumerate() {
         [part.internal, part.hourglass] = engine.blocks.by_part[number];
-        (part.near, part.touched) = engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
+        (part.near, part.touched) =
+            engine.contact.as_ref().map_or((false, false), |c| c.record_of(number));
     }
     parts
 }
@@ -112,8 +124,8 @@ fn own_cells(engine: &Engine) -> CellColumns {
             c.von_mises.push(f.von_mises as f32);
             c.stress.push(f.stress.map(|s| s as f32));
             c.thickness.push(f.thickness as f32);
-            // Wang's classes: interior lies wholly in the internal box. What shares a node with another worker is
-            // interface wherever its own corners are.
+            // Wang's classes: interior lies wholly in the internal box. What shares a node with
+            // another worker is interface wherever its own corners are.
             let interior = !e.shared && inner.holds_box(&Aabb::around(x));
             c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
             c.name(engine, e.record.part, e.record.id);
@@ -155,7 +167,8 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     let n = &engine.nodes;
     let single = |r: &Row| xyz(r).map(|a| a as f32);
     let rows = |rows: &[Row]| rows[..points].iter().map(single).collect::<Vec<_>>();
-    let moved: Vec<[f32; 3]> = (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
+    let moved: Vec<[f32; 3]> =
+        (0..points).map(|i| std::array::from_fn(|k| (n.x[i][k] - n.x0[i][k]) as f32)).collect();
     let velocity = rows(&n.v);
     let spin = if n.rotations { rows(&n.w) } else { vec![[0.0; 3]; points] };
     let ids: Vec<i64> = n.id[..points].iter().map(|i| i.label() as i64).collect();

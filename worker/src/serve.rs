@@ -1,8 +1,8 @@
 //! One worker: takes orders, runs the engine, reports.
 
-use crate::blocks::Blocks;
 use crate::engine::{Agreed, Engine, Phase};
-use crate::membership::Share;
+use crate::fem::blocks::Blocks;
+use crate::parallel::partition::Share;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
@@ -16,7 +16,8 @@ use std::time::Duration;
 
 /// Cycles between two reports to the master.
 const REPORT_EVERY: u64 = 10;
-/// Cycles between two looks for edges in surfaces: so rare that it costs nothing, and again at the end.
+/// Cycles between two looks for edges in surfaces: so rare that it costs nothing, and again at the
+/// end.
 const CROSSINGS_EVERY: u64 = 500;
 
 /// A worker that runs.
@@ -47,7 +48,9 @@ const NEWEST: f64 = 0.02;
 /// # Errors
 /// Another rank is gone.
 pub fn serve(wire: &mut dyn Transport) -> Result<(), Lost> {
-    let ToWorker::Start { settings, tree, elements, nodes, trace } = await_message(wire, 0, Tag::Order)? else {
+    let ToWorker::Start { settings, tree, elements, nodes, trace } =
+        await_message(wire, 0, Tag::Order)?
+    else {
         return Ok(()); // the job is bad; the master says why
     };
     let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
@@ -135,8 +138,10 @@ impl Worker {
         match output::write_fields(e, index, wire.size() > 2) {
             Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
-                let warning =
-                    format!("{}: field files of time {time:.6e} could not be written: {error}", e.settings.field_dir);
+                let warning = format!(
+                    "{}: field files of time {time:.6e} could not be written: {error}",
+                    e.settings.field_dir
+                );
                 post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
             }
         }
@@ -147,7 +152,10 @@ impl Worker {
     /// The worker that owns the element tells the master what is wrong with it.
     fn tell_trouble(&mut self, wire: &mut dyn Transport, elem: ElemId) -> Result<(), Lost> {
         let e = &self.engine;
-        let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt) else { return Ok(()) };
+        let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt)
+        else {
+            return Ok(());
+        };
         let trouble = Trouble { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
         post(wire, 0, Tag::Report, &ToMaster::Trouble(trouble))
     }
@@ -193,8 +201,11 @@ impl Worker {
     /// Says once that edges have gone through surfaces where this contact does not see it.
     fn tell_of_crossings(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         let e = &self.engine;
-        let found =
-            e.contact.as_ref().filter(|_| !self.crossed).map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
+        let found = e
+            .contact
+            .as_ref()
+            .filter(|_| !self.crossed)
+            .map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
         let Some(first) = found.first() else { return Ok(()) };
         self.crossed = true;
         let warning = format!(
@@ -218,7 +229,10 @@ impl Worker {
     fn send_report(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         let e = &self.engine;
         let seconds = &e.timer.seconds;
-        let contact_s = [Phase::Search, Phase::Local, Phase::Contact].iter().map(|&p| seconds[p as usize]).sum();
+        let contact_s = [Phase::Search, Phase::Local, Phase::Contact]
+            .iter()
+            .map(|&p| seconds[p as usize])
+            .sum();
         let report = StepReport {
             cycle: e.clock.cycle,
             time: e.clock.time,
@@ -234,13 +248,17 @@ impl Worker {
         post(wire, 0, Tag::Report, &ToMaster::Report(report))
     }
 
-    /// Carries out the orders that all workers have agreed to have seen. When exterior copies no longer cover the
-    /// motion, nothing may move on before the master has renewed the boxes.
+    /// Carries out the orders that all workers have agreed to have seen. When exterior copies no
+    /// longer cover the motion, nothing may move on before the master has renewed the boxes.
     fn take_orders(&mut self, wire: &mut dyn Transport, agreed: &Agreed) -> Result<(), Lost> {
         while let Some(order) = poll_message(wire, 0, Tag::Order)? {
             self.enqueue(order);
         }
-        let must = if agreed.urgency >= 1.0 && agreed.order == self.done { self.done + 1 } else { agreed.order };
+        let must = if agreed.urgency >= 1.0 && agreed.order == self.done {
+            self.done + 1
+        } else {
+            agreed.order
+        };
         while self.done < must {
             if self.orders.is_empty() {
                 let order = await_message(wire, 0, Tag::Order)?;
@@ -273,7 +291,9 @@ impl Worker {
     fn send_recording(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
         match self.engine.timer.recorder().take() {
             None => Ok(()),
-            Some(r) => post(wire, 0, Tag::Report, &ToMaster::Recording(Box::new(r.into_recording()))),
+            Some(r) => {
+                post(wire, 0, Tag::Report, &ToMaster::Recording(Box::new(r.into_recording())))
+            }
         }
     }
 
@@ -307,8 +327,11 @@ impl Worker {
                     let mut histograms = vec![vec![0.0; bins]; of.len()];
                     self.engine.for_each_load(self.cost, pair_weight, |centre, load| {
                         let entry = tree.entry_of(centre);
-                        for (h, &(_, axis, lo, hi)) in histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry) {
-                            let place = (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
+                        for (h, &(_, axis, lo, hi)) in
+                            histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)
+                        {
+                            let place = (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE)
+                                * bins as f64;
                             h[(place.max(0.0) as usize).min(bins - 1)] += load;
                         }
                     });
@@ -347,7 +370,8 @@ impl Worker {
         };
         self.engine.blocks = Blocks::default(); // states take for a moment what elements took, which nobody asks for any more
         let e = &self.engine;
-        let states = (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
+        let states =
+            (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
         post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
     }
 }

@@ -1,14 +1,14 @@
 //! THE TIME STEP. Start reading here.
 
-use crate::agreement::{Known, Limits};
+use crate::constraints::ties::Joined;
 use crate::energy::Work;
 use crate::engine::{Agreed, Engine, Phase};
 use crate::erosion;
-use crate::ties::Joined;
+use crate::parallel::reduction::{Known, Limits};
 use crumple_proto::transport::{Lost, Transport};
 
-/// One central-difference step from t to t + dt; the same dt on every worker.
-/// Stops before anything moves if the workers agree that one is in trouble: the last good state is kept.
+/// One central-difference step from t to t + dt; the same dt on every worker. Stops before anything
+/// moves if the workers agree that one is in trouble: the last good state is kept.
 ///
 /// # Errors
 /// A worker is gone.
@@ -41,7 +41,8 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     loads.add_pressures(blocks, nodes, clock.time, [all, false]);
     ledger.book_elements(&totals);
     timer.lap(Phase::Elements);
-    let eroded = clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
+    let eroded =
+        clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
     let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
     let approach = contact.as_ref().map_or(0.0, |c| c.approach);
     let known = Known { totals, eroded, parted: halo.parted(), velocities, approach };
@@ -72,7 +73,12 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         }
         contact.look_at_folds(nodes, clock.cycle);
         let joined = Joined { bodies, ties };
-        contact.refresh_candidates(nodes, joined, (clock.time, steps.dt), engine.agreement.elements_dt);
+        contact.refresh_candidates(
+            nodes,
+            joined,
+            (clock.time, steps.dt),
+            engine.agreement.elements_dt,
+        );
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, joined, clock.time, steps);
         timer.lap(Phase::Local);

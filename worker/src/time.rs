@@ -1,4 +1,5 @@
-//! Time of a run: steps of the central difference scheme with mid-step velocities, and when what is due.
+//! Time of a run: steps of the central difference scheme with mid-step velocities, and when what is
+//! due.
 
 use crate::contact::enforce::Steps;
 use crumple_proto::partition::Settings;
@@ -18,7 +19,8 @@ pub struct Clock {
     least_dt: f64,
     /// Step of the cycle before, 0 in the first [time].
     pub last_dt: f64,
-    /// By how much velocities were changed last: from the mid-step before the last one to that [time].
+    /// By how much velocities were changed last: from the mid-step before the last one to that
+    /// [time].
     pub last_mid: f64,
     /// First and smallest step so far [time].
     pub first_dt: f64,
@@ -30,12 +32,14 @@ pub struct Clock {
     pub fields: usize,
 }
 
-/// Cycles within round-off of a due time count as having reached it, and a whole number of steps as whole.
+/// Cycles within round-off of a due time count as having reached it, and a whole number of steps as
+/// whole.
 const SLACK: f64 = 1e-9;
-/// Steps before the end that are of equal length: while the stable step stays as it is none is shorter by more than a thousandth.
+/// Steps before the end that are of equal length: while the stable step stays as it is none is
+/// shorter by more than a thousandth.
 const LAST_STEPS: f64 = 1000.0;
-/// Cycles after which the step may become longer, to the least of what would have been stable in them: far more than a period of
-/// what the step resolves coarsely.
+/// Cycles after which the step may become longer, to the least of what would have been stable in
+/// them: far more than a period of what the step resolves coarsely.
 const HELD: u64 = 256;
 
 impl Clock {
@@ -64,10 +68,12 @@ impl Clock {
         c
     }
 
-    /// Takes the global smallest stable step of the elements. It becomes shorter at once and longer now and then: a step that goes
-    /// with the lengths of vibrating elements gives them energy or takes it (Skeel & Gear 1992). Within an outer step it stays. The run ends on
-    /// time: the last steps are equal parts of what is left, since a last step of next to nothing would make enormous velocities
-    /// of whatever gap is to be closed, and a jump of the step costs the balance of energy as much of what swings.
+    /// Takes the global smallest stable step of the elements. It becomes shorter at once and longer
+    /// now and then: a step that goes with the lengths of vibrating elements gives them energy or
+    /// takes it (Skeel & Gear 1992). Within an outer step it stays. The run ends on time: the last
+    /// steps are equal parts of what is left, since a last step of next to nothing would make
+    /// enormous velocities of whatever gap is to be closed, and a jump of the step costs the
+    /// balance of energy as much of what swings.
     pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let limit = (settings.safety * stable_dt).min(largest);
@@ -86,7 +92,11 @@ impl Clock {
         let left = (settings.end_time - self.time).max(0.0);
         let cycles = settings.subcycles as f64;
         let steps = left / (cycles * dt);
-        self.dt = if steps <= LAST_STEPS { left / (cycles * (steps * (1.0 - SLACK)).ceil().max(1.0)) } else { dt };
+        self.dt = if steps <= LAST_STEPS {
+            left / (cycles * (steps * (1.0 - SLACK)).ceil().max(1.0))
+        } else {
+            dt
+        };
     }
 
     /// From the last to the next mid-step [time].
@@ -94,8 +104,8 @@ impl Clock {
         0.5 * (self.last_dt + self.dt)
     }
 
-    /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities start at time 0, half a step
-    /// before the first mid-step.
+    /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities
+    /// start at time 0, half a step before the first mid-step.
     pub fn steps(&self, damping: f64) -> Steps {
         let mid = self.mid();
         Steps { dt: self.dt, mid, push: mid / (1.0 + 0.5 * damping * mid), whole: self.whole_dt }
@@ -120,15 +130,22 @@ impl Clock {
         stable_dt.is_nan() || settings.safety * stable_dt < settings.dt_min_ratio * self.first_dt
     }
 
-    /// Whether a history row is due at the present time: when an outer step begins, since all stresses are then known.
+    /// Whether a history row is due at the present time: when an outer step begins, since all
+    /// stresses are then known.
     pub fn row_due(&self, settings: &Settings) -> bool {
-        self.begins(settings) && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
+        self.begins(settings)
+            && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
     }
 
-    /// Whether field files are due at the present time: one cycle into an outer step, when no stress is older than that.
+    /// Whether field files are due at the present time: one cycle into an outer step, when no
+    /// stress is older than that.
     pub fn fields_due(&self, settings: &Settings) -> bool {
         let fresh = self.cycle == 0 || self.cycle % settings.subcycles == 1 % settings.subcycles;
-        fresh && settings.field_times.get(self.fields).is_some_and(|&t| self.time >= t * (1.0 - SLACK))
+        fresh
+            && settings
+                .field_times
+                .get(self.fields)
+                .is_some_and(|&t| self.time >= t * (1.0 - SLACK))
     }
 }
 
@@ -155,7 +172,8 @@ mod tests {
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
     }
 
-    /// With subcycles outer steps are whole, begin and end with the run, and the step stays as it is in each of them.
+    /// With subcycles outer steps are whole, begin and end with the run, and the step stays as it
+    /// is in each of them.
     #[test]
     fn outer_steps_are_whole_and_of_one_step() {
         let settings = Settings { end_time: 310.1, subcycles: 4, ..crate::testing::settings() };
@@ -169,11 +187,25 @@ mod tests {
             steps.push(c.dt);
             wholes.push(c.whole_dt);
             rows.extend(c.row_due(&settings).then_some(c.cycle));
-            fields.extend(c.fields_due(&Settings { field_times: vec![100.0], ..settings.clone() }).then_some(c.cycle));
+            fields.extend(
+                c.fields_due(&Settings { field_times: vec![100.0], ..settings.clone() })
+                    .then_some(c.cycle),
+            );
         }
-        assert!((c.time - 310.1).abs() < 1e-9 && c.cycle.is_multiple_of(4), "{} in {}", c.time, c.cycle);
-        assert!(steps[..steps.len() - 1].chunks(4).all(|outer| outer.iter().all(|d| *d == outer[0])), "{steps:?}");
-        assert!(rows.iter().all(|r| r % 4 == 0) && fields.iter().all(|f| f % 4 == 1), "{rows:?} {fields:?}");
+        assert!(
+            (c.time - 310.1).abs() < 1e-9 && c.cycle.is_multiple_of(4),
+            "{} in {}",
+            c.time,
+            c.cycle
+        );
+        assert!(
+            steps[..steps.len() - 1].chunks(4).all(|outer| outer.iter().all(|d| *d == outer[0])),
+            "{steps:?}"
+        );
+        assert!(
+            rows.iter().all(|r| r % 4 == 0) && fields.iter().all(|f| f % 4 == 1),
+            "{rows:?} {fields:?}"
+        );
         assert!(!rows.is_empty() && !fields.is_empty());
         assert!(
             wholes[403] == wholes[0] && (wholes[404] - 0.2).abs() < 1e-9,
@@ -191,9 +223,14 @@ mod tests {
             c.dt / settings.safety
         };
         // Elements swing by a thousandth in seven cycles.
-        let swing: Vec<f64> = (1..3 * HELD).map(|i| go(1.0 + 1e-3 * (i as f64 * 0.9).sin())).collect();
+        let swing: Vec<f64> =
+            (1..3 * HELD).map(|i| go(1.0 + 1e-3 * (i as f64 * 0.9).sin())).collect();
         let least = swing.iter().copied().fold(f64::INFINITY, f64::min);
-        assert!(least < 0.99901 && swing[HELD as usize..].windows(2).filter(|d| d[0] != d[1]).count() < 6, "{swing:?}");
+        assert!(
+            least < 0.99901
+                && swing[HELD as usize..].windows(2).filter(|d| d[0] != d[1]).count() < 6,
+            "{swing:?}"
+        );
         assert!(swing[HELD as usize..].iter().all(|d| d / least < 1.0001), "{swing:?}");
         assert_eq!(go(0.5), 0.5, "at once, and here every {HELD} cycles");
         let after: Vec<f64> = (0..2 * HELD).map(|_| go(2.0)).collect();

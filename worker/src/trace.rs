@@ -1,4 +1,5 @@
-//! Records what a worker does when, for `crumple run --trace`. Without that there is no recorder and nothing to pay for.
+//! Records what a worker does when, for `crumple run --trace`. Without that there is no recorder
+//! and nothing to pay for.
 
 use crate::engine::Phase;
 use crumple_proto::trace::{Event, MOST_EVENTS, Moment, Recording, Span};
@@ -16,9 +17,9 @@ pub struct Recorder {
 impl Recorder {
     /// Starts at a moment that is the same for all workers. All call this together.
     ///
-    /// Nobody leaves a barrier before the last one has entered it, so that the end of a barrier lies after that moment by
-    /// no more than the worker's own stay there: that is by how much the origin may be off. The first barrier brings all to
-    /// the second one at nearly the same time.
+    /// Nobody leaves a barrier before the last one has entered it, so that the end of a barrier
+    /// lies after that moment by no more than the worker's own stay there: that is by how much the
+    /// origin may be off. The first barrier brings all to the second one at nearly the same time.
     ///
     /// # Errors
     /// A worker is gone.
@@ -31,8 +32,11 @@ impl Recorder {
             barrier.finish(wire)?;
         }
         let (origin, by_clock) = (Instant::now(), clock());
-        let recording =
-            Recording { origin: nanoseconds(by_clock), doubt: nanoseconds(origin - entered), ..Recording::default() };
+        let recording = Recording {
+            origin: nanoseconds(by_clock),
+            doubt: nanoseconds(origin - entered),
+            ..Recording::default()
+        };
         Ok(Self { origin, cycle: 0, recording })
     }
 
@@ -97,6 +101,9 @@ mod tests {
             recorder.span(Phase::Halo, now, now);
         }
         let r = recorder.into_recording();
-        assert_eq!((r.spans.len() + r.moments.len(), r.full), (MOST_EVENTS, Some(MOST_EVENTS as u64 - 1)));
+        assert_eq!(
+            (r.spans.len() + r.moments.len(), r.full),
+            (MOST_EVENTS, Some(MOST_EVENTS as u64 - 1))
+        );
     }
 }

@@ -1,9 +1,10 @@
 //! One worker's fields of one time step, as a `.vtu` file that ParaView reads
 //! (VTK XML, unstructured grid, raw appended data).
 //!
-//! Names and types of the arrays are declared here once, in [`POINT_ARRAYS`] and [`CELL_ARRAYS`]: a piece that does not
-//! bring exactly these is refused, and the master writes its `.pvtu` files from the same tables.
-//! A file is written under another name and then renamed, so that a run that is killed leaves no torn file.
+//! Names and types of the arrays are declared here once, in [`POINT_ARRAYS`] and [`CELL_ARRAYS`]: a
+//! piece that does not bring exactly these is refused, and the master writes its `.pvtu` files from
+//! the same tables. A file is written under another name and then renamed, so that a run that is
+//! killed leaves no torn file.
 
 use crumple_proto::mesh::Shape;
 use std::fs::{self, File};
@@ -96,7 +97,8 @@ pub const EXTERIOR: u8 = 2;
 /// Arrays on points, in the order of the file.
 pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY, NODE_ID];
 /// Arrays on cells, in the order of the file.
-pub const CELL_ARRAYS: &[Array] = &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
+pub const CELL_ARRAYS: &[Array] =
+    &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
 
 /// Folder of an output step inside the fields folder.
 pub fn step_folder(step: usize) -> String {
@@ -114,7 +116,8 @@ pub fn exterior_name(worker: usize) -> String {
 }
 
 /// Byte order of the numbers, in VTK's words.
-pub const BYTE_ORDER: &str = if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
+pub const BYTE_ORDER: &str =
+    if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
 
 /// Numbers of one column.
 #[derive(Clone, Copy, Debug)]
@@ -201,9 +204,11 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Adds an element; corners beyond those of its shape are ignored (a triangle repeats its third).
+    /// Adds an element; corners beyond those of its shape are ignored (a triangle repeats its
+    /// third).
     pub fn push(&mut self, shape: Shape, corners: &[u32]) {
-        self.connectivity.extend(corners[..shape.corners()].iter().map(|&corner| i64::from(corner)));
+        self.connectivity
+            .extend(corners[..shape.corners()].iter().map(|&corner| i64::from(corner)));
         self.offsets.push(self.connectivity.len() as i64);
         self.types.push(match shape {
             Shape::Tri3 => 5,
@@ -249,8 +254,9 @@ pub struct Piece<'a> {
 impl Piece<'_> {
     /// Writes the piece; makes the folder if it is not there.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        self.check()
-            .map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {why}", path.display())))?;
+        self.check().map_err(|why| {
+            io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {why}", path.display()))
+        })?;
         write_whole(path, |file| self.write_to(file))
     }
 
@@ -277,11 +283,17 @@ impl Piece<'_> {
             r#"<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">{}</DataArray></FieldData>"#,
             self.time
         )?;
-        writeln!(out, r#"<Piece NumberOfPoints="{}" NumberOfCells="{}">"#, self.points.len(), self.cells.len())?;
+        writeln!(
+            out,
+            r#"<Piece NumberOfPoints="{}" NumberOfCells="{}">"#,
+            self.points.len(),
+            self.cells.len()
+        )?;
         writeln!(out, "<Points>")?;
         appended.declare(out, &POINTS.with(self.points))?;
         writeln!(out, "</Points>\n<Cells>")?;
-        appended.declare(out, &array("connectivity", 1, Kind::I64).with(&self.cells.connectivity))?;
+        appended
+            .declare(out, &array("connectivity", 1, Kind::I64).with(&self.cells.connectivity))?;
         appended.declare(out, &array("offsets", 1, Kind::I64).with(&self.cells.offsets))?;
         appended.declare(out, &array("types", 1, Kind::U8).with(&self.cells.types))?;
         writeln!(out, "</Cells>\n<PointData>")?;
@@ -292,13 +304,21 @@ impl Piece<'_> {
         for column in self.cell_arrays {
             appended.declare(out, column)?;
         }
-        writeln!(out, "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">")?;
+        writeln!(
+            out,
+            "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">"
+        )?;
         appended.write_to(out)?;
         writeln!(out, "\n</AppendedData>\n</VTKFile>")
     }
 }
 
-fn check_columns(place: &str, declared: &[Array], columns: &[Column<'_>], count: usize) -> Result<(), String> {
+fn check_columns(
+    place: &str,
+    declared: &[Array],
+    columns: &[Column<'_>],
+    count: usize,
+) -> Result<(), String> {
     if !columns.iter().map(|column| &column.array).eq(declared) {
         let names: Vec<_> = columns.iter().map(|column| column.array.name).collect();
         return Err(format!("{place} arrays {names:?} are not the declared ones, in their order"));
@@ -314,7 +334,10 @@ fn check_columns(place: &str, declared: &[Array], columns: &[Column<'_>], count:
         }
         if values.len() != count * array.components {
             let (have, need) = (values.len(), count * array.components);
-            return Err(format!("{place} array {}: {have} numbers where {need} are due", array.name));
+            return Err(format!(
+                "{place} array {}: {have} numbers where {need} are due",
+                array.name
+            ));
         }
     }
     Ok(())
@@ -354,9 +377,12 @@ impl<'a> Appended<'a> {
     }
 }
 
-/// Writes a file under the name `PATH.partial` and renames it when it is whole. Makes the folder if it is not there.
-/// Errors name the file.
-pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Writes a file under the name `PATH.partial` and renames it when it is whole. Makes the folder if
+/// it is not there. Errors name the file.
+pub fn write_whole(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let partial = PathBuf::from(format!("{}.partial", path.display()));
     let write = || {
         if let Some(folder) = path.parent() {
@@ -379,8 +405,13 @@ mod tests {
 
     /// A quad and a triangle, with values that differ from place to place.
     fn write_two_cells(path: &Path) -> io::Result<()> {
-        let points: Vec<[f32; 3]> =
-            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0], [2.0, 0.5, 0.25]];
+        let points: Vec<[f32; 3]> = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.5],
+            [0.0, 1.0, 0.0],
+            [2.0, 0.5, 0.25],
+        ];
         let mut cells = Cells::default();
         cells.push(Shape::Quad4, &[0, 1, 2, 3]);
         cells.push(Shape::Tri3, &[1, 4, 2, 2]);
@@ -412,7 +443,9 @@ mod tests {
     }
 
     fn attribute<'a>(element: &'a str, name: &str) -> &'a str {
-        let start = element.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("no {name} in {element}"));
+        let start = element
+            .find(&format!(" {name}=\""))
+            .unwrap_or_else(|| panic!("no {name} in {element}"));
         element[start..].split('"').nth(1).unwrap()
     }
 
@@ -421,7 +454,8 @@ mod tests {
         let marker = b"<AppendedData encoding=\"raw\">\n_";
         let end = file.windows(marker.len()).position(|window| window == marker).unwrap();
         let header = std::str::from_utf8(&file[..end]).unwrap();
-        let element = header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
+        let element =
+            header.lines().find(|line| line.contains(&format!("Name=\"{name}\""))).unwrap();
         let start = end + marker.len() + attribute(element, "offset").parse::<usize>().unwrap();
         let length = u64::from_ne_bytes(file[start..start + 8].try_into().unwrap()) as usize;
         (attribute(element, "type").to_owned(), file[start + 8..start + 8 + length].to_vec())
@@ -456,7 +490,8 @@ mod tests {
         for array in POINT_ARRAYS.iter().chain(CELL_ARRAYS) {
             assert_eq!(read_array(&file, array.name).0, array.kind.vtk_name());
         }
-        let names: Vec<_> = fs::read_dir(path.parent().unwrap()).unwrap().map(|f| f.unwrap().file_name()).collect();
+        let names: Vec<_> =
+            fs::read_dir(path.parent().unwrap()).unwrap().map(|f| f.unwrap().file_name()).collect();
         assert_eq!(names, ["piece_003.vtu"], "the partial file is gone");
         fs::remove_dir_all(dir).unwrap();
     }
@@ -468,7 +503,13 @@ mod tests {
         let cells = Cells::default();
         let none: &[f32] = &[];
         let columns = [DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY].map(|array| array.with(none));
-        let piece = Piece { time: 0.0, points: &[], point_arrays: &columns, cells: &cells, cell_arrays: &[] };
+        let piece = Piece {
+            time: 0.0,
+            points: &[],
+            point_arrays: &columns,
+            cells: &cells,
+            cell_arrays: &[],
+        };
         let error = piece.write(&path).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
         assert!(error.to_string().contains("not the declared ones"), "{error}");

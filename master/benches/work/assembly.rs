@@ -1,15 +1,18 @@
-//! What it costs that bits do not depend on the number of workers: nodes gather corner forces in ascending element id, against
-//! the same kernels whose elements add to their nodes one after the other, in whatever order they lie.
+//! What it costs that bits do not depend on the number of workers: nodes gather corner forces in
+//! ascending element id, against the same kernels whose elements add to their nodes one after the
+//! other, in whatever order they lie.
 //!
-//! The three are timed in turn in one loop, by CPU time, so that a machine that slows down slows all of them.
+//! The three are timed in turn in one loop, by CPU time, so that a machine that slows down slows
+//! all of them.
 
 use super::engine;
 use crumple_proto::transport::thread_cpu;
 use crumple_worker::engine::Engine;
-use crumple_worker::lanes::Lane;
+use crumple_worker::math::lanes::Lane;
 use std::hint::black_box;
 
-/// Shells over a side of the tube: in the first case all is in the cache at once, as a batch of elements is in larger ones.
+/// Shells over a side of the tube: in the first case all is in the cache at once, as a batch of
+/// elements is in larger ones.
 const SIDES: [(&str, usize, usize); 2] = [("4", 320, 200), ("19", 7220, 10)];
 /// Rounds, of which the median counts.
 const ROUNDS: usize = 301;
@@ -32,7 +35,8 @@ pub fn run(once: bool) {
         assert_eq!(ordered.blocks.elements.len(), count);
         // All nodes wait, so that kernels are alone.
         plain.blocks.lay_gather(plain.nodes.held, &[], |_| true);
-        let nodes = plain.blocks.elements.iter().map(|e| [e.nodes[0], e.nodes[1], e.nodes[2], e.nodes[3]]);
+        let nodes =
+            plain.blocks.elements.iter().map(|e| [e.nodes[0], e.nodes[1], e.nodes[2], e.nodes[3]]);
         let scatter: Scatter = nodes.zip(plain.blocks.first_slots()).collect();
         let mut spent = [const { Vec::new() }; 3];
         for _ in 0..rounds {
@@ -43,7 +47,8 @@ pub fn run(once: bool) {
                 add(&mut plain, &scatter);
             }));
         }
-        let [alone, gathered, scattered] = spent.map(|all| 1e9 * median(all) / (times * count) as f64);
+        let [alone, gathered, scattered] =
+            spent.map(|all| 1e9 * median(all) / (times * count) as f64);
         println!(
             "| {count} | {alone:.1} | +{:.1} | +{:.1} | {:+.1} % |",
             gathered - alone,

@@ -1,4 +1,5 @@
-//! A kernel under an instruction counter: `deploy/instructions.sh` counts what happens in `counted`.
+//! A kernel under an instruction counter: `deploy/instructions.sh` counts what happens in
+//! `counted`.
 
 use super::{KERNELS, Work};
 
@@ -8,7 +9,8 @@ fn counted(work: &mut Work, times: usize) {
     (0..times).for_each(|_| work());
 }
 
-/// Does a kernel so many times; without a name lists kernels, as `NAME COUNT WHAT`. Returns the exit code.
+/// Does a kernel so many times; without a name lists kernels, as `NAME COUNT WHAT`. Returns the
+/// exit code.
 pub fn run(name: Option<&str>, times: usize) -> i32 {
     let Some(name) = name else {
         KERNELS.iter().for_each(|k| println!("{} {} {}", k.name, k.of.1, k.of.0));

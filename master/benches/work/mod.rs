@@ -6,15 +6,15 @@
 pub mod assembly;
 pub mod instructions;
 
-use crumple::embedded::run_alone;
-use crumple::job::read_text;
+use crumple::input::job::read_text;
+use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{Tag, Transport, threads};
+use crumple_worker::constraints::ties::Joined;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::engine::Engine;
-use crumple_worker::halo::Halo;
 use crumple_worker::nodes::xyz;
-use crumple_worker::ties::Joined;
+use crumple_worker::parallel::ghosts::Halo;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -33,9 +33,21 @@ pub struct Kernel {
 
 /// Every kernel.
 pub const KERNELS: &[Kernel] = &[
-    Kernel { name: "belytschko_tsay", of: ("shells", 7220), ready: || elements("tube-crush", PLAIN) },
-    Kernel { name: "stabilised_quad", of: ("shells", 7220), ready: || elements("tube-crush", STABILISED) },
-    Kernel { name: "fully_integrated_quad", of: ("shells", 7220), ready: || elements("tube-crush", INTEGRATED) },
+    Kernel {
+        name: "belytschko_tsay",
+        of: ("shells", 7220),
+        ready: || elements("tube-crush", PLAIN),
+    },
+    Kernel {
+        name: "stabilised_quad",
+        of: ("shells", 7220),
+        ready: || elements("tube-crush", STABILISED),
+    },
+    Kernel {
+        name: "fully_integrated_quad",
+        of: ("shells", 7220),
+        ready: || elements("tube-crush", INTEGRATED),
+    },
     Kernel { name: "hexahedron", of: ("solids", 16_384), ready: || elements("bench/hex-bar", &[]) },
     Kernel { name: "search_cells", of: ("points", 7296), ready: || search(0) },
     Kernel { name: "search_boxes", of: ("points", 7296), ready: || search(1) },
@@ -55,9 +67,11 @@ const CYCLES: u64 = 20;
 fn engine(job: &str, sets: &[&str]) -> Engine {
     let text = crumple_cases::job(job).expect("the program has this job");
     let sets: Vec<String> = sets.iter().map(|&s| s.to_string()).collect();
-    let model = read_text(job.into(), text.into(), &sets).unwrap_or_else(|report| panic!("{report}"));
-    let enough =
-        |e: &mut Engine| if e.clock.cycle < CYCLES { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+    let model =
+        read_text(job.into(), text.into(), &sets).unwrap_or_else(|report| panic!("{report}"));
+    let enough = |e: &mut Engine| {
+        if e.clock.cycle < CYCLES { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    };
     run_alone(&model, enough).expect("one worker").engine
 }
 
@@ -73,7 +87,8 @@ fn search(method: usize) -> Work {
     let e = engine("tube-crush", &[]);
     let surface = &e.contact.as_ref().expect("it has contact").surface;
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&e.nodes.x, 3.0)).collect();
-    let points: Vec<[f64; 3]> = surface.slaves.iter().map(|&i| xyz(&e.nodes.x[i as usize])).collect();
+    let points: Vec<[f64; 3]> =
+        surface.slaves.iter().map(|&i| xyz(&e.nodes.x[i as usize])).collect();
     Box::new(move || {
         let mut found = 0u64;
         (SEARCHES[method].find)(&boxes, &points, &mut |b, p| found += u64::from(b ^ p));
@@ -91,7 +106,9 @@ fn contact() -> Work {
         contact.refresh_candidates(&e.nodes, joined, (e.clock.time, steps.dt), steps.dt);
         contact.find_pairs(&e.nodes, joined, e.clock.time, steps);
         contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
-        contact.enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps).expect("nobody is lost");
+        contact
+            .enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps)
+            .expect("nobody is lost");
     })
 }
 

@@ -13,8 +13,8 @@ fuzz_target!(|bytes: &[u8]| {
         let path = folder.path().join("deck.k");
         std::fs::write(&path, bytes).expect("a file in it");
         let allowed = ["mesh.allow_unsupported=true".to_string()];
-        if let Ok(model) = crumple::job::read(&path, &allowed) {
-            let _ = (crumple::check::describe(&model), model.records());
+        if let Ok(model) = crumple::input::job::read(&path, &allowed) {
+            let _ = (crumple::input::check::describe(&model), model.records());
         }
     });
 });

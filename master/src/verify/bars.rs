@@ -1,5 +1,5 @@
-//! A01: two bars meet end-on. A bar is a strip of square shells with Poisson's ratio 0, which carries plane waves of speed
-//! `c = sqrt(E/rho)` and nothing else.
+//! A01: two bars meet end-on. A bar is a strip of square shells with Poisson's ratio 0, which
+//! carries plane waves of speed `c = sqrt(E/rho)` and nothing else.
 
 use super::bench::Finished;
 use super::contact::{UNDAMPED, is_spring};
@@ -11,15 +11,16 @@ use super::{Bench, Check};
 /// Bars of nu = 0.
 pub const BAR: Elastic = Elastic { nu: 0.0, ..STEEL };
 const LENGTH: f64 = 1.0;
-/// Less than any side here: where a side is shorter than the shell is thick, the strip touches itself.
+/// Less than any side here: where a side is shorter than the shell is thick, the strip touches
+/// itself.
 const THICKNESS: f64 = 3e-3;
 const V: f64 = 10.0;
 
 /// Why the penalty law is off at bars.
 pub const SOFT: &str = "the penalty law at its default scale of 0.35 is a soft spring between the bars, of 0.13 of an \
                         element's stiffness: it delays the front and is pressed in by (v/2c) L_e/beta";
-/// What end nodes that stop lose, over the kinetic energy that they have: least and most. An impact inside a step stops them over
-/// two, and the bar behind them pushes meanwhile.
+/// What end nodes that stop lose, over the kinetic energy that they have: least and most. An impact
+/// inside a step stops them over two, and the bar behind them pushes meanwhile.
 const STOPPED: [f64; 2] = [1.0, 1.405];
 
 /// Energy lost where end nodes with this share of the energy are stopped.
@@ -35,7 +36,8 @@ pub fn stopped(row: Row, share: f64) -> Row {
 /// A01 on a matching mesh.
 pub const PAIR: Check = Check { name: "head-on, matching", quick: true, run: |b| pair(b, 1) };
 /// A01 with ends that do not match.
-pub const PAIR_UNEQUAL: Check = Check { name: "head-on, non-matching", quick: true, run: |b| pair(b, 3) };
+pub const PAIR_UNEQUAL: Check =
+    Check { name: "head-on, non-matching", quick: true, run: |b| pair(b, 3) };
 /// A01: how the loss and the restitution depend on the mesh.
 pub const PAIR_ORDER: Check = Check { name: "order in the mesh size", quick: true, run: order };
 
@@ -96,11 +98,22 @@ fn rows(m: &Met, variant: &str, v: [f64; 2]) -> Vec<Row> {
         variant,
         1e-3,
         vec![
-            Row::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0)).near(386.68, 0.01, D),
-            Row::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress).near(203.0, 0.01, D),
-            Row::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(v[1], 0.01 * V, D),
-            Row::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(v[0], 0.01 * V, D),
-            Row::new("change of momentum / m v", variant, "", m.run.momentum_drift(0, m.scale)).at_most(1e-10, "exact"),
+            Row::new("contact duration 2L/c", variant, "us", us * (m.span.1 - m.span.0))
+                .near(386.68, 0.01, D),
+            Row::new("mean interface stress rho c v/2", variant, "MPa", 1e-6 * m.stress)
+                .near(203.0, 0.01, D),
+            Row::new("velocity of bar 1 after", variant, "m/s", m.after[0]).within(
+                v[1],
+                0.01 * V,
+                D,
+            ),
+            Row::new("velocity of bar 2 after", variant, "m/s", m.after[1]).within(
+                v[0],
+                0.01 * V,
+                D,
+            ),
+            Row::new("change of momentum / m v", variant, "", m.run.momentum_drift(0, m.scale))
+                .at_most(1e-10, "exact"),
         ],
     )
 }
@@ -125,7 +138,9 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             let share = if v[1] == 0.0 { 0.25 } else { 0.5 } / N as f64;
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match is_spring(law) {
-                true => lost.within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A").known(SOFT),
+                true => lost
+                    .within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A")
+                    .known(SOFT),
                 // 1/2N of E0 at +-v/2, 1/4N at v and 0.
                 false => stopped(lost, share),
             });
@@ -156,7 +171,10 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         if !is_spring(law) {
             let order = halving(met.each_ref().map(|m| -m.work));
-            all.push(Row::new("order of the energy lost", variant(), "", order).near(1.0, 0.05, "[D] 1/2N"));
+            all.push(
+                Row::new("order of the energy lost", variant(), "", order)
+                    .near(1.0, 0.05, "[D] 1/2N"),
+            );
         }
     }
     Ok(all)

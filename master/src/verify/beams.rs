@@ -1,7 +1,8 @@
-//! Frequencies of beams and plates of shells (A15, A16), with added masses (A17), and spinning bodies (A19 c, d).
+//! Frequencies of beams and plates of shells (A15, A16), with added masses (A17), and spinning
+//! bodies (A19 c, d).
 //!
-//! A body starts with velocities in the shape of a mode; the frequency is read off where its amplitude, the displacement
-//! projected on that shape, passes through nought.
+//! A body starts with velocities in the shape of a mode; the frequency is read off where its
+//! amplitude, the displacement projected on that shape, passes through nought.
 
 use super::bars::BAR;
 use super::measure::{Crossings, amplitude, fields, mass, position};
@@ -17,7 +18,8 @@ pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: false, run
 /// A16, simply supported.
 pub const PLATE: Check = Check { name: "simply supported plate", quick: false, run: supported };
 /// A16, clamped and cantilevered.
-pub const CLAMPED_PLATE: Check = Check { name: "clamped plate, cantilever plate", quick: false, run: clamped_plate };
+pub const CLAMPED_PLATE: Check =
+    Check { name: "clamped plate, cantilever plate", quick: false, run: clamped_plate };
 /// A16, FV12.
 pub const FREE_PLATE: Check = Check { name: "free plate FV12", quick: false, run: free_plate };
 /// A17.
@@ -25,7 +27,8 @@ pub const MASSES: Check = Check { name: "added masses", quick: true, run: masses
 /// A19 (c).
 pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: false, run: spinning_bar };
 /// A19 (d).
-pub const SPINNING_SHELL: Check = Check { name: "spinning shell", quick: true, run: spinning_shell };
+pub const SPINNING_SHELL: Check =
+    Check { name: "spinning shell", quick: true, run: spinning_shell };
 
 const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mass where nu = 0 (A/11.7 where nu = 0.3) for the sake \
                        of the step. Eigenvalues of the assembled system (tests/references/plates.py) give each frequency to \
@@ -45,7 +48,8 @@ const DEPTH: f64 = 0.004;
 /// A mode over 0..1: deflection and its slope.
 pub type Mode = Box<dyn Fn(f64) -> (f64, f64)>;
 
-/// `cosh - cos - s (sinh - sin)` of a clamped beam, or with plus signs of a free one, with its wave number.
+/// `cosh - cos - s (sinh - sin)` of a clamped beam, or with plus signs of a free one, with its wave
+/// number.
 pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
     Box::new(move |x| {
         let z = k * x;
@@ -54,9 +58,14 @@ pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
     })
 }
 
-/// Gives a strip or plate in the xy plane a velocity along z in the shape of `w`, which returns the deflection and its
-/// slopes over x and y [1/m], and the spins that belong to it. Returns the shape.
-pub fn pluck(scene: &mut Scene, nodes: &[u32], w: impl Fn([f64; 3]) -> (f64, [f64; 2])) -> Vec<(u32, f64)> {
+/// Gives a strip or plate in the xy plane a velocity along z in the shape of `w`, which returns the
+/// deflection and its slopes over x and y [1/m], and the spins that belong to it. Returns the
+/// shape.
+pub fn pluck(
+    scene: &mut Scene,
+    nodes: &[u32],
+    w: impl Fn([f64; 3]) -> (f64, [f64; 2]),
+) -> Vec<(u32, f64)> {
     let mut shape = Vec::new();
     for &n in nodes {
         let (value, slope) = w(scene.at(n));
@@ -67,7 +76,13 @@ pub fn pluck(scene: &mut Scene, nodes: &[u32], w: impl Fn([f64; 3]) -> (f64, [f6
 }
 
 /// Frequency of a shape, displacement along an axis [Hz].
-pub fn frequency(bench: &Bench, name: &str, scene: &Scene, shape: &[(u32, f64)], axis: usize) -> Result<f64, String> {
+pub fn frequency(
+    bench: &Bench,
+    name: &str,
+    scene: &Scene,
+    shape: &[(u32, f64)],
+    axis: usize,
+) -> Result<f64, String> {
     let mut crossings = Crossings::default();
     bench.watch(name, scene, |e| crossings.take(e.clock.time, amplitude(e, shape, axis)))?;
     Ok(crossings.frequency())
@@ -85,9 +100,12 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
     // Wave numbers k L of Euler-Bernoulli beams; s makes the far end fit.
     let cantilever = |k: f64| clamped(k, (k.cosh() + k.cos()) / (k.sinh() + k.sin()), 1.0);
     let ends = |k: f64, sign: f64| clamped(k, (k.cosh() - k.cos()) / (k.sinh() - k.sin()), sign);
-    let sine = |n: f64| -> Mode { Box::new(move |x| ((n * PI * x).sin(), n * PI * (n * PI * x).cos())) };
-    let (of_clamped, of_both) = ([1.87510407, 4.69409113, 7.85475744], [4.73004074, 7.85320462, 10.99560784]);
-    type Case = (&'static str, [f64; 3], Box<dyn Fn(usize) -> Mode>, Box<dyn Fn(&mut Scene, &Grid)>);
+    let sine =
+        |n: f64| -> Mode { Box::new(move |x| ((n * PI * x).sin(), n * PI * (n * PI * x).cos())) };
+    let (of_clamped, of_both) =
+        ([1.87510407, 4.69409113, 7.85475744], [4.73004074, 7.85320462, 10.99560784]);
+    type Case =
+        (&'static str, [f64; 3], Box<dyn Fn(usize) -> Mode>, Box<dyn Fn(&mut Scene, &Grid)>);
     let cases: [Case; 4] = [
         (
             "cantilever",
@@ -107,7 +125,12 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             Box::new(move |i| ends(of_both[i], 1.0)),
             Box::new(|s, g| [0, N].iter().for_each(|&i| s.fix(&g.row(i), "x y z rx ry rz"))),
         ),
-        ("free-free", [531.7, 1465.5, 2873.0], Box::new(move |i| ends(of_both[i], -1.0)), Box::new(|_, _| {})),
+        (
+            "free-free",
+            [531.7, 1465.5, 2873.0],
+            Box::new(move |i| ends(of_both[i], -1.0)),
+            Box::new(|_, _| {}),
+        ),
     ];
     let mut all = Vec::new();
     for (support, expected, mode, hold) in cases {
@@ -124,7 +147,11 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
             let ours = frequency(bench, &name, &scene, &shape, 2)?;
             let tolerance = if i == 2 { 0.015 } else { 0.01 };
             let quantity = format!("{support}, frequency {}", i + 1);
-            let source = if support == "simply supported" && i < 2 { "[D] Timoshenko" } else { "[D] Euler-Bernoulli" };
+            let source = if support == "simply supported" && i < 2 {
+                "[D] Timoshenko"
+            } else {
+                "[D] Euler-Bernoulli"
+            };
             let row = Row::new(quantity, "20 by 2 shells", "Hz", ours).near(f, tolerance, source);
             all.push(row.known(INERTIA));
         }
@@ -132,7 +159,8 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// The first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and the order of their error.
+/// The first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and the order
+/// of their error.
 fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for (k, f, number) in [(4.73004074, 531.7, 1), (7.85320462, 1465.5, 2)] {
@@ -155,10 +183,15 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             errors.push(ours - f);
         }
-        // Mesh error by differences, so that shear and rotary inertia of the beam itself do not count.
+        // Mesh error by differences, so that shear and rotary inertia of the beam itself do not
+        // count.
         let order = ((errors[1] - errors[0]) / (errors[2] - errors[1])).log2();
         let quantity = format!("free-free, frequency {number}, order");
-        all.push(Row::new(quantity, "20, 40, 80 shells", "", order).near(2.0, 0.15, "[D] second order"));
+        all.push(Row::new(quantity, "20, 40, 80 shells", "", order).near(
+            2.0,
+            0.15,
+            "[D] second order",
+        ));
     }
     Ok(all)
 }
@@ -167,7 +200,8 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 16;
     let side = 0.2;
     let mut all = Vec::new();
-    for (p, q, f) in [(1.0, 1.0, 491.0), (1.0, 2.0, 1224.8), (2.0, 2.0, 1955.5), (1.0, 3.0, 2440.9)] {
+    for (p, q, f) in [(1.0, 1.0, 491.0), (1.0, 2.0, 1224.8), (2.0, 2.0, 1955.5), (1.0, 3.0, 2440.9)]
+    {
         let mut scene = Scene::new(3.2 / f);
         let grid = scene.grid(1, [N, N], |x, y| [side * x, side * y, 0.0]);
         scene.elastic("steel", STEEL);
@@ -230,7 +264,8 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 16;
     let material = Elastic { e: 200e9, nu: 0.3, rho: 8000.0 };
     type Shape = fn(f64, f64) -> (f64, [f64; 2]);
-    // Shapes near the modes, of the same symmetry; x and y from -1 to 1. Over many swings the zeros are the mode's own.
+    // Shapes near the modes, of the same symmetry; x and y from -1 to 1. Over many swings the zeros
+    // are the mode's own.
     let modes: [(f64, Shape); 3] = [
         (1.622, |x, y| (x * y, [y, x])),
         (2.360, |x, y| (x * x - y * y, [2.0 * x, -2.0 * y])),
@@ -306,7 +341,9 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
     let bar = scene.grid(1, [N, 2], |x, y| [LENGTH * (x - 0.5), WIDTH * (y - 0.5), 0.0]);
     scene.elastic("steel", BAR);
     scene.part(1, "steel", DEPTH, "");
-    scene.add(&format!("[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, 0.0, {spin:?}]"));
+    scene.add(&format!(
+        "[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\nspin = [0.0, 0.0, {spin:?}]"
+    ));
     let (mut stress, mut stretch, mut samples) = (0.0, 0.0, 0.0);
     let until = (10.0 * TAU / spin / period).floor() * period;
     let run = bench.watch("A19c spinning bar", &scene, |e| {
@@ -319,7 +356,8 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
         let long = (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt();
         let t: [f64; 3] = std::array::from_fn(|c| (b[c] - a[c]) / long);
         let all = fields(e);
-        let along = |s: &[f64; 6]| s[0] * t[0] * t[0] + s[1] * t[1] * t[1] + 2.0 * s[3] * t[0] * t[1];
+        let along =
+            |s: &[f64; 6]| s[0] * t[0] * t[0] + s[1] * t[1] * t[1] + 2.0 * s[3] * t[0] * t[1];
         let middle = [N - 2, N - 1, N, N + 1].map(|i| along(&all[i].stress));
         stress += e.clock.last_dt * middle.iter().sum::<f64>() / 4.0;
         stretch += e.clock.last_dt * 0.5 * (long - LENGTH);
@@ -356,7 +394,8 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
 fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
     let (side, spin) = (0.01, 100.0);
     let mut all = Vec::new();
-    for (how, axis) in [("in its plane", [0.0, 0.0, spin]), ("out of its plane", [spin, 0.0, 0.0])] {
+    for (how, axis) in [("in its plane", [0.0, 0.0, spin]), ("out of its plane", [spin, 0.0, 0.0])]
+    {
         let mut scene = Scene::new(10.0 * TAU / spin);
         let grid = scene.grid(1, [1, 1], |x, y| [side * (x - 0.5), side * (y - 0.5), 0.0]);
         scene.elastic("steel", STEEL);
@@ -365,10 +404,13 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         let (mut early, mut late) = ([0.0f64; 2], [0.0f64; 2]);
         let run = bench.watch(&format!("A19d spinning {how}"), &scene, |e| {
             let x = |i, j| position(e, grid.at(i, j));
-            let length = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
+            let length = |a: [f64; 3], b: [f64; 3]| {
+                (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
+            };
             let diagonal = length(x(0, 0), x(1, 1)) / (side * 2f64.sqrt()) - 1.0;
             let turns = e.clock.time * spin / TAU;
-            // It swings about the stretch of its own rotation; a drift is a change of the mean from turn to turn.
+            // It swings about the stretch of its own rotation; a drift is a change of the mean from
+            // turn to turn.
             let mean = if turns < 1.0 { &mut early } else { &mut late };
             if !(1.0..9.0).contains(&turns) {
                 *mean = [mean[0] + e.clock.last_dt * diagonal, mean[1] + e.clock.last_dt];
@@ -376,7 +418,10 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let drift = (late[0] / late[1] - early[0] / early[1]).abs();
         let variant = format!("one shell, {how}, ten turns");
-        all.push(Row::new("drift of the size", &variant, "", drift).at_most(1e-6, "limit of the catalogue"));
+        all.push(
+            Row::new("drift of the size", &variant, "", drift)
+                .at_most(1e-6, "limit of the catalogue"),
+        );
         all.extend(run.energy_rows(&variant, 1e-3));
     }
     Ok(all)

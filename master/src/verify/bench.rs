@@ -1,10 +1,11 @@
-//! Runs the jobs of checks in this process, on one engine each, and watches energy and momentum on the way.
+//! Runs the jobs of checks in this process, on one engine each, and watches energy and momentum on
+//! the way.
 
 use super::contact::Law;
 use super::row::Row;
 use super::scene::Scene;
-use crate::embedded::{Ended, run_alone};
-use crate::job::{self, Model};
+use crate::input::job::{self, Model};
+use crate::run::embedded::{Ended, run_alone};
 use crumple_proto::report::Energies;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::energy::momentum;
@@ -28,9 +29,11 @@ pub struct Finished {
     pub initial: f64,
     /// Largest external work so far [J].
     pub came_in: f64,
-    /// Largest energy that is not accounted for, as a fraction of that at the start and of external work.
+    /// Largest energy that is not accounted for, as a fraction of that at the start and of external
+    /// work.
     pub energy_error: f64,
-    /// Most that contact, friction and walls had given so far, each for itself and only where it is above nought [J].
+    /// Most that contact, friction and walls had given so far, each for itself and only where it is
+    /// above nought [J].
     pub given: f64,
     /// Largest hourglass energy and largest internal energy [J].
     pub stored: [f64; 2],
@@ -51,7 +54,10 @@ impl Bench {
 
     /// Names of the contact laws of nodes on segments.
     pub fn laws(&self) -> impl Iterator<Item = &'static str> {
-        CONTACT_LAWS.iter().map(|l| l.name).filter(|&name| Law::BY_SEGMENTS.iter().all(|law| !law.has_name(name)))
+        CONTACT_LAWS
+            .iter()
+            .map(|l| l.name)
+            .filter(|&name| Law::BY_SEGMENTS.iter().all(|law| !law.has_name(name)))
     }
 
     /// Reads a scene as the job file that it is.
@@ -62,7 +68,8 @@ impl Bench {
         self.model_of(name, scene.text(name), &[])
     }
 
-    /// Reads the text of a job file, with changes `key=value`; the file that is kept names them at its head.
+    /// Reads the text of a job file, with changes `key=value`; the file that is kept names them at
+    /// its head.
     ///
     /// # Errors
     /// The job is bad, or its file cannot be kept.
@@ -71,7 +78,8 @@ impl Bench {
         if let Some(folder) = &self.jobs {
             // Changes are not in the text: without them this would be another job.
             let with: String = sets.iter().map(|set| format!("# --set '{set}'\n")).collect();
-            std::fs::write(folder.join(&file), with + &text).map_err(|error| format!("{file}: {error}"))?;
+            std::fs::write(folder.join(&file), with + &text)
+                .map_err(|error| format!("{file}: {error}"))?;
         }
         job::read_text(file.into(), text, sets).map_err(|report| report.to_string())
     }
@@ -93,12 +101,21 @@ impl Bench {
     ///
     /// # Errors
     /// The job is bad, cannot be run, or ends in trouble.
-    pub fn watch(&self, name: &str, scene: &Scene, mut look: impl FnMut(&Engine)) -> Result<Finished, String> {
+    pub fn watch(
+        &self,
+        name: &str,
+        scene: &Scene,
+        mut look: impl FnMut(&Engine),
+    ) -> Result<Finished, String> {
         let run = self.run(name, scene, |e| {
             look(e);
             ControlFlow::Continue(())
         })?;
-        if run.trouble { Err(format!("{name} ended in trouble at {:e} s", run.engine.clock.time)) } else { Ok(run) }
+        if run.trouble {
+            Err(format!("{name} ended in trouble at {:e} s", run.engine.clock.time))
+        } else {
+            Ok(run)
+        }
     }
 }
 
@@ -106,9 +123,13 @@ impl Bench {
 ///
 /// # Errors
 /// It cannot be run.
-pub fn run_watched(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFlow<()>) -> Result<Finished, String> {
+pub fn run_watched(
+    model: &Model,
+    mut look: impl FnMut(&mut Engine) -> ControlFlow<()>,
+) -> Result<Finished, String> {
     let mut begun = false;
-    let (mut initial, mut came_in, mut worst, mut last) = (0.0, 0.0f64, 0.0f64, Energies::default());
+    let (mut initial, mut came_in, mut worst, mut last) =
+        (0.0, 0.0f64, 0.0f64, Energies::default());
     let mut start = [[0.0; 3]; 2];
     let (mut given, mut stored) = (0.0f64, [0.0f64; 2]);
     let ended = run_alone(model, |e| {
@@ -117,9 +138,14 @@ pub fn run_watched(model: &Model, mut look: impl FnMut(&mut Engine) -> ControlFl
             last = e.ledger.energies(&e.nodes);
             // Work that has come in may go out again: what there was at most is the measure.
             came_in = came_in.max(last.external.abs());
-            // The normal part of contact, its friction, and walls: what one takes must not hide what another gives.
-            given =
-                given.max([last.contact - last.friction, last.friction, last.wall].map(|w| w.max(0.0)).iter().sum());
+            // The normal part of contact, its friction, and walls: what one takes must not hide
+            // what another gives.
+            given = given.max(
+                [last.contact - last.friction, last.friction, last.wall]
+                    .map(|w| w.max(0.0))
+                    .iter()
+                    .sum(),
+            );
             stored = [stored[0].max(last.hourglass.abs()), stored[1].max(last.internal)];
             let scale = initial + came_in;
             if scale > 0.0 {
@@ -167,16 +193,23 @@ impl Finished {
         self.initial + self.came_in
     }
 
-    /// The gate of the catalogue on energy: on what contact, friction and walls give, or where there are none on what is not
-    /// accounted for, `limit`: 0.1 % for part A, 1 % for others.
+    /// The gate of the catalogue on energy: on what contact, friction and walls give, or where
+    /// there are none on what is not accounted for, `limit`: 0.1 % for part A, 1 % for others.
     pub fn energy_rows(&self, variant: &str, limit: f64) -> [Row; 1] {
         [if self.touches { self.given_row(variant) } else { self.closing_row(variant, limit) }]
     }
 
-    /// Contact, friction and walls only take: the ledger would close over what they give as it does over what they take.
+    /// Contact, friction and walls only take: the ledger would close over what they give as it does
+    /// over what they take.
     pub fn given_row(&self, variant: &str) -> Row {
-        let row = Row::new("work given by contact, friction and walls, largest / energy", variant, "", self.given());
-        // Springs come on and go off inside a step; the catalogue lets them have half a per cent (A29).
+        let row = Row::new(
+            "work given by contact, friction and walls, largest / energy",
+            variant,
+            "",
+            self.given(),
+        );
+        // Springs come on and go off inside a step; the catalogue lets them have half a per cent
+        // (A29).
         match self.springs {
             true => row.at_most(5e-3, "gate of A29 for springs"),
             false => row.at_most(1e-3, "[D] they only take; gate of part A"),
@@ -188,7 +221,8 @@ impl Finished {
         self.given / self.measure()
     }
 
-    /// Hourglass energy against internal energy, or against a hundredth of all energy where bodies hardly deform.
+    /// Hourglass energy against internal energy, or against a hundredth of all energy where bodies
+    /// hardly deform.
     pub fn hourglass_row(&self, variant: &str) -> Row {
         let [hourglass, internal] = self.stored;
         let share = hourglass / internal.max(0.01 * self.measure());
@@ -196,8 +230,8 @@ impl Finished {
             .at_most(0.1, "gate of the catalogue, 5 to 10 %")
     }
 
-    /// What the ledger leaves open. With a constant step it closes by construction; it fails where elements book other work
-    /// than they do, or the step is unstable.
+    /// What the ledger leaves open. With a constant step it closes by construction; it fails where
+    /// elements book other work than they do, or the step is unstable.
     pub fn closing_row(&self, variant: &str, limit: f64) -> Row {
         Row::new("energy not accounted for, largest on the way", variant, "", self.energy_error)
             .at_most(limit, "gate of the catalogue")

@@ -1,12 +1,18 @@
 //! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
 
 use super::{
-    Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets, hertz, invariance,
-    joined, lines, materials, plates, press, relaxed, ridges, rigid, sections, sheets, sliding, solid_bars,
-    solid_cells, solid_patches, stability, stacked, steps, taylor, walls,
+    Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets,
+    hertz, invariance, joined, lines, materials, plates, press, relaxed, ridges, rigid, sections,
+    sheets, sliding, solid_bars, solid_cells, solid_patches, stability, stacked, steps, taylor,
+    walls,
 };
 
-const fn entry(id: &'static str, title: &'static str, checks: &'static [super::Check], open: &'static str) -> Entry {
+const fn entry(
+    id: &'static str,
+    title: &'static str,
+    checks: &'static [super::Check],
+    open: &'static str,
+) -> Entry {
     Entry { id, title, checks, open }
 }
 
@@ -27,17 +33,32 @@ pub const CATALOGUE: &[Entry] = &[
         ],
         "",
     ),
-    entry("A03", "Bar on a rigid wall", &[walls::TRUSS, walls::ROD, walls::TARGETS, solid_bars::STRAIN], ""),
+    entry(
+        "A03",
+        "Bar on a rigid wall",
+        &[walls::TRUSS, walls::ROD, walls::TARGETS, solid_bars::STRAIN],
+        "",
+    ),
     entry("A05", "Elastic step wave in a bar", &[solid_bars::STEP], ""),
     entry("A06", "Elastic-plastic wave", &[walls::PLASTIC, solid_patches::PLASTIC], ""),
-    entry("A07", "Sliding block, Coulomb friction", &[sliding::STOP, sliding::ITERATIONS, sliding::HEAVY], ""),
+    entry(
+        "A07",
+        "Sliding block, Coulomb friction",
+        &[sliding::STOP, sliding::ITERATIONS, sliding::HEAVY],
+        "",
+    ),
     entry("A08", "Stick-slip on a shaken base", &[sliding::SHAKEN], ""),
     entry("A09", "Block on an incline", &[sliding::INCLINE], ""),
     entry("A10", "Hertz, quasi-static", &[hertz::CYLINDER], "spheres: (b) stands for (a) and (c)"),
     entry("A11", "Hertz, bouncing sphere", &[taylor::BALL], "the stiff sphere"),
     entry("A13", "Free fall and bounce of a rigid body", &[rigid::FALL], ""),
     entry("A14", "Oblique impact of a sphere with friction", &[rigid::OBLIQUE], ""),
-    entry("A15", "Beam frequencies", &[beams::BEAMS, beams::FREE_BEAM, solid_cells::BEAMS], "elongated cells"),
+    entry(
+        "A15",
+        "Beam frequencies",
+        &[beams::BEAMS, beams::FREE_BEAM, solid_cells::BEAMS],
+        "elongated cells",
+    ),
     entry(
         "A16",
         "Plate frequencies",
@@ -80,7 +101,13 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "A27",
         "J2 material drivers",
-        &[materials::UNIAXIAL, materials::PATHS, materials::CYCLIC, materials::JOHNSON_COOK, materials::RATES],
+        &[
+            materials::UNIAXIAL,
+            materials::PATHS,
+            materials::CYCLIC,
+            materials::JOHNSON_COOK,
+            materials::RATES,
+        ],
         "kinematic hardening: no law has it",
     ),
     entry("A29", "Conservation", &[invariance::CONSERVATION, invariance::BOX], ""),
@@ -101,11 +128,21 @@ pub const CATALOGUE: &[Entry] = &[
     entry("A34", "Beams", &[lines::SWING, lines::HINGE], ""),
     entry("A35", "Springs and dampers", &[lines::OSCILLATOR], ""),
     entry("A36", "Thickness in plastic flow", &[sheets::THINNING], ""),
-    entry("A37", "Elements that fail", &[sheets::EROSION], "contact of what is left: tests/tests/erosion.rs"),
+    entry(
+        "A37",
+        "Elements that fail",
+        &[sheets::EROSION],
+        "contact of what is left: tests/tests/erosion.rs",
+    ),
     entry("A38", "Triangles in motion", &[sheets::TRIANGLES], ""),
     entry("A39", "Mass scaling with contact", &[steps::SCALED], ""),
     entry("A40", "Subcycles", &[steps::SUBCYCLES], "with contact, which the job has to ask for"),
-    entry("A41", "Thicknesses of single shells", &[sections::STEPPED], "contact: tests/tests/sections.rs"),
+    entry(
+        "A41",
+        "Thicknesses of single shells",
+        &[sections::STEPPED],
+        "contact: tests/tests/sections.rs",
+    ),
     entry(
         "A42",
         "Shells whose middle is beside their nodes",
@@ -118,7 +155,12 @@ pub const CATALOGUE: &[Entry] = &[
         &[taylor::COARSE, taylor::FINE, taylor::WALL],
         "the perfectly plastic variant of Abaqus",
     ),
-    entry("B02", "Taylor bar, Johnson-Cook", &[taylor::JOHNSON_COOK], "temperature, which is not among the fields"),
+    entry(
+        "B02",
+        "Taylor bar, Johnson-Cook",
+        &[taylor::JOHNSON_COOK],
+        "temperature, which is not among the fields",
+    ),
     entry(
         "B03",
         "Taylor tests, experiments",
@@ -141,8 +183,18 @@ pub const CATALOGUE: &[Entry] = &[
         &[crush::SQUARE],
         "3.33 mm mesh; a rigid head (here a guided ring of masses)",
     ),
-    entry("B12", "Square tubes, mean crush force", &[crush::MEAN_FORCE], "the factor for the rate ([U] constants)"),
-    entry("B13", "Circular tube, axial crush", &[crush::ROUND], "the mode of folding is not measured"),
+    entry(
+        "B12",
+        "Square tubes, mean crush force",
+        &[crush::MEAN_FORCE],
+        "the factor for the rate ([U] constants)",
+    ),
+    entry(
+        "B13",
+        "Circular tube, axial crush",
+        &[crush::ROUND],
+        "the mode of folding is not measured",
+    ),
     entry(
         "B15",
         "S-beam crash",
@@ -164,11 +216,21 @@ pub const CATALOGUE: &[Entry] = &[
         "later than 10 ms",
     ),
     entry("C01", "Penalty too stiff", &[contact::STIFF], ""),
-    entry("C02", "Light node on a heavy segment and the reverse", &[contact::LIGHT, stacked::FOAM], ""),
+    entry(
+        "C02",
+        "Light node on a heavy segment and the reverse",
+        &[contact::LIGHT, stacked::FOAM],
+        "",
+    ),
     entry("C03", "Corner, facet, vertex", &[facets::DROPPED], ""),
     entry("C04", "Edge to edge", &[edges::UPRIGHT, edges::FLAT, ridges::ROOFS, ridges::JOINTS], ""),
     entry("C06", "Initial penetration", &[contact::SUNK, solid_patches::SUNK], ""),
-    entry("C07", "Tunnelling through a thin shell", &[contact::FAST], "a rotating plate hit by its own edge"),
+    entry(
+        "C07",
+        "Tunnelling through a thin shell",
+        &[contact::FAST],
+        "a rotating plate hit by its own edge",
+    ),
     entry("C08", "Symmetric contact, double counting", &[stacked::PLATES, stacked::LONG], ""),
     entry("C09", "Friction reversal", &[sliding::REVERSAL], ""),
     entry(
@@ -204,7 +266,12 @@ pub const CATALOGUE: &[Entry] = &[
         &[facets::FLAT, facets::EDGE, facets::DRUM],
         "a node that rests beside the free edge of a shell",
     ),
-    entry("C20", "Beams as lines", &[crossed::RIGID, crossed::ELASTIC, crossed::EDGE, crossed::REST], ""),
+    entry(
+        "C20",
+        "Beams as lines",
+        &[crossed::RIGID, crossed::ELASTIC, crossed::EDGE, crossed::REST],
+        "",
+    ),
 ];
 
 #[cfg(test)]
@@ -216,7 +283,11 @@ mod tests {
     fn the_catalogue_is_whole() {
         assert!(CATALOGUE.windows(2).all(|e| e[0].id < e[1].id), "ids ascend");
         for e in CATALOGUE {
-            assert!(!e.checks.is_empty() || !e.open.is_empty(), "{}: neither run nor explained", e.id);
+            assert!(
+                !e.checks.is_empty() || !e.open.is_empty(),
+                "{}: neither run nor explained",
+                e.id
+            );
         }
         assert_eq!(CATALOGUE.len(), 69, "the catalogue has 69 entries");
     }

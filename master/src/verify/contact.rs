@@ -1,7 +1,7 @@
 //! Scenes where contact is known to fail (part C), with shells.
 //!
-//! A single node has no place in a mesh: it is the tip of a shell so light and soft that nothing is felt of it, with a
-//! lumped mass.
+//! A single node has no place in a mesh: it is the tip of a shell so light and soft that nothing is
+//! felt of it, with a lumped mass.
 
 use super::bars::{BAR, SOFT};
 use super::measure::{mass, mean_velocity, position};
@@ -24,13 +24,21 @@ impl Law {
         Self { name: "lagrange", law: "lagrange", more: "" },
         Self { name: "kinematic", law: "kinematic", more: "" },
         Self { name: "penalty", law: "penalty", more: "" },
-        Self { name: "penalty stiffness", law: "penalty", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
+        Self {
+            name: "penalty stiffness",
+            law: "penalty",
+            more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n",
+        },
     ];
 
     /// Laws and forms of segments on segments, for checks in which surfaces press on surfaces.
     pub const BY_SEGMENTS: &[Self] = &[
         Self { name: "mortar", law: "mortar", more: "" },
-        Self { name: "mortar stiffness", law: "mortar", more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n" },
+        Self {
+            name: "mortar stiffness",
+            law: "mortar",
+            more: "penalty_form = \"stiffness\"\npenalty_scale = 1.0\n",
+        },
     ];
 
     /// Every law and form.
@@ -39,7 +47,8 @@ impl Law {
     }
 
     /// Lagrange with masses split among pairs.
-    pub const SPLIT: Self = Self { name: "lagrange split", law: "lagrange", more: "iteration = \"split\"\n" };
+    pub const SPLIT: Self =
+        Self { name: "lagrange split", law: "lagrange", more: "iteration = \"split\"\n" };
 
     /// Whether it is a form of the law with this name in the job.
     pub fn has_name(&self, law: &str) -> bool {
@@ -51,7 +60,8 @@ impl Law {
         format!("[contact]\nlaw = \"{}\"\n{}", self.law, self.more)
     }
 
-    /// The `[contact]` table without contact damping, as the catalogue wants part A but for sliding.
+    /// The `[contact]` table without contact damping, as the catalogue wants part A but for
+    /// sliding.
     pub fn undamped(&self) -> String {
         format!("{}{UNDAMPED}", self.table())
     }
@@ -83,13 +93,15 @@ pub const UNDAMPED: &str = "penalty_damping = 0.0\n";
 /// C01.
 pub const STIFF: Check = Check { name: "stiff penalty", quick: true, run: stiff_penalty };
 /// C02.
-pub const LIGHT: Check = Check { name: "light on heavy and the reverse", quick: true, run: light_on_heavy };
+pub const LIGHT: Check =
+    Check { name: "light on heavy and the reverse", quick: true, run: light_on_heavy };
 /// C06.
 pub const SUNK: Check = Check { name: "initial penetration", quick: true, run: sunk };
 /// C07.
 pub const FAST: Check = Check { name: "fast node, thin shell", quick: true, run: fast_node };
 /// C15 (a).
-pub const SANDWICH: Check = Check { name: "light plate between two heavy ones", quick: true, run: sandwich };
+pub const SANDWICH: Check =
+    Check { name: "light plate between two heavy ones", quick: true, run: sandwich };
 /// C15 (e).
 pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cradle };
 
@@ -100,7 +112,8 @@ const INSIDE_A_STEP: &str = "the spring comes on and goes off inside a step and 
                              leaves with 0.969 to 1.033 of its speed at the default scale, 1.001 in the mean";
 const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 1000: they stop what closes over many steps, and overshoot a little";
 
-/// Fraction of the contact thickness that sweeps may leave of a gap in a step (`worker/src/contact/enforce/mod.rs`).
+/// Fraction of the contact thickness that sweeps may leave of a gap in a step
+/// (`worker/src/contact/enforce/mod.rs`).
 const LEFT_OPEN: f64 = 1e-10;
 const AT_REST: &str = "0, but for 1e-10 of the thickness in a step, at which sweeps end";
 
@@ -123,7 +136,8 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         (1..=2).for_each(|part| scene.part(part, "steel", thickness, "points = 2"));
         scene.start(one.all(), [v, 0.0, 0.0], [0.0; 3]);
         scene.start(two.all(), [0.0; 3], [0.0; 3]);
-        // k = scale m_red/dt^2 of two end nodes, half an element each: beta = k L_e/(E A) = scale (L_e/c dt)^2/4.
+        // k = scale m_red/dt^2 of two end nodes, half an element each: beta = k L_e/(E A) = scale
+        // (L_e/c dt)^2/4.
         let dt = bench.model("C01", &scene)?.first_dt().0;
         let scale = 4.0 * beta * (BAR.c() * dt / width).powi(2);
         scene.add(&format!("[contact]\nlaw = \"penalty\"\npenalty_scale = {scale:?}\n{UNDAMPED}"));
@@ -137,11 +151,13 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let error = if run.trouble { f64::INFINITY } else { run.energy_error };
         all.push(
-            Row::new("energy not accounted for, largest", &variant, "", error).at_most(0.01, "limit of the catalogue"),
+            Row::new("energy not accounted for, largest", &variant, "", error)
+                .at_most(0.01, "limit of the catalogue"),
         );
         all.push(run.given_row(&variant));
-        // The bound of a single node, v sqrt(m_n/k), leaves out that bars go on pressing with rho c v/2 A: at rest the spring is
-        // pressed in by (v/2c) L_e/beta. The cap is 2 (1 - safety^2) in terms of the scale; the front overshoots.
+        // The bound of a single node, v sqrt(m_n/k), leaves out that bars go on pressing with rho c
+        // v/2 A: at rest the spring is pressed in by (v/2c) L_e/beta. The cap is 2 (1 - safety^2)
+        // in terms of the scale; the front overshoots.
         let capped = beta.min(beta / scale * 2.0 * (1.0 - 0.9f64.powi(2)));
         let rest = 0.5 * v / BAR.c() * width / capped;
         all.push(Row::new("penetration", &variant, "um", -1e6 * deepest).at_most(
@@ -152,7 +168,8 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A triangle that hangs over the origin with its tip down at height `z`, and carries `mass` there. Side 0.1 m.
+/// A triangle that hangs over the origin with its tip down at height `z`, and carries `mass` there.
+/// Side 0.1 m.
 pub fn tip(scene: &mut Scene, part: u32, x: [f64; 3], mass: f64) -> u32 {
     let tip = scene.node(x);
     let left = scene.node([x[0] - 0.05, x[1], x[2] + 0.09]);
@@ -166,7 +183,9 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     let v = 10.0;
     for law in bench.laws() {
-        for (node, corners, what) in [(1e-6, 1e-3, "1 mg on 1 g nodes"), (1.0, 1e-6, "1 kg on 1 mg nodes")] {
+        for (node, corners, what) in
+            [(1e-6, 1e-3, "1 mg on 1 g nodes"), (1.0, 1e-6, "1 kg on 1 mg nodes")]
+        {
             let thickness = 1e-3;
             let mut scene = Scene::new(60e-6);
             let segment = scene.grid(1, [1, 1], |x, y| [0.1 * (x - 0.5), 0.1 * (y - 0.5), 0.0]);
@@ -187,18 +206,22 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let (of_node, of_segment) = pair(if is_spring(law) { 1.0 } else { 0.0 });
             let down = |nodes: &[u32]| -mean_velocity(&run.engine, nodes, 2);
-            // An elastic one is off by what a spring of this stiffness loses or gains in whole steps.
+            // An elastic one is off by what a spring of this stiffness loses or gains in whole
+            // steps.
             const D: &str = "[D] plastic impact, or elastic for penalty";
             all.push(
                 Row::new("velocity of the node after", &variant, "m/s", down(&[n]))
                     .within(of_node, 0.02 * v, D)
                     .known(INSIDE_A_STEP),
             );
-            let row = Row::new("velocity of the segment after", &variant, "m/s", down(segment.all()));
+            let row =
+                Row::new("velocity of the segment after", &variant, "m/s", down(segment.all()));
             all.push(row.within(of_segment, 0.02 * v, D).known(INSIDE_A_STEP));
             all.push(run.given_row(&variant));
             let drift = run.momentum_drift(2, run.momentum[0][2].abs());
-            all.push(Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"));
+            all.push(
+                Row::new("change of momentum / m v", &variant, "", drift).at_most(1e-12, "exact"),
+            );
         }
     }
     Ok(all)
@@ -209,8 +232,10 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
     let (side, thickness, depth) = (0.01, 2e-3, 1e-4);
     for law in bench.laws() {
         let mut scene = Scene::new(2e-4);
-        let plate = scene.grid(1, [3, 3], |x, y| [3.0 * side * (x - 0.5), 3.0 * side * (y - 0.5), 0.0]);
-        let block = scene.grid(2, [2, 2], |x, y| [side * (x - 0.5), side * (y - 0.5), thickness - depth]);
+        let plate =
+            scene.grid(1, [3, 3], |x, y| [3.0 * side * (x - 0.5), 3.0 * side * (y - 0.5), 0.0]);
+        let block =
+            scene.grid(2, [2, 2], |x, y| [side * (x - 0.5), side * (y - 0.5), thickness - depth]);
         scene.elastic("steel", STEEL);
         (1..=2).for_each(|part| scene.part(part, "steel", thickness, ""));
         scene.fix(plate.all(), "x y z rx ry rz");
@@ -231,7 +256,10 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
                     "an initial penetration is given back over some hundred steps: faster than the catalogue allows",
                 ),
         );
-        all.push(Row::new("largest energy given", &variant, "J", energy).at_most(1e-3, "limit of the catalogue"));
+        all.push(
+            Row::new("largest energy given", &variant, "J", energy)
+                .at_most(1e-3, "limit of the catalogue"),
+        );
     }
     Ok(all)
 }
@@ -256,10 +284,12 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 scene.part(2, "carrier", thickness, "points = 2");
                 scene.start(&[n, n + 1, n + 2], [v * s, 0.0, -v * c], [0.0; 3]);
                 scene.add(&format!("[contact]\nlaw = \"{law}\""));
-                // The step is that of the carrier; the safety factor makes it 1 us, of which contact may take less.
+                // The step is that of the carrier; the safety factor makes it 1 us, of which
+                // contact may take less.
                 let unit = bench.model("C07", &scene)?.first_dt().0 / 0.9;
                 scene.time(&format!("safety = {:?}", (dt / unit).min(1.0)));
-                let run = bench.run(&format!("C07 {law} {how} {k}"), &scene, |_| ControlFlow::Continue(()))?;
+                let run = bench
+                    .run(&format!("C07 {law} {how} {k}"), &scene, |_| ControlFlow::Continue(()))?;
                 let e = &run.engine;
                 if position(e, n)[2] < 0.0 {
                     passed += 1;
@@ -321,7 +351,8 @@ fn sandwich(bench: &Bench) -> Result<Vec<Row>, String> {
             false => row.within(0.0, 0.01, "limit of the catalogue: all at rest").known(SWEEPS),
         });
         all.push(run.given_row(&variant));
-        let share = (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
+        let share =
+            (run.energies.kinetic + run.energies.internal + run.energies.hourglass) / run.initial;
         all.push(
             Row::new("energy at the end / at the start", &variant, "", share)
                 .at_most(1.0 + 1e-3, "[D] no energy from nothing")
@@ -343,7 +374,8 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
         let bars: Vec<_> = (0..5)
             .map(|k| {
                 let from = f64::from(k) * (length + thickness);
-                let bar = scene.grid(k as u32 + 1, [N, 1], |x, y| [from + length * x, width * y, 0.0]);
+                let bar =
+                    scene.grid(k as u32 + 1, [N, 1], |x, y| [from + length * x, width * y, 0.0]);
                 scene.part(k as u32 + 1, "steel", thickness, "points = 2");
                 bar
             })
@@ -366,7 +398,8 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         let scale = mass(&run.engine, bars[0].all());
         all.push(
-            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale)).at_most(1e-10, "exact"),
+            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
+                .at_most(1e-10, "exact"),
         );
         all.extend(run.energy_rows(&variant, 1e-2));
     }
@@ -386,7 +419,8 @@ mod tests {
             let contact: Contact = table["contact"].clone().try_into().unwrap();
             format!("{contact:?}")
         };
-        let different: std::collections::BTreeSet<String> = Law::all().chain([&Law::SPLIT]).map(settings).collect();
+        let different: std::collections::BTreeSet<String> =
+            Law::all().chain([&Law::SPLIT]).map(settings).collect();
         assert_eq!(different.len(), Law::all().count() + 1);
     }
 }

@@ -1,17 +1,20 @@
-//! What cars crush: an S-beam (B15), and from `cases/` a short tube (B19) and the jeep frame (B20), with every quad of the table.
+//! What cars crush: an S-beam (B15), and from `cases/` a short tube (B19) and the jeep frame (B20),
+//! with every quad of the table.
 //!
-//! No source gives numbers for these. The reference is the fully integrated shell, which has no hourglass control, on finer
-//! meshes, computed apart and extrapolated (`tests/references/README.md` has commands, numbers and orders).
+//! No source gives numbers for these. The reference is the fully integrated shell, which has no
+//! hourglass control, on finer meshes, computed apart and extrapolated
+//! (`tests/references/README.md` has commands, numbers and orders).
 //!
-//! Each scene runs on two meshes. The first one resolves the folds, and is held to the reference. The second one is the coarse
-//! one that the scene comes with, because it is cheap: rows record how far off it is.
+//! Each scene runs on two meshes. The first one resolves the folds, and is held to the reference.
+//! The second one is the coarse one that the scene comes with, because it is cheap: rows record how
+//! far off it is.
 
 use super::crush::shells;
 use super::measure::Push;
 use super::row::Row;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
-use crate::job::Model;
+use crate::input::job::Model;
 use crumple_worker::energy::momentum;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;
@@ -21,15 +24,20 @@ pub const S_BEAM: Check = Check { name: "S-beam", quick: false, run: s_beam };
 /// B19.
 pub const SHORT_TUBE: Check = Check { name: "short square tube", quick: false, run: short_tube };
 /// B20.
-pub const FRAME: Check = Check { name: "jeep frame", quick: false, run: |bench| frame(bench, |shell| shell != FULL) };
+pub const FRAME: Check =
+    Check { name: "jeep frame", quick: false, run: |bench| frame(bench, |shell| shell != FULL) };
 /// The same with the shell that takes as long as the others together.
-pub const FRAME_FULL: Check =
-    Check { name: "jeep frame, full integration", quick: false, run: |bench| frame(bench, |shell| shell == FULL) };
+pub const FRAME_FULL: Check = Check {
+    name: "jeep frame, full integration",
+    quick: false,
+    run: |bench| frame(bench, |shell| shell == FULL),
+};
 
 /// The shell without hourglass modes.
 const FULL: &str = "fully_integrated_quad";
 
-/// Hourglass energy over internal energy of a part, at most; of parts with a hundredth of all internal energy or more.
+/// Hourglass energy over internal energy of a part, at most; of parts with a hundredth of all
+/// internal energy or more.
 const HOURGLASS_OF_A_PART: f64 = 0.1;
 
 /// How a crash is watched, in units of its job.
@@ -74,12 +82,17 @@ impl Crash {
         let run = bench::run_watched(model, |e| {
             let (t, p) = (e.clock.time, momentum(&e.nodes).0[self.axis]);
             push.take(t, p - *start.get_or_insert(p));
-            penetration = penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
+            penetration =
+                penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
             while self.stations.get(absorbed.len()).is_some_and(|&at| t >= at) {
                 let energies = e.ledger.energies(&e.nodes);
                 absorbed.push(energies.internal + energies.hourglass);
             }
-            if absorbed.len() == self.stations.len() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if absorbed.len() == self.stations.len() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         })?;
         if run.trouble || absorbed.len() < self.stations.len() {
             return Err(format!("{variant} ended at {:e}, before {last:e}", run.engine.clock.time));
@@ -101,7 +114,8 @@ impl Crash {
         Ok((Shown { mean: push.mean_force(0.0, last), peak, absorbed }, rows))
     }
 
-    /// Runs it on every mesh with those quads of the table that `runs` says; `build` makes the model of one on a mesh.
+    /// Runs it on every mesh with those quads of the table that `runs` says; `build` makes the
+    /// model of one on a mesh.
     fn all(
         &self,
         runs: fn(&str) -> bool,
@@ -111,8 +125,10 @@ impl Crash {
         build: impl Fn(&str, &Mesh) -> Result<Model, String>,
     ) -> Result<Vec<Row>, String> {
         let mut all = Vec::new();
-        for (mesh, shell) in
-            meshes.iter().flat_map(|mesh| shells().map(move |shell| (mesh, shell))).filter(|(_, shell)| runs(shell))
+        for (mesh, shell) in meshes
+            .iter()
+            .flat_map(|mesh| shells().map(move |shell| (mesh, shell)))
+            .filter(|(_, shell)| runs(shell))
         {
             let variant = format!("{shell}, {}", mesh.name);
             let (shown, rows) = self.run(&variant, &build(shell, mesh)?)?;
@@ -124,16 +140,31 @@ impl Crash {
     }
 
     /// Rows against a reference.
-    fn against(&self, variant: &str, shown: &Shown, wanted: &Shown, source: &'static str) -> Vec<Row> {
+    fn against(
+        &self,
+        variant: &str,
+        shown: &Shown,
+        wanted: &Shown,
+        source: &'static str,
+    ) -> Vec<Row> {
         let last = self.stations.last().copied().unwrap_or(0.0);
         let (force, ms) = (self.to_kn, self.to_ms);
         let mean = format!("mean force up to {} ms", ms * last);
         let peak = format!("largest force, mean over {} ms", ms * self.window);
         let mut rows = vec![
-            Row::new(mean, variant, "kN", force * shown.mean).near(force * wanted.mean, 0.05, source),
-            Row::new(peak, variant, "kN", force * shown.peak).near(force * wanted.peak, 0.1, source),
+            Row::new(mean, variant, "kN", force * shown.mean).near(
+                force * wanted.mean,
+                0.05,
+                source,
+            ),
+            Row::new(peak, variant, "kN", force * shown.peak).near(
+                force * wanted.peak,
+                0.1,
+                source,
+            ),
         ];
-        for ((t, ours), expected) in self.stations.iter().zip(&shown.absorbed).zip(&wanted.absorbed) {
+        for ((t, ours), expected) in self.stations.iter().zip(&shown.absorbed).zip(&wanted.absorbed)
+        {
             let quantity = format!("energy absorbed at {} ms", ms * t);
             rows.push(Row::new(quantity, variant, "J", *ours).near(*expected, 0.1, source));
         }
@@ -141,7 +172,8 @@ impl Crash {
     }
 }
 
-/// Side of the S-beam, its straight ends, the radius of the two arcs of 45 degrees between them, its thickness [m].
+/// Side of the S-beam, its straight ends, the radius of the two arcs of 45 degrees between them,
+/// its thickness [m].
 const SIDE: f64 = 0.08;
 const LEG: f64 = 0.16;
 const RADIUS: f64 = 0.2;
@@ -161,8 +193,8 @@ fn axis(s: f64) -> ([f64; 2], f64) {
     ([x + (s - LEG - 2.0 * arc).max(0.0), y], angle)
 }
 
-/// An S-beam as of the example RD-E 0300 of Radioss (section, sheet, steel; its curve is not given in numbers), one end held,
-/// the other one led towards it by 500 kg at 10 m/s.
+/// An S-beam as of the example RD-E 0300 of Radioss (section, sheet, steel; its curve is not given
+/// in numbers), one end held, the other one led towards it by 500 kg at 10 m/s.
 fn s_beam_scene(shell: &str, quads: usize) -> Scene {
     let (around, rings) = (4 * quads, 8 * quads);
     let length = 2.0 * LEG + 2.0 * RADIUS * FRAC_PI_4;
@@ -183,8 +215,9 @@ fn s_beam_scene(shell: &str, quads: usize) -> Scene {
             scene.shell(1, &[nodes[a], nodes[b], nodes[b + around], nodes[a + around]]);
         }
     }
-    let curve: Vec<[f64; 2]> =
-        [0.0f64, 1e-3, 5e-3, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8].map(|p| [p, 185.4e6 + 540e6 * p.powf(0.32)]).to_vec();
+    let curve: Vec<[f64; 2]> = [0.0f64, 1e-3, 5e-3, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8]
+        .map(|p| [p, 185.4e6 + 540e6 * p.powf(0.32)])
+        .to_vec();
     scene.add(&format!(
         "[[material]]\nname = \"steel\"\nlaw = \"j2\"\ndensity = 7900.0\nyoungs_modulus = 199.355e9\npoisson = 0.3\n\
          hardening = {curve:?}"
@@ -202,22 +235,31 @@ fn s_beam_scene(shell: &str, quads: usize) -> Scene {
 }
 
 fn s_beam(bench: &Bench) -> Result<Vec<Row>, String> {
-    let crash = Crash { axis: 0, window: 2e-4, stations: &[2e-3, 4e-3, 6e-3], to_kn: 1e-3, to_ms: 1e3 };
-    let meshes =
-        [Mesh { name: "5 mm", fineness: 16, held: true }, Mesh { name: "6.67 mm, coarse", fineness: 12, held: false }];
+    let crash =
+        Crash { axis: 0, window: 2e-4, stations: &[2e-3, 4e-3, 6e-3], to_kn: 1e-3, to_ms: 1e3 };
+    let meshes = [
+        Mesh { name: "5 mm", fineness: 16, held: true },
+        Mesh { name: "6.67 mm, coarse", fineness: 12, held: false },
+    ];
     let wanted = Shown { mean: 25.29e3, peak: 106.8e3, absorbed: vec![812.0, 1180.2, 1441.0] };
     crash.all(
         |_| true,
         &meshes,
         &wanted,
         "[C] own fully integrated shell, 5 and 3.33 mm extrapolated",
-        |shell, mesh| bench.model(&format!("B15 {shell} {}", mesh.fineness), &s_beam_scene(shell, mesh.fineness)),
+        |shell, mesh| {
+            bench.model(
+                &format!("B15 {shell} {}", mesh.fineness),
+                &s_beam_scene(shell, mesh.fineness),
+            )
+        },
     )
 }
 
 fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
     const JOB: &str = include_str!("../../../cases/tube/job.toml");
-    let crash = Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
+    let crash =
+        Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
     let meshes = [
         Mesh { name: "1.25 mm", fineness: 24, held: true },
         Mesh { name: "2.5 mm, coarse", fineness: 12, held: false },
@@ -230,8 +272,11 @@ fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
         "[C] own fully integrated shell, 1.25 and 0.83 mm extrapolated",
         |shell, mesh| {
             let n = mesh.fineness;
-            let sets =
-                [format!("part.tube.element=\"{shell}\""), format!("scene.elements={n}"), "end_time=2.01".into()];
+            let sets = [
+                format!("part.tube.element=\"{shell}\""),
+                format!("scene.elements={n}"),
+                "end_time=2.01".into(),
+            ];
             bench.model_of(&format!("B19 {shell} {n}"), JOB.into(), &sets)
         },
     )
@@ -240,13 +285,16 @@ fn short_tube(bench: &Bench) -> Result<Vec<Row>, String> {
 fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<Row>, String> {
     const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
     const PARTS: u32 = 8;
-    let crash = Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
+    let crash =
+        Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
     let meshes = [
-        // The horns alone: with all of the frame so fine the fully integrated shell absorbs the same by 5 ms, within 0.04 %.
+        // The horns alone: with all of the frame so fine the fully integrated shell absorbs the
+        // same by 5 ms, within 0.04 %.
         Mesh { name: "horn_refine = 3", fineness: 3, held: true },
         Mesh { name: "refine = 1, coarse", fineness: 1, held: false },
     ];
-    let wanted = Shown { mean: 394.6, peak: 964.0, absorbed: vec![15600.0, 22017.0, 33975.0, 45774.0] };
+    let wanted =
+        Shown { mean: 394.6, peak: 964.0, absorbed: vec![15600.0, 22017.0, 33975.0, 45774.0] };
     crash.all(
         runs,
         &meshes,
@@ -254,7 +302,8 @@ fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<Row>, String> {
         "[C] own fully integrated shell, horn_refine = 3 and 4 extrapolated",
         |shell, mesh| {
             let n = mesh.fineness;
-            let mut sets: Vec<String> = (1..=PARTS).map(|id| format!("part.{id}.element=\"{shell}\"")).collect();
+            let mut sets: Vec<String> =
+                (1..=PARTS).map(|id| format!("part.{id}.element=\"{shell}\"")).collect();
             sets.extend([format!("scene.horn_refine={n}"), "end_time=10.05".into()]);
             bench.model_of(&format!("B20 {shell} {n}"), JOB.into(), &sets)
         },

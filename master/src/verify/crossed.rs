@@ -14,11 +14,14 @@ pub const RIGID: Check = Check { name: "rigid beams that cross", quick: true, ru
 /// C20, elastic beams.
 pub const ELASTIC: Check = Check { name: "elastic beams that cross", quick: true, run: elastic };
 /// C20, a free edge.
-pub const EDGE: Check = Check { name: "a beam on the free edge of a shell", quick: true, run: edge };
+pub const EDGE: Check =
+    Check { name: "a beam on the free edge of a shell", quick: true, run: edge };
 /// C20, at rest.
-pub const REST: Check = Check { name: "a beam on a sheet, a cube on three beams", quick: true, run: rest };
+pub const REST: Check =
+    Check { name: "a beam on a sheet, a cube on three beams", quick: true, run: rest };
 
-/// Length of a beam and its radius, thickness of shells [m], and how fast elastic bodies come together [m/s].
+/// Length of a beam and its radius, thickness of shells [m], and how fast elastic bodies come
+/// together [m/s].
 const LENGTH: f64 = 0.1;
 const RADIUS: f64 = 2e-3;
 const THICKNESS: f64 = 1e-3;
@@ -50,27 +53,30 @@ fn tube(scene: &mut Scene, part: u32) {
     ));
 }
 
-/// Fraction of the momentum that a free bar has at its middle and gives off when it is stopped `OFF` from there: `1/(1 + m d^2/I)`, the
-/// inertia that of the nodes, `m L^2/12 (1 + 2/n^2)`.
+/// Fraction of the momentum that a free bar has at its middle and gives off when it is stopped
+/// `OFF` from there: `1/(1 + m d^2/I)`, the inertia that of the nodes, `m L^2/12 (1 + 2/n^2)`.
 fn given_off(off: f64) -> f64 {
     let inertia = LENGTH * LENGTH / 12.0 * (1.0 + 2.0 / (CELLS * CELLS) as f64);
     1.0 / (1.0 + off * off / inertia)
 }
 
-const CLOSED: &str = "[D] impulse and momentum of rigid bars; inertia of the sections themselves, below 1 %";
+const CLOSED: &str =
+    "[D] impulse and momentum of rigid bars; inertia of the sections themselves, below 1 %";
 const EXACT: &str = "exact; round-off of some thousand steps";
 const TURNED: &str = "exact; nodes of rigid bodies go along chords, by (w dt)^2 and so";
 
-/// Momentum and angular momentum that are lost or won, as fractions of `had` [kg m/s] and of that times the length; the latter bounded
-/// by `angular`.
+/// Momentum and angular momentum that are lost or won, as fractions of `had` [kg m/s] and of that
+/// times the length; the latter bounded by `angular`.
 fn momentum_rows(variant: &str, run: &Finished, angular: (f64, &'static str)) -> [Row; 2] {
     let now: [[f64; 3]; 2] = momentum(&run.engine.nodes).into();
-    let change = |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
+    let change =
+        |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
     let had = run.momentum[0][2].abs();
     let turning = change(1) / (had * LENGTH);
     [
         Row::new("change of momentum / m v", variant, "", change(0) / had).at_most(1e-12, EXACT),
-        Row::new("change of angular momentum / m v L", variant, "", turning).at_most(angular.0, angular.1),
+        Row::new("change of angular momentum / m v L", variant, "", turning)
+            .at_most(angular.0, angular.1),
     ]
 }
 
@@ -80,7 +86,8 @@ fn crossings(variant: &str, run: &Finished) -> Row {
     Row::new("lines seen in surfaces", variant, "", seen as f64).at_most(0.0, "exact")
 }
 
-/// Two equal rigid bars at right angles: `m v (1 + e)/2` times what is given off passes, with the rebound e.
+/// Two equal rigid bars at right angles: `m v (1 + e)/2` times what is given off passes, with the
+/// rebound e.
 fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -101,11 +108,15 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.add("tolerance = 1e-6\nsweeps = 200");
             let variant = format!("{}, rigid, {} mm off the middles", law.name, 1e3 * off);
             let run = bench.watch(&format!("C20 {variant}"), &scene, |_| {})?;
-            // Bars whose contact lets nothing give way stay together, those on a spring without damping part as fast as they came.
+            // Bars whose contact lets nothing give way stay together, those on a spring without
+            // damping part as fast as they came.
             let rebound = if law.is_spring() { 1.0 } else { 0.0 };
             let expected = 0.5 * (1.0 + rebound) * given_off(off);
             let struck = -middle_velocity(&run, &below) / FAST;
-            all.push(Row::new("velocity of the struck bar / v", &variant, "", struck).near(expected, 0.01, CLOSED));
+            all.push(
+                Row::new("velocity of the struck bar / v", &variant, "", struck)
+                    .near(expected, 0.01, CLOSED),
+            );
             all.extend(momentum_rows(&variant, &run, (1e-7, TURNED)));
             all.push(run.given_row(&variant));
         }
@@ -159,8 +170,12 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let reference = swapped(off, hold, until);
             let struck = -middle_velocity(&run, &below) / V;
-            const BEAM: &str = "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for C04";
-            all.push(Row::new("velocity of the struck beam / v", &variant, "", struck).within(reference, 0.05, BEAM));
+            const BEAM: &str =
+                "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for C04";
+            all.push(
+                Row::new("velocity of the struck beam / v", &variant, "", struck)
+                    .within(reference, 0.05, BEAM),
+            );
             all.extend(momentum_rows(&variant, &run, (1e-12, EXACT)));
             all.extend(run.energy_rows(&variant, 0.01));
             all.push(crossings(&variant, &run));
@@ -169,14 +184,16 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A rigid bar comes down on the free edge of an upright sheet that is held, beside its middle, and turns about it.
+/// A rigid bar comes down on the free edge of an upright sheet that is held, beside its middle, and
+/// turns about it.
 fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(2e-4);
         let apart = RADIUS + 0.5 * THICKNESS;
         let z = apart + 2e-4;
-        let bar = bar(&mut scene, CELLS, [0.0, OFF - 0.5 * LENGTH, z], [0.0, OFF + 0.5 * LENGTH, z]);
+        let bar =
+            bar(&mut scene, CELLS, [0.0, OFF - 0.5 * LENGTH, z], [0.0, OFF + 0.5 * LENGTH, z]);
         let sheet = scene.grid(2, [3, 2], |x, y| [0.03 * (x - 0.5), 0.0, -0.02 * y]);
         beams(&mut scene, &[(1, &bar)]);
         scene.elastic("steel", STEEL);
@@ -197,7 +214,10 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let kept = 1.0 - (1.0 + rebound) * given_off(OFF);
         let goes_on = -middle_velocity(&run, &bar) / FAST;
         let variant = format!("{}, over a free edge", law.name);
-        all.push(Row::new("velocity of the middle / v", &variant, "", goes_on).within(kept, 0.01, CLOSED));
+        all.push(
+            Row::new("velocity of the middle / v", &variant, "", goes_on)
+                .within(kept, 0.01, CLOSED),
+        );
         all.push(
             Row::new("least distance / (r + t/2)", &variant, "", nearest / apart)
                 .at_least(0.95, "limit of the catalogue for C04: contact at (t1 + t2)/2"),
@@ -208,8 +228,9 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// What comes to rest under gravity: a beam on a sheet at `r + t/2`, and a cube that stands on its corner between three beams, against
-/// its edges: its corner `(r - rho cos a)/sin a` from their plane, `rho` from the axis to a beam, `cos a = 1/sqrt(3)`.
+/// What comes to rest under gravity: a beam on a sheet at `r + t/2`, and a cube that stands on its
+/// corner between three beams, against its edges: its corner `(r - rho cos a)/sin a` from their
+/// plane, `rho` from the axis to a beam, `cos a = 1/sqrt(3)`.
 fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
     const GRAVITY: &str = "[[gravity]]\nacceleration = [0.0, 0.0, -200.0]";
     let mut all = Vec::new();
@@ -228,11 +249,15 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.add(&format!("[contact]\nlaw = \"{law}\""));
         let run = bench.watch(&format!("C20 sheet {law}"), &scene, |_| {})?;
         let far = |n: &u32| position(&run.engine, *n)[2] / apart;
-        let [low, high] = [f64::min, f64::max].map(|pick| beam.iter().map(far).fold(far(&beam[0]), pick));
+        let [low, high] =
+            [f64::min, f64::max].map(|pick| beam.iter().map(far).fold(far(&beam[0]), pick));
         let variant = format!("{law}, a beam on a sheet");
-        const PLACE: &str = "[D] sum of radius and half thickness; the weight presses a spring by 1e-4 of it";
+        const PLACE: &str =
+            "[D] sum of radius and half thickness; the weight presses a spring by 1e-4 of it";
         all.push(Row::new("least height / (r + t/2)", &variant, "", low).near(1.0, 0.005, PLACE));
-        all.push(Row::new("largest height / (r + t/2)", &variant, "", high).near(1.0, 0.005, PLACE));
+        all.push(
+            Row::new("largest height / (r + t/2)", &variant, "", high).near(1.0, 0.005, PLACE),
+        );
 
         let (rho, side) = (0.015, 0.04);
         let (cos, sin) = ((1.0f64 / 3.0).sqrt(), (2.0f64 / 3.0).sqrt());
@@ -245,14 +270,18 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
             bars.push(bar(&mut scene, 3, end(-0.024), end(0.024)));
         }
         // Edges go up from the corner in the planes through the axis and the middles of the beams.
-        let edges: [[f64; 3]; 3] = [0, 1, 2].map(turned).map(|(s, c)| [side * sin * c, side * sin * s, side * cos]);
+        let edges: [[f64; 3]; 3] =
+            [0, 1, 2].map(turned).map(|(s, c)| [side * sin * c, side * sin * s, side * cos]);
         let cube = scene.block(2, [1; 3], |p| {
             [0, 1, 2].map(|c| {
                 let start = if c == 2 { depth + 5e-5 } else { 0.0 };
                 start + (0..3).map(|e| p[e] * edges[e][c]).sum::<f64>()
             })
         });
-        beams(&mut scene, &[1, 1, 1].into_iter().zip(bars.iter().map(Vec::as_slice)).collect::<Vec<_>>());
+        beams(
+            &mut scene,
+            &[1, 1, 1].into_iter().zip(bars.iter().map(Vec::as_slice)).collect::<Vec<_>>(),
+        );
         scene.elastic("steel", STEEL);
         tube(&mut scene, 1);
         scene.solid_part(2, "steel", "");
@@ -261,10 +290,10 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.add(GRAVITY);
         scene.add(&format!("[contact]\nlaw = \"{law}\"\nfriction = 0.3"));
         let run = bench.watch(&format!("C20 cage {law}"), &scene, |_| {})?;
-        let low = cube.all().iter().map(|&n| position(&run.engine, n)[2]).fold(f64::INFINITY, f64::min);
+        let low =
+            cube.all().iter().map(|&n| position(&run.engine, n)[2]).fold(f64::INFINITY, f64::min);
         let variant = format!("{law}, a cube on three beams");
-        const HELD: &str =
-            "[D] closed form of the place; a fiftieth of the radius for what the cube and springs give way";
+        const HELD: &str = "[D] closed form of the place; a fiftieth of the radius for what the cube and springs give way";
         all.push(Row::new("corner below the beams / r", &variant, "", -low / RADIUS).within(
             -depth / RADIUS,
             0.02,

@@ -1,15 +1,17 @@
-//! Shells that buckle and fold: tubes crushed along their axis (B11, B12, B13), and a beam bent by a blow (B04).
+//! Shells that buckle and fold: tubes crushed along their axis (B11, B12, B13), and a beam bent by
+//! a blow (B04).
 //!
-//! Tubes run with every quad of the table. What is gated: the mean crush force, the hourglass energy, the penetration, the
-//! number of folds, and energy. Peaks and energies at stations are beside what the catalogue has.
+//! Tubes run with every quad of the table. What is gated: the mean crush force, the hourglass
+//! energy, the penetration, the number of folds, and energy. Peaks and energies at stations are
+//! beside what the catalogue has.
 
 use super::measure::{displacement, mean_velocity, position};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use crumple_proto::mesh::Shape;
-use crumple_worker::elements::ELEMENTS;
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::elements::ELEMENTS;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
@@ -18,7 +20,8 @@ pub const BEAM: Check = Check { name: "impulsively loaded beam", quick: false, r
 /// B11.
 pub const SQUARE: Check = Check { name: "square tube", quick: false, run: square };
 /// B12.
-pub const MEAN_FORCE: Check = Check { name: "square tube, mean force formula", quick: false, run: mean_force };
+pub const MEAN_FORCE: Check =
+    Check { name: "square tube, mean force formula", quick: false, run: mean_force };
 /// B13.
 pub const ROUND: Check = Check { name: "circular tube", quick: false, run: round };
 
@@ -63,10 +66,16 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
         Row::new("peak deflection", variant, "mm", 1e3 * peak).near(18.69, 0.04, C),
         Row::new("time of the peak", variant, "us", 1e6 * when)
             .beside(475.0, "[C] flat maximum from 480 to 620 us with BT shells"),
-        Row::new("mean deflection from 1.2 to 2 ms", variant, "mm", 1e3 * residual / time).near(17.6, 0.04, C),
+        Row::new("mean deflection from 1.2 to 2 ms", variant, "mm", 1e3 * residual / time)
+            .near(17.6, 0.04, C),
     ];
-    for ((w, expected), t) in early.iter().zip([10.98, 13.11, 15.68, 18.21]).zip([100, 200, 300, 400]) {
-        all.push(Row::new(format!("deflection at {t} us"), variant, "mm", 1e3 * w).near(expected, 0.04, C));
+    for ((w, expected), t) in
+        early.iter().zip([10.98, 13.11, 15.68, 18.21]).zip([100, 200, 300, 400])
+    {
+        all.push(
+            Row::new(format!("deflection at {t} us"), variant, "mm", 1e3 * w)
+                .near(expected, 0.04, C),
+        );
     }
     all.extend(run.energy_rows(variant, 1e-2));
     Ok(all)
@@ -84,7 +93,8 @@ pub fn shells() -> impl Iterator<Item = &'static str> {
 /// A tube that stands on a rigid wall and is crushed by a mass.
 #[derive(Clone, Copy)]
 struct Tube<'a> {
-    /// Section: from 0..1 around to x, y, and the outward normal, with the depth of the trigger there [m].
+    /// Section: from 0..1 around to x, y, and the outward normal, with the depth of the trigger
+    /// there [m].
     section: &'a dyn Fn(f64) -> ([f64; 2], [f64; 2]),
     around: usize,
     along: usize,
@@ -111,9 +121,11 @@ struct Crushed {
     hourglass: f64,
     /// Largest penetration on the way, as a fraction of the contact thickness.
     penetration: f64,
-    /// Folds: extremes, by turns inward and outward, of the displacement along the middle of the first face.
+    /// Folds: extremes, by turns inward and outward, of the displacement along the middle of the
+    /// first face.
     folds: usize,
-    /// Largest difference of radial displacements within a ring over the largest mean one: 0 where the mode is axisymmetric.
+    /// Largest difference of radial displacements within a ring over the largest mean one: 0 where
+    /// the mode is axisymmetric.
     waviness: f64,
     /// Largest energy that is not accounted for.
     error: f64,
@@ -121,7 +133,13 @@ struct Crushed {
 
 impl Tube<'_> {
     /// Crushes it with a shell up to the last of the stations `at` [m].
-    fn crush(&self, bench: &Bench, name: &str, [shell, law]: [&str; 2], at: &[f64]) -> Result<Crushed, String> {
+    fn crush(
+        &self,
+        bench: &Bench,
+        name: &str,
+        [shell, law]: [&str; 2],
+        at: &[f64],
+    ) -> Result<Crushed, String> {
         let depth = at.last().copied().unwrap_or(0.0);
         let mut scene = Scene::new(1.3 * depth / self.speed);
         let (m, n) = (self.around, self.along);
@@ -129,7 +147,8 @@ impl Tube<'_> {
         for i in 0..=n {
             let z = self.length * i as f64 / n as f64;
             let [low, high] = self.trigger;
-            let wave = if z > low && z < high { (PI * (z - low) / (high - low)).sin() } else { 0.0 };
+            let wave =
+                if z > low && z < high { (PI * (z - low) / (high - low)).sin() } else { 0.0 };
             for k in 0..m {
                 let ([x, y], [dx, dy]) = (self.section)(k as f64 / m as f64);
                 nodes.push(scene.node([x + wave * dx, y + wave * dy, z]));
@@ -156,7 +175,8 @@ impl Tube<'_> {
         let run = bench.run(name, &scene, |e| {
             let mean = top.iter().map(|&n| -displacement(e, n)[2]).sum::<f64>() / top.len() as f64;
             let (t, v) = (e.clock.time, mean_velocity(e, &top, 2));
-            penetration = penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
+            penetration =
+                penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
             if t >= last.0 + WINDOW {
                 peak = peak.max(self.mass * (v - last.1) / (t - last.0));
                 last = (t, v);
@@ -164,15 +184,30 @@ impl Tube<'_> {
             while at.get(absorbed.len()).is_some_and(|&a| mean >= a) {
                 absorbed.push(0.5 * self.mass * (self.speed * self.speed - v * v));
             }
-            if absorbed.len() == at.len() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if absorbed.len() == at.len() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         })?;
         if run.trouble || absorbed.len() < at.len() {
-            return Err(format!("{name} ended at {:e} s, before it was crushed by {depth} m", run.engine.clock.time));
+            return Err(format!(
+                "{name} ended at {:e} s, before it was crushed by {depth} m",
+                run.engine.clock.time
+            ));
         }
         let hourglass = run.energies.hourglass / run.energies.internal;
         let folds = self.folds(&run.engine, &nodes);
         let waviness = self.waviness(&run.engine, &nodes);
-        Ok(Crushed { absorbed, peak, hourglass, penetration, folds, waviness, error: run.energy_error })
+        Ok(Crushed {
+            absorbed,
+            peak,
+            hourglass,
+            penetration,
+            folds,
+            waviness,
+            error: run.energy_error,
+        })
     }
 
     /// Distance of a node from the axis, at the start and now [m].
@@ -181,7 +216,8 @@ impl Tube<'_> {
         [(x[0] - u[0]).hypot(x[1] - u[1]), x[0].hypot(x[1])]
     }
 
-    /// Turns of the displacement, along the middle of the first face, by more than two thicknesses from the last extreme.
+    /// Turns of the displacement, along the middle of the first face, by more than two thicknesses
+    /// from the last extreme.
     fn folds(&self, e: &Engine, nodes: &[u32]) -> usize {
         let line = (0..=self.along).map(|i| {
             let [then, now] = Self::radii(e, nodes[i * self.around + self.around / 8]);
@@ -208,8 +244,10 @@ impl Tube<'_> {
     fn waviness(&self, e: &Engine, nodes: &[u32]) -> f64 {
         let (mut largest, mut range) = (0.0f64, 0.0f64);
         for ring in nodes.chunks(self.around) {
-            let u: Vec<f64> = ring.iter().map(|&n| Self::radii(e, n)).map(|[then, now]| now - then).collect();
-            let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &u| (l.min(u), h.max(u)));
+            let u: Vec<f64> =
+                ring.iter().map(|&n| Self::radii(e, n)).map(|[then, now]| now - then).collect();
+            let (low, high) =
+                u.iter().fold((f64::MAX, f64::MIN), |(l, h), &u| (l.min(u), h.max(u)));
             largest = largest.max((u.iter().sum::<f64>() / u.len() as f64).abs());
             range = range.max(high - low);
         }
@@ -218,12 +256,22 @@ impl Tube<'_> {
 }
 
 impl Crushed {
-    /// Rows that every tube has; `limits` are the mean force over the last station [N], its tolerance and source.
-    fn rows(&self, variant: &str, depth: f64, (mean, tolerance, source): (f64, f64, &'static str)) -> Vec<Row> {
+    /// Rows that every tube has; `limits` are the mean force over the last station [N], its
+    /// tolerance and source.
+    fn rows(
+        &self,
+        variant: &str,
+        depth: f64,
+        (mean, tolerance, source): (f64, f64, &'static str),
+    ) -> Vec<Row> {
         let absorbed = self.absorbed.last().copied().unwrap_or(f64::NAN);
         let quantity = format!("mean force from 0 to {:.0} mm", 1e3 * depth);
         vec![
-            Row::new(quantity, variant, "kN", 1e-3 * absorbed / depth).near(1e-3 * mean, tolerance, source),
+            Row::new(quantity, variant, "kN", 1e-3 * absorbed / depth).near(
+                1e-3 * mean,
+                tolerance,
+                source,
+            ),
             Row::new("largest force, mean over 0.1 ms", variant, "kN", 1e-3 * self.peak),
             Row::new("hourglass energy over internal energy", variant, "", self.hourglass)
                 .at_most(HOURGLASS_LIMIT, "gate of the catalogue: 5 %"),
@@ -235,7 +283,8 @@ impl Crushed {
     }
 }
 
-/// A square around the origin from 0..1, and the trigger of B11: inwards on the x faces, outwards on the y faces.
+/// A square around the origin from 0..1, and the trigger of B11: inwards on the x faces, outwards
+/// on the y faces.
 fn square_section(side: f64, depth: f64) -> impl Fn(f64) -> ([f64; 2], [f64; 2]) {
     move |s| {
         let h = 0.5 * side;
@@ -253,7 +302,8 @@ fn square_section(side: f64, depth: f64) -> impl Fn(f64) -> ([f64; 2], [f64; 2])
 fn square(bench: &Bench) -> Result<Vec<Row>, String> {
     const AT: [f64; 6] = [0.025, 0.05, 0.075, 0.1, 0.125, 0.15];
     /// OpenRadioss: BT with 5 mm, QEPH with 3.33 mm [kJ].
-    const ABSORBED: [[f64; 6]; 2] = [[1.04, 1.75, 2.55, 3.22, 3.96, 4.63], [0.98, 1.82, 2.37, 3.10, 3.67, 4.33]];
+    const ABSORBED: [[f64; 6]; 2] =
+        [[1.04, 1.75, 2.55, 3.22, 3.96, 4.63], [0.98, 1.82, 2.37, 3.10, 3.67, 4.33]];
     const SOURCES: [&str; 2] = ["[C] OpenRadioss, BT 5 mm", "[C] OpenRadioss, QEPH 3.33 mm"];
     let section = square_section(0.06, 5e-4);
     let coarse = Tube {
@@ -272,8 +322,10 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         thinning: true,
     };
     let fine = Tube { around: 72, along: 90, ..coarse };
-    let by_shell = shells().flat_map(|shell| [(shell, "lagrange", false), (shell, "lagrange", true)]);
-    let by_law = bench.laws().filter(|&law| law != "lagrange").map(|law| ("belytschko_tsay", law, false));
+    let by_shell =
+        shells().flat_map(|shell| [(shell, "lagrange", false), (shell, "lagrange", true)]);
+    let by_law =
+        bench.laws().filter(|&law| law != "lagrange").map(|law| ("belytschko_tsay", law, false));
     let mut all = Vec::new();
     for (shell, law, is_fine) in by_shell.chain(by_law) {
         let (tube, mesh) = if is_fine { (&fine, "3.33 mm") } else { (&coarse, "5 mm") };
@@ -284,7 +336,11 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
             let quantity = format!("energy absorbed at {:.0} mm", 1e3 * a);
             all.push(Row::new(quantity, &variant, "kJ", 1e-3 * ours).beside(*expected, source));
         }
-        all.extend(crushed.rows(&variant, 0.15, (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest")));
+        all.extend(crushed.rows(
+            &variant,
+            0.15,
+            (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest"),
+        ));
         // 150 mm of crush use up 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(
             Row::new("folds along a face", &variant, "", crushed.folds as f64)
@@ -297,9 +353,10 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
 fn mean_force(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     // 52.22 M0 (C/t)^(1/3) with M0 = 300 MPa t^2/4; two fold lengths of the formula trigger.
-    for (side, thickness, length, trigger, expected) in
-        [(0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3), (0.04931, 1.63e-3, 0.266, [0.008, 0.039], 32.4e3)]
-    {
+    for (side, thickness, length, trigger, expected) in [
+        (0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3),
+        (0.04931, 1.63e-3, 0.266, [0.008, 0.039], 32.4e3),
+    ] {
         let section = square_section(side, 4e-4);
         let tube = Tube {
             section: &section,
@@ -320,7 +377,8 @@ fn mean_force(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("B12 {shell} {side}");
             let crushed = tube.crush(bench, &name, [shell, "lagrange"], &[depth])?;
             let size = format!("{:.2} by {:.3} mm", 1e3 * side, 1e3 * thickness);
-            let variant = format!("lagrange, {shell}, {size}, mesh {:.1} mm, 300 MPa", 4e3 * side / 40.0);
+            let variant =
+                format!("lagrange, {shell}, {size}, mesh {:.1} mm, 300 MPa", 4e3 * side / 40.0);
             let reference = (expected, 0.2, "[V:S22] section, [D] 52.22 M0 (C/t)^(1/3)");
             all.extend(crushed.rows(&variant, depth, reference));
         }

@@ -9,7 +9,8 @@ use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
 /// C04, upright strips.
-pub const UPRIGHT: Check = Check { name: "strips that meet with their edges", quick: true, run: upright };
+pub const UPRIGHT: Check =
+    Check { name: "strips that meet with their edges", quick: true, run: upright };
 /// C04, strips that lie flat on each other.
 pub const FLAT: Check = Check { name: "flat strips that cross", quick: true, run: flat };
 
@@ -21,9 +22,11 @@ const V: f64 = 5.0;
 /// Way to the first contact [m].
 const AIR: f64 = 2e-4;
 
-const BEAM: &str = "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for a full swap";
+const BEAM: &str =
+    "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for a full swap";
 
-/// The upper strip of two goes along x, the lower one at an angle; they cross `off` from the middle of both [m].
+/// The upper strip of two goes along x, the lower one at an angle; they cross `off` from the middle
+/// of both [m].
 struct Crossing {
     name: &'static str,
     angle: f64,
@@ -44,18 +47,21 @@ pub enum Hold {
     Soft(f64, f64),
 }
 
-/// Velocity that the struck one of two equal free beams takes over, as a fraction of the other's before. By symmetry the
-/// point where they touch rests in the frame of both: each falls with half the velocity on what is there, at `off` from
-/// its middle, and may leave it again. Timoshenko's theory with 100 linear elements, one point each, lumped masses,
-/// central differences; with 40 elements the result is the same within 0.003.
+/// Velocity that the struck one of two equal free beams takes over, as a fraction of the other's
+/// before. By symmetry the point where they touch rests in the frame of both: each falls with half
+/// the velocity on what is there, at `off` from its middle, and may leave it again. Timoshenko's
+/// theory with 100 linear elements, one point each, lumped masses, central differences; with 40
+/// elements the result is the same within 0.003.
 ///
-/// Beams bend and go on ringing, so that velocities are not swapped in full: 0.90 and not 1 in the middle.
+/// Beams bend and go on ringing, so that velocities are not swapped in full: 0.90 and not 1 in the
+/// middle.
 pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
     const N: usize = 100;
     let (area, second) = (THICKNESS * WIDTH, THICKNESS * WIDTH.powi(3) / 12.0);
     let shear = 5.0 / 6.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)) * area;
     let dx = LENGTH / N as f64;
-    let (mass, inertia) = (STEEL.rho * area * dx, STEEL.rho * (second * dx + area * dx.powi(3) / 12.0));
+    let (mass, inertia) =
+        (STEEL.rho * area * dx, STEEL.rho * (second * dx + area * dx.powi(3) / 12.0));
     let at_end = |i: usize| if i == 0 || i == N { 0.5 } else { 1.0 };
     let (mut w, mut turn) = ([0.0; N + 1], [0.0; N + 1]);
     let (mut dw, mut dturn) = ([-1.0f64; N + 1], [0.0f64; N + 1]);
@@ -101,7 +107,8 @@ fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
     let had = start[0][2].abs();
     [
         Row::new("change of momentum / m v", variant, "", change(0) / had).at_most(1e-12, EXACT),
-        Row::new("change of angular momentum / m v L", variant, "", change(1) / (had * LENGTH)).at_most(1e-12, EXACT),
+        Row::new("change of angular momentum / m v L", variant, "", change(1) / (had * LENGTH))
+            .at_most(1e-12, EXACT),
     ]
 }
 
@@ -117,7 +124,8 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             let (sin, cos) = crossing.angle.to_radians().sin_cos();
             let z = 0.5 * (THICKNESS + AIR);
             let above = scene.grid(1, cells, |x, y| [along(x), 0.0, z + WIDTH * y]);
-            let below = scene.grid(2, cells, |x, y| [cos * along(x), sin * along(x), -z - WIDTH * y]);
+            let below =
+                scene.grid(2, cells, |x, y| [cos * along(x), sin * along(x), -z - WIDTH * y]);
             scene.elastic("steel", STEEL);
             (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 2"));
             scene.start(above.all(), [0.0, 0.0, -V], [0.0; 3]);
@@ -126,7 +134,8 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{law}, strips upright {}", crossing.name);
             let hold = if is_spring(law) {
                 // Four nodes with half the mass of an element; the default scale and damping.
-                let node = 0.5 * STEEL.rho * THICKNESS * LENGTH * WIDTH / (cells[0] * cells[1]) as f64;
+                let node =
+                    0.5 * STEEL.rho * THICKNESS * LENGTH * WIDTH / (cells[0] * cells[1]) as f64;
                 let s = (cells[0] as f64 * (0.5 + crossing.off / LENGTH)).fract();
                 let reduced = node / (2.0 * (s * s + (1.0 - s).powi(2)));
                 let k = 0.35 * reduced / run.engine.clock.first_dt.powi(2);
@@ -136,12 +145,21 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let struck = -mean_velocity(&run.engine, below.all(), 2) / V;
             let reference = swapped(crossing.off, hold, (way - AIR) / V);
-            all.push(Row::new("velocity of the struck strip / v", &variant, "", struck).within(reference, 0.05, BEAM));
+            all.push(
+                Row::new("velocity of the struck strip / v", &variant, "", struck)
+                    .within(reference, 0.05, BEAM),
+            );
             all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
             all.extend(run.energy_rows(&variant, 0.01));
-            let crossed =
-                run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
-            all.push(Row::new("edges seen in surfaces", &variant, "", crossed as f64).at_most(0.0, "exact"));
+            let crossed = run
+                .engine
+                .contact
+                .as_ref()
+                .map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
+            all.push(
+                Row::new("edges seen in surfaces", &variant, "", crossed as f64)
+                    .at_most(0.0, "exact"),
+            );
         }
     }
     Ok(all)
@@ -150,10 +168,15 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
 /// Height of the middle of the patch, which has no node there [m].
 fn middle(e: &Engine, grid: &Grid) -> f64 {
     let k = grid.along() / 2;
-    [(k, 0), (k + 1, 0), (k, 1), (k + 1, 1)].map(|(i, j)| position(e, grid.at(i, j))[2]).iter().sum::<f64>() / 4.0
+    [(k, 0), (k + 1, 0), (k, 1), (k + 1, 1)]
+        .map(|(i, j)| position(e, grid.at(i, j))[2])
+        .iter()
+        .sum::<f64>()
+        / 4.0
 }
 
-/// Two strips flat, one above the other, each an element wide: where they cross no node lies on the other one.
+/// Two strips flat, one above the other, each an element wide: where they cross no node lies on the
+/// other one.
 fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
     let cells = [5, 1];
     let mut all = Vec::new();
@@ -172,8 +195,13 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{law}, strips flat");
         all.push(
-            Row::new("least distance of the middles / thickness", &variant, "", nearest / THICKNESS)
-                .at_least(0.95, "limit of the catalogue: contact at (t1 + t2)/2"),
+            Row::new(
+                "least distance of the middles / thickness",
+                &variant,
+                "",
+                nearest / THICKNESS,
+            )
+            .at_least(0.95, "limit of the catalogue: contact at (t1 + t2)/2"),
         );
         all.extend(momentum_rows(&variant, &run.momentum, &run.engine));
         all.extend(run.energy_rows(&variant, 0.01));

@@ -1,13 +1,13 @@
-//! Shell elements alone or few: patch tests (A21), stable step (A23), rotation and large strain (A19 a, b, A26, C16),
-//! hourglass mode (C10), warped elements (C11).
+//! Shell elements alone or few: patch tests (A21), stable step (A23), rotation and large strain
+//! (A19 a, b, A26, C16), hourglass mode (C10), warped elements (C11).
 
 use super::bench::Finished;
 use super::measure::{Crossings, Pose, displacement, drive, fields, fields_before, lead};
 use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
-use crumple_worker::elements::ElementFields;
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::elements::ElementFields;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
@@ -22,17 +22,27 @@ pub const TURNED: Check = Check { name: "prescribed rotation", quick: true, run:
 /// A26 and C16.
 pub const LARGE: Check = Check { name: "large strain", quick: true, run: large_strain };
 /// C16.
-pub const NUMBERING: Check = Check { name: "four numberings in shear", quick: true, run: numbering };
+pub const NUMBERING: Check =
+    Check { name: "four numberings in shear", quick: true, run: numbering };
 /// C10 (a) for shells.
 pub const HOURGLASS: Check = Check { name: "hourglass mode", quick: true, run: hourglass };
 /// C11.
-pub const WARPED: Check = Check { name: "rigid rotation of a warped shell", quick: true, run: warped };
+pub const WARPED: Check =
+    Check { name: "rigid rotation of a warped shell", quick: true, run: warped };
 
 const ALL: &str = "x y z rx ry rz";
 
 /// Patch of MacNeal & Harder: corners, then inner nodes [m].
-const PATCH: [[f64; 2]; 8] =
-    [[0.0, 0.0], [0.24, 0.0], [0.24, 0.12], [0.0, 0.12], [0.04, 0.02], [0.18, 0.03], [0.16, 0.08], [0.08, 0.08]];
+const PATCH: [[f64; 2]; 8] = [
+    [0.0, 0.0],
+    [0.24, 0.0],
+    [0.24, 0.12],
+    [0.0, 0.12],
+    [0.04, 0.02],
+    [0.18, 0.03],
+    [0.16, 0.08],
+    [0.08, 0.08],
+];
 const QUADS: [[u32; 4]; 5] = [[1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8], [5, 6, 7, 8]];
 
 /// The patch with quads or with each of them cut in two.
@@ -54,7 +64,8 @@ fn patch(scene: &mut Scene, element: &str, places: &[[f64; 2]; 8]) {
 fn soft(scene: &mut Scene, element: &str) {
     scene.elastic("soft", Elastic { e: 1e6, nu: 0.25, rho: 1000.0 });
     // Triangles have one formulation, which a part does not name.
-    let named = if element == "c0_triangle" { String::new() } else { format!("\nelement = \"{element}\"") };
+    let named =
+        if element == "c0_triangle" { String::new() } else { format!("\nelement = \"{element}\"") };
     scene.part(1, "soft", 0.001, &format!("points = 2{named}"));
 }
 
@@ -87,8 +98,13 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut scene = Scene::new(end);
         patch(&mut scene, shape, &PATCH);
         scene.fix(&[1, 2, 3, 4], ALL);
-        let speed =
-            |p: [f64; 2]| [scale * 1e-3 * (p[0] + 0.5 * p[1]) / end, scale * 1e-3 * (p[1] + 0.5 * p[0]) / end, 0.0];
+        let speed = |p: [f64; 2]| {
+            [
+                scale * 1e-3 * (p[0] + 0.5 * p[1]) / end,
+                scale * 1e-3 * (p[1] + 0.5 * p[0]) / end,
+                0.0,
+            ]
+        };
         (5..=8).for_each(|n| scene.start(&[n], speed(PATCH[n as usize - 1]), [0.0; 3]));
         let name = format!("A21 membrane {shape}");
         // Steady velocities: differences of places would round off what is compared.
@@ -100,12 +116,21 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
         let reached = scale * (end - run.engine.clock.last_dt) / end;
         let worst = |c: usize, expected: f64| {
             let far = |f: &ElementFields| f.stress[c] / reached;
-            fields(&run.engine).iter().map(far).max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs()))
+            fields(&run.engine)
+                .iter()
+                .map(far)
+                .max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs()))
         };
-        for (c, what, expected) in [(0, "sigma_x", 4000.0 / 3.0), (1, "sigma_y", 4000.0 / 3.0), (3, "tau_xy", 400.0)] {
+        for (c, what, expected) in
+            [(0, "sigma_x", 4000.0 / 3.0), (1, "sigma_y", 4000.0 / 3.0), (3, "tau_xy", 400.0)]
+        {
             let ours = worst(c, expected).unwrap_or(f64::NAN);
             let quantity = format!("membrane patch, {what} of the worst element");
-            all.push(Row::new(quantity, shape, "Pa", ours).near(expected, 1e-8, "[D] MacNeal & Harder"));
+            all.push(Row::new(quantity, shape, "Pa", ours).near(
+                expected,
+                1e-8,
+                "[D] MacNeal & Harder",
+            ));
         }
     }
     Ok(all)
@@ -114,15 +139,20 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
 fn bending(bench: &Bench) -> Result<Vec<Row>, String> {
     let trapezoids = {
         let mut places = PATCH;
-        for (p, x) in places[4..].iter_mut().zip([[0.08, 0.04], [0.16, 0.04], [0.16, 0.08], [0.08, 0.08]]) {
+        for (p, x) in
+            places[4..].iter_mut().zip([[0.08, 0.04], [0.16, 0.04], [0.16, 0.08], [0.08, 0.08]])
+        {
             *p = x;
         }
         places
     };
     let mut all = Vec::new();
     for element in ["belytschko_tsay", "stabilised_quad", "c0_triangle"] {
-        let shapes: &[&str] =
-            if element == "c0_triangle" { &["distorted"] } else { &["parallelograms", "distorted", "trapezoids"] };
+        let shapes: &[&str] = if element == "c0_triangle" {
+            &["distorted"]
+        } else {
+            &["parallelograms", "distorted", "trapezoids"]
+        };
         for &shape in shapes {
             let row = bent(bench, &format!("{element}, {shape}"), |scene| match shape {
                 "parallelograms" => {
@@ -142,14 +172,19 @@ fn bending(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-const SHEARS: &str =
-    "Belytschko-Tsay has no shear projection: on quads that are no parallelograms the catalogue expects it to fail [C]";
+const SHEARS: &str = "Belytschko-Tsay has no shear projection: on quads that are no parallelograms the catalogue expects it to fail [C]";
 
 /// Bends a patch by its rim, which `build` returns, and lets it come to rest.
-fn bent(bench: &Bench, variant: &str, build: impl Fn(&mut Scene) -> Vec<u32>) -> Result<Row, String> {
-    // What the slopes stretch grows with the square of the scale, what bends with the scale: at 1e-4 it is 1e-5 of that.
+fn bent(
+    bench: &Bench,
+    variant: &str,
+    build: impl Fn(&mut Scene) -> Vec<u32>,
+) -> Result<Row, String> {
+    // What the slopes stretch grows with the square of the scale, what bends with the scale: at
+    // 1e-4 it is 1e-5 of that.
     let scale = 1e-9;
-    // Driven for a while, then held. Frequencies from 0.6 Hz on: what lags behind then dies out by exp(-1.4 t) at least.
+    // Driven for a while, then held. Frequencies from 0.6 Hz on: what lags behind then dies out by
+    // exp(-1.4 t) at least.
     let (driven, end) = (50.0, 80.0);
     let mut scene = Scene::new(end);
     let rim = build(&mut scene);
@@ -172,19 +207,22 @@ fn bent(bench: &Bench, variant: &str, build: impl Fn(&mut Scene) -> Vec<u32>) ->
             unseen.get_or_insert(rate * e.clock.last_dt / 1e-3);
         }
         for &n in &rim {
-            let (v, w) = if e.clock.time < driven { motion(scene.at(n)) } else { ([0.0; 3], [0.0; 3]) };
+            let (v, w) =
+                if e.clock.time < driven { motion(scene.at(n)) } else { ([0.0; 3], [0.0; 3]) };
             drive(e, n, v, w);
         }
         ControlFlow::Continue(())
     })?;
     // A corner that was moved says how far it all has come.
     let corner = 3;
-    let reached = displacement(&run.engine, corner)[2] / (1e-3 * bend(scene.at(corner))) - unseen.unwrap_or(0.0);
+    let reached = displacement(&run.engine, corner)[2] / (1e-3 * bend(scene.at(corner)))
+        - unseen.unwrap_or(0.0);
     // Two Gauss points see 1/sqrt 3 of the surface stresses -0.6667, -0.6667, -0.2.
     let surface = (4.0f64 / 9.0 + 3.0 * 0.04).sqrt();
     let of = |f: &ElementFields| f.von_mises / reached * 3f64.sqrt();
     let all = fields(&run.engine);
-    let ours = all.iter().map(of).max_by(|a, b| (a - surface).abs().total_cmp(&(b - surface).abs()));
+    let ours =
+        all.iter().map(of).max_by(|a, b| (a - surface).abs().total_cmp(&(b - surface).abs()));
     let ours = if run.trouble { f64::NAN } else { ours.unwrap_or(f64::NAN) };
     let quantity = "bending patch, von Mises stress at the surface of the worst element";
     Ok(Row::new(quantity, variant, "Pa", ours).near(surface, 1e-8, "[D] MacNeal & Harder"))
@@ -195,7 +233,9 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
     let expected = 1.0 / 1.3f64.sqrt();
     let mut all = Vec::new();
     let thick = [0.5, 0.2, 0.1, 0.05, 0.01].map(|ratio| ("belytschko_tsay", ratio));
-    for (element, ratio) in thick.into_iter().chain([("stabilised_quad", 0.5), ("stabilised_quad", 0.01)]) {
+    for (element, ratio) in
+        thick.into_iter().chain([("stabilised_quad", 0.5), ("stabilised_quad", 0.01)])
+    {
         let scene = |safety: f64| {
             let mut scene = Scene::new(1.0);
             let grid = scene.grid(1, [1, 1], |x, y| [side * x, side * y, 0.0]);
@@ -329,8 +369,13 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
         }
     })?;
     all.push(
-        Row::new("change of the von Mises stress of a stretched shell that turns", "one shell in its plane", "", worst)
-            .at_most(1e-10, "exact"),
+        Row::new(
+            "change of the von Mises stress of a stretched shell that turns",
+            "one shell in its plane",
+            "",
+            worst,
+        )
+        .at_most(1e-10, "exact"),
     );
     Ok(all)
 }
@@ -399,7 +444,12 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     for gamma in [1.0, 2.0, 4.0f64] {
         let [ours, expected] = sheared(gamma, 1000.0)?;
         for (c, name) in [(0, "sigma12/G"), (1, "sigma11/G")] {
-            let row = Row::new(format!("simple shear {gamma}, {name}"), "belytschko_tsay, 1000 steps", "", ours[c]);
+            let row = Row::new(
+                format!("simple shear {gamma}, {name}"),
+                "belytschko_tsay, 1000 steps",
+                "",
+                ours[c],
+            );
             all.push(row.near(expected[c], 1e-3, D));
         }
     }
@@ -407,13 +457,14 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     let order = (off(sheared(4.0, 1000.0)?) / off(sheared(4.0, 4000.0)?)).log2() / 2.0;
     let quantity = "simple shear 4, sigma11/G, order in the step";
     all.push(
-        Row::new(quantity, "belytschko_tsay, 1000 and 4000 steps", "", order).beside(2.0, "catalogue: second order"),
+        Row::new(quantity, "belytschko_tsay, 1000 and 4000 steps", "", order)
+            .beside(2.0, "catalogue: second order"),
     );
     Ok(all)
 }
 
-/// sigma12/G and sigma11/G in simple shear, hypoelastic in axes that turn by half of `atan gamma`: in them the stresses
-/// are `asinh gamma` and `1 - sqrt(1 + gamma^2)`.
+/// sigma12/G and sigma11/G in simple shear, hypoelastic in axes that turn by half of `atan gamma`:
+/// in them the stresses are `asinh gamma` and `1 - sqrt(1 + gamma^2)`.
 fn bisector_shear(gamma: f64) -> [f64; 2] {
     let (t, n) = (gamma.asinh(), 1.0 - (1.0 + gamma * gamma).sqrt());
     let (s, c) = gamma.atan().sin_cos();
@@ -437,10 +488,15 @@ fn numbering(bench: &Bench) -> Result<Vec<Row>, String> {
             ends.push(end);
         }
         let size = ends[0][0].abs().max(ends[0][1].abs());
-        let spread =
-            (0..2).map(|c| ends.iter().map(|e| (e[c] - ends[0][c]).abs()).fold(0.0, f64::max)).fold(0.0, f64::max);
-        let quantity = format!("largest difference of the four numberings in shear {gamma}, of the stress");
-        all.push(Row::new(quantity, "belytschko_tsay", "", spread / size).at_most(0.01, "limit of the catalogue"));
+        let spread = (0..2)
+            .map(|c| ends.iter().map(|e| (e[c] - ends[0][c]).abs()).fold(0.0, f64::max))
+            .fold(0.0, f64::max);
+        let quantity =
+            format!("largest difference of the four numberings in shear {gamma}, of the stress");
+        all.push(
+            Row::new(quantity, "belytschko_tsay", "", spread / size)
+                .at_most(0.01, "limit of the catalogue"),
+        );
     }
     Ok(all)
 }
@@ -451,7 +507,12 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut scene = Scene::new(5.2 / frequency);
     let grid = scene.grid(1, [1, 1], |x, y| [side * x, side * y, 0.0]);
     scene.elastic("steel", STEEL);
-    scene.part(1, "steel", 1e-3, &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {r:?}"));
+    scene.part(
+        1,
+        "steel",
+        1e-3,
+        &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {r:?}"),
+    );
     // The ledger is off by a quarter of the square of omega dt.
     scene.time("safety = 0.1");
     let mode = [1.0, -1.0, 1.0, -1.0];
@@ -468,13 +529,20 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         variant,
         1e-3,
         vec![
-            Row::new("frequency of the in-plane hourglass mode", variant, "kHz", 1e-3 * crossings.frequency()).near(
-                1e-3 * frequency,
-                0.01,
-                "[D] omega = 2 sqrt(r) c/L",
-            ),
-            Row::new("largest hourglass energy / kinetic energy at the start", variant, "", held / run.initial)
-                .near(1.0, 0.01, "[D]"),
+            Row::new(
+                "frequency of the in-plane hourglass mode",
+                variant,
+                "kHz",
+                1e-3 * crossings.frequency(),
+            )
+            .near(1e-3 * frequency, 0.01, "[D] omega = 2 sqrt(r) c/L"),
+            Row::new(
+                "largest hourglass energy / kinetic energy at the start",
+                variant,
+                "",
+                held / run.initial,
+            )
+            .near(1.0, 0.01, "[D]"),
         ],
     ))
 }
@@ -484,7 +552,8 @@ fn warped(bench: &Bench) -> Result<Vec<Row>, String> {
     for lift in [0.05, 0.1, 0.2] {
         for (axis, name) in [(0, "x"), (1, "y"), (2, "z")] {
             let (side, thickness) = (1.0, 0.01);
-            let dt = bench.model("C11 warped", &square(side, thickness, lift, 0, 1.0))?.first_dt().0;
+            let dt =
+                bench.model("C11 warped", &square(side, thickness, lift, 0, 1.0))?.first_dt().0;
             let end = 1000.0 * dt;
             let scene = square(side, thickness, lift, 0, end);
             let x0: Vec<[f64; 3]> = (1..=4).map(|n| scene.at(n)).collect();
@@ -494,7 +563,13 @@ fn warped(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let mut worst = 0.0f64;
             led(bench, &format!("C11 lift {lift} about {name}"), &scene, place, 4, |e| {
-                let size = e.blocks.force.iter().chain(&e.blocks.moment).flatten().fold(0.0f64, |m, f| m.max(f.abs()));
+                let size = e
+                    .blocks
+                    .force
+                    .iter()
+                    .chain(&e.blocks.moment)
+                    .flatten()
+                    .fold(0.0f64, |m, f| m.max(f.abs()));
                 worst = worst.max(size / (STEEL.e * thickness * side));
             })?;
             let variant = format!("belytschko_tsay, corner lifted by {lift}, about {name}");

@@ -1,5 +1,5 @@
-//! Validation: Taylor tests (B03) and clamped plates under impulses (B17) as they were measured. What a law's constants are taken
-//! from is said with each; none was fitted to these tests.
+//! Validation: Taylor tests (B03) and clamped plates under impulses (B17) as they were measured.
+//! What a law's constants are taken from is said with each; none was fitted to these tests.
 
 use super::measure::{displacement, position};
 use super::row::Row;
@@ -11,7 +11,8 @@ pub const COPPER: Check = Check { name: "Taylor tests of copper", quick: false, 
 /// B03, steel.
 pub const STEEL_4340: Check = Check { name: "Taylor test of 4340 steel", quick: false, run: steel };
 /// B17, plates.
-pub const PLATES: Check = Check { name: "clamped square plates under an impulse", quick: false, run: plates };
+pub const PLATES: Check =
+    Check { name: "clamped square plates under an impulse", quick: false, run: plates };
 
 /// A bar that hits a rigid wall.
 struct Shot {
@@ -29,7 +30,8 @@ fn fired(bench: &Bench, name: &str, shot: &Shot) -> Result<[f64; 2], String> {
     let mut scene = Scene::new(shot.until);
     let along = (shot.length / shot.radius * CELLS as f64).round() as usize;
     let nodes = scene.quarter_bar(1, shot.radius, shot.length, CELLS / 2, along);
-    scene.add(&format!("[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\n{}", shot.material));
+    scene
+        .add(&format!("[[material]]\nname = \"metal\"\nlaw = \"johnson_cook\"\n{}", shot.material));
     scene.solid_part(1, "metal", "");
     scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
     scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
@@ -53,8 +55,7 @@ const RC30: &str = "density = 7830.0\nyoungs_modulus = 200e9\npoisson = 0.29\na 
                     specific_heat = 477.0\ntaylor_quinney = 0.9";
 
 fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
-    const WILKINS: &str =
-        "experiment: Wilkins & Guinan 1973, as drawn in Zelepugin et al. 2023 [V:S4]; law of Johnson & Cook 1983";
+    const WILKINS: &str = "experiment: Wilkins & Guinan 1973, as drawn in Zelepugin et al. 2023 [V:S4]; law of Johnson & Cook 1983";
     const M1: &str = "experiment: Zelepugin et al. 2022, copper M1, as drawn in Zelepugin et al. 2023 [V:S4]; law of Johnson & Cook 1983 for another copper";
     let mut all = Vec::new();
     for (what, length, diameter, velocity, [long, wide], gated) in [
@@ -65,7 +66,8 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
     ] {
         // It has stopped after some L/v.
         let until = 1.1 * length / velocity;
-        let shot = Shot { length, radius: 0.5 * diameter, velocity, friction: 0.0, until, material: OFHC };
+        let shot =
+            Shot { length, radius: 0.5 * diameter, velocity, friction: 0.0, until, material: OFHC };
         let [l, r] = fired(bench, &format!("B03 {what} {velocity}"), &shot)?;
         let variant = format!("{what} copper, {velocity} m/s, 6 cells on the radius, no friction");
         let (length, radius) = (
@@ -82,7 +84,8 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
-    const TEST: &str = "experiment: catalogue B03, 37.97 by 7.595 mm [V:S14]; law of Johnson & Cook 1983";
+    const TEST: &str =
+        "experiment: catalogue B03, 37.97 by 7.595 mm [V:S14]; law of Johnson & Cook 1983";
     const CODE: &str = "[V:S14] converged, without friction";
     let mut all = Vec::new();
     for friction in [0.0, 0.09] {
@@ -93,13 +96,17 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(Row::new("length / that at the start", &variant, "", l).near(0.908, 0.03, TEST));
         let foot = Row::new("largest diameter", &variant, "mm", 2e3 * r * radius);
         // Radius is a measure of friction, length one of strength.
-        all.push(if friction > 0.0 { foot.near(9.5, 0.08, TEST) } else { foot.near(10.13, 0.05, CODE) });
+        all.push(if friction > 0.0 {
+            foot.near(9.5, 0.08, TEST)
+        } else {
+            foot.near(10.13, 0.05, CODE)
+        });
     }
     Ok(all)
 }
 
-/// A quarter of a clamped square plate that starts with a uniform velocity; mean deflection of its centre after the first peak, over
-/// its thickness.
+/// A quarter of a clamped square plate that starts with a uniform velocity; mean deflection of its
+/// centre after the first peak, over its thickness.
 fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
     const LINE: &str = "experiment: Nurick & Martin 1989, Int. J. Impact Engng 8, 171-186, line through tests of quadrangular plates as others cite it, 0.471 phi + 0.001; most are within one thickness of it";
     const N: usize = 24;
@@ -109,7 +116,9 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
     for phi in [8.0f64, 14.0, 20.0] {
         let expected = 0.471 * phi + 0.001;
         let speed = phi * 2.0 * thickness / side * (yield_stress / steel.rho).sqrt();
-        for (how, rate) in [("no rate effect", ""), ("Cowper-Symonds 40.4/s, 5", "cowper_symonds = [40.4, 5.0]")] {
+        for (how, rate) in
+            [("no rate effect", ""), ("Cowper-Symonds 40.4/s, 5", "cowper_symonds = [40.4, 5.0]")]
+        {
             let mut scene = Scene::new(0.6e-3);
             let grid = scene.grid(1, [N, N], |x, y| [0.5 * side * x, 0.5 * side * y, 0.0]);
             scene.plastic("steel", steel, yield_stress, 0.0);
@@ -117,9 +126,11 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.part(1, "steel", thickness, "thinning = true");
             scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
             scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
-            let edges: Vec<u32> = grid.row(N).into_iter().chain((0..N).map(|i| grid.at(i, N))).collect();
+            let edges: Vec<u32> =
+                grid.row(N).into_iter().chain((0..N).map(|i| grid.at(i, N))).collect();
             scene.fix(&edges, "x y z rx ry rz");
-            let inside: Vec<u32> = grid.all().iter().copied().filter(|n| !edges.contains(n)).collect();
+            let inside: Vec<u32> =
+                grid.all().iter().copied().filter(|n| !edges.contains(n)).collect();
             scene.start(&inside, [0.0, 0.0, speed], [0.0; 3]);
             let (mut sum, mut samples) = (0.0, 0.0);
             let run = bench.watch(&format!("B17 {phi} {how}"), &scene, |e| {
@@ -129,10 +140,16 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
                 }
             })?;
             let ours = sum / samples / thickness;
-            let variant = format!("89 by 1.6 mm, {} by {} shells, impulse {phi}, {how}", 2 * N, 2 * N);
+            let variant =
+                format!("89 by 1.6 mm, {} by {} shells, impulse {phi}, {how}", 2 * N, 2 * N);
             let row = Row::new("deflection after the peak / thickness", &variant, "", ours);
-            // The line is drawn with the static yield stress, and the tests' steel stiffens with the rate.
-            all.push(if rate.is_empty() { row.beside(expected, LINE) } else { row.within(expected, 1.0, LINE) });
+            // The line is drawn with the static yield stress, and the tests' steel stiffens with
+            // the rate.
+            all.push(if rate.is_empty() {
+                row.beside(expected, LINE)
+            } else {
+                row.within(expected, 1.0, LINE)
+            });
             all.push(run.hourglass_row(&variant));
         }
     }

@@ -1,5 +1,5 @@
-//! What facets do to what meets them: a cube dropped on a corner at different places of a mesh (C03), blocks that slide over
-//! many facets, flat or around a drum (C18).
+//! What facets do to what meets them: a cube dropped on a corner at different places of a mesh
+//! (C03), blocks that slide over many facets, flat or around a drum (C18).
 
 use super::contact::{Law, carrier, tip};
 use super::measure::{Push, contact_force, mass, mean_velocity, position};
@@ -40,9 +40,12 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             ("1e-9 m beside an edge", [1e-9 / facet, 0.5]),
         ] {
             let mut scene = Scene::new(120e-6);
-            let plate = scene.grid(1, [6, 6], |s, t| [facet * (6.0 * s - 3.0 - x), facet * (6.0 * t - 3.0 - y), 0.0]);
+            let plate = scene.grid(1, [6, 6], |s, t| {
+                [facet * (6.0 * s - 3.0 - x), facet * (6.0 * t - 3.0 - y), 0.0]
+            });
             let cube = scene.block(2, [N; 3], |p| {
-                let at: [f64; 3] = std::array::from_fn(|c| (0..3).map(|k| turn[c][k] * side * p[k]).sum());
+                let at: [f64; 3] =
+                    std::array::from_fn(|c| (0..3).map(|k| turn[c][k] * side * p[k]).sum());
                 [at[0], at[1], at[2] + 0.5 * THICKNESS + air]
             });
             scene.elastic("steel", STEEL);
@@ -53,20 +56,27 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.start(plate.all(), [0.0; 3], [0.0; 3]);
             scene.add(&law.table());
             let run = bench.watch(&format!("C03 {} {where_to}", law.name), &scene, |_| {})?;
-            let after: [f64; 3] = std::array::from_fn(|c| mean_velocity(&run.engine, cube.all(), c));
+            let after: [f64; 3] =
+                std::array::from_fn(|c| mean_velocity(&run.engine, cube.all(), c));
             let whole = mass(&run.engine, cube.all());
             let (impulse, rebound) = (whole * (after[2] + v), after[2] / v);
             let variant = format!("{}, {where_to}", law.name);
             let [of_first, rebound_of_first] = *first.get_or_insert([impulse, rebound]);
             if where_to.ends_with("facet") {
-                // Between nothing and a full reversal; what an elastic cube keeps in swings is not known.
+                // Between nothing and a full reversal; what an elastic cube keeps in swings is not
+                // known.
                 all.push(Row::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
                     1.5,
                     1.0 / 3.0,
                     "[D] neither missed nor doubled: 1 to 2",
                 ));
             } else {
-                let row = Row::new("impulse / that in the middle of a facet", &variant, "", impulse / of_first);
+                let row = Row::new(
+                    "impulse / that in the middle of a facet",
+                    &variant,
+                    "",
+                    impulse / of_first,
+                );
                 all.push(row.near(1.0, 0.01, CATALOGUE));
                 let row = Row::new(
                     "rebound less that in the middle of a facet / v",
@@ -77,10 +87,15 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.within(0.0, 0.02, CATALOGUE));
             }
             all.push(run.given_row(&variant));
-            // A corner that hits one node excites the hourglass modes around it, and hardly anything else.
-            all.push(run.hourglass_row(&variant).beside(0.1, "gate of the catalogue for structures"));
+            // A corner that hits one node excites the hourglass modes around it, and hardly
+            // anything else.
+            all.push(
+                run.hourglass_row(&variant).beside(0.1, "gate of the catalogue for structures"),
+            );
             let aside = after[0].hypot(after[1]) * whole / impulse;
-            all.push(Row::new("impulse aside / impulse", &variant, "", aside).at_most(1e-3, CATALOGUE));
+            all.push(
+                Row::new("impulse aside / impulse", &variant, "", aside).at_most(1e-3, CATALOGUE),
+            );
         }
     }
     Ok(all)
@@ -100,23 +115,29 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 let [x, y] = [facet * ((FACETS + 10) as f64 * x - 5.0), 0.066 * (y - 0.7)];
                 [c * x - s * y, s * x + c * y, -0.5 * THICKNESS]
             });
-            let block = scene.block(2, [2, 2, 1], |p| [size[0] * p[0], size[1] * (p[1] - 0.5), size[2] * p[2]]);
+            let block = scene
+                .block(2, [2, 2, 1], |p| [size[0] * p[0], size[1] * (p[1] - 0.5), size[2] * p[2]]);
             scene.elastic("steel", STEEL);
             scene.part(1, "steel", THICKNESS, "points = 2");
             scene.solid_part(2, "steel", INVISCID);
             scene.fix(base.all(), FIXED);
             scene.start(block.all(), [v, 0.0, 0.0], [0.0; 3]);
             scene.start(base.all(), [0.0; 3], [0.0; 3]);
-            scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramped:?}, 1.0]]"));
+            scene.add(&format!(
+                "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramped:?}, 1.0]]"
+            ));
             let top = scene.set(&block.last(2));
             let pressure = force / (size[0] * size[1]);
-            scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+            scene.add(&format!(
+                "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+            ));
             scene.add(&format!("{}friction = {friction:?}", law.table()));
             let mut push = Push::default();
             let (mut speed, mut aside) = (Vec::new(), 0.0f64);
             let name = format!("C18 flat {} {friction}", law.name);
             let run = bench.watch(&name, &scene, |e| {
-                let (t, now) = (e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 2));
+                let (t, now) =
+                    (e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 2));
                 push.take(t, whole * now + force * (t - 0.5 * ramped).max(0.0));
                 speed.push((e.clock.time, mean_velocity(e, block.all(), 0)));
                 aside = aside.max(mean_velocity(e, block.all(), 1).abs());
@@ -131,8 +152,17 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 (push.mean_force(t, t + window) / force - 1.0).powi(2)
             });
             let rms = (off.sum::<f64>() / count as f64).sqrt();
-            let row = Row::new("swing of the normal force, rms over an eighth of a facet", &variant, "", rms);
-            all.push(row.at_most(0.02, CATALOGUE).known(if friction > 0.0 && !law.is_spring() { FLUTTER } else { "" }));
+            let row = Row::new(
+                "swing of the normal force, rms over an eighth of a facet",
+                &variant,
+                "",
+                rms,
+            );
+            all.push(row.at_most(0.02, CATALOGUE).known(if friction > 0.0 && !law.is_spring() {
+                FLUTTER
+            } else {
+                ""
+            }));
             let row = Row::new("largest velocity aside / v", &variant, "", aside / v);
             all.push(row.at_most(1e-3, "[D] by symmetry"));
             all.push(run.given_row(&variant));
@@ -143,7 +173,12 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 let row = Row::new("speed at the end", &variant, "m/s", last);
                 all.push(row.near(expected, 0.005, "[D] v - mu N t/m; tolerance of A07"));
             } else {
-                let row = Row::new("loss of speed over 50 facets / v", &variant, "", (1.0 - last / v).abs());
+                let row = Row::new(
+                    "loss of speed over 50 facets / v",
+                    &variant,
+                    "",
+                    (1.0 - last / v).abs(),
+                );
                 all.push(row.at_most(1e-3, CATALOGUE));
             }
         }
@@ -156,12 +191,15 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(1.2e-3);
-        let plate = scene.grid(1, [4, 4], |x, y| [reach * (2.0 * x - 1.0), reach * (2.0 * y - 1.0), 0.0]);
+        let plate =
+            scene.grid(1, [4, 4], |x, y| [reach * (2.0 * x - 1.0), reach * (2.0 * y - 1.0), 0.0]);
         // A node of 1 g, half a facet and some more before the edge, off the lines of the mesh.
         let node = tip(&mut scene, 2, [reach - 7e-3, 3e-3, THICKNESS], 1e-3);
         scene.elastic("steel", STEEL);
         scene.elastic("carrier", carrier(0.09, 1.2 * dt));
-        (1..=2).for_each(|part| scene.part(part, if part == 1 { "steel" } else { "carrier" }, THICKNESS, "points = 2"));
+        (1..=2).for_each(|part| {
+            scene.part(part, if part == 1 { "steel" } else { "carrier" }, THICKNESS, "points = 2")
+        });
         scene.fix(plate.all(), FIXED);
         scene.start(&[node, node + 1, node + 2], [v, 0.0, 0.0], [0.0; 3]);
         scene.start(plate.all(), [0.0; 3], [0.0; 3]);
@@ -180,10 +218,20 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{}, 1 g at 10 m/s", law.name);
         let beyond = (last - reach) / (v * step);
-        let row = Row::new("where contact is last felt beyond the edge / way of a step", &variant, "", beyond);
+        let row = Row::new(
+            "where contact is last felt beyond the edge / way of a step",
+            &variant,
+            "",
+            beyond,
+        );
         all.push(row.at_most(1.0, CATALOGUE));
         all.push(run.given_row(&variant));
-        let row = Row::new("the same / half the contact thickness", &variant, "", (last - reach) / (0.5 * THICKNESS));
+        let row = Row::new(
+            "the same / half the contact thickness",
+            &variant,
+            "",
+            (last - reach) / (0.5 * THICKNESS),
+        );
         all.push(row.beside(1.0, "1 for a round edge, 0 for a square one"));
         all.push(
             Row::new("largest velocity aside / v", &variant, "", aside / v)
@@ -211,8 +259,13 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for friction in [0.0, 0.3] {
             // With friction it slows down like exp(-mu angle).
-            let time = if friction > 0.0 { ((friction * half_turn).exp() - 1.0) / friction } else { half_turn };
-            // The drum's facets are chords; the block's face is flat, and its front and rear edges run on them.
+            let time = if friction > 0.0 {
+                ((friction * half_turn).exp() - 1.0) / friction
+            } else {
+                half_turn
+            };
+            // The drum's facets are chords; the block's face is flat, and its front and rear edges
+            // run on them.
             let inner = radius * (PI / FACETS as f64).cos() - 0.5 * THICKNESS;
             let low = (inner * inner - 0.25 * side * side).sqrt();
             let centre = low - 0.5 * side;
@@ -242,7 +295,8 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             let (mut before, mut angle, mut start) = (None, 0.0, 0.0);
             let name = format!("C18 drum {} {friction}", law.name);
             let run = bench.watch(&name, &scene, |e| {
-                let at = [0, 2].map(|c| block.all().iter().map(|&n| position(e, n)[c]).sum::<f64>() / 8.0);
+                let at = [0, 2]
+                    .map(|c| block.all().iter().map(|&n| position(e, n)[c]).sum::<f64>() / 8.0);
                 let now = at[0].atan2(-at[1]);
                 if let Some(then) = before {
                     let step: f64 = now - then;
@@ -258,10 +312,16 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             let end = run.engine.ledger.energies(&run.engine.nodes);
             let kept = (end.kinetic + end.internal + end.hourglass) / start;
             if friction == 0.0 {
-                // A corner of the polygon turns the way by 5 degrees: no law that takes facets for what they are can keep all.
+                // A corner of the polygon turns the way by 5 degrees: no law that takes facets for
+                // what they are can keep all.
                 let change = (kept - 1.0) / crossed;
-                all.push(Row::new("energy lost per facet", &variant, "", -change).at_most(0.00661, POLYGON));
-                all.push(Row::new("energy won per facet", &variant, "", change).at_most(5e-4, CATALOGUE));
+                all.push(
+                    Row::new("energy lost per facet", &variant, "", -change)
+                        .at_most(0.00661, POLYGON),
+                );
+                all.push(
+                    Row::new("energy won per facet", &variant, "", change).at_most(5e-4, CATALOGUE),
+                );
                 let row = Row::new("change of energy per facet", &variant, "", change);
                 all.push(row.beside(5e-4, "limit of the catalogue, for a smooth surface"));
             } else {
@@ -276,7 +336,8 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             let row = Row::new("facets crossed", &variant, "", crossed);
             all.push(row.beside(0.5 * FACETS as f64, "[D] half a turn"));
             all.push(run.given_row(&variant));
-            let aside = momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
+            let aside =
+                momentum(&run.engine.nodes).0[1].abs() / (mass(&run.engine, block.all()) * v);
             let row = Row::new("momentum along the axis / m v", &variant, "", aside);
             all.push(if friction > 0.0 {
                 row.beside(0.0, "[D] nought but for the 7 degrees")

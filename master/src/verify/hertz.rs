@@ -10,7 +10,8 @@ use crumple_cases::graded;
 use std::f64::consts::PI;
 
 /// A10 (b).
-pub const CYLINDER: Check = Check { name: "cylinder on a rigid plane", quick: false, run: cylinder };
+pub const CYLINDER: Check =
+    Check { name: "cylinder on a rigid plane", quick: false, run: cylinder };
 
 const YIELDING: &str = "springs of a penalty yield beside the cells: the contact is wider and the pressure lower, less so on a finer \
                         mesh";
@@ -31,7 +32,8 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             let along = graded(first, 3 * cells / 2, size);
             let up = graded(first, 1, size);
             let deep = 2.0 * first;
-            let index = |p: f64, places: &[f64]| places[(p * (places.len() - 1) as f64).round() as usize];
+            let index =
+                |p: f64, places: &[f64]| places[(p * (places.len() - 1) as f64).round() as usize];
             // Contact and modes of the block: a period of some 15 us.
             let (ramp, end, omega) = (40e-6, 120e-6, 4.5e5);
             let mut scene = Scene::new(end);
@@ -40,7 +42,8 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
                 let low = RADIUS - (RADIUS * RADIUS - x * x).sqrt();
                 [x, deep * y, low + (size - low) * z]
             });
-            // Cells of the plane are a little larger, and none of its lines meets one of the block's.
+            // Cells of the plane are a little larger, and none of its lines meets one of the
+            // block's.
             let coarse = 1.3 * first;
             let count = (2.5 * width / coarse).ceil() as usize;
             let base = scene.block(2, [count, 1, 1], |[x, y, z]| {
@@ -51,42 +54,64 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.fix(base.all(), "x y z");
             scene.fix(block.all(), "y");
             scene.fix(&block.layer(0, 0), "x");
-            scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramp:?}, 1.0]]"));
+            scene.add(&format!(
+                "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramp:?}, 1.0]]"
+            ));
             let top = scene.set(&block.last(2));
             let pressure = 0.5 * LOAD / size;
-            scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+            scene.add(&format!(
+                "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+            ));
             scene.time(&format!("damping = {:?}", 2.0 * omega));
             scene.add(&law.table());
             // Both nodes at a place along the contact.
-            let foot: Vec<[u32; 2]> = (0..along.len()).map(|i| [block.at([i, 0, 0]), block.at([i, 1, 0])]).collect();
+            let foot: Vec<[u32; 2]> =
+                (0..along.len()).map(|i| [block.at([i, 0, 0]), block.at([i, 1, 0])]).collect();
             let mut forces = vec![0.0; foot.len()];
             let mut samples = 0.0;
             let run = bench.watch(&format!("A10 {} {cells}", law.name), &scene, |e| {
                 if e.clock.time > 0.8 * end {
-                    forces.iter_mut().zip(&foot).for_each(|(f, pair)| *f += contact_force(e, pair, 2));
+                    forces
+                        .iter_mut()
+                        .zip(&foot)
+                        .for_each(|(f, pair)| *f += contact_force(e, pair, 2));
                     samples += 1.0;
                 }
             })?;
             forces.iter_mut().for_each(|f| *f /= samples * deep);
             let felt = 2.0 * forces.iter().sum::<f64>();
-            // Pressures at the nodes, and p^2 = p0^2 (1 - x^2/b^2) through those above a fifth of the largest.
+            // Pressures at the nodes, and p^2 = p0^2 (1 - x^2/b^2) through those above a fifth of
+            // the largest.
             let places: Vec<f64> = foot.iter().map(|n| position(&run.engine, n[0])[0]).collect();
             let mut at = Vec::new();
             for i in 0..places.len() - 1 {
                 let left = if i == 0 { 0.0 } else { 0.5 * (places[i] - places[i - 1]) };
-                at.push((places[i].powi(2), (forces[i] / (left + 0.5 * (places[i + 1] - places[i]))).powi(2)));
+                at.push((
+                    places[i].powi(2),
+                    (forces[i] / (left + 0.5 * (places[i + 1] - places[i]))).powi(2),
+                ));
             }
             let most = at.iter().map(|a| a.1).fold(0.0, f64::max);
             at.retain(|a| a.1 > 0.04 * most);
             let n = at.len() as f64;
-            let [x, y] = [at.iter().map(|a| a.0).sum::<f64>() / n, at.iter().map(|a| a.1).sum::<f64>() / n];
+            let [x, y] =
+                [at.iter().map(|a| a.0).sum::<f64>() / n, at.iter().map(|a| a.1).sum::<f64>() / n];
             let slope = at.iter().map(|a| (a.0 - x) * (a.1 - y)).sum::<f64>()
                 / at.iter().map(|a| (a.0 - x).powi(2)).sum::<f64>();
             let square = y - slope * x;
             let variant = format!("{}, {cells} cells on the half width", law.name);
             all.push(run.given_row(&variant));
-            all.push(Row::new("force", &variant, "kN/m", 1e-3 * felt).near(1e-3 * LOAD, 0.01, "[D] the load"));
-            let half = Row::new("half width of the contact", &variant, "mm", 1e3 * (square / -slope).sqrt());
+            all.push(Row::new("force", &variant, "kN/m", 1e-3 * felt).near(
+                1e-3 * LOAD,
+                0.01,
+                "[D] the load",
+            ));
+            let half = Row::new(
+                "half width of the contact",
+                &variant,
+                "mm",
+                1e3 * (square / -slope).sqrt(),
+            );
             let top = Row::new("largest pressure, fitted", &variant, "GPa", 1e-9 * square.sqrt());
             if cells < 8 {
                 all.push(half.beside(1e3 * width, D));

@@ -1,5 +1,5 @@
-//! Conservation (A29) and independence of the number of workers (A31): bodies in collision, bodies in a box, scenes of
-//! other entries.
+//! Conservation (A29) and independence of the number of workers (A31): bodies in collision, bodies
+//! in a box, scenes of other entries.
 
 use super::bench::{Finished, run_watched};
 use super::contact::{Law, is_spring};
@@ -7,15 +7,17 @@ use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
-use crate::embedded::run_side_by_side;
+use crate::run::embedded::run_side_by_side;
 use crumple_worker::energy::momentum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 /// A29.
-pub const CONSERVATION: Check = Check { name: "bodies in collision", quick: false, run: conservation };
+pub const CONSERVATION: Check =
+    Check { name: "bodies in collision", quick: false, run: conservation };
 /// A29 in a box.
-pub const BOX: Check = Check { name: "blocks and plates in a closed box", quick: false, run: closed_box };
+pub const BOX: Check =
+    Check { name: "blocks and plates in a closed box", quick: false, run: closed_box };
 /// A31, scenes of other entries.
 pub const SCENES: Check = Check { name: "A01 and A07 on 1 to 8 workers", quick: true, run: scenes };
 /// A31.
@@ -34,7 +36,8 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                 format!("contact.friction={friction:?}"),
                 "contact.penalty_damping=0".into(),
             ];
-            let model = bench.model_of(&format!("A29 {law} friction {friction}"), TUMBLE.into(), &sets)?;
+            let model =
+                bench.model_of(&format!("A29 {law} friction {friction}"), TUMBLE.into(), &sets)?;
             let mut rising = 0.0f64;
             let mut least = 0.0f64;
             let run = run_watched(&model, |e| {
@@ -53,8 +56,14 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                 Row::new("change of angular momentum / its size", &variant, "", l)
                     .at_most(1e-10, "gate of the catalogue"),
             );
-            let work = Row::new("contact work / energy at the start", &variant, "", run.energies.contact / run.initial);
-            // Springs come on and go off inside a step, see C02: without damping they give a little energy in the mean.
+            let work = Row::new(
+                "contact work / energy at the start",
+                &variant,
+                "",
+                run.energies.contact / run.initial,
+            );
+            // Springs come on and go off inside a step, see C02: without damping they give a little
+            // energy in the mean.
             all.push(match is_spring(law) {
                 true => work.at_most(5e-3, "gate of the catalogue: half a per cent for springs"),
                 false => work.at_most(0.0, "[D] contact gives no energy"),
@@ -72,13 +81,17 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Changes of linear and angular momentum: the former against the sum of its sizes over nodes, which may cancel.
+/// Changes of linear and angular momentum: the former against the sum of its sizes over nodes,
+/// which may cancel.
 fn drifts(run: &Finished) -> [f64; 2] {
     let nodes = &run.engine.nodes;
     let now: [[f64; 3]; 2] = momentum(nodes).into();
-    let far = |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
+    let far =
+        |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
     let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let total: f64 = (0..nodes.held).map(|i| nodes.mass[i] * size(&crumple_worker::nodes::xyz(&nodes.v[i]))).sum();
+    let total: f64 = (0..nodes.held)
+        .map(|i| nodes.mass[i] * size(&crumple_worker::nodes::xyz(&nodes.v[i])))
+        .sum();
     [far(0) / total, far(1) / size(&run.momentum[1])]
 }
 
@@ -87,8 +100,8 @@ fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in bench.laws() {
         let sets = [format!("contact.law={law}"), "contact.friction=0.2".into()];
         let model = bench.model_of(&format!("A31 {law}"), TUMBLE.into(), &sets)?;
-        let runs =
-            [(1, 0), (2, 0), (4, 0), (3, 50)].map(|(workers, every)| run_side_by_side(&model, workers, 1500, every));
+        let runs = [(1, 0), (2, 0), (4, 0), (3, 50)]
+            .map(|(workers, every)| run_side_by_side(&model, workers, 1500, every));
         let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
         let variant = format!("{law}, 1, 2, 4 workers, and 3 with boxes cut anew every 50 cycles");
         all.push(Row::new("different end states", &variant, "", digests.len() as f64).within(
@@ -103,7 +116,10 @@ fn workers(bench: &Bench) -> Result<Vec<Row>, String> {
             "[D] the same pairs",
         ));
         let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
-        all.push(Row::new("most contact pairs of a cycle", &variant, "", most as f64).at_least(5.0, "bodies do meet"));
+        all.push(
+            Row::new("most contact pairs of a cycle", &variant, "", most as f64)
+                .at_least(5.0, "bodies do meet"),
+        );
     }
     Ok(all)
 }
@@ -124,7 +140,8 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
             sets.push(format!("contact.law={law}"));
             let model = bench.model_of(&format!("A31 {law} {what}"), job.into(), &sets)?;
             let runs = [(1, 0), (2, 0), (3, 25), (4, 0), (8, 0)];
-            let runs = runs.map(|(workers, every)| run_side_by_side(&model, workers, cycles, every));
+            let runs =
+                runs.map(|(workers, every)| run_side_by_side(&model, workers, cycles, every));
             let digests: BTreeSet<String> = runs.iter().map(|r| r.digest()).collect();
             let variant = format!("{what}, {law}, 1, 2, 4, 8 workers, and 3 with boxes cut anew");
             let row = Row::new("different end states", &variant, "", digests.len() as f64);
@@ -134,38 +151,51 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
             all.push(row.within(0.0, 0.0, "[D] the same pairs"));
             let most = runs[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
             all.push(
-                Row::new("most contact pairs of a cycle", &variant, "", most as f64).at_least(1.0, "they do meet"),
+                Row::new("most contact pairs of a cycle", &variant, "", most as f64)
+                    .at_least(1.0, "they do meet"),
             );
         }
     }
     Ok(all)
 }
 
-/// Ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction, for 1e5 steps.
+/// Ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction, for 1e5
+/// steps.
 fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
     const EACH: usize = 10;
     let (room, side, thickness) = (0.07, 0.01, 1e-3);
     let mut all = Vec::new();
     // Springs without dashpots have to keep the energy, with them they may not give any.
-    let damped = Law::ALL.iter().filter(|law| law.is_spring()).map(|law| (law, law.table(), " damped"));
+    let damped =
+        Law::ALL.iter().filter(|law| law.is_spring()).map(|law| (law, law.table(), " damped"));
     for (law, contact, how) in Law::ALL.iter().map(|law| (law, law.undamped(), "")).chain(damped) {
         let mut scene = Scene::new(1.0);
-        // Places on a lattice of 3 x 3 x 3, velocities by a linear congruential generator from -10 to 10 m/s.
+        // Places on a lattice of 3 x 3 x 3, velocities by a linear congruential generator from -10
+        // to 10 m/s.
         let mut state = 1u64;
         let mut random = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
         };
         for body in 0..2 * EACH {
-            let at = [body % 3, body / 3 % 3, body / 9].map(|i| (i as f64 + 0.5) * room / 3.0 - 0.5 * side);
+            let at = [body % 3, body / 3 % 3, body / 9]
+                .map(|i| (i as f64 + 0.5) * room / 3.0 - 0.5 * side);
             let part = body as u32 + 1;
             let velocity = [0; 3].map(|_| 10.0 * random());
             let nodes = if body % 2 == 0 {
                 scene.solid_part(part, "steel", INVISCID);
-                scene.block(part, [1; 3], |p| std::array::from_fn(|c| at[c] + side * p[c])).all().to_vec()
+                scene
+                    .block(part, [1; 3], |p| std::array::from_fn(|c| at[c] + side * p[c]))
+                    .all()
+                    .to_vec()
             } else {
                 scene.part(part, "steel", thickness, "points = 2");
-                scene.grid(part, [1, 1], |x, y| [at[0] + side * x, at[1] + side * y, at[2] + 0.5 * side]).all().to_vec()
+                scene
+                    .grid(part, [1, 1], |x, y| {
+                        [at[0] + side * x, at[1] + side * y, at[2] + 0.5 * side]
+                    })
+                    .all()
+                    .to_vec()
             };
             scene.start(&nodes, velocity, [0.0; 3]);
         }
@@ -187,9 +217,11 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         let pushed = |c: usize| run.engine.walls.impulse.iter().map(|p| p[c]).sum::<f64>();
         let now = momentum(&run.engine.nodes).0;
         let sizes: f64 = (0..run.engine.nodes.held).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
-        let off = (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
+        let off =
+            (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
         let off = if run.trouble { f64::INFINITY } else { off / sizes };
-        let row = Row::new("change of momentum less the impulse of the box / m v", &variant, "", off);
+        let row =
+            Row::new("change of momentum less the impulse of the box / m v", &variant, "", off);
         all.push(row.at_most(1e-10, "gate of the catalogue"));
         let energies = &run.energies;
         let kept = (energies.kinetic + energies.internal + energies.hourglass) / run.initial;
@@ -208,9 +240,13 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         let drift = energies.balance(run.initial).abs() / run.initial;
         all.push(
-            Row::new("energy not accounted for at the end", &variant, "", drift).at_most(5e-3, "gate of the catalogue"),
+            Row::new("energy not accounted for at the end", &variant, "", drift)
+                .at_most(5e-3, "gate of the catalogue"),
         );
-        all.push(Row::new("cycles in contact", &variant, "", hit as f64).at_least(100.0, "bodies do meet"));
+        all.push(
+            Row::new("cycles in contact", &variant, "", hit as f64)
+                .at_least(100.0, "bodies do meet"),
+        );
     }
     Ok(all)
 }

@@ -1,4 +1,5 @@
-//! What joins: a wave through a tied joint, tied plates in free flight (A32), welds that break (A33).
+//! What joins: a wave through a tied joint, tied plates in free flight (A32), welds that break
+//! (A33).
 
 use super::bars::BAR;
 use super::measure::{mass, mean_velocity};
@@ -13,10 +14,11 @@ pub const WAVE: Check = Check { name: "wave through a tied joint", quick: true, 
 /// A32, offset.
 pub const FLIGHT: Check = Check { name: "tied plates in free flight", quick: true, run: flight };
 /// A33.
-pub const WELD: Check = Check { name: "weld under tension, shear and both", quick: true, run: weld };
+pub const WELD: Check =
+    Check { name: "weld under tension, shear and both", quick: true, run: weld };
 
-/// Two bars of cubes end to end, 2 N cells along, the second with `across` cells each way, its end tied to the first one.
-/// A pulse of half a sine, a fifth of a bar long, runs through the joint.
+/// Two bars of cubes end to end, 2 N cells along, the second with `across` cells each way, its end
+/// tied to the first one. A pulse of half a sine, a fifth of a bar long, runs through the joint.
 fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 50;
     const D: &str = "[D] the same bar goes on behind the joint: nothing comes back";
@@ -25,10 +27,13 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     let (time, pulse) = (length / BAR.c(), 0.2 * length / BAR.c());
     let mut all = Vec::new();
     for (across, mesh) in [(1, "matching"), (3, "three cells each way on one")] {
-        // The pulse has gone through half of the second bar, and what came back would be in the first one.
+        // The pulse has gone through half of the second bar, and what came back would be in the
+        // first one.
         let mut scene = Scene::new(1.6 * time);
         let bar = |scene: &mut Scene, part: u32, across: usize, from: f64| {
-            scene.block(part, [N, across, across], |p| [from + length * p[0], side * p[1], side * p[2]])
+            scene.block(part, [N, across, across], |p| {
+                [from + length * p[0], side * p[1], side * p[2]]
+            })
         };
         let one = bar(&mut scene, 1, 1, 0.0);
         let two = bar(&mut scene, 2, across, length);
@@ -36,19 +41,34 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
         (1..=2).for_each(|part| scene.solid_part(part, "steel", INVISCID));
         let end = scene.set(&two.layer(0, 0));
         scene.add(&format!("[[tie]]\nname = \"joint\"\nnodes = \"{end}\"\nparts = [1]"));
-        let half_sine = |k: usize| (pulse * k as f64 / 20.0, (std::f64::consts::PI * k as f64 / 20.0).sin());
-        let points: Vec<String> = (0..=20).map(half_sine).map(|(t, f)| format!("[{t:?}, {f:?}]")).collect();
+        let half_sine =
+            |k: usize| (pulse * k as f64 / 20.0, (std::f64::consts::PI * k as f64 / 20.0).sin());
+        let points: Vec<String> =
+            (0..=20).map(half_sine).map(|(t, f)| format!("[{t:?}, {f:?}]")).collect();
         scene.add(&format!("[[curve]]\nname = \"pulse\"\npoints = [{}]", points.join(", ")));
         let face = scene.set(&one.layer(0, 0));
-        scene.add(&format!("[[pressure]]\nnodes = \"{face}\"\npressure = {stress:?}\ncurve = \"pulse\""));
+        scene.add(&format!(
+            "[[pressure]]\nnodes = \"{face}\"\npressure = {stress:?}\ncurve = \"pulse\""
+        ));
         let run = bench.watch(&format!("A32 wave {across}"), &scene, |_| {})?;
         let given = 2.0 / std::f64::consts::PI * stress * pulse * side * side;
-        let momentum_of = |nodes: &[u32]| mass(&run.engine, nodes) * mean_velocity(&run.engine, nodes, 0);
+        let momentum_of =
+            |nodes: &[u32]| mass(&run.engine, nodes) * mean_velocity(&run.engine, nodes, 0);
         let variant = format!("tied bars, {mesh}");
         // The nodes of the joint carry the mass of those tied to them; the pulse is far from there.
-        let back = Row::new("momentum that came back / impulse", &variant, "", momentum_of(one.all()) / given);
+        let back = Row::new(
+            "momentum that came back / impulse",
+            &variant,
+            "",
+            momentum_of(one.all()) / given,
+        );
         all.push(back.within(0.0, 0.01, D));
-        let through = Row::new("momentum that went through / impulse", &variant, "", momentum_of(two.all()) / given);
+        let through = Row::new(
+            "momentum that went through / impulse",
+            &variant,
+            "",
+            momentum_of(two.all()) / given,
+        );
         all.push(through.within(1.0, 0.01, D));
         all.push(run.closing_row(&variant, 1e-3));
     }
@@ -59,9 +79,11 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
 fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
     const EXACT: &str = "exact; round-off of some thousand steps";
     let mut all = Vec::new();
-    for (offset, keys) in
-        [("offset", "offset = true"), ("moved onto the face", ""), ("with rotations", "rotations = true")]
-    {
+    for (offset, keys) in [
+        ("offset", "offset = true"),
+        ("moved onto the face", ""),
+        ("with rotations", "rotations = true"),
+    ] {
         let (thickness, gap) = (2e-3, if offset == "offset" { 2e-3 } else { 0.5e-3 });
         let mut scene = Scene::new(2e-3);
         scene.grid(1, [8, 8], |x, y| [0.1 * (x - 0.5), 0.1 * (y - 0.5), 0.0]);
@@ -70,15 +92,22 @@ fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
         (1..=2).for_each(|part| scene.part(part, "steel", thickness, "points = 2"));
         let set = scene.set(small.all());
         scene.add(&format!("[[tie]]\nname = \"patch\"\nnodes = \"{set}\"\nparts = [1]\n{keys}"));
-        scene.add("[[initial_velocity]]\nvelocity = [3.0, -2.0, 5.0]\nspin = [200.0, 100.0, -300.0]");
+        scene.add(
+            "[[initial_velocity]]\nvelocity = [3.0, -2.0, 5.0]\nspin = [200.0, 100.0, -300.0]",
+        );
         let run = bench.watch(&format!("A32 flight {offset}"), &scene, |_| {})?;
         let variant = format!("two plates, {offset}");
         let now: [[f64; 3]; 2] = momentum(&run.engine.nodes).into();
-        let far = |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
+        let far =
+            |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
         let size = |k: usize| run.momentum[k].iter().map(|c| c * c).sum::<f64>().sqrt();
-        all.push(Row::new("change of momentum / its size", &variant, "", far(0) / size(0)).at_most(1e-10, EXACT));
         all.push(
-            Row::new("change of angular momentum / its size", &variant, "", far(1) / size(1)).at_most(1e-10, EXACT),
+            Row::new("change of momentum / its size", &variant, "", far(0) / size(0))
+                .at_most(1e-10, EXACT),
+        );
+        all.push(
+            Row::new("change of angular momentum / its size", &variant, "", far(1) / size(1))
+                .at_most(1e-10, EXACT),
         );
         all.push(run.closing_row(&variant, 1e-3));
     }
@@ -103,7 +132,8 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
         // (u k_n c/N)^2 + (u k_s s/V)^2 = 1
         let breaks = ((along * c / normal).powi(2) + (across * s / shear).powi(2)).sqrt().recip();
         let mut scene = Scene::new(3.0 * breaks / speed);
-        let nodes = [scene.node([0.0; 3]), scene.node([length, 0.0, 0.0]), scene.node([0.0, length, 0.0])];
+        let nodes =
+            [scene.node([0.0; 3]), scene.node([length, 0.0, 0.0]), scene.node([0.0, length, 0.0])];
         scene.beam(1, nodes);
         scene.elastic("steel", stiff);
         scene.add(&format!(
@@ -132,7 +162,10 @@ fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
             0.01,
             "[D] (N/N0)^2 + (V/V0)^2 = 1",
         ));
-        all.push(Row::new("energy taken by it", &variant, "J", run.energies.internal).near(stored, 0.02, D));
+        all.push(
+            Row::new("energy taken by it", &variant, "J", run.energies.internal)
+                .near(stored, 0.02, D),
+        );
         let led = run.energies.external / stored;
         all.push(Row::new("work of the motion / the same", &variant, "", led).near(
             1.0,

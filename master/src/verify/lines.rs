@@ -12,7 +12,8 @@ pub const SWING: Check = Check { name: "cantilever of beams", quick: true, run: 
 /// A34, plastic.
 pub const HINGE: Check = Check { name: "plastic hinge", quick: false, run: hinge };
 /// A35.
-pub const OSCILLATOR: Check = Check { name: "mass on spring and damper", quick: true, run: oscillator };
+pub const OSCILLATOR: Check =
+    Check { name: "mass on spring and damper", quick: true, run: oscillator };
 
 /// Cantilever of A15: length, width and depth [m].
 const SIZE: [f64; 3] = [0.2, 0.02, 0.004];
@@ -20,7 +21,8 @@ const SIZE: [f64; 3] = [0.2, 0.02, 0.004];
 /// `n` beams from the origin along x, the second axis of the section along z; returns their nodes.
 fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
     let [length, width, depth] = SIZE;
-    let nodes: Vec<u32> = (0..=n).map(|i| scene.node([length * i as f64 / n as f64, 0.0, 0.0])).collect();
+    let nodes: Vec<u32> =
+        (0..=n).map(|i| scene.node([length * i as f64 / n as f64, 0.0, 0.0])).collect();
     let up = scene.node([0.0, 0.0, length]);
     nodes.windows(2).for_each(|pair| scene.beam(1, [pair[0], pair[1], up]));
     scene.add(&format!(
@@ -32,7 +34,8 @@ fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
 
 fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // The static shape of a force at the tip is close to the first mode and orthogonal to no other: means over four swings.
+    // The static shape of a force at the tip is close to the first mode and orthogonal to no other:
+    // means over four swings.
     for n in [10, 20] {
         let f = 83.55;
         let mut scene = Scene::new(4.3 / f);
@@ -41,7 +44,11 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
         for &node in &nodes[1..] {
             let x = scene.at(node)[0] / SIZE[0];
             let slope = (3.0 * x - 1.5 * x * x) / SIZE[0];
-            scene.start(&[node], [0.0, 0.0, 0.01 * 0.5 * x * x * (3.0 - x)], [0.0, -0.01 * slope, 0.0]);
+            scene.start(
+                &[node],
+                [0.0, 0.0, 0.01 * 0.5 * x * x * (3.0 - x)],
+                [0.0, -0.01 * slope, 0.0],
+            );
         }
         let mut crossings = Crossings::default();
         let run = bench.watch(&format!("A34 swing {n}"), &scene, |e| {
@@ -57,20 +64,25 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// The tip is led down slowly: beyond the elastic limit the moment at the root is that of a plastic hinge.
+/// The tip is led down slowly: beyond the elastic limit the moment at the root is that of a plastic
+/// hinge.
 fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 20;
     let [length, width, depth] = SIZE;
     let yield_stress = 250e6;
     let moment = yield_stress * width * depth * depth / 4.0;
-    // The elastic limit of the tip is 2 sigma L^2/(3 E h) = 8 mm; to 30 mm in 15 periods of the cantilever.
+    // The elastic limit of the tip is 2 sigma L^2/(3 E h) = 8 mm; to 30 mm in 15 periods of the
+    // cantilever.
     let (way, time) = (0.03, 15.0 / 83.55);
     let mut scene = Scene::new(time);
     scene.plastic("steel", BAR, yield_stress, 0.0);
     let nodes = cantilever(&mut scene, N, "");
     let tip = scene.set(&nodes[N..]);
     // It starts without a blow.
-    scene.add(&format!("[[curve]]\nname = \"start\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 0.2 * time));
+    scene.add(&format!(
+        "[[curve]]\nname = \"start\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
+        0.2 * time
+    ));
     let speed = way / (0.9 * time);
     scene.add(&format!(
         "[[motion]]\nnodes = \"{tip}\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, {:?}]\ncurve = \"start\"",
@@ -88,15 +100,18 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     // Work is that of the time before the last step: the way of a step is far below the tolerance.
     let force = (until.1 - from.1) / (until.0 - from.0);
     let variant = format!("{N} beams, perfectly plastic, tip led to 0.15 L");
-    // The arm of the force is the length less what the bent cantilever shortens, 3/5 w^2/L; the hinge has the length of an element.
+    // The arm of the force is the length less what the bent cantilever shortens, 3/5 w^2/L; the
+    // hinge has the length of an element.
     let middle = 0.5 * (from.0 + until.0);
     let arm = length - 0.6 * middle * middle / length;
-    let mut rows =
-        vec![Row::new("force at the tip / (plastic moment / arm)", &variant, "", force * arm / moment).near(
-            1.0,
-            0.05,
-            "[D] sigma_y b h^2/4; one point of an element yields half an element from the root",
-        )];
+    let mut rows = vec![
+        Row::new("force at the tip / (plastic moment / arm)", &variant, "", force * arm / moment)
+            .near(
+                1.0,
+                0.05,
+                "[D] sigma_y b h^2/4; one point of an element yields half an element from the root",
+            ),
+    ];
     rows.push(run.closing_row(&variant, 1e-3));
     Ok(rows)
 }
@@ -112,7 +127,9 @@ fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut scene = Scene::new(periods * TAU / w);
         let nodes = [scene.node([0.0; 3]), scene.node([1.0, 0.0, 0.0])];
         scene.spring(1, nodes);
-        scene.add(&format!("[[part]]\nid = 1\n[part.spring]\nstiffness = {k:?}\ndamping = {damping:?}"));
+        scene.add(&format!(
+            "[[part]]\nid = 1\n[part.spring]\nstiffness = {k:?}\ndamping = {damping:?}"
+        ));
         scene.fix(&nodes[..1], "x y z");
         scene.mass(&nodes[1..], m);
         scene.start(&nodes[1..], [v, 0.0, 0.0], [0.0; 3]);
@@ -136,7 +153,9 @@ fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
         let decrement = TAU * share / (1.0 - share * share).sqrt();
         let row = Row::new("peak / the one before", &variant, "", largest.1 / largest.0);
         all.push(row.near((-decrement).exp(), 0.01, D));
-        let peak = v / w * (-share / (1.0 - share * share).sqrt() * (1.0 - share * share).sqrt().atan2(share)).exp();
+        let peak = v / w
+            * (-share / (1.0 - share * share).sqrt() * (1.0 - share * share).sqrt().atan2(share))
+                .exp();
         all.push(Row::new("first peak", &variant, "mm", 1e3 * largest.0).near(1e3 * peak, 2e-3, D));
         all.push(run.closing_row(&variant, 1e-2));
     }

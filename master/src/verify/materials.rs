@@ -1,11 +1,12 @@
-//! A27, A26 (c): plasticity driven through a whole shell or cube along strain paths of known outcome.
+//! A27, A26 (c): plasticity driven through a whole shell or cube along strain paths of known
+//! outcome.
 
 use super::measure::{fields, lead};
 use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
-use crumple_worker::elements::ElementFields;
+use crumple_worker::fem::elements::ElementFields;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
@@ -20,7 +21,8 @@ pub const JOHNSON_COOK: Check = Check { name: "johnson_cook", quick: true, run: 
 /// A27, laws with a rate.
 pub const RATES: Check = Check { name: "strain rates", quick: true, run: rates };
 /// A26 (c).
-pub const SQUASHED: Check = Check { name: "isochoric squash of a cube", quick: true, run: squashed };
+pub const SQUASHED: Check =
+    Check { name: "isochoric squash of a cube", quick: true, run: squashed };
 
 const YIELD: f64 = 250e6;
 const MODULUS: f64 = 1e9;
@@ -64,9 +66,10 @@ impl Body {
 /// Adds the material "metal" to a scene.
 type AddMetal<'a> = &'a dyn Fn(&mut Scene);
 
-/// One shell or cube whose logarithmic strains along x, y and z grow at the rates that `rates` gives, per run, from the
-/// time in runs, the step in runs and the stress of a step ago; a shell sees the first two. Calls `at` with the strains
-/// and the fields of the same time. Returns the time of the run [s].
+/// One shell or cube whose logarithmic strains along x, y and z grow at the rates that `rates`
+/// gives, per run, from the time in runs, the step in runs and the stress of a step ago; a shell
+/// sees the first two. Calls `at` with the strains and the fields of the same time. Returns the
+/// time of the run [s].
 fn led(
     bench: &Bench,
     (name, body, material): (&str, Body, AddMetal<'_>),
@@ -105,7 +108,8 @@ fn j2(modulus: f64) -> impl Fn(&mut Scene) {
     move |scene| scene.plastic("metal", STEEL, YIELD, modulus)
 }
 
-/// Rates of uniaxial stress: `along` the x axis per run, and sideways what keeps the stress there at nought.
+/// Rates of uniaxial stress: `along` the x axis per run, and sideways what keeps the stress there
+/// at nought.
 struct Uniaxial {
     yielded: bool,
     ratio: f64,
@@ -134,7 +138,8 @@ fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for body in Body::ALL {
         let mut path = Uniaxial::new();
-        let (mut last, mut worst, mut normal) = (([0.0; 3], ElementFields::default()), 0.0f64, 0.0f64);
+        let (mut last, mut worst, mut normal) =
+            (([0.0; 3], ElementFields::default()), 0.0f64, 0.0f64);
         led(
             bench,
             (&format!("A27 uniaxial stress {}", body.name()), body, &j2(MODULUS)),
@@ -142,7 +147,8 @@ fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
             |_, dt, f| path.rates(0.05, f.plastic_strain > 0.0, dt, f),
             |strain, f| {
                 if f.plastic_strain > 0.0 {
-                    worst = worst.max((f.von_mises - YIELD - MODULUS * f.plastic_strain).abs() / YIELD);
+                    worst =
+                        worst.max((f.von_mises - YIELD - MODULUS * f.plastic_strain).abs() / YIELD);
                 }
                 normal = normal.max(f.stress[2].abs() / YIELD);
                 last = (strain, *f);
@@ -151,11 +157,10 @@ fn uniaxial(bench: &Bench) -> Result<Vec<Row>, String> {
         let (strain, f) = last;
         let plastic = (STEEL.e * strain[0] - YIELD) / (STEEL.e + MODULUS);
         let variant = format!("j2, {}, 20000 steps", body.name());
-        all.push(Row::new("uniaxial stress at a strain of 5 %", &variant, "MPa", 1e-6 * f.stress[0]).near(
-            1e-6 * (YIELD + MODULUS * plastic),
-            1e-6,
-            "[D] 298.58 MPa at 0.05",
-        ));
+        all.push(
+            Row::new("uniaxial stress at a strain of 5 %", &variant, "MPa", 1e-6 * f.stress[0])
+                .near(1e-6 * (YIELD + MODULUS * plastic), 1e-6, "[D] 298.58 MPa at 0.05"),
+        );
         all.push(Row::new("plastic strain there", &variant, "", f.plastic_strain).near(
             plastic,
             1e-6,
@@ -198,22 +203,24 @@ fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
         let both = end("equibiaxial", [0.02, 0.02, 0.0])?;
         let held = end("plane strain", [0.05, 0.0, 0.0])?;
         let mut seen: Vec<(f64, f64)> = Vec::new();
-        let there_and_back =
-            |t: f64, _: f64, _: &ElementFields| if t < 0.5 { [0.02, 0.02, 0.0] } else { [-0.001, -0.001, 0.0] };
+        let there_and_back = |t: f64, _: f64, _: &ElementFields| {
+            if t < 0.5 { [0.02, 0.02, 0.0] } else { [-0.001, -0.001, 0.0] }
+        };
         let look = |s: [f64; 3], f: &ElementFields| seen.push((s[0], f.stress[0]));
         led(bench, ("A27 unloading", body, &j2(0.0)), 2000.0, there_and_back, look)?;
         let (from, to) = (seen[seen.len() * 6 / 10], seen[seen.len() - 1]);
         let slope = (to.1 - from.1) / (to.0 - from.0);
-        all.push(Row::new("yield in equibiaxial tension", &variant, "MPa", mpa * both.stress[0]).near(
-            mpa * YIELD,
-            1e-6,
-            "[D] sigma_y",
-        ));
-        all.push(Row::new("tension with the width held, at 5 %", &variant, "MPa", mpa * held.stress[0]).near(
-            mpa * 2.0 * YIELD / 3f64.sqrt(),
-            1e-6,
-            "[D] 2 sigma_y / sqrt 3",
-        ));
+        all.push(
+            Row::new("yield in equibiaxial tension", &variant, "MPa", mpa * both.stress[0]).near(
+                mpa * YIELD,
+                1e-6,
+                "[D] sigma_y",
+            ),
+        );
+        all.push(
+            Row::new("tension with the width held, at 5 %", &variant, "MPa", mpa * held.stress[0])
+                .near(mpa * 2.0 * YIELD / 3f64.sqrt(), 1e-6, "[D] 2 sigma_y / sqrt 3"),
+        );
         all.push(Row::new("slope of equibiaxial unloading", &variant, "GPa", 1e-9 * slope).near(
             1e-9 * STEEL.e / (1.0 - STEEL.nu),
             1e-6,
@@ -253,12 +260,23 @@ fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
         for (number, (strain, f)) in (1..).zip(&ends) {
             // From the stress at hand to that on the other side, elastic but for what flows.
             let way: f64 = strain - from;
-            let flow = (STEEL.e * way.abs() - stress - (YIELD + MODULUS * plastic)) / (STEEL.e + MODULUS);
+            let flow =
+                (STEEL.e * way.abs() - stress - (YIELD + MODULUS * plastic)) / (STEEL.e + MODULUS);
             (plastic, from) = (plastic + flow, *strain);
             stress = YIELD + MODULUS * plastic;
-            let row = Row::new(format!("stress at turn {number}"), &variant, "MPa", 1e-6 * f.stress[0]);
-            all.push(row.near(1e-6 * way.signum() * stress, 1e-6, "[D] sigma_y + E_p times the plastic strain so far"));
-            let row = Row::new(format!("plastic strain at turn {number}"), &variant, "", f.plastic_strain);
+            let row =
+                Row::new(format!("stress at turn {number}"), &variant, "MPa", 1e-6 * f.stress[0]);
+            all.push(row.near(
+                1e-6 * way.signum() * stress,
+                1e-6,
+                "[D] sigma_y + E_p times the plastic strain so far",
+            ));
+            let row = Row::new(
+                format!("plastic strain at turn {number}"),
+                &variant,
+                "",
+                f.plastic_strain,
+            );
             all.push(row.near(plastic, 1e-6, "[D]"));
         }
     }
@@ -275,7 +293,9 @@ const M: f64 = 1.1;
 fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
     let (cold, melting, heat, share) = (20.0, 1540.0, 460.0, 0.9);
     let mut all = Vec::new();
-    for (hot, body) in [(false, Body::Shell), (false, Body::Cube), (true, Body::Shell), (true, Body::Cube)] {
+    for (hot, body) in
+        [(false, Body::Shell), (false, Body::Cube), (true, Body::Shell), (true, Body::Cube)]
+    {
         let law = |scene: &mut Scene| {
             let thermal = format!(
                 "m = {M}\nreference_temperature = {cold:?}\nmelting_temperature = {melting:?}\nspecific_heat = {heat:?}\n\
@@ -294,11 +314,18 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
         let (along, how) = (0.2, if hot { "with heat" } else { "without heat" });
         let mut last = ElementFields::default();
         let name = format!("A27 johnson_cook {how} {}", body.name());
-        let end = led(bench, (&name, body, &law), 20_000.0, |_, _, _| [along, -along, 0.0], |_, f| last = *f)?;
+        let end = led(
+            bench,
+            (&name, body, &law),
+            20_000.0,
+            |_, _, _| [along, -along, 0.0],
+            |_, f| last = *f,
+        )?;
         let rate = 2.0 / 3f64.sqrt() * along / end;
         let rated = 1.0 + C * (rate / 1e-3).ln();
         let yields = |p: f64, t: f64| {
-            let soft = if hot { 1.0 - ((t - cold) / (melting - cold)).max(0.0).powf(M) } else { 1.0 };
+            let soft =
+                if hot { 1.0 - ((t - cold) / (melting - cold)).max(0.0).powf(M) } else { 1.0 };
             (A + B * p.max(0.0).powf(N)) * rated * soft
         };
         // Temperature over plastic strain by the midpoint rule.
@@ -311,21 +338,28 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
             t += step * warms(p + 0.5 * step, half);
         }
         let variant = format!("{}, {how}, 20000 steps", body.name());
-        let row = Row::new("flow stress at a shear strain of 0.4", &variant, "MPa", 1e-6 * last.von_mises);
+        let row = Row::new(
+            "flow stress at a shear strain of 0.4",
+            &variant,
+            "MPa",
+            1e-6 * last.von_mises,
+        );
         let expected = yields(last.plastic_strain, t);
         all.push(row.near(
             1e-6 * expected,
             if hot { 1e-4 } else { 1e-6 },
             "[D] (a + b p^n)(1 + c ln rate*)(1 - T*^m), heat integrated apart; steps are of first order in T",
         ));
-        let elastic = 2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
+        let elastic =
+            2.0 / 3f64.sqrt() * along - expected / (3.0 * STEEL.e / (2.0 * (1.0 + STEEL.nu)));
         let row = Row::new("plastic strain there", &variant, "", last.plastic_strain);
         all.push(row.near(elastic, 1e-4, "[D] strain less sigma/3G, at the end less a step"));
     }
     Ok(all)
 }
 
-/// Yield stress over the static one at two rates, a decade apart, in plane stress and in three dimensions.
+/// Yield stress over the static one at two rates, a decade apart, in plane stress and in three
+/// dimensions.
 fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
     const SYMONDS: [f64; 2] = [40.0, 5.0];
     const ALONG: f64 = 0.1;
@@ -340,7 +374,9 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
             STEEL.rho, STEEL.e, STEEL.nu
         ));
     };
-    let by_j2 = |p: f64, rate: f64| (YIELD + MODULUS * p) * (1.0 + (rate / SYMONDS[0]).powf(1.0 / SYMONDS[1]));
+    let by_j2 = |p: f64, rate: f64| {
+        (YIELD + MODULUS * p) * (1.0 + (rate / SYMONDS[0]).powf(1.0 / SYMONDS[1]))
+    };
     let by_johnson_cook = |p: f64, rate: f64| (A + B * p.powf(N)) * (1.0 + C * rate.ln());
     type Law<'a> = (&'static str, AddMetal<'a>, &'a dyn Fn(f64, f64) -> f64, &'static str);
     let laws: [Law<'_>; 2] = [
@@ -348,12 +384,20 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
         ("johnson_cook", &johnson_cook, &by_johnson_cook, "[D] (a + b p^n)(1 + c ln rate*)"),
     ];
     let mut all = Vec::new();
-    for (body, (law, metal, stress, source)) in Body::ALL.into_iter().flat_map(|body| laws.map(|law| (body, law))) {
+    for (body, (law, metal, stress, source)) in
+        Body::ALL.into_iter().flat_map(|body| laws.map(|law| (body, law)))
+    {
         for steps in [2000.0, 20_000.0] {
             let mut last = ElementFields::default();
             let name = format!("A27 {law} shear {} {steps}", body.name());
             // Without change of volume: the strain is its own deviator.
-            let end = led(bench, (&name, body, metal), steps, |_, _, _| [ALONG, -ALONG, 0.0], |_, f| last = *f)?;
+            let end = led(
+                bench,
+                (&name, body, metal),
+                steps,
+                |_, _, _| [ALONG, -ALONG, 0.0],
+                |_, f| last = *f,
+            )?;
             let rate = 2.0 / 3f64.sqrt() * ALONG / end;
             let variant = format!("{law}, {}, {rate:.0}/s", body.name());
             let row = Row::new("flow stress in pure shear", &variant, "MPa", 1e-6 * last.von_mises);
@@ -363,9 +407,12 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
             }
             let mut path = Uniaxial::new();
             let name = format!("A27 {law} uniaxial {steps}");
-            let pull = |_: f64, dt: f64, f: &ElementFields| path.rates(ALONG, f.plastic_strain > 0.0, dt, f);
+            let pull = |_: f64, dt: f64, f: &ElementFields| {
+                path.rates(ALONG, f.plastic_strain > 0.0, dt, f)
+            };
             let end = led(bench, (&name, body, metal), steps, pull, |_, f| last = *f)?;
-            // Flow without change of volume has the rate of the strain along; the elastic part of it falls with E_p/E.
+            // Flow without change of volume has the rate of the strain along; the elastic part of
+            // it falls with E_p/E.
             let variant = format!("{law}, {}, {:.0}/s", body.name(), ALONG / end);
             let row = Row::new("uniaxial stress", &variant, "MPa", 1e-6 * last.stress[0]);
             all.push(row.near(1e-6 * stress(last.plastic_strain, ALONG / end), 1e-4, source));
@@ -385,13 +432,15 @@ fn squashed(bench: &Bench) -> Result<Vec<Row>, String> {
         20_000.0,
         |_, _, _| [half, 0.0, -half],
         |_, f| {
-            pressure = pressure.max((f.stress[0] + f.stress[1] + f.stress[2]).abs() / 3.0 / yield_stress);
+            pressure =
+                pressure.max((f.stress[0] + f.stress[1] + f.stress[2]).abs() / 3.0 / yield_stress);
             last = *f;
         },
     )?;
     let variant = "perfect j2, hexahedron, to half the height in 20000 steps";
     Ok(vec![
-        Row::new("largest pressure / sigma_y", variant, "", pressure).at_most(1e-9, "limit of the catalogue [V:S14]"),
+        Row::new("largest pressure / sigma_y", variant, "", pressure)
+            .at_most(1e-9, "limit of the catalogue [V:S14]"),
         Row::new("sigma_zz", variant, "MPa", 1e-6 * last.stress[2]).near(
             -1e-6 * yield_stress / 3f64.sqrt(),
             1e-6,

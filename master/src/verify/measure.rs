@@ -1,7 +1,7 @@
 //! What is read off a run: nodes, stresses, frequencies, forces from impulses.
 
-use crumple_worker::elements::ElementFields;
 use crumple_worker::engine::Engine;
+use crumple_worker::fem::elements::ElementFields;
 use crumple_worker::nodes::{row, xyz};
 
 /// Place of a node in the columns: on one engine nodes are in ascending id, from 1.
@@ -51,7 +51,8 @@ pub fn mass(e: &Engine, nodes: &[u32]) -> f64 {
 
 /// Velocity of the centre of mass of nodes along axis `c` at the last mid-step [m/s].
 pub fn mean_velocity(e: &Engine, nodes: &[u32], c: usize) -> f64 {
-    nodes.iter().map(|&n| e.nodes.mass[place(n)] * e.nodes.v[place(n)][c]).sum::<f64>() / mass(e, nodes)
+    nodes.iter().map(|&n| e.nodes.mass[place(n)] * e.nodes.v[place(n)][c]).sum::<f64>()
+        / mass(e, nodes)
 }
 
 /// Contact force on nodes in the last step, along axis `c` [N].
@@ -70,7 +71,8 @@ pub fn amplitude(e: &Engine, shape: &[(u32, f64)], c: usize) -> f64 {
     over / under
 }
 
-/// Fields of all elements, in ascending id. Stress is that of the time before; its axes are those of the present.
+/// Fields of all elements, in ascending id. Stress is that of the time before; its axes are those
+/// of the present.
 pub fn fields(e: &Engine) -> Vec<ElementFields> {
     fields_at(e, 0.0)
 }
@@ -117,7 +119,9 @@ impl Crossings {
     /// Frequency from the first crossing to the last; not a number with less than three.
     pub fn frequency(&self) -> f64 {
         match self.times.as_slice() {
-            [first, .., last] if self.times.len() > 2 => 0.5 * (self.times.len() - 1) as f64 / (last - first),
+            [first, .., last] if self.times.len() > 2 => {
+                0.5 * (self.times.len() - 1) as f64 / (last - first)
+            }
             _ => f64::NAN,
         }
     }
@@ -152,8 +156,8 @@ impl Push {
         self.samples.last().map_or(0.0, |s| s.1)
     }
 
-    /// When the force, as a mean over `window`, first rises above and last falls below `half`: a front that dispersion
-    /// spreads out passes half its height where the sharp one would be.
+    /// When the force, as a mean over `window`, first rises above and last falls below `half`: a
+    /// front that dispersion spreads out passes half its height where the sharp one would be.
     pub fn span(&self, half: f64, window: f64) -> (f64, f64) {
         let force = |t: f64| self.mean_force(t - 0.5 * window, t + 0.5 * window) - half;
         // Between two samples on either side of it, by proportion.
@@ -175,10 +179,14 @@ mod tests {
     #[test]
     fn a_sine_has_its_frequency_and_a_square_push_its_ends() {
         let mut c = Crossings::default();
-        (0..1000).map(|i| f64::from(i) * 1e-3).for_each(|t| c.take(t, (std::f64::consts::TAU * 7.3 * t).sin()));
+        (0..1000)
+            .map(|i| f64::from(i) * 1e-3)
+            .for_each(|t| c.take(t, (std::f64::consts::TAU * 7.3 * t).sin()));
         assert!((c.frequency() - 7.3).abs() < 1e-3, "linear between samples: {}", c.frequency());
         let mut p = Push::default();
-        (0..=1000).map(|i| f64::from(i) * 1e-3).for_each(|t| p.take(t, 5.0 * (t.clamp(0.2, 0.7) - 0.2)));
+        (0..=1000)
+            .map(|i| f64::from(i) * 1e-3)
+            .for_each(|t| p.take(t, 5.0 * (t.clamp(0.2, 0.7) - 0.2)));
         assert!((p.total() - 2.5).abs() < 1e-12 && (p.mean_force(0.3, 0.6) - 5.0).abs() < 1e-9);
         let (on, off) = p.span(2.5, 0.02);
         assert!((on - 0.2).abs() < 2e-3 && (off - 0.7).abs() < 2e-3, "to a sample: {on} {off}");

@@ -1,13 +1,16 @@
-//! `crumple verify`: the catalogue of verification cases, each run in this process and compared with its reference.
+//! `crumple verify`: the catalogue of verification cases, each run in this process and compared
+//! with its reference.
 //!
 //! - `catalogue.rs`: every entry, in order: its checks, and what of it is not covered and why
 //! - `row.rs`: a quantity, ours against the reference; `report.rs`: the table
-//! - `scene.rs`: a job in the making; `solids.rs`: meshes of solids for it; `bench.rs`: runs it, watched; `measure.rs`: what is read off a run
+//! - `scene.rs`: a job in the making; `solids.rs`: meshes of solids for it; `bench.rs`: runs it,
+//!   watched; `measure.rs`: what is read off a run
 //! - one file per family of entries: `bars.rs`, `walls.rs`, `beams.rs`, ...
 //!
-//! A check builds its job as the text of a job file, so that all of it goes through the reader, and `DIR/jobs` holds every
-//! job that was run, for `crumple run`. Units are SI. Marks of the sources: [V] read in the cited source, [D] derived,
-//! [C] computed for comparison with an independent program, [U] not verified.
+//! A check builds its job as the text of a job file, so that all of it goes through the reader, and
+//! `DIR/jobs` holds every job that was run, for `crumple run`. Units are SI. Marks of the sources:
+//! [V] read in the cited source, [D] derived, [C] computed for comparison with an independent
+//! program, [U] not verified.
 
 mod bars;
 mod beams;
@@ -108,8 +111,12 @@ impl Outcome {
 /// `crumple verify`; returns the exit code.
 pub fn run(args: &VerifyArgs) -> u8 {
     let named = |id: &str, e: &Entry| e.id.eq_ignore_ascii_case(id.trim());
-    let unknown: Vec<&str> =
-        args.only.iter().map(String::as_str).filter(|id| !CATALOGUE.iter().any(|e| named(id, e))).collect();
+    let unknown: Vec<&str> = args
+        .only
+        .iter()
+        .map(String::as_str)
+        .filter(|id| !CATALOGUE.iter().any(|e| named(id, e)))
+        .collect();
     if !unknown.is_empty() {
         let near = |id: &&str| {
             let alike = |e: &&Entry| strsim::damerau_levenshtein(&id.to_uppercase(), e.id);
@@ -117,7 +124,11 @@ pub fn run(args: &VerifyArgs) -> u8 {
         };
         let near: Vec<String> = unknown.iter().filter_map(near).collect();
         let known: Vec<&str> = CATALOGUE.iter().map(|e| e.id).collect();
-        eprintln!("error: the catalogue has no {}; did you mean {}?", unknown.join(", "), near.join(", "));
+        eprintln!(
+            "error: the catalogue has no {}; did you mean {}?",
+            unknown.join(", "),
+            near.join(", ")
+        );
         eprintln!("  it has {}", known.join(", "));
         return BAD_INPUT;
     }
@@ -131,13 +142,16 @@ pub fn run(args: &VerifyArgs) -> u8 {
         .collect();
     let jobs = args.out.join("jobs");
     if let Err(error) = std::fs::create_dir_all(&jobs) {
-        eprintln!("error: {} cannot be made: {error}; choose another folder with --out", jobs.display());
+        eprintln!(
+            "error: {} cannot be made: {error}; choose another folder with --out",
+            jobs.display()
+        );
         return BAD_INPUT;
     }
     let mut outcomes = run_all(&checks, &Bench::new(Some(jobs)));
     refuse_repeats(&mut outcomes);
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
-    crate::say::write(format_args!("{}", report.markdown()));
+    crate::run::say::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
         eprintln!("error: {}: {error}; choose another folder with --out", args.out.display());
         return BAD_INPUT;
@@ -154,7 +168,10 @@ fn refuse_repeats(outcomes: &mut [Outcome]) {
             .filter(|r| !seen.insert((o.id, r.quantity.clone(), r.variant.clone())))
             .map(|r| (&r.quantity, &r.variant));
         if let Some((quantity, variant)) = again.last() {
-            o.rows = Err(format!("two rows of {} are called {quantity}, {variant}: name what differs", o.id));
+            o.rows = Err(format!(
+                "two rows of {} are called {quantity}, {variant}: name what differs",
+                o.id
+            ));
         }
     }
 }
@@ -168,7 +185,9 @@ fn write(out: &Path, report: &report::Report<'_>) -> std::io::Result<()> {
 fn run_all(checks: &[(&'static str, &'static Check)], bench: &Bench) -> Vec<Outcome> {
     let bar = std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(checks.len() as u64);
-        let style = ProgressStyle::with_template("{bar:20} {pos}/{len} elapsed {elapsed} remaining {eta} {wide_msg}");
+        let style = ProgressStyle::with_template(
+            "{bar:20} {pos}/{len} elapsed {elapsed} remaining {eta} {wide_msg}",
+        );
         style.into_iter().for_each(|s| bar.set_style(s));
         bar
     });
@@ -181,7 +200,8 @@ fn run_all(checks: &[(&'static str, &'static Check)], bench: &Bench) -> Vec<Outc
             let began = Instant::now();
             let outcome = Outcome { id, name: check.name, rows: (check.run)(bench) };
             let verdict = if outcome.passes() { "pass" } else { "FAIL" };
-            let line = format!("{id} {}: {verdict} ({:.1} s)", check.name, began.elapsed().as_secs_f64());
+            let line =
+                format!("{id} {}: {verdict} ({:.1} s)", check.name, began.elapsed().as_secs_f64());
             match &bar {
                 Some(bar) => {
                     bar.println(line);
@@ -207,10 +227,17 @@ mod tests {
     #[test]
     fn rows_that_cannot_be_told_apart_are_refused() {
         let row = |quantity: &str| Row::new(quantity, "lagrange", "", 1.0);
-        let outcome =
-            |id, quantities: &[&str]| Outcome { id, name: "x", rows: Ok(quantities.iter().map(|q| row(q)).collect()) };
-        let mut all =
-            [outcome("A01", &["a", "b"]), outcome("A03", &["a"]), outcome("A01", &["c"]), outcome("A01", &["d", "a"])];
+        let outcome = |id, quantities: &[&str]| Outcome {
+            id,
+            name: "x",
+            rows: Ok(quantities.iter().map(|q| row(q)).collect()),
+        };
+        let mut all = [
+            outcome("A01", &["a", "b"]),
+            outcome("A03", &["a"]),
+            outcome("A01", &["c"]),
+            outcome("A01", &["d", "a"]),
+        ];
         refuse_repeats(&mut all);
         assert_eq!(all.map(|o| o.rows.is_ok()), [true, true, true, false]);
     }

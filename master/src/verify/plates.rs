@@ -11,9 +11,11 @@ use std::f64::consts::FRAC_PI_4;
 /// B08.
 pub const PLATE: Check = Check { name: "square plate", quick: true, run: plate };
 /// B08 on the finest mesh.
-pub const FINE_PLATE: Check = Check { name: "square plate, 16 by 16", quick: true, run: fine_plate };
+pub const FINE_PLATE: Check =
+    Check { name: "square plate, 16 by 16", quick: true, run: fine_plate };
 /// C10 (b).
-pub const MODES: Check = Check { name: "plate with hourglass control off and on", quick: true, run: modes };
+pub const MODES: Check =
+    Check { name: "plate with hourglass control off and on", quick: true, run: modes };
 /// B06.
 pub const CAP: Check = Check { name: "spherical cap", quick: true, run: cap };
 
@@ -53,7 +55,8 @@ fn loaded(bench: &Bench, element: &str, n: usize, plastic: bool) -> Result<Swing
     scene.add(&format!("[[pressure]]\nparts = [1]\npressure = {pressure:?}"));
     let mut seen = Vec::new();
     let name = format!("B08 {element} {n} {}", if plastic { "plastic" } else { "elastic" });
-    let run = bench.watch(&name, &scene, |e| seen.push((e.clock.time, -displacement(e, grid.at(0, 0))[2])))?;
+    let run = bench
+        .watch(&name, &scene, |e| seen.push((e.clock.time, -displacement(e, grid.at(0, 0))[2])))?;
     Ok(Swing { seen, run })
 }
 
@@ -73,17 +76,25 @@ const MESH: &str = "the mesh: 5.0 % below the converged deflection with 8 by 8, 
                     shell and the fully integrated one agree to 0.02 %. The figure of Belytschko-Tsay on 16 by 16 that stood here is \
                     1.5 % above both";
 
-/// `elastic` and `plastic`: largest deflection [mm], its time [ms], and the least one after it [mm]; none where the source
-/// has none.
-fn of_mesh(bench: &Bench, n: usize, elastic: [f64; 3], plastic: [f64; 3]) -> Result<Vec<Row>, String> {
+/// `elastic` and `plastic`: largest deflection [mm], its time [ms], and the least one after it
+/// [mm]; none where the source has none.
+fn of_mesh(
+    bench: &Bench,
+    n: usize,
+    elastic: [f64; 3],
+    plastic: [f64; 3],
+) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for element in FORMULATIONS {
-        // The numbers are those of Belytschko-Tsay on the same mesh. Another element is held to the finest of them, and where it yields
-        // to a converged mesh, from which that is 1.5 % off.
+        // The numbers are those of Belytschko-Tsay on the same mesh. Another element is held to the
+        // finest of them, and where it yields to a converged mesh, from which that is 1.5 % off.
         let own = element == "belytschko_tsay";
         let sources = if own { [SAME; 2] } else { ["[C] Belytschko-Tsay, 16 by 16", CONVERGED] };
-        let [elastic, plastic] =
-            if own { [elastic, plastic] } else { [[5.58, elastic[1], elastic[2]], [7.534, 0.742, 5.052]] };
+        let [elastic, plastic] = if own {
+            [elastic, plastic]
+        } else {
+            [[5.58, elastic[1], elastic[2]], [7.534, 0.742, 5.052]]
+        };
         for (known, yields) in [(elastic, false), (plastic, true)] {
             let source = sources[usize::from(yields)];
             let close = |row: Row, known: f64| match own || n == 16 {
@@ -93,21 +104,37 @@ fn of_mesh(bench: &Bench, n: usize, elastic: [f64; 3], plastic: [f64; 3]) -> Res
             let swing = loaded(bench, element, n, yields)?;
             let (when, most) = swing.extremum([0.0, 1e-3], true);
             let (_, least) = swing.extremum([when, 1.4e-3], false);
-            let variant = format!("{element}, {n} by {n} on a quarter, {}", if yields { "plastic" } else { "elastic" });
+            let variant = format!(
+                "{element}, {n} by {n} on a quarter, {}",
+                if yields { "plastic" } else { "elastic" }
+            );
             all.push(close(Row::new("largest deflection", &variant, "mm", 1e3 * most), known[0]));
             if known[1].is_finite() {
                 all.push(close(Row::new("time of it", &variant, "ms", 1e3 * when), known[1]));
             }
             if yields {
-                all.push(close(Row::new("least deflection after it", &variant, "mm", 1e3 * least), known[2]));
-                let strain = fields(&swing.run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
-                all.push(Row::new("largest plastic strain", &variant, "", strain).beside(0.015, sources[0]));
+                all.push(close(
+                    Row::new("least deflection after it", &variant, "mm", 1e3 * least),
+                    known[2],
+                ));
+                let strain =
+                    fields(&swing.run.engine).iter().map(|f| f.plastic_strain).fold(0.0, f64::max);
+                all.push(
+                    Row::new("largest plastic strain", &variant, "", strain)
+                        .beside(0.015, sources[0]),
+                );
             } else if known[2].is_finite() {
-                let row = Row::new("least deflection after it / largest", &variant, "", least / most);
+                let row =
+                    Row::new("least deflection after it / largest", &variant, "", least / most);
                 all.push(row.within(known[2] / known[0], 0.02, source));
                 all.push(
-                    Row::new("largest deflection", format!("{variant}, linear theory"), "mm", 1e3 * most)
-                        .beside(5.495, "[D] Mindlin modal sum, small deflections"),
+                    Row::new(
+                        "largest deflection",
+                        format!("{variant}, linear theory"),
+                        "mm",
+                        1e3 * most,
+                    )
+                    .beside(5.495, "[D] Mindlin modal sum, small deflections"),
                 );
             }
             let energies = &swing.run.energies;
@@ -126,9 +153,12 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 8;
     let (half, depth, pressure) = (0.127, 0.0127, 2.0684e6);
     let mut all = Vec::new();
-    for (support, coefficient) in
-        [("simply supported", 0.0), ("simply supported", 0.02), ("corners held", 0.0), ("corners held", 0.02)]
-    {
+    for (support, coefficient) in [
+        ("simply supported", 0.0),
+        ("simply supported", 0.02),
+        ("corners held", 0.0),
+        ("corners held", 0.02),
+    ] {
         let mut scene = Scene::new(1.4e-3);
         let grid = scene.grid(1, [N, N], |x, y| [half * x, half * y, 0.0]);
         scene.elastic("aluminium", Elastic { e: 68.95e9, nu: 0.3, rho: 2765.8 });
@@ -145,7 +175,8 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
         } else {
             scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
             scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
-            let edges: Vec<u32> = grid.row(N).into_iter().chain((0..N).map(|i| grid.at(i, N))).collect();
+            let edges: Vec<u32> =
+                grid.row(N).into_iter().chain((0..N).map(|i| grid.at(i, N))).collect();
             scene.fix(&edges, "z");
         }
         scene.add(&format!("[[pressure]]\nparts = [1]\npressure = {:?}", 0.1 * pressure));
@@ -161,12 +192,18 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
             zigzag = zigzag.max(sum.abs() / ((N + 1) * (N + 1)) as f64);
         })?;
         let variant = format!("belytschko_tsay, {N} by {N}, {support}, coefficient {coefficient}");
-        let row = Row::new("largest alternating part of the deflection / deflection", &variant, "", zigzag / most);
+        let row = Row::new(
+            "largest alternating part of the deflection / deflection",
+            &variant,
+            "",
+            zigzag / most,
+        );
         all.push(row.beside(0.0, "catalogue: visible without control"));
         if coefficient > 0.0 {
             let energies = &run.energies;
             let share = energies.hourglass / energies.internal;
-            let row = Row::new("hourglass energy / internal energy at the end", &variant, "", share);
+            let row =
+                Row::new("hourglass energy / internal energy at the end", &variant, "", share);
             all.push(match support {
                 "simply supported" => row.at_most(0.02, "limit of the catalogue"),
                 _ => row.beside(0.02, "limit of the catalogue for edges that are held"),
@@ -213,7 +250,8 @@ fn cap(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.add(&format!("[[pressure]]\nparts = [1]\npressure = {pressure:?}"));
         let mut seen = Vec::new();
         let name = format!("B06 {element}");
-        let run = bench.watch(&name, &scene, |e| seen.push((e.clock.time, -displacement(e, 1)[2])))?;
+        let run =
+            bench.watch(&name, &scene, |e| seen.push((e.clock.time, -displacement(e, 1)[2])))?;
         let swing = Swing { seen, run };
         let variant = format!("{element}, {} on a quarter", 3 * N * N);
         const C: &str = "[C] nonlinear, 320 elements along the meridian";
@@ -227,9 +265,13 @@ fn cap(bench: &Bench) -> Result<Vec<Row>, String> {
         ]) {
             let (when, ours) = swing.extremum(window.map(|t| 1e-3 * t), largest);
             all.push(
-                Row::new(format!("extremum {number} of the apex"), &variant, "mm", 1e3 * ours).near(value, 0.02, C),
+                Row::new(format!("extremum {number} of the apex"), &variant, "mm", 1e3 * ours)
+                    .near(value, 0.02, C),
             );
-            all.push(Row::new(format!("time of extremum {number}"), &variant, "ms", 1e3 * when).near(time, 0.03, C));
+            all.push(
+                Row::new(format!("time of extremum {number}"), &variant, "ms", 1e3 * when)
+                    .near(time, 0.03, C),
+            );
         }
         all.extend(swing.run.energy_rows(&variant, 1e-2));
         all.push(swing.run.hourglass_row(&variant));

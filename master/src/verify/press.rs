@@ -1,4 +1,5 @@
-//! A22: two blocks pressed together. Uniform pressure on a free block is uniform stress in both, whatever their meshes.
+//! A22: two blocks pressed together. Uniform pressure on a free block is uniform stress in both,
+//! whatever their meshes.
 
 use super::contact::Law;
 use super::measure::fields;
@@ -23,7 +24,8 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::all() {
         for (below, above) in [(4, 4), (3, 4), (4, 3)] {
-            // A bar of 1 m swings at c/4L; damped near that the slowest mode is gone in a few periods.
+            // A bar of 1 m swings at c/4L; damped near that the slowest mode is gone in a few
+            // periods.
             let period = 4.0 / STEEL.c();
             let mut scene = Scene::new(16.0 * period);
             let mut block = |part: u32, n: usize, from: f64| {
@@ -37,20 +39,29 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.symmetry([0.0; 3], [1.0, 0.0, 0.0]);
             scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
             let top = scene.set(&two.last(2));
-            scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 2.0 * period));
-            scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {PRESSURE:?}\ncurve = \"ramp\""));
+            scene.add(&format!(
+                "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
+                2.0 * period
+            ));
+            scene.add(&format!(
+                "[[pressure]]\nnodes = \"{top}\"\npressure = {PRESSURE:?}\ncurve = \"ramp\""
+            ));
             scene.add(&law.table());
             scene.time(&format!("damping = {:?}", 2.0 * std::f64::consts::TAU / period));
-            // The last step is cut short, and forces that follow from the step are not what they were: stop before it.
+            // The last step is cut short, and forces that follow from the step are not what they
+            // were: stop before it.
             let mut stresses = Vec::new();
-            let run = bench.watch(&format!("A22 {} {below} under {above}", law.name), &scene, |e| {
-                if e.clock.time < 15.5 * period {
-                    stresses = fields(e).iter().map(|f| f.stress[2]).collect();
-                }
-            })?;
-            // Elements are in columns of two; those at the interface are the upper ones below and the lower ones above.
+            let run =
+                bench.watch(&format!("A22 {} {below} under {above}", law.name), &scene, |e| {
+                    if e.clock.time < 15.5 * period {
+                        stresses = fields(e).iter().map(|f| f.stress[2]).collect();
+                    }
+                })?;
+            // Elements are in columns of two; those at the interface are the upper ones below and
+            // the lower ones above.
             let (lower, upper): (&[f64], &[f64]) = stresses.split_at(below * below * LAYERS);
-            let near = [&lower[LAYERS - 1..], upper].map(|s| s.iter().copied().step_by(LAYERS).collect::<Vec<f64>>());
+            let near = [&lower[LAYERS - 1..], upper]
+                .map(|s| s.iter().copied().step_by(LAYERS).collect::<Vec<f64>>());
             let off = |s: f64| (s / PRESSURE + 1.0).abs();
             let worst = near.iter().flatten().fold(0.0f64, |m, &s| m.max(off(s)));
             let mean = off(near[0].iter().sum::<f64>() / near[0].len() as f64);

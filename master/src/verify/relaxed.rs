@@ -1,8 +1,8 @@
-//! Shells at rest under loads, by damping in proportion to mass: large deflections (A30), curved and twisted shells (B09),
-//! a folded section (B10).
+//! Shells at rest under loads, by damping in proportion to mass: large deflections (A30), curved
+//! and twisted shells (B09), a folded section (B10).
 //!
-//! A first run without damping finds half a period, from rest to the largest deflection; the second one is damped
-//! critically for that period and goes on until nothing moves any more.
+//! A first run without damping finds half a period, from rest to the largest deflection; the second
+//! one is damped critically for that period and goes on until nothing moves any more.
 
 use super::bars::BAR;
 use super::bench::Finished;
@@ -24,7 +24,8 @@ pub const STRIP: Check = Check { name: "cantilever under end shear", quick: true
 /// A30 (b).
 pub const ROLL: Check = Check { name: "roll-up by an end moment", quick: true, run: roll };
 /// A30 (c).
-pub const HEMISPHERE: Check = Check { name: "pinched hemisphere, large", quick: false, run: large_hemisphere };
+pub const HEMISPHERE: Check =
+    Check { name: "pinched hemisphere, large", quick: false, run: large_hemisphere };
 /// A30 (d).
 pub const PULLED: Check = Check { name: "pull-out of a cylinder", quick: false, run: pulled };
 /// B09.
@@ -58,8 +59,8 @@ fn rest(
         }
         if now < 0.6 * most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
-    // Rest: over three of its radians in turn nothing has moved by more than 1e-5. A mode five times slower, then damped far
-    // above its own critical value, is left with ten times that.
+    // Rest: over three of its radians in turn nothing has moved by more than 1e-5. A mode five
+    // times slower, then damped far above its own critical value, is left with ten times that.
     let omega = PI / half;
     let mut damped = scene.clone().until(LONGEST / omega);
     damped.time(&format!("damping = {:?}", 2.0 * omega));
@@ -73,7 +74,9 @@ fn rest(
         if still == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     if still < 3 {
-        return Err(format!("{name} has not come to rest at {before:e} in {LONGEST} radians of its lowest frequency"));
+        return Err(format!(
+            "{name} has not come to rest at {before:e} in {LONGEST} radians of its lowest frequency"
+        ));
     }
     Ok((before, run))
 }
@@ -96,10 +99,16 @@ fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.fix(&bar.row(0), CLAMPED);
         scene.mass(&bar.row(N), times * BAR.rho * length * width * thickness);
         scene.add(&format!("[[gravity]]\nacceleration = [{g:?}, 0.0, 0.0]"));
-        let (ours, _) = rest(bench, &format!("A17 hanging {times}"), &scene, |e| displacement(e, bar.at(N, 0))[0])?;
+        let (ours, _) = rest(bench, &format!("A17 hanging {times}"), &scene, |e| {
+            displacement(e, bar.at(N, 0))[0]
+        })?;
         let expected = (times + 0.5) * BAR.rho * g * length * length / BAR.e;
         let quantity = format!("elongation in gravity with {times} times its mass at the end");
-        all.push(Row::new(quantity, "50 shells", "um", 1e6 * ours).near(1e6 * expected, 0.005, "[D] (M + m/2) g L/EA"));
+        all.push(Row::new(quantity, "50 shells", "um", 1e6 * ours).near(
+            1e6 * expected,
+            0.005,
+            "[D] (M + m/2) g L/EA",
+        ));
     }
     Ok(all)
 }
@@ -107,7 +116,8 @@ fn hanging(bench: &Bench) -> Result<Vec<Row>, String> {
 fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 16;
     let (side, thickness, pressure) = (0.2, 0.004, 100.0);
-    let bending = STEEL.e * thickness * thickness * thickness / (12.0 * (1.0 - STEEL.nu * STEEL.nu));
+    let bending =
+        STEEL.e * thickness * thickness * thickness / (12.0 * (1.0 - STEEL.nu * STEEL.nu));
     let mut all = Vec::new();
     for element in FORMULATIONS {
         let mut scene = Scene::new(1.0);
@@ -124,13 +134,19 @@ fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
         let middle = |e: &Engine| -displacement(e, grid.at(N / 2, N / 2))[2];
         let (ours, _) = rest(bench, &format!("A16 static {element}"), &scene, middle)?;
         let variant = format!("{element}, {N} by {N}");
-        let row = Row::new("static deflection D w/(q a^4)", variant, "", ours * bending / (pressure * side.powi(4)));
+        let row = Row::new(
+            "static deflection D w/(q a^4)",
+            variant,
+            "",
+            ours * bending / (pressure * side.powi(4)),
+        );
         all.push(row.near(0.00406235, 0.01, "[V:S10]"));
     }
     Ok(all)
 }
 
-/// Cantilever of Sze et al.: 10 by 1 by 0.1, 16 by 1 shells, bending stiffness 100; without units. `keys` of the part.
+/// Cantilever of Sze et al.: 10 by 1 by 0.1, 16 by 1 shells, bending stiffness 100; without units.
+/// `keys` of the part.
 fn cantilever(keys: &str) -> (Scene, Grid) {
     let mut scene = Scene::new(1e3);
     let grid = scene.grid(1, [16, 1], |x, y| [10.0 * x, y, 0.0]);
@@ -147,8 +163,9 @@ fn strip(bench: &Bench) -> Result<Vec<Row>, String> {
         for (force, w, u) in [(1.0, 3.015, 0.563), (2.0, 4.933, 1.604), (4.0, 6.698, 3.286)] {
             let (mut scene, grid) = cantilever(&format!("element = \"{element}\""));
             load(&mut scene, &grid.row(16), [0.0, 0.0, force]);
-            let (ours, run) =
-                rest(bench, &format!("A30a {element} {force}"), &scene, |e| displacement(e, grid.at(16, 0))[2])?;
+            let (ours, run) = rest(bench, &format!("A30a {element} {force}"), &scene, |e| {
+                displacement(e, grid.at(16, 0))[2]
+            })?;
             let variant = format!("{element}, 16 by 1, P = {force}");
             all.push(Row::new("deflection of the tip", &variant, "", ours).near(w, 0.02, SZE));
             let back = -displacement(&run.engine, grid.at(16, 0))[0];
@@ -163,8 +180,11 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
     // Lowest frequency of the cantilever: 3.516 sqrt(EI/(m L^4)) = 1.11.
     let (length, stiffness, omega, end) = (10.0, 100.0, 1.11, 40.0);
     let mut all = Vec::new();
-    for (element, hourglass) in [("belytschko_tsay", 0.03), ("belytschko_tsay", 0.2), ("stabilised_quad", 0.03)] {
-        let (scene, grid) = cantilever(&format!("element = \"{element}\"\nhourglass_coefficient = {hourglass:?}"));
+    for (element, hourglass) in
+        [("belytschko_tsay", 0.03), ("belytschko_tsay", 0.2), ("stabilised_quad", 0.03)]
+    {
+        let (scene, grid) =
+            cantilever(&format!("element = \"{element}\"\nhourglass_coefficient = {hourglass:?}"));
         let mut scene = scene.until(end);
         let tip = scene.set(&grid.row(16));
         // To half a circle and rest, to the whole and rest.
@@ -175,7 +195,10 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
             0.75 * end
         ));
         let moment = 2.0 * PI * stiffness / length;
-        scene.add(&format!("[[load]]\nnodes = \"{tip}\"\nmoment = [0.0, {:?}, 0.0]\ncurve = \"steps\"", -moment));
+        scene.add(&format!(
+            "[[load]]\nnodes = \"{tip}\"\nmoment = [0.0, {:?}, 0.0]\ncurve = \"steps\"",
+            -moment
+        ));
         scene.time(&format!("damping = {:?}", 2.0 * omega));
         let mut half = [f64::NAN; 3];
         let run = bench.watch(&format!("A30b {element} {hourglass}"), &scene, |e| {
@@ -196,7 +219,8 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A quarter of a hemisphere with a hole of 18 degrees, `n` by `n`; returns the loaded corners, on the x and the y axis.
+/// A quarter of a hemisphere with a hole of 18 degrees, `n` by `n`; returns the loaded corners, on
+/// the x and the y axis.
 fn hemisphere(scene: &mut Scene, n: usize, section: &str) -> [u32; 2] {
     let grid = scene.grid(1, [n, n], |s, r| {
         let (sin, cos) = (s * FRAC_PI_2).sin_cos();
@@ -221,7 +245,8 @@ fn large_hemisphere(bench: &Bench) -> Result<Vec<Row>, String> {
         // Half of P = 400 on a node of a plane of symmetry.
         load(&mut scene, &[a], [200.0, 0.0, 0.0]);
         load(&mut scene, &[b], [0.0, -200.0, 0.0]);
-        let (inward, run) = rest(bench, &format!("A30c {element}"), &scene, |e| -displacement(e, b)[1])?;
+        let (inward, run) =
+            rest(bench, &format!("A30c {element}"), &scene, |e| -displacement(e, b)[1])?;
         let variant = format!("{element}, {N} by {N} on a quarter, P = 400");
         let outward = displacement(&run.engine, a)[0];
         all.push(Row::new("outward displacement", &variant, "", outward).beside(4.067, U));
@@ -245,12 +270,16 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
             });
             scene.elastic("shell", Elastic { e: 10.5e6, nu: 0.3125, rho: 1.0 });
             scene.part(1, "shell", 0.094, &format!("points = 2\nelement = \"{element}\""));
-            (0..3).for_each(|c| scene.symmetry([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c)))));
+            (0..3).for_each(|c| {
+                scene.symmetry([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c))))
+            });
             load(&mut scene, &[grid.at(0, 0)], [0.0, 0.0, 0.25 * share * 40_000.0]);
             let top = |e: &Engine| displacement(e, grid.at(0, 0))[2];
             let (ours, _) = rest(bench, &format!("A30d {element} {share}"), &scene, top)?;
             let variant = format!("{element}, {} by {} on an eighth, {share} P", MESH[0], MESH[1]);
-            all.push(Row::new("displacement under the load", &variant, "", ours).near(w, 0.05, SZE));
+            all.push(
+                Row::new("displacement under the load", &variant, "", ours).near(w, 0.05, SZE),
+            );
         }
     }
     Ok(all)
@@ -263,7 +292,9 @@ const TARGET: &str = "target; limit of the catalogue at n = 16";
 
 /// Section of B09: hourglass coefficient 0.02.
 fn section(element: &str, drilling: f64) -> String {
-    format!("points = 2\nelement = \"{element}\"\nhourglass_coefficient = 0.02\ndrilling = {drilling:?}")
+    format!(
+        "points = 2\nelement = \"{element}\"\nhourglass_coefficient = 0.02\ndrilling = {drilling:?}"
+    )
 }
 
 fn roof(bench: &Bench, name: &str, n: usize, section: &str) -> Result<f64, String> {
@@ -290,7 +321,9 @@ fn cylinder(bench: &Bench, name: &str, n: usize, section: &str) -> Result<f64, S
     });
     scene.elastic("shell", Elastic { e: 3e6, nu: 0.3, rho: 1.0 });
     scene.part(1, "shell", 3.0, section);
-    (0..3).for_each(|c| scene.symmetry([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c)))));
+    (0..3).for_each(|c| {
+        scene.symmetry([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c))))
+    });
     scene.fix(&grid.row(n), "y z");
     // Far below the thickness, far above round-off.
     let force = 1e3;
@@ -309,8 +342,11 @@ fn small_hemisphere(bench: &Bench, name: &str, n: usize, section: &str) -> Resul
 fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
     /// Builds, runs and divides by the target.
     type Scenes = fn(&Bench, &str, usize, &str) -> Result<f64, String>;
-    let scenes: [(&str, Scenes); 3] =
-        [("Scordelis-Lo roof", roof), ("pinched cylinder", cylinder), ("hemisphere", small_hemisphere)];
+    let scenes: [(&str, Scenes); 3] = [
+        ("Scordelis-Lo roof", roof),
+        ("pinched cylinder", cylinder),
+        ("hemisphere", small_hemisphere),
+    ];
     let mut all = Vec::new();
     for (element, drilling, coarse, fine) in [
         ("belytschko_tsay", 0.01, [1.040, 0.806, 0.978], [1.007, 0.960, 1.005]),
@@ -320,12 +356,18 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
         for (n, table) in [(8, coarse), (16, fine)] {
             for ((what, scene), known) in scenes.into_iter().zip(table) {
                 let variant = format!("{element}, {n} by {n}, drilling {drilling}");
-                let ours = scene(bench, &format!("B09 {what} {variant}"), n, &section(element, drilling))?;
+                let ours =
+                    scene(bench, &format!("B09 {what} {variant}"), n, &section(element, drilling))?;
                 let quantity = format!("{what}, deflection / target");
                 if known.is_finite() {
                     all.push(Row::new(&quantity, &variant, "", ours).near(known, 0.01, TABLE));
                 }
-                let row = Row::new(format!("{what}, deflection"), format!("{variant}, against the target"), "", ours);
+                let row = Row::new(
+                    format!("{what}, deflection"),
+                    format!("{variant}, against the target"),
+                    "",
+                    ours,
+                );
                 // The cylinder is known to need more; at n = 8 there is no bound.
                 all.push(match n == 16 && what != "pinched cylinder" {
                     true => row.near(1.0, 0.03, TARGET),
@@ -337,9 +379,16 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Strip of 12 by 1.1 that turns by a right angle, `n` shells along it and a sixth across: deflection of the tip under a
-/// load along its width there (z) or across it (y), over the target.
-fn twist(bench: &Bench, element: &str, thickness: f64, n: usize, drilling: f64, along: bool) -> Result<f64, String> {
+/// Strip of 12 by 1.1 that turns by a right angle, `n` shells along it and a sixth across:
+/// deflection of the tip under a load along its width there (z) or across it (y), over the target.
+fn twist(
+    bench: &Bench,
+    element: &str,
+    thickness: f64,
+    n: usize,
+    drilling: f64,
+    along: bool,
+) -> Result<f64, String> {
     let (m, c) = (n / 6, if along { 2 } else { 1 });
     let mut scene = Scene::new(1e9);
     let grid = scene.grid(1, [n, m], |r, s| {
@@ -349,10 +398,14 @@ fn twist(bench: &Bench, element: &str, thickness: f64, n: usize, drilling: f64, 
     scene.elastic("strip", Elastic { e: 29e6, nu: 0.22, rho: 1.0 });
     scene.part(1, "strip", thickness, &section(element, drilling));
     scene.fix(&grid.row(0), CLAMPED);
-    let (force, targets) = if thickness > 0.1 { (1.0, [1.7532e-3, 5.4245e-3]) } else { (1e-6, [1.294e-3, 5.256e-3]) };
+    let (force, targets) =
+        if thickness > 0.1 { (1.0, [1.7532e-3, 5.4245e-3]) } else { (1e-6, [1.294e-3, 5.256e-3]) };
     let (tip, small) = (grid.at(n, m / 2), if thickness > 0.1 { 1.0 } else { SMALL });
     load(&mut scene, &[tip], std::array::from_fn(|k| if k == c { small * force } else { 0.0 }));
-    let name = format!("B09 twisted {element} {thickness} {n} drilling {drilling} along {}", ["x", "y", "z"][c]);
+    let name = format!(
+        "B09 twisted {element} {thickness} {n} drilling {drilling} along {}",
+        ["x", "y", "z"][c]
+    );
     Ok(rest(bench, &name, &scene, |e| displacement(e, tip)[c])?.0 / (small * targets[c - 1]))
 }
 
@@ -368,17 +421,30 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{element}, {n} by {}, drilling {drilling}", n / 6);
             let z = twist(bench, element, 0.32, n, drilling, true)?;
             if known.is_finite() {
-                // In the table's code the rigid rotation of warped shells excites hourglass rates, in ours it does not: coarse
-                // meshes are as far as its finest one, and what a direct solution with our kernels gives.
-                let row = |of: &str| Row::new(format!("thick, load along z, deflection / target{of}"), &variant, "", z);
+                // In the table's code the rigid rotation of warped shells excites hourglass rates,
+                // in ours it does not: coarse meshes are as far as its finest one, and what a
+                // direct solution with our kernels gives.
+                let row = |of: &str| {
+                    Row::new(
+                        format!("thick, load along z, deflection / target{of}"),
+                        &variant,
+                        "",
+                        z,
+                    )
+                };
                 all.push(row(", as on 96 by 16").near(table[2], 0.01, TABLE));
                 all.push(row("").beside(known, TABLE));
             }
             let against = format!("{variant}, against the target");
-            all.push(Row::new("thick, load along z, deflection", &against, "", z).beside(1.0, "target"));
+            all.push(
+                Row::new("thick, load along z, deflection", &against, "", z).beside(1.0, "target"),
+            );
             if n == 24 {
                 let y = twist(bench, element, 0.32, n, drilling, false)?;
-                all.push(Row::new("thick, load along y, deflection", &against, "", y).beside(1.0, "target"));
+                all.push(
+                    Row::new("thick, load along y, deflection", &against, "", y)
+                        .beside(1.0, "target"),
+                );
             }
         }
     }
@@ -393,10 +459,10 @@ fn thin(bench: &Bench) -> Result<Vec<Row>, String> {
         for (along, axis) in [(true, "z"), (false, "y")] {
             let ours = twist(bench, element, 0.0032, N, 0.01, along)?;
             let quantity = format!("thin, load along {axis}, deflection");
-            all.push(
-                Row::new(quantity, &variant, "", ours)
-                    .beside(1.0, "target; [C] .003 at 24 by 4 where rigid rotation excites hourglass rates"),
-            );
+            all.push(Row::new(quantity, &variant, "", ours).beside(
+                1.0,
+                "target; [C] .003 at 24 by 4 where rigid rotation excites hourglass rates",
+            ));
         }
     }
     Ok(all)
@@ -407,12 +473,15 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for element in FORMULATIONS {
         for n in [2, 4] {
-            // Shells of 1/n m: flanges of 1 m at y = -1 and 1, in the directions -z and z, the web of 2 m between them.
+            // Shells of 1/n m: flanges of 1 m at y = -1 and 1, in the directions -z and z, the web
+            // of 2 m between them.
             let along = 10 * n;
             let mut scene = Scene::new(1e3);
             let mut weld = Weld::new(1e-6);
-            let low = scene.welded_grid(1, [along, n], &mut weld, |x, s| [length * x, -1.0, s - 1.0]);
-            scene.welded_grid(1, [along, 2 * n], &mut weld, |x, s| [length * x, 2.0 * s - 1.0, 0.0]);
+            let low =
+                scene.welded_grid(1, [along, n], &mut weld, |x, s| [length * x, -1.0, s - 1.0]);
+            scene
+                .welded_grid(1, [along, 2 * n], &mut weld, |x, s| [length * x, 2.0 * s - 1.0, 0.0]);
             let high = scene.welded_grid(1, [along, n], &mut weld, |x, s| [length * x, 1.0, s]);
             scene.elastic("steel", STEEL);
             scene.part(1, "steel", 0.1, &format!("points = 2\nelement = \"{element}\""));
@@ -428,16 +497,22 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             let tip = high.at(along, n);
             let name = format!("B10 {element} {n}");
             let (_, run) = rest(bench, &name, &scene, |e| displacement(e, tip)[2])?;
-            // Axial stress at the free edge of a flange, 2.5 m from the root: the mean of the shells before and after, by the
-            // line through the two nearest to the edge.
+            // Axial stress at the free edge of a flange, 2.5 m from the root: the mean of the
+            // shells before and after, by the line through the two nearest to the edge.
             let stresses = fields(&run.engine);
             let first = along * 3 * n;
             let at = |i: usize, j: usize| stresses[first + i * n + j].stress[0];
             let pair = |j: usize| 0.5 * (at(along / 4 - 1, j) + at(along / 4, j));
             let edge = pair(n - 1) + 0.5 * (pair(n - 1) - pair(n - 2));
             let variant = format!("{element}, sides of {} m", 1.0 / n as f64);
-            let row = Row::new("|axial stress| at the edge of a flange", &variant, "MPa", 1e-6 * edge.abs() / SMALL);
-            // Two shells over a flange: half the side halves the distance from the converged codes' 111.2 MPa and more.
+            let row = Row::new(
+                "|axial stress| at the edge of a flange",
+                &variant,
+                "MPa",
+                1e-6 * edge.abs() / SMALL,
+            );
+            // Two shells over a flange: half the side halves the distance from the converged codes'
+            // 111.2 MPa and more.
             const LE5: &str = "[V:S10] NAFEMS LE5; converged codes 111.2";
             all.push(if n > 2 { row.near(108.0, 0.05, LE5) } else { row.beside(108.0, LE5) });
         }

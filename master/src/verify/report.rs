@@ -39,14 +39,20 @@ impl Report<'_> {
              could not be run.\n",
             self.entries.len()
         );
-        text.push_str("| case | quantity | variant | reference | ours | error | tolerance | source | |\n");
+        text.push_str(
+            "| case | quantity | variant | reference | ours | error | tolerance | source | |\n",
+        );
         text.push_str("|---|---|---|---|---|---|---|---|---|\n");
         for entry in self.entries {
             for outcome in self.of(entry) {
                 match &outcome.rows {
                     Ok(rows) => rows.iter().for_each(|r| text.push_str(&line(entry.id, r))),
                     Err(why) => {
-                        let _ = writeln!(text, "| {} | {} | | | | | | {why} | **FAIL** |", entry.id, outcome.name);
+                        let _ = writeln!(
+                            text,
+                            "| {} | {} | | | | | | {why} | **FAIL** |",
+                            entry.id, outcome.name
+                        );
                     }
                 }
             }
@@ -57,11 +63,15 @@ impl Report<'_> {
             // What explains rows of several entries is said once.
             let mut said: Vec<(&str, Vec<String>)> = Vec::new();
             for outcome in self.outcomes {
-                for row in outcome.rows.iter().flatten().filter(|r| !r.known.is_empty() && !r.passes()) {
+                for row in
+                    outcome.rows.iter().flatten().filter(|r| !r.known.is_empty() && !r.passes())
+                {
                     match said.iter_mut().find(|s| s.0 == row.known) {
                         Some((_, of)) if of.iter().any(|name| name.starts_with(outcome.id)) => {}
                         Some((_, of)) => of.push(outcome.id.into()),
-                        None => said.push((row.known, vec![format!("{} {}", outcome.id, row.quantity)])),
+                        None => {
+                            said.push((row.known, vec![format!("{} {}", outcome.id, row.quantity)]))
+                        }
                     }
                 }
             }
@@ -71,7 +81,9 @@ impl Report<'_> {
         }
         let open: Vec<_> = self.entries.iter().filter(|e| !e.open.is_empty()).collect();
         if !open.is_empty() {
-            text.push_str("\n## Not covered\n\n| case | | what is missing, and why |\n|---|---|---|\n");
+            text.push_str(
+                "\n## Not covered\n\n| case | | what is missing, and why |\n|---|---|---|\n",
+            );
             for e in open {
                 let _ = writeln!(text, "| {} | {} | {} |", e.id, e.title, e.open);
             }

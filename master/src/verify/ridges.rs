@@ -10,7 +10,8 @@ use crumple_worker::engine::Engine;
 /// C04, roofs ridge on ridge.
 pub const ROOFS: Check = Check { name: "roofs ridge on ridge", quick: true, run: roofs };
 /// C04, edges of three shells, rims, cages, and edges of solids.
-pub const JOINTS: Check = Check { name: "joints, cages, a fold on a solid's edge", quick: true, run: joints };
+pub const JOINTS: Check =
+    Check { name: "joints, cages, a fold on a solid's edge", quick: true, run: joints };
 
 /// Length of a body, its shells along it, and how thick they are [m].
 const LENGTH: f64 = 0.1;
@@ -58,7 +59,8 @@ impl Roof {
             let across = FLANK * (2.0 * y - 1.0);
             place(x, c * across, s * across.abs())
         });
-        let mut feet: Vec<u32> = (0..=self.cells).flat_map(|i| [sheet.at(i, 0), sheet.at(i, 4)]).collect();
+        let mut feet: Vec<u32> =
+            (0..=self.cells).flat_map(|i| [sheet.at(i, 0), sheet.at(i, 4)]).collect();
         if self.post {
             let ridge: Vec<u32> = (0..=self.cells).map(|i| sheet.at(i, 2)).collect();
             let mut next = ridge.iter().copied();
@@ -86,8 +88,9 @@ struct Skin {
     edges: Vec<[u32; 2]>,
 }
 
-/// The bilinear surface between four corners as triangles. Cut along a diagonal, a quad that is warped by twice its thickness, as
-/// under a load on roofs, would show an edge in it that lies clear of the surface.
+/// The bilinear surface between four corners as triangles. Cut along a diagonal, a quad that is
+/// warped by twice its thickness, as under a load on roofs, would show an edge in it that lies
+/// clear of the surface.
 fn facets(corners: [V3; 4]) -> impl Iterator<Item = [V3; 3]> {
     const CUTS: usize = 4;
     let [a, b, c, d] = corners;
@@ -110,7 +113,8 @@ impl Skin {
             for face in element.record.shape.faces() {
                 let n = face.map(|c| element.nodes[c]);
                 skin.faces.push(n);
-                skin.edges.extend((0..4).map(|k| [n[k].min(n[(k + 1) % 4]), n[k].max(n[(k + 1) % 4])]));
+                skin.edges
+                    .extend((0..4).map(|k| [n[k].min(n[(k + 1) % 4]), n[k].max(n[(k + 1) % 4])]));
                 skin.nodes.extend(n);
             }
         }
@@ -134,7 +138,8 @@ impl Skin {
             let turns = [volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)];
             apart && (turns.iter().all(|&t| t > 0.0) || turns.iter().all(|&t| t < 0.0))
         };
-        let facets: Vec<[V3; 3]> = other.faces.iter().flat_map(|f| facets(f.map(|n| Self::at(e, n)))).collect();
+        let facets: Vec<[V3; 3]> =
+            other.faces.iter().flat_map(|f| facets(f.map(|n| Self::at(e, n)))).collect();
         let ends = self.edges.iter().map(|edge| edge.map(|n| Self::at(e, n)));
         ends.map(|[p, q]| facets.iter().filter(|t| through(&p, &q, t)).count()).sum()
     }
@@ -176,8 +181,15 @@ fn between(p: V3, q: V3, r: V3, s: V3) -> f64 {
     (w + u * first - v * second).norm()
 }
 
-/// Runs a scene in which parts up to `last` come down on the others, with every law, and says how near they came.
-fn compare(bench: &Bench, name: &str, last: u32, touch: f64, build: impl Fn(&mut Scene)) -> Result<Vec<Row>, String> {
+/// Runs a scene in which parts up to `last` come down on the others, with every law, and says how
+/// near they came.
+fn compare(
+    bench: &Bench,
+    name: &str,
+    last: u32,
+    touch: f64,
+    build: impl Fn(&mut Scene),
+) -> Result<Vec<Row>, String> {
     const EVERY: u64 = 5;
     const TOUCH: &str = "sum of the half thicknesses; penalties sink in";
     let mut all = Vec::new();
@@ -189,21 +201,29 @@ fn compare(bench: &Bench, name: &str, last: u32, touch: f64, build: impl Fn(&mut
         let (mut through, mut least) = (0, f64::INFINITY);
         let mut skins = None;
         let run = bench.watch(&format!("C04 {law} {name}"), &scene, |e| {
-            let [above, below] = skins.get_or_insert_with(|| [Skin::of(e, |p| p < last), Skin::of(e, |p| p >= last)]);
+            let [above, below] = skins
+                .get_or_insert_with(|| [Skin::of(e, |p| p < last), Skin::of(e, |p| p >= last)]);
             if e.clock.cycle.is_multiple_of(EVERY) {
                 through = through.max(above.pierces(below, e) + below.pierces(above, e));
                 least = least.min(above.distance(below, e));
             }
         })?;
         let variant = format!("{law}, {name}");
-        let crossed =
-            run.engine.contact.as_ref().map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
+        let crossed = run
+            .engine
+            .contact
+            .as_ref()
+            .map_or(0, |c| c.crossings(&run.engine.nodes, run.engine.clock.time).len());
         let created = run.energies.contact / run.initial;
         all.push(
-            Row::new("edges through surfaces, most on the way", &variant, "", through as f64).at_most(0.0, "exact"),
+            Row::new("edges through surfaces, most on the way", &variant, "", through as f64)
+                .at_most(0.0, "exact"),
         );
-        all.push(Row::new("edges seen in surfaces", &variant, "", crossed as f64).at_most(0.0, "exact"));
-        let row = Row::new("least distance / touching distance", &variant, "", least / touch).at_least(0.8, TOUCH);
+        all.push(
+            Row::new("edges seen in surfaces", &variant, "", crossed as f64).at_most(0.0, "exact"),
+        );
+        let row = Row::new("least distance / touching distance", &variant, "", least / touch)
+            .at_least(0.8, TOUCH);
         all.push(row);
         all.push(
             Row::new("work of contact / energy at the start", &variant, "", created)
@@ -214,11 +234,14 @@ fn compare(bench: &Bench, name: &str, last: u32, touch: f64, build: impl Fn(&mut
     Ok(all)
 }
 
-/// Two roofs, the upper one upside down and free, the lower one on its feet. The ridges cross between nodes.
+/// Two roofs, the upper one upside down and free, the lower one on its feet. The ridges cross
+/// between nodes.
 fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     // Under the heavy ones the ridges flatten.
-    for (angle, slope, load) in [(90.0, 45.0, 0.0), (30.0, 45.0, 0.0), (90.0, 15.0, 3.0), (30.0, 15.0, 3.0)] {
+    for (angle, slope, load) in
+        [(90.0, 45.0, 0.0), (30.0, 45.0, 0.0), (90.0, 15.0, 3.0), (30.0, 15.0, 3.0)]
+    {
         let loaded = if load > 0.0 { format!(" under {load} kg") } else { String::new() };
         let name = format!("roofs of {slope} degrees{loaded}, ridges crossing at {angle}");
         all.extend(compare(bench, &name, 1, THICKNESS, |scene| {
@@ -244,36 +267,51 @@ fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A narrow plate on the rims of a T, a ridge on one with a post, a cage of angles, a ridge on a solid's edge.
+/// A narrow plate on the rims of a T, a ridge on one with a post, a cage of angles, a ridge on a
+/// solid's edge.
 fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
     let z = 0.5 * (THICKNESS + AIR);
-    let roof = |part, at, angle, ridge_up| Roof { part, at, angle, slope: 45.0, ridge_up, post: false, cells: CELLS };
-    let shells = |scene: &mut Scene| (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 3"));
-    let mut all = compare(bench, "a plate on the stem and the flange of a T", 1, THICKNESS, |scene| {
-        let plate = scene.grid(1, [5, 1], |x, y| [0.012 * (y - 0.5), LENGTH * (x - 0.5), z]);
-        // On its side, so that the rims of the stem and of half the flange are up.
-        const ARM: f64 = 0.025;
-        let tip = ARM / 2f64.sqrt();
-        let joint: Vec<u32> =
-            (0..=CELLS).map(|i| scene.node([LENGTH * (i as f64 / CELLS as f64 - 0.5), 0.0, -z - tip])).collect();
-        let mut feet = joint.clone();
-        for (across, up) in [(tip, 0.0), (-tip, 0.0), (tip, -2.0 * tip)] {
-            let ends: Vec<u32> = joint
-                .iter()
-                .map(|&n| {
-                    let [x, ..] = scene.at(n);
-                    scene.node([x, across, -z + up])
-                })
+    let roof = |part, at, angle, ridge_up| Roof {
+        part,
+        at,
+        angle,
+        slope: 45.0,
+        ridge_up,
+        post: false,
+        cells: CELLS,
+    };
+    let shells = |scene: &mut Scene| {
+        (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, "points = 3"))
+    };
+    let mut all =
+        compare(bench, "a plate on the stem and the flange of a T", 1, THICKNESS, |scene| {
+            let plate = scene.grid(1, [5, 1], |x, y| [0.012 * (y - 0.5), LENGTH * (x - 0.5), z]);
+            // On its side, so that the rims of the stem and of half the flange are up.
+            const ARM: f64 = 0.025;
+            let tip = ARM / 2f64.sqrt();
+            let joint: Vec<u32> = (0..=CELLS)
+                .map(|i| scene.node([LENGTH * (i as f64 / CELLS as f64 - 0.5), 0.0, -z - tip]))
                 .collect();
-            (0..CELLS).for_each(|i| _ = scene.shell(2, &[joint[i], joint[i + 1], ends[i + 1], ends[i]]));
-            if up < 0.0 {
-                feet.extend(ends);
+            let mut feet = joint.clone();
+            for (across, up) in [(tip, 0.0), (-tip, 0.0), (tip, -2.0 * tip)] {
+                let ends: Vec<u32> = joint
+                    .iter()
+                    .map(|&n| {
+                        let [x, ..] = scene.at(n);
+                        scene.node([x, across, -z + up])
+                    })
+                    .collect();
+                (0..CELLS).for_each(|i| {
+                    _ = scene.shell(2, &[joint[i], joint[i + 1], ends[i + 1], ends[i]])
+                });
+                if up < 0.0 {
+                    feet.extend(ends);
+                }
             }
-        }
-        shells(scene);
-        scene.start(plate.all(), [0.0, 0.0, -V], [0.0; 3]);
-        scene.fix(&feet, "x y z");
-    })?;
+            shells(scene);
+            scene.start(plate.all(), [0.0, 0.0, -V], [0.0; 3]);
+            scene.fix(&feet, "x y z");
+        })?;
     all.extend(compare(bench, "a ridge on a ridge with a post", 1, THICKNESS, |scene| {
         let (above, _) = roof(1, [0.0, 0.0, z], 90.0, false).build(scene);
         let (_, feet) = Roof { post: true, ..roof(2, [0.0, 0.0, -z], 0.0, true) }.build(scene);
@@ -284,7 +322,8 @@ fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
     all.extend(compare(bench, "a cage of angles under 1 kg", 1, THICKNESS, |scene| {
         let mut above = Vec::new();
         for (k, cells) in [(-1.0, 5), (0.0, 4), (1.0, 5)] {
-            let part = |part, ridge_up, at, angle| Roof { cells, ..roof(part, at, angle, ridge_up) };
+            let part =
+                |part, ridge_up, at, angle| Roof { cells, ..roof(part, at, angle, ridge_up) };
             above.extend(part(1, false, [0.045 * k, 0.0, z], 90.0).build(scene).0);
             let (_, feet) = part(2, true, [0.0, 0.045 * k, -z], 0.0).build(scene);
             scene.fix(&feet.0, "x y z");
@@ -301,7 +340,12 @@ fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
         let ring: Vec<[u32; 4]> = (0..=CELLS)
             .map(|i| {
                 let x = LENGTH * (i as f64 / CELLS as f64 - 0.5);
-                let ring = [(0.0, 0.0), (-DIAGONAL, -DIAGONAL), (0.0, -2.0 * DIAGONAL), (DIAGONAL, -DIAGONAL)];
+                let ring = [
+                    (0.0, 0.0),
+                    (-DIAGONAL, -DIAGONAL),
+                    (0.0, -2.0 * DIAGONAL),
+                    (DIAGONAL, -DIAGONAL),
+                ];
                 let nodes = ring.map(|(y, z)| scene.node([x, y, z]));
                 bottom.push(nodes[2]);
                 nodes

@@ -10,12 +10,14 @@ use super::{Bench, Check};
 /// A13.
 pub const FALL: Check = Check { name: "cube from 0.1 m", quick: true, run: fall };
 /// A14.
-pub const OBLIQUE: Check = Check { name: "a ball's inertia on one point", quick: true, run: oblique };
+pub const OBLIQUE: Check =
+    Check { name: "a ball's inertia on one point", quick: true, run: oblique };
 
 /// A fixed plate of one cell, its top at z = 0.
 fn plate(scene: &mut Scene, reach: f64) {
-    let plate =
-        scene.block(2, [1; 3], |p| [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]);
+    let plate = scene.block(2, [1; 3], |p| {
+        [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]
+    });
     scene.solid_part(2, "steel", "");
     scene.fix(plate.all(), "x y z");
 }
@@ -28,7 +30,8 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
     let targets = std::iter::once(None).chain(Law::ALL.iter().map(Some));
     for law in targets {
         let mut scene = Scene::new(time + 0.02);
-        let cube = scene.block(1, [1; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), height + side * p[2]]);
+        let cube = scene
+            .block(1, [1; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), height + side * p[2]]);
         scene.elastic("steel", STEEL);
         scene.solid_part(1, "steel", "");
         scene.add("[[rigid]]\nname = \"cube\"\nparts = [1]");
@@ -62,8 +65,16 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{name}, 1 kg");
         let e = after / speed;
         let rebound = Row::new("restitution", &variant, "", e);
-        all.push(Row::new("time of impact", &variant, "s", touch).near(time, 1e-3, "[D] sqrt(2h/g)"));
-        all.push(Row::new("velocity of impact", &variant, "m/s", -fastest).near(speed, 1e-3, "[D] sqrt(2gh)"));
+        all.push(Row::new("time of impact", &variant, "s", touch).near(
+            time,
+            1e-3,
+            "[D] sqrt(2h/g)",
+        ));
+        all.push(Row::new("velocity of impact", &variant, "m/s", -fastest).near(
+            speed,
+            1e-3,
+            "[D] sqrt(2gh)",
+        ));
         all.push(if law.is_some_and(Law::is_spring) {
             rebound.near(1.0, 0.01, "[D] a spring gives back what it takes")
         } else {
@@ -71,7 +82,10 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
         });
         all.push(run.given_row(&variant));
         let low = position(&run.engine, cube.at([0; 3]))[2];
-        all.push(Row::new("sunk in at the end / side", &variant, "", -low / side).at_most(1e-3, "[D] not at all"));
+        all.push(
+            Row::new("sunk in at the end / side", &variant, "", -low / side)
+                .at_most(1e-3, "[D] not at all"),
+        );
     }
     Ok(all)
 }
@@ -79,11 +93,12 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
 const FIRST: &str = "the slip of a new touch starts at nought after the force of its first step: that step has no friction, and \
                      how much of the impulse is in it depends on where in the step the ball lands";
 
-/// Restitution 1 on springs with k_t = k_n, at v_t = 0.7 v_n: velocity along the plane and spin times radius after
-/// (`tests/references/balls.txt`).
+/// Restitution 1 on springs with k_t = k_n, at v_t = 0.7 v_n: velocity along the plane and spin
+/// times radius after (`tests/references/balls.txt`).
 const ON_SPRINGS: [f64; 2] = [0.42728, 0.68180];
 
-/// A ball thrown at a plate: velocities after along it, about its centre times the radius, and from it [m/s], and the run.
+/// A ball thrown at a plate: velocities after along it, about its centre times the radius, and from
+/// it [m/s], and the run.
 struct Thrown {
     along: f64,
     turning: f64,
@@ -96,7 +111,8 @@ const MU: f64 = 0.2;
 const NORMAL: f64 = 1.0;
 const CUBE: f64 = 0.02;
 
-/// A cube on its vertex touches in one point, R below its centre, and has the inertia of a ball of that radius.
+/// A cube on its vertex touches in one point, R below its centre, and has the inertia of a ball of
+/// that radius.
 fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thrown, String> {
     let radius = 0.75f64.sqrt() * CUBE;
     let inertia = 0.4 * STEEL.rho * CUBE.powi(3) * radius * radius;
@@ -106,7 +122,9 @@ fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thr
     let (a, b, c) = ((2f64 / 3.0).sqrt(), 0.5f64.sqrt(), 3f64.sqrt().recip());
     let axes = [[a, 0.0, c], [-0.5 * a, b, c], [-0.5 * a, -b, c]];
     let cube = scene.block(1, [1; 3], |p| {
-        std::array::from_fn(|k| CUBE * (0..3).map(|i| p[i] * axes[i][k]).sum::<f64>() + if k == 2 { air } else { 0.0 })
+        std::array::from_fn(|k| {
+            CUBE * (0..3).map(|i| p[i] * axes[i][k]).sum::<f64>() + if k == 2 { air } else { 0.0 }
+        })
     });
     scene.elastic("steel", STEEL);
     scene.solid_part(1, "steel", "");
@@ -124,7 +142,8 @@ fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thr
 
 fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
     const RIGID: &str = "[D] rigid Coulomb theory, catalogue A14";
-    const SPRINGS: &str = "[D] a ball on springs k_t = k_n, tests/references/balls.py; Maw, Barber & Fawcett 1976";
+    const SPRINGS: &str =
+        "[D] a ball on springs k_t = k_n, tests/references/balls.py; Maw, Barber & Fawcett 1976";
     let mut all = Vec::new();
     for law in Law::ALL {
         let bounce = if law.is_spring() { 1.0 } else { 0.0 };
@@ -140,13 +159,26 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
                 ([5.0 / 7.0 * vt; 2], RIGID)
             };
             let variant = format!("{}, v_t = {vt:.2} v_n, e = {bounce}", law.name);
-            all.push(Row::new("tangential velocity after", &variant, "m/s", ball.along).near(after, 0.02, source));
-            all.push(Row::new("spin R after", &variant, "m/s", ball.turning).near(turning, 0.02, source));
-            all.push(Row::new("normal velocity after", &variant, "m/s", ball.up).within(bounce * NORMAL, 0.02, RIGID));
+            all.push(
+                Row::new("tangential velocity after", &variant, "m/s", ball.along)
+                    .near(after, 0.02, source),
+            );
+            all.push(
+                Row::new("spin R after", &variant, "m/s", ball.turning).near(turning, 0.02, source),
+            );
+            all.push(Row::new("normal velocity after", &variant, "m/s", ball.up).within(
+                bounce * NORMAL,
+                0.02,
+                RIGID,
+            ));
             all.push(ball.run.given_row(&variant));
         }
         // It slides throughout, wherever in a step it lands.
-        let step = thrown(bench, &format!("A14 {} step", law.name), law, 3.0, 1e-5)?.run.engine.clock.first_dt;
+        let step = thrown(bench, &format!("A14 {} step", law.name), law, 3.0, 1e-5)?
+            .run
+            .engine
+            .clock
+            .first_dt;
         let (mut least, mut largest) = (f64::INFINITY, 0.0f64);
         for k in 0..10 {
             let air = 1e-5 + 0.1 * f64::from(k) * step * NORMAL;
@@ -156,7 +188,12 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let variant = format!("{}, v_t = 3 v_n, ten places in a step", law.name);
         for (what, ratio) in [("least", least), ("largest", largest)] {
-            let row = Row::new(format!("{what} friction impulse / (mu normal impulse)"), &variant, "", ratio);
+            let row = Row::new(
+                format!("{what} friction impulse / (mu normal impulse)"),
+                &variant,
+                "",
+                ratio,
+            );
             let row = row.near(1.0, 0.01, "[D] Coulomb, sliding throughout");
             all.push(row.known(if law.is_spring() { FIRST } else { "" }));
         }

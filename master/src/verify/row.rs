@@ -41,7 +41,12 @@ pub struct Row {
 
 impl Row {
     /// A quantity with no bound yet.
-    pub fn new(quantity: impl Into<String>, variant: impl Into<String>, unit: &'static str, ours: f64) -> Self {
+    pub fn new(
+        quantity: impl Into<String>,
+        variant: impl Into<String>,
+        unit: &'static str,
+        ours: f64,
+    ) -> Self {
         Self {
             quantity: quantity.into(),
             variant: variant.into(),
@@ -93,7 +98,8 @@ impl Row {
         Self { known: why, ..self }
     }
 
-    /// Ours less the reference, as a fraction of it unless the tolerance is in the quantity's own unit.
+    /// Ours less the reference, as a fraction of it unless the tolerance is in the quantity's own
+    /// unit.
     pub fn error(&self) -> f64 {
         match self.tolerance {
             Tolerance::Absolute(_) => self.ours - self.reference,
@@ -161,7 +167,11 @@ pub fn short(x: f64) -> String {
         a => {
             let digits = (3 - a.log10().floor() as i32).clamp(0, 6) as usize;
             let text = format!("{x:.digits$}");
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_string()
+            } else {
+                text
+            }
         }
     }
 }
@@ -173,8 +183,13 @@ mod tests {
     #[test]
     fn a_row_passes_only_within_its_tolerance() {
         let row = |ours: f64| Row::new("x", "", "", ours);
-        assert!(row(101.0).near(100.0, 0.0101, "").passes() && !row(102.0).near(100.0, 0.0101, "").passes());
-        assert!(row(-0.99).near(-1.0, 0.02, "").passes() && !row(0.99).near(-1.0, 0.02, "").passes());
+        assert!(
+            row(101.0).near(100.0, 0.0101, "").passes()
+                && !row(102.0).near(100.0, 0.0101, "").passes()
+        );
+        assert!(
+            row(-0.99).near(-1.0, 0.02, "").passes() && !row(0.99).near(-1.0, 0.02, "").passes()
+        );
         assert!(row(0.1).within(0.0, 0.1, "").passes() && !row(0.2).within(0.0, 0.1, "").passes());
         assert!(row(1.0).at_most(1.0, "").passes() && !row(1.1).at_most(1.0, "").passes());
         assert!(row(1.0).at_least(1.0, "").passes() && !row(0.9).at_least(1.0, "").passes());

@@ -134,14 +134,15 @@ impl Scene {
         self.thicknesses.push((shell, thickness));
     }
 
-    /// Adds a solid of a part: a face whose normal points into it, then the nodes opposite. Their ids follow those of the
-    /// shells.
+    /// Adds a solid of a part: a face whose normal points into it, then the nodes opposite. Their
+    /// ids follow those of the shells.
     pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
         self.solids.push(std::iter::once(part).chain(corners).collect());
     }
 
-    /// Adds a beam of a part between two nodes; the second axis of its section points towards a third one, which is to be
-    /// among the last nodes if it belongs to nothing else. Ids follow those of the solids.
+    /// Adds a beam of a part between two nodes; the second axis of its section points towards a
+    /// third one, which is to be among the last nodes if it belongs to nothing else. Ids follow
+    /// those of the solids.
     pub fn beam(&mut self, part: u32, nodes: [u32; 3]) {
         self.beams.push(std::iter::once(part).chain(nodes).collect());
     }
@@ -171,7 +172,10 @@ impl Scene {
         let grid = Grid { nodes, across: m };
         for i in 0..n {
             for j in 0..m {
-                self.shell(part, &[grid.at(i, j), grid.at(i + 1, j), grid.at(i + 1, j + 1), grid.at(i, j + 1)]);
+                self.shell(
+                    part,
+                    &[grid.at(i, j), grid.at(i + 1, j), grid.at(i + 1, j + 1), grid.at(i, j + 1)],
+                );
             }
         }
         grid
@@ -215,7 +219,9 @@ impl Scene {
 
     /// Adds a part of shells; `more` are further keys of it.
     pub fn part(&mut self, id: u32, material: &str, thickness: f64, more: &str) {
-        self.add(&format!("[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = {thickness:?}\n{more}"));
+        self.add(&format!(
+            "[[part]]\nid = {id}\nmaterial = \"{material}\"\nthickness = {thickness:?}\n{more}"
+        ));
     }
 
     /// Adds a part of solids; `more` are further keys of it.
@@ -258,21 +264,28 @@ impl Scene {
 
     /// Adds a rigid wall.
     pub fn wall(&mut self, point: [f64; 3], normal: [f64; 3], friction: f64) {
-        self.add(&format!("[[wall]]\npoint = {point:?}\nnormal = {normal:?}\nfriction = {friction:?}"));
+        self.add(&format!(
+            "[[wall]]\npoint = {point:?}\nnormal = {normal:?}\nfriction = {friction:?}"
+        ));
     }
 
     /// The job file.
     pub fn text(&self, title: &str) -> String {
-        let mut text =
-            format!("title = \"{title}\"\nunits = \"m, s, kg\"\nend_time = {:?}\n[mesh]\nnodes = [\n", self.end_time);
+        let mut text = format!(
+            "title = \"{title}\"\nunits = \"m, s, kg\"\nend_time = {:?}\n[mesh]\nnodes = [\n",
+            self.end_time
+        );
         // Writing into a string cannot fail.
         for (i, [x, y, z]) in self.nodes.iter().enumerate() {
             let _ = writeln!(text, "[{}, {x:?}, {y:?}, {z:?}],", i + 1);
         }
         let mut id = 0;
-        for (kind, rows) in
-            [("shells", &self.shells), ("solids", &self.solids), ("beams", &self.beams), ("springs", &self.springs)]
-        {
+        for (kind, rows) in [
+            ("shells", &self.shells),
+            ("solids", &self.solids),
+            ("beams", &self.beams),
+            ("springs", &self.springs),
+        ] {
             let _ = write!(text, "]\n{kind} = [\n");
             for row in rows {
                 id += 1;
@@ -280,7 +293,8 @@ impl Scene {
                 let _ = writeln!(text, "[{id}, {}],", row.join(", "));
             }
         }
-        let rows: Vec<String> = self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
+        let rows: Vec<String> =
+            self.thicknesses.iter().map(|(shell, t)| format!("[{shell}, {t:?}]")).collect();
         let _ = writeln!(text, "]\nthicknesses = [{}]\n[mesh.node_sets]", rows.join(", "));
         for (name, nodes) in &self.sets {
             let _ = writeln!(text, "{name} = {nodes:?}");

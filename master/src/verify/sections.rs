@@ -9,7 +9,8 @@ use std::f64::consts::TAU;
 /// A41.
 pub const STEPPED: Check = Check { name: "bar of two thicknesses", quick: true, run: stepped };
 /// A42.
-pub const PULLED: Check = Check { name: "strip pulled beside its middle", quick: true, run: pulled };
+pub const PULLED: Check =
+    Check { name: "strip pulled beside its middle", quick: true, run: pulled };
 
 const FORMULATIONS: [&str; 3] = ["stabilised_quad", "belytschko_tsay", "fully_integrated_quad"];
 
@@ -18,9 +19,9 @@ fn plain() -> Elastic {
     STEEL.with_nu(0.0)
 }
 
-/// A bar, held at one end, whose half at the other end is twice as thick as that at its root, in its first axial mode. With areas
-/// A1 at the root and A2, halves of length a and b = w/c: `tan^2(b a) = A1/A2` (Graff 1975, ch. 2, by continuity of
-/// displacement and force).
+/// A bar, held at one end, whose half at the other end is twice as thick as that at its root, in
+/// its first axial mode. With areas A1 at the root and A2, halves of length a and b = w/c: `tan^2(b
+/// a) = A1/A2` (Graff 1975, ch. 2, by continuity of displacement and force).
 fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 40;
     let (half, thin) = (0.1, 1e-3);
@@ -40,7 +41,8 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
             let x = 2.0 * half * i as f64 / N as f64;
             let b = angle / half;
             // The other half goes on from the middle: sin(b a) cos(b (2 a - x))/cos(b a).
-            let shape = if x <= half { (b * x).sin() } else { angle.tan() * (b * (2.0 * half - x)).cos() };
+            let shape =
+                if x <= half { (b * x).sin() } else { angle.tan() * (b * (2.0 * half - x)).cos() };
             scene.start(&grid.row(i), [0.01 * shape, 0.0, 0.0], [0.0; 3]);
         }
         let mut crossings = Crossings::default();
@@ -58,8 +60,9 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A strip that is pulled along its nodes, e beside its middle, at rest: its tip rises by `e (1 - 1/cosh k L)`, `k^2 = F/EI`, and turns
-/// by `e k tanh k L`, as a beam under bending and tension (Timoshenko & Gere 1961, ch. 1).
+/// A strip that is pulled along its nodes, e beside its middle, at rest: its tip rises by `e (1 -
+/// 1/cosh k L)`, `k^2 = F/EI`, and turns by `e k tanh k L`, as a beam under bending and tension
+/// (Timoshenko & Gere 1961, ch. 1).
 fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 10;
     let (length, width, thickness, force) = (0.1, 0.01, 2e-3, 400.0);
@@ -69,7 +72,9 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
     // Of the first mode without tension.
     let omega = 3.516 * thickness / 12f64.sqrt() * c / (length * length);
     let mut all = Vec::new();
-    for (element, offset) in FORMULATIONS.into_iter().flat_map(|element| [(element, 1.0), (element, -0.5)]) {
+    for (element, offset) in
+        FORMULATIONS.into_iter().flat_map(|element| [(element, 1.0), (element, -0.5)])
+    {
         let mut scene = Scene::new(12.0 / omega);
         scene.elastic("steel", plain());
         scene.part(1, "steel", thickness, &format!("element = \"{element}\"\noffset = {offset:?}"));
@@ -83,8 +88,13 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
         let e = 0.5 * offset * thickness;
         let rise = e * (1.0 - 1.0 / kl.cosh());
         let found = displacement(&run.engine, grid.at(N, 0))[2];
-        const D: &str = "[D] beam under an eccentric pull; one point an element sees the mean of its curvature";
-        all.push(Row::new("rise of the tip", &variant, "mm", 1e3 * found).near(1e3 * rise, 0.005, D));
+        const D: &str =
+            "[D] beam under an eccentric pull; one point an element sees the mean of its curvature";
+        all.push(Row::new("rise of the tip", &variant, "mm", 1e3 * found).near(
+            1e3 * rise,
+            0.005,
+            D,
+        ));
     }
     Ok(all)
 }

@@ -19,8 +19,9 @@ const THICKNESS: f64 = 1e-3;
 const SIDE: f64 = 0.01;
 const QUADS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"];
 
-/// A square shell, alone so that no neck can form, led apart evenly, along x by `stretch` and along y by `across` (free if `None`); `more` of the material.
-/// Starts and ends at rest, so that no waves are left.
+/// A square shell, alone so that no neck can form, led apart evenly, along x by `stretch` and along
+/// y by `across` (free if `None`); `more` of the material. Starts and ends at rest, so that no
+/// waves are left.
 fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     let time = 2e-3;
     let mut scene = Scene::new(time);
@@ -38,7 +39,8 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     ));
     let mut lead = |nodes: &[u32], axis: usize, way: f64| {
         let set = scene.set(nodes);
-        let velocity: [f64; 3] = std::array::from_fn(|c| if c == axis { way / (0.8 * time) } else { 0.0 });
+        let velocity: [f64; 3] =
+            std::array::from_fn(|c| if c == axis { way / (0.8 * time) } else { 0.0 });
         let dof = ["x", "y", "z"][axis];
         scene.add(&format!(
             "[[motion]]\nnodes = \"{set}\"\ndofs = [\"{dof}\"]\nvelocity = {velocity:?}\ncurve = \"way\""
@@ -52,7 +54,8 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
 }
 
 fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] plastic flow keeps the volume, the elastic part (1 - 2 nu) p/E is a thousandth";
+    const D: &str =
+        "[D] plastic flow keeps the volume, the elastic part (1 - 2 nu) p/E is a thousandth";
     let mut all = Vec::new();
     for element in QUADS {
         for (how, stretch, across, thinner) in [
@@ -60,15 +63,18 @@ fn thinning(bench: &Bench) -> Result<Vec<Row>, String> {
             ("width held, 1.2", 1.2, Some(1.0), 1.2),
             ("both ways, 1.2", 1.2, Some(1.2), 1.44),
         ] {
-            let scene = led(stretch, across, "", &format!("thinning = true\nelement = \"{element}\""));
+            let scene =
+                led(stretch, across, "", &format!("thinning = true\nelement = \"{element}\""));
             let run = bench.watch(&format!("A36 {element} {how}"), &scene, |_| {})?;
             let now = fields(&run.engine)[0].thickness;
             let variant = format!("{element}, {how}");
-            all.push(Row::new("thickness / that at the start", &variant, "", now / THICKNESS).near(
-                1.0 / thinner,
-                3e-3,
-                D,
-            ));
+            all.push(
+                Row::new("thickness / that at the start", &variant, "", now / THICKNESS).near(
+                    1.0 / thinner,
+                    3e-3,
+                    D,
+                ),
+            );
             all.push(run.closing_row(&variant, 1e-2));
         }
     }
@@ -94,9 +100,18 @@ fn erosion(bench: &Bench) -> Result<Vec<Row>, String> {
         let volume = THICKNESS * SIDE * SIDE;
         let taken = (YIELD * fails + 0.5 * YIELD * YIELD / STEEL.e) * volume;
         let failed = fields(&run.engine).iter().filter(|f| f.failed).count();
-        all.push(Row::new("elements that failed", &variant, "", failed as f64).within(1.0, 0.0, "[D] all there are"));
-        all.push(Row::new("internal energy at the end", &variant, "J", run.energies.internal).near(taken, 0.02, D));
-        all.push(Row::new("work of the motion, largest", &variant, "J", whole).near(taken, 0.03, D));
+        all.push(Row::new("elements that failed", &variant, "", failed as f64).within(
+            1.0,
+            0.0,
+            "[D] all there are",
+        ));
+        all.push(
+            Row::new("internal energy at the end", &variant, "J", run.energies.internal)
+                .near(taken, 0.02, D),
+        );
+        all.push(
+            Row::new("work of the motion, largest", &variant, "J", whole).near(taken, 0.03, D),
+        );
         all.push(run.closing_row(&variant, 1e-2));
     }
     Ok(all)
@@ -110,13 +125,23 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
             let mut scene = Scene::new(3.2 / f);
             let nodes: Vec<Vec<u32>> = (0..=n)
                 .map(|i| {
-                    (0..=n).map(|j| scene.node([side * i as f64 / n as f64, side * j as f64 / n as f64, 0.0])).collect()
+                    (0..=n)
+                        .map(|j| {
+                            scene.node([
+                                side * i as f64 / n as f64,
+                                side * j as f64 / n as f64,
+                                0.0,
+                            ])
+                        })
+                        .collect()
                 })
                 .collect();
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-                let [a, b, c, d] = [nodes[i][j], nodes[i + 1][j], nodes[i + 1][j + 1], nodes[i][j + 1]];
+                let [a, b, c, d] =
+                    [nodes[i][j], nodes[i + 1][j], nodes[i + 1][j + 1], nodes[i][j + 1]];
                 // Diagonals in turn either way, so that the mesh has no grain.
-                let two = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                let two =
+                    if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
                 two.iter().for_each(|t| _ = scene.shell(1, t));
             }
             scene.elastic("steel", STEEL);

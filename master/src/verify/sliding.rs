@@ -1,4 +1,5 @@
-//! Blocks of solids that slide with Coulomb friction on a flat base of several facets: A07, A08, A09, C09.
+//! Blocks of solids that slide with Coulomb friction on a flat base of several facets: A07, A08,
+//! A09, C09.
 
 use super::bench::Finished;
 use super::contact::Law;
@@ -12,10 +13,14 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 /// A07.
-pub const STOP: Check =
-    Check { name: "stops by friction", quick: true, run: |b| stop(b, &Law::ALL.iter().collect::<Vec<_>>()) };
+pub const STOP: Check = Check {
+    name: "stops by friction",
+    quick: true,
+    run: |b| stop(b, &Law::ALL.iter().collect::<Vec<_>>()),
+};
 /// A07 with masses split among pairs.
-pub const ITERATIONS: Check = Check { name: "stops by friction, split", quick: true, run: |b| stop(b, &[&Law::SPLIT]) };
+pub const ITERATIONS: Check =
+    Check { name: "stops by friction, split", quick: true, run: |b| stop(b, &[&Law::SPLIT]) };
 /// A07, in gravity.
 pub const HEAVY: Check = Check { name: "stops by friction, in gravity", quick: true, run: heavy };
 /// A08.
@@ -32,7 +37,8 @@ pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under
                        (cases/slide: 2.672 ms for 2.667), whatever the bulk viscosity, the tolerance of the sweeps, or half the step";
 const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
                       by 3 %; why has not been found yet";
-/// Hourglass controls of the block's bricks: the one that does not flutter under friction, and the default.
+/// Hourglass controls of the block's bricks: the one that does not flutter under friction, and the
+/// default.
 const STIFF: &str = "stiffness";
 const DEFAULT: &str = "assumed_strain";
 /// Block 20 x 20 x 10 mm of steel.
@@ -47,8 +53,9 @@ enum Base {
     Shells,
 }
 
-/// A block at rest on a base 80 x 40 mm in facets of 10 mm, turned so that no lines match. Returns the nodes of the base.
-/// References are of a rigid block: bricks of another hourglass control than stiffness flutter, see [`FLUTTER`].
+/// A block at rest on a base 80 x 40 mm in facets of 10 mm, turned so that no lines match. Returns
+/// the nodes of the base. References are of a rigid block: bricks of another hourglass control than
+/// stiffness flutter, see [`FLUTTER`].
 fn on_base(scene: &mut Scene, kind: Base, control: &str) -> (Vec<u32>, Block) {
     let (s, c) = 7f64.to_radians().sin_cos();
     let place = |x: f64, y: f64, z: f64| {
@@ -66,7 +73,8 @@ fn on_base(scene: &mut Scene, kind: Base, control: &str) -> (Vec<u32>, Block) {
             scene.grid(1, [8, 4], |x, y| place(x, y, -1e-3)).all().to_vec()
         }
     };
-    let block = scene.block(2, [2, 2, 1], |p| [SIZE[0] * (p[0] - 0.5), SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
+    let block = scene
+        .block(2, [2, 2, 1], |p| [SIZE[0] * (p[0] - 0.5), SIZE[1] * (p[1] - 0.5), SIZE[2] * p[2]]);
     scene.solid_part(2, "steel", &format!("{INVISCID}\nhourglass = \"{control}\"\n"));
     (base, block)
 }
@@ -98,9 +106,11 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
     let a = MU * force / mass();
     // In the ramp it loses a ramped/2 on the way v ramped - a ramped^2/6.
     let left = v - 0.5 * a * ramped;
-    let (time, way) = (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
+    let (time, way) =
+        (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
     let mut all = Vec::new();
-    let plain = laws.iter().flat_map(|&law| [(law, Base::Shells, STIFF), (law, Base::Cubes, STIFF)]);
+    let plain =
+        laws.iter().flat_map(|&law| [(law, Base::Shells, STIFF), (law, Base::Cubes, STIFF)]);
     for (law, kind, control) in plain.chain([(laws[0], Base::Shells, DEFAULT)]) {
         let mut scene = Scene::new(time + 0.3e-3);
         let (base, block) = on_base(&mut scene, kind, control);
@@ -110,7 +120,9 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
         ramp(&mut scene, ramped);
         let top = scene.set(&block.last(2));
         let pressure = force / (SIZE[0] * SIZE[1]);
-        scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+        scene.add(&format!(
+            "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+        ));
         touch(&mut scene, law);
         let (mut stopped, mut drift, mut aside) = (f64::NAN, 0.0f64, 0.0f64);
         let run = bench.watch(&format!("A07 {} {kind:?}", law.name), &scene, |e| {
@@ -124,28 +136,48 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
             aside = aside.max(mean_velocity(e, block.all(), 1).abs());
         })?;
         let way_of = |run: &Finished| {
-            block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64
+            block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>()
+                / block.all().len() as f64
         };
         let of = if control == STIFF { "" } else { ", bricks of assumed strain" };
-        let variant = format!("{}, 1 MPa, on {}{of}", law.name, if kind == Base::Cubes { "cubes" } else { "shells" });
+        let variant = format!(
+            "{}, 1 MPa, on {}{of}",
+            law.name,
+            if kind == Base::Cubes { "cubes" } else { "shells" }
+        );
         all.push(
             Row::new("time to stop", &variant, "ms", 1e3 * stopped)
                 .near(1e3 * time, 0.005, D)
                 .known(if control == STIFF { "" } else { FLUTTER }),
         );
-        all.push(Row::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(1e3 * way, 0.005, D));
+        all.push(Row::new("way to stop", &variant, "mm", 1e3 * way_of(&run)).near(
+            1e3 * way,
+            0.005,
+            D,
+        ));
         let heat = -run.energies.friction / run.initial;
-        all.push(Row::new("friction work / energy at the start", &variant, "", heat).near(1.0, 0.005, "[D]"));
+        all.push(
+            Row::new("friction work / energy at the start", &variant, "", heat)
+                .near(1.0, 0.005, "[D]"),
+        );
         let slow = Row::new("largest velocity after / v", &variant, "", drift / v);
-        all.push(slow.at_most(1e-3, "limit of the catalogue").known(if law.is_spring() { CREEP } else { "" }));
-        all.push(Row::new("largest velocity aside / v", &variant, "", aside / v).at_most(1e-3, "[D] by symmetry"));
+        all.push(slow.at_most(1e-3, "limit of the catalogue").known(if law.is_spring() {
+            CREEP
+        } else {
+            ""
+        }));
+        all.push(
+            Row::new("largest velocity aside / v", &variant, "", aside / v)
+                .at_most(1e-3, "[D] by symmetry"),
+        );
         all.extend(run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
 }
 
 fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] v/(mu g), v^2/(2 mu g), scaled from 9.81 m/s2 and 1 m/s: 0.33979 s, 0.16989 m";
+    const D: &str =
+        "[D] v/(mu g), v^2/(2 mu g), scaled from 9.81 m/s2 and 1 m/s: 0.33979 s, 0.16989 m";
     // A thousandfold gravity and five times the speed; it is there all the time.
     let (g, v) = (9810.0, 5.0);
     let (time, way) = (v / (MU * g), v * v / (2.0 * MU * g));
@@ -164,7 +196,8 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
                 stopped = e.clock.time;
             }
         })?;
-        let slid = block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>() / block.all().len() as f64;
+        let slid = block.all().iter().map(|&n| displacement(&run.engine, n)[0]).sum::<f64>()
+            / block.all().len() as f64;
         let variant = format!("{}, gravity, on shells", law.name);
         let (to, on) = (v * 9.81 / g, v * v * 9.81 / g);
         all.push(Row::new("time to stop", &variant, "s", stopped / to).near(time / to, 0.005, D));
@@ -175,7 +208,8 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// What a rigid block does in a cycle, where slip counts above [`SEEN`]: `tests/references/slip.txt`.
+/// What a rigid block does in a cycle, where slip counts above [`SEEN`]:
+/// `tests/references/slip.txt`.
 struct Cycle {
     r: f64,
     slips: f64,
@@ -183,7 +217,8 @@ struct Cycle {
     slid: f64,
 }
 
-/// Relative speed, over mu g/w, above which a block counts as slipping: one that sticks still vibrates.
+/// Relative speed, over mu g/w, above which a block counts as slipping: one that sticks still
+/// vibrates.
 const SEEN: f64 = 0.01;
 
 const CYCLES: [Cycle; 5] = [
@@ -195,10 +230,12 @@ const CYCLES: [Cycle; 5] = [
 ];
 
 fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
-    const D: &str = "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured alike in tests/references/slip.py";
+    const D: &str =
+        "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured alike in tests/references/slip.py";
     // Straight lines between fewer points bear the steps of the base's acceleration.
     const POINTS: usize = 1000;
-    // So slow that a spring of penalty is stiff: at 2 ms, r = 1.8 slips for 0.06 of the cycle more with it, 0.004 at 8 ms.
+    // So slow that a spring of penalty is stiff: at 2 ms, r = 1.8 slips for 0.06 of the cycle more
+    // with it, 0.004 at 8 ms.
     let (g, period) = (2.5e3, 8e-3);
     let omega = TAU / period;
     let unit = MU * g / omega;
@@ -208,7 +245,8 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
         for Cycle { r, slips, fastest, slid } in CYCLES {
             let mut scene = Scene::new(settle + cycles * period);
             let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
-            // As that of the reference. Bending of a block of bricks flutters (see [`FLUTTER`]), which counts as slip.
+            // As that of the reference. Bending of a block of bricks flutters (see [`FLUTTER`]),
+            // which counts as slip.
             scene.add("[[rigid]]\nname = \"block\"\nparts = [2]");
             ramp(&mut scene, 0.5 * settle);
             let shake = |t: f64| (omega * t).sin();
@@ -219,11 +257,15 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 "shake",
                 std::iter::once((0.0, 0.0)).chain(times.skip(1).map(|t| (settle + t, shake(t)))),
             );
-            scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -g));
+            scene.add(&format!(
+                "[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"",
+                -g
+            ));
             let set = scene.set(&base);
             // The base is rigid: friction on its surface bends nothing.
             scene.fix(&base, "rx ry rz");
-            // Velocity of the base: its amplitude is a0/omega = r unit. Nought until the block has settled.
+            // Velocity of the base: its amplitude is a0/omega = r unit. Nought until the block has
+            // settled.
             scene.add(&format!(
                 "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",
                 r * unit
@@ -246,15 +288,25 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 }
             })?;
             let variant = format!("{}, r = {r}", law.name);
-            all.push(Row::new("largest velocity / (mu g/w)", &variant, "", most / unit).near(fastest, 0.02, D));
+            all.push(
+                Row::new("largest velocity / (mu g/w)", &variant, "", most / unit)
+                    .near(fastest, 0.02, D),
+            );
             all.push(run.given_row(&variant));
             if r < 1.0 {
                 // Stick springs give way and come back; their vibration is no way.
-                let row =
-                    Row::new("left behind after a cycle / amplitude", &variant, "", net.abs() * omega / (r * unit));
+                let row = Row::new(
+                    "left behind after a cycle / amplitude",
+                    &variant,
+                    "",
+                    net.abs() * omega / (r * unit),
+                );
                 all.push(
-                    row.at_most(1e-3, "[D] nought for a rigid block; bound of the vibration, as in C09")
-                        .known(creep(law)),
+                    row.at_most(
+                        1e-3,
+                        "[D] nought for a rigid block; bound of the vibration, as in C09",
+                    )
+                    .known(creep(law)),
                 );
                 let row = Row::new(
                     "farthest from its place in a cycle / amplitude",
@@ -265,8 +317,12 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.beside(0.0, "catalogue: 1e-6, F/k_t for springs"));
                 continue;
             }
-            all.push(Row::new("fraction of time in slip", &variant, "", slipping / whole).within(slips, 0.02, D));
-            let slides = Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit);
+            all.push(
+                Row::new("fraction of time in slip", &variant, "", slipping / whole)
+                    .within(slips, 0.02, D),
+            );
+            let slides =
+                Row::new("sliding in a cycle / (mu g/w^2)", &variant, "", way * omega / unit);
             all.push(slides.near(slid, 0.02, D));
         }
     }
@@ -285,7 +341,11 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
             let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
             scene.fix(&base, "x y z rx ry rz");
             ramp(&mut scene, ramped);
-            scene.add(&format!("[[gravity]]\nacceleration = [{:?}, 0.0, {:?}]\ncurve = \"ramp\"", g * s, -g * c));
+            scene.add(&format!(
+                "[[gravity]]\nacceleration = [{:?}, 0.0, {:?}]\ncurve = \"ramp\"",
+                g * s,
+                -g * c
+            ));
             touch(&mut scene, law);
             let mut seen: Vec<(f64, f64)> = Vec::new();
             let run = bench.watch(&format!("A09 {} {degrees}", law.name), &scene, |e| {
@@ -298,12 +358,16 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
                 let way = displacement(&run.engine, block.at([0, 0, 0]))[0];
                 let free = 0.5 * g * s * time * time;
                 let row = Row::new("creep / way without friction", &variant, "", way.abs() / free);
-                all.push(row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is").known(creep(law)));
+                all.push(
+                    row.at_most(1e-4, "[D] must not creep: far below what 1 % of a is")
+                        .known(creep(law)),
+                );
             } else {
                 let from = seen.partition_point(|s| s.0 < 2.0 * ramped);
                 let (first, last) = (seen[from], seen[seen.len() - 1]);
                 let ours = (last.1 - first.1) / (last.0 - first.0);
-                let row = Row::new("acceleration, gravity 9.81 m/s2", &variant, "m/s2", 1e-3 * ours);
+                let row =
+                    Row::new("acceleration, gravity 9.81 m/s2", &variant, "m/s2", 1e-3 * ours);
                 all.push(row.near(1e-3 * a, 0.01, "[D] g (sin - mu cos)"));
             }
         }
@@ -331,13 +395,18 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         curve(&mut scene, "wave", std::iter::once((0.0, 0.0)).chain(wave));
         let (top, set) = (scene.set(&block.last(2)), scene.set(&block.layer(2, 0)));
         let pressure = force / (SIZE[0] * SIZE[1]);
-        scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
-        scene
-            .add(&format!("[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"", 1.5 * MU * force));
+        scene.add(&format!(
+            "[[pressure]]\nnodes = \"{top}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+        ));
+        scene.add(&format!(
+            "[[load]]\nnodes = \"{set}\"\nforce = [{:?}, 0.0, 0.0]\ncurve = \"wave\"",
+            1.5 * MU * force
+        ));
         touch(&mut scene, law);
         let (mut slid, mut means, mut early) = (0.0, vec![(0.0, 0u32); CYCLES], 0.0f64);
         let (mut turns, mut held) = (0, 0.0);
-        let (mut low, mut high, mut heat, mut back) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64);
+        let (mut low, mut high, mut heat, mut back) =
+            (f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64);
         let run = bench.watch(&format!("C09 {}", law.name), &scene, |e| {
             let x = displacement(e, block.at([1, 1, 0]))[0];
             let since = (e.clock.time - ramped) / period;
@@ -368,24 +437,39 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{}, 1.5 mu N at 1 kHz", law.name);
         let known = creep(law);
         all.push(
-            Row::new("largest displacement while it should stick / amplitude", &variant, "", early / amplitude)
-                .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
-                .known(known),
+            Row::new(
+                "largest displacement while it should stick / amplitude",
+                &variant,
+                "",
+                early / amplitude,
+            )
+            .at_most(1e-3, "[D] nought for a stiff block; 1e-3 for its own elasticity")
+            .known(known),
         );
-        let row = Row::new("turns of the friction force while it should stick", &variant, "", f64::from(turns));
+        let row = Row::new(
+            "turns of the friction force while it should stick",
+            &variant,
+            "",
+            f64::from(turns),
+        );
         all.push(row.at_most(1.0, "limit of the catalogue"));
         all.push(
-            Row::new("friction work / mu N way", &variant, "", -run.energies.friction / (MU * force * slid)).near(
-                1.0,
-                0.005,
-                "limit of the catalogue",
-            ),
+            Row::new(
+                "friction work / mu N way",
+                &variant,
+                "",
+                -run.energies.friction / (MU * force * slid),
+            )
+            .near(1.0, 0.005, "limit of the catalogue"),
         );
         let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
-        // A stick spring gives back (mu N)^2/2k at a turn; with F/k a thousandth of the amplitude, as above, that is a 160th of a
-        // thousandth of the work of 20 cycles.
+        // A stick spring gives back (mu N)^2/2k at a turn; with F/k a thousandth of the amplitude,
+        // as above, that is a 160th of a thousandth of the work of 20 cycles.
         all.push(match law.is_spring() {
-            true => given.at_most(1e-3 / 160.0, "[D] what a stick spring holds; F/k_t is allowed by the catalogue"),
+            true => given.at_most(
+                1e-3 / 160.0,
+                "[D] what a stick spring holds; F/k_t is allowed by the catalogue",
+            ),
             false => given.at_most(1e-6, "[D] never negative; round-off").known(known),
         });
         all.push(run.given_row(&variant));

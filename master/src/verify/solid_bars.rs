@@ -1,5 +1,5 @@
-//! Bars of eight-node solids: head-on (A01), at a wall in uniaxial strain (A03 b), under a step traction (A05). Bulk
-//! viscosity is off.
+//! Bars of eight-node solids: head-on (A01), at a wall in uniaxial strain (A03 b), under a step
+//! traction (A05). Bulk viscosity is off.
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
@@ -11,20 +11,29 @@ use super::solids::Block;
 use super::{Bench, Check};
 
 /// A01 with cubes.
-pub const PAIR: Check = Check { name: "head-on, cubes, matching", quick: true, run: |b| pair(b, 1, Law::ALL) };
+pub const PAIR: Check =
+    Check { name: "head-on, cubes, matching", quick: true, run: |b| pair(b, 1, Law::ALL) };
 /// A01 with cubes, masses split among pairs.
-pub const PAIR_SPLIT: Check =
-    Check { name: "head-on, cubes, matching, split", quick: true, run: |b| pair(b, 1, &[Law::SPLIT]) };
+pub const PAIR_SPLIT: Check = Check {
+    name: "head-on, cubes, matching, split",
+    quick: true,
+    run: |b| pair(b, 1, &[Law::SPLIT]),
+};
 /// A01 with cubes that do not match.
 pub const PAIR_UNEQUAL: Check =
     Check { name: "head-on, cubes, non-matching", quick: false, run: |b| pair(b, 3, Law::ALL) };
 /// A01 with cubes that do not match, segments on segments.
-pub const PAIR_SEGMENTS: Check =
-    Check { name: "head-on, cubes, non-matching, by segments", quick: false, run: |b| pair(b, 3, Law::BY_SEGMENTS) };
+pub const PAIR_SEGMENTS: Check = Check {
+    name: "head-on, cubes, non-matching, by segments",
+    quick: false,
+    run: |b| pair(b, 3, Law::BY_SEGMENTS),
+};
 /// A01 with cubes: order in the mesh size.
-pub const PAIR_ORDER: Check = Check { name: "order in the mesh size, cubes", quick: false, run: order };
+pub const PAIR_ORDER: Check =
+    Check { name: "order in the mesh size, cubes", quick: false, run: order };
 /// A03 (b).
-pub const STRAIN: Check = Check { name: "bar in uniaxial strain", quick: false, run: uniaxial_strain };
+pub const STRAIN: Check =
+    Check { name: "bar in uniaxial strain", quick: false, run: uniaxial_strain };
 /// A05.
 pub const STEP: Check = Check { name: "step traction, cubes", quick: true, run: step_wave };
 
@@ -46,7 +55,14 @@ struct Met {
 }
 
 /// Two bars of `n` cubes, the second with `across` cells each way over its section; see `bars.rs`.
-fn meet(bench: &Bench, law: &Law, n: usize, across: usize, v: [f64; 2], safety: f64) -> Result<Met, String> {
+fn meet(
+    bench: &Bench,
+    law: &Law,
+    n: usize,
+    across: usize,
+    v: [f64; 2],
+    safety: f64,
+) -> Result<Met, String> {
     let (c, touch) = (BAR.c(), AIR / (v[0] - v[1]));
     let side = LENGTH / n as f64;
     let mut scene = Scene::new(touch + 3.2 * LENGTH / c);
@@ -91,12 +107,20 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
             let rows = vec![
                 Row::new("contact duration 2L/c", &variant, "us", 1e6 * (met.span.1 - met.span.0))
                     .near(386.68, 0.02, D),
-                Row::new("mean interface stress rho c v/2", &variant, "MPa", 1e-6 * met.stress).near(203.0, 0.01, D),
-                Row::new("change of momentum / m v", &variant, "", met.run.momentum_drift(0, met.scale))
-                    .at_most(1e-10, "exact"),
+                Row::new("mean interface stress rho c v/2", &variant, "MPa", 1e-6 * met.stress)
+                    .near(203.0, 0.01, D),
+                Row::new(
+                    "change of momentum / m v",
+                    &variant,
+                    "",
+                    met.run.momentum_drift(0, met.scale),
+                )
+                .at_most(1e-10, "exact"),
             ];
             all.extend(rows.into_iter().map(|r| if law.is_soft() { r.known(SOFT) } else { r }));
-            let after = |b: usize| Row::new(format!("velocity of bar {} after", b + 1), &variant, "m/s", met.after[b]);
+            let after = |b: usize| {
+                Row::new(format!("velocity of bar {} after", b + 1), &variant, "m/s", met.after[b])
+            };
             all.extend((0..2).map(|b| after(b).beside(v[1 - b], "[D] as the mesh is refined")));
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match (law.is_spring(), across) {
@@ -110,9 +134,10 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
     Ok(all)
 }
 
-/// Least and largest restitution of two chains of [`SIZES`] masses and springs at 0.9 and 0.998 of the stable limit, and at a third of
-/// 0.9 and 0.999, where the cells of the other bar are a third as wide (`tests/references/bars.txt`). With a safety of 0.999 the step is
-/// 0.998 of the limit of the cells as they were: it follows the cell that is compressed by v/2c, a thousandth.
+/// Least and largest restitution of two chains of [`SIZES`] masses and springs at 0.9 and 0.998 of
+/// the stable limit, and at a third of 0.9 and 0.999, where the cells of the other bar are a third
+/// as wide (`tests/references/bars.txt`). With a safety of 0.999 the step is 0.998 of the limit of
+/// the cells as they were: it follows the cell that is compressed by v/2c, a thousandth.
 const CHAINS: [[[[f64; 2]; 3]; 2]; 2] = [
     [
         [[0.96721, 0.97188], [0.98433, 0.98652], [0.99133, 0.99155]],
@@ -130,33 +155,50 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for (across, chains) in [1, 3].into_iter().zip(CHAINS) {
             let mesh = if across == 1 { "matching" } else { "non-matching" };
-            // At the stable limit a bar of cubes carries a front unchanged, and all that is lost is lost in contact; below it
-            // the front disperses, and the ripple that is left in the bars goes with N^(-2/3).
-            // Springs need room for themselves below that limit.
-            for (safety, chains) in [0.9, 0.999].into_iter().zip(chains).take(if law.is_spring() { 1 } else { 2 }) {
+            // At the stable limit a bar of cubes carries a front unchanged, and all that is lost is
+            // lost in contact; below it the front disperses, and the ripple that is left in the
+            // bars goes with N^(-2/3). Springs need room for themselves below that limit.
+            for (safety, chains) in
+                [0.9, 0.999].into_iter().zip(chains).take(if law.is_spring() { 1 } else { 2 })
+            {
                 let mut off = Vec::new();
                 for (n, chain) in SIZES.into_iter().zip(chains) {
                     let met = meet(bench, law, n, across, [V, 0.0], safety)?;
                     let e = (met.after[1] - met.after[0]) / V;
                     let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
-                    all.push(Row::new("restitution", &variant, "", e).beside(1.0, "[D] 1 as the mesh is refined"));
+                    all.push(
+                        Row::new("restitution", &variant, "", e)
+                            .beside(1.0, "[D] 1 as the mesh is refined"),
+                    );
                     if !law.is_spring() {
                         let [most, least] = chain.map(|e| 1.0 - e);
                         let (mid, spread) = (0.5 * (most + least), (most - least) / (most + least));
-                        all.push(Row::new("1 - restitution", variant, "", 1.0 - e).near(mid, spread + 0.05, CHAIN));
+                        all.push(Row::new("1 - restitution", variant, "", 1.0 - e).near(
+                            mid,
+                            spread + 0.05,
+                            CHAIN,
+                        ));
                     }
                     off.push((1.0 - e).abs());
                 }
                 let order = (off[0] / off[2]).ln() / 5f64.ln();
                 let variant = format!("{}, {mesh}, {SIZES:?} cubes, safety {safety}", law.name);
                 let row = Row::new("order of 1 - restitution", variant, "", order);
-                // The front disperses below the limit, and the ripple that stays goes with N^(-2/3): two chains say how much.
+                // The front disperses below the limit, and the ripple that stays goes with
+                // N^(-2/3): two chains say how much.
                 let between = |a: f64, b: f64| ((1.0 - a) / (1.0 - b)).ln() / 5f64.ln();
-                let [least, most] = [between(chains[0][1], chains[2][0]), between(chains[0][0], chains[2][1])];
+                let [least, most] =
+                    [between(chains[0][1], chains[2][0]), between(chains[0][0], chains[2][1])];
                 all.push(match law.is_spring() {
-                    true => row.beside(0.5 * (least + most), "[C] chains that meet without a spring"),
+                    true => {
+                        row.beside(0.5 * (least + most), "[C] chains that meet without a spring")
+                    }
                     // Either loss may be off by the 5 % of its own row.
-                    false => row.within(0.5 * (least + most), 0.5 * (most - least) + 0.1 / 5f64.ln(), CHAIN),
+                    false => row.within(
+                        0.5 * (least + most),
+                        0.5 * (most - least) + 0.1 / 5f64.ln(),
+                        CHAIN,
+                    ),
                 });
             }
         }
@@ -166,12 +208,14 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
 
 fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 100;
-    const D: &str = "[V:S6] set-up, [D] shock and fan in logarithmic strain, tests/references/strain.py";
+    const D: &str =
+        "[V:S6] set-up, [D] shock and fan in logarithmic strain, tests/references/strain.py";
     const LINEAR: &str = "[V:S6], small strains";
     let material = Elastic { e: 200e9, nu: 0.3, rho: 8000.0 };
     let (length, side, v, gap) = (0.2, 0.02, 100.0, 2e-3);
     // (lambda + 2 mu) / rho
-    let fast = ((1.0 - material.nu) / ((1.0 + material.nu) * (1.0 - 2.0 * material.nu))).sqrt() * material.c();
+    let fast = ((1.0 - material.nu) / ((1.0 + material.nu) * (1.0 - 2.0 * material.nu))).sqrt()
+        * material.c();
     let (time, force) = (2.0 * length / fast, material.rho * fast * v * side * side);
     let mut scene = Scene::new(gap / v + 1.6 * time);
     let bar = scene.block(1, [N, 10, 10], |p| [gap + length * p[0], side * p[1], side * p[2]]);
@@ -182,7 +226,10 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
     let run = bench.watch("A03b wall", &scene, |e| {
-        push.take(e.clock.time - 0.5 * e.clock.last_dt, mass(e, bar.all()) * (mean_velocity(e, bar.all(), 0) + v));
+        push.take(
+            e.clock.time - 0.5 * e.clock.last_dt,
+            mass(e, bar.all()) * (mean_velocity(e, bar.all(), 0) + v),
+        );
     })?;
     let variant = "wall, 100 by 10 by 10 cubes";
     let touch = gap / v;
@@ -199,7 +246,8 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
             duration("contact duration, 2L/c_d").beside(68.95, LINEAR),
             force_row("mean force").near(1.8644, 0.01, D),
             force_row("mean force, rho c_d v a^2").beside(1.856, LINEAR),
-            // 1 as the mesh is refined; on a hundred cells the front of the wave keeps some energy as ripple.
+            // 1 as the mesh is refined; on a hundred cells the front of the wave keeps some energy
+            // as ripple.
             Row::new("rebound velocity / v", variant, "", mean_velocity(&run.engine, bar.all(), 0) / v).within(
                 0.98865,
                 0.002,
@@ -249,18 +297,31 @@ fn step_wave(bench: &Bench) -> Result<Vec<Row>, String> {
         let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
         let variant = format!("{N} cubes, safety {safety}");
         let rows = vec![
-            Row::new("mean stress at the fixed end, L/c to 3L/c", &variant, "MPa", 1e-6 * mean(&on))
-                .near(200.0, 0.005, D),
-            Row::new("mean stress at the fixed end, 3L/c to 5L/c", &variant, "MPa", 1e-6 * mean(&off)).within(
-                0.0,
-                1.0,
-                "[D] 0.5 % of 200 MPa",
-            ),
-            Row::new("largest displacement of the loaded end", &variant, "mm", 1e3 * deepest).near(0.9524, 0.005, D),
+            Row::new(
+                "mean stress at the fixed end, L/c to 3L/c",
+                &variant,
+                "MPa",
+                1e-6 * mean(&on),
+            )
+            .near(200.0, 0.005, D),
+            Row::new(
+                "mean stress at the fixed end, 3L/c to 5L/c",
+                &variant,
+                "MPa",
+                1e-6 * mean(&off),
+            )
+            .within(0.0, 1.0, "[D] 0.5 % of 200 MPa"),
+            Row::new("largest displacement of the loaded end", &variant, "mm", 1e3 * deepest)
+                .near(0.9524, 0.005, D),
             Row::new("time of it, 2L/c", &variant, "us", 1e6 * at).near(386.7, 0.01, D),
         ];
         all.extend(run.with_energy(&variant, 1e-3, rows));
-        let row = Row::new("largest ripple at the fixed end / stress of the plateau", &variant, "", sharp);
+        let row = Row::new(
+            "largest ripple at the fixed end / stress of the plateau",
+            &variant,
+            "",
+            sharp,
+        );
         all.push(if safety == 1.0 {
             row.at_most(0.01, "[D] nodally exact but for 0.05 % strain")
         } else {

@@ -1,5 +1,5 @@
-//! Single solids and small meshes of them: stable step (A23 b), hourglass (C10 a), crushed to nothing (A26 a, C13, C14), beams
-//! (A15, A25), a thick cylinder (C12).
+//! Single solids and small meshes of them: stable step (A23 b), hourglass (C10 a), crushed to
+//! nothing (A26 a, C13, C14), beams (A15, A25), a thick cylinder (C12).
 
 use super::bars::BAR;
 use super::beams::{clamped, frequency};
@@ -19,18 +19,23 @@ pub const STEP: Check = Check { name: "stable step of a cube", quick: true, run:
 /// A25.
 pub const PINNED: Check = Check { name: "step pressure", quick: false, run: pinned };
 /// C10 (a).
-pub const HOURGLASS: Check = Check { name: "hourglass mode of a cube", quick: true, run: hourglass };
+pub const HOURGLASS: Check =
+    Check { name: "hourglass mode of a cube", quick: true, run: hourglass };
 /// C12.
 pub const CYLINDER: Check = Check { name: "thick cylinder", quick: false, run: cylinder };
 /// C12, elastic-plastic.
-pub const FRONT: Check = Check { name: "plastic front in a thick cylinder", quick: false, run: plastic_front };
+pub const FRONT: Check =
+    Check { name: "plastic front in a thick cylinder", quick: false, run: plastic_front };
 /// A26 (a), C13, C14.
 pub const CRUSHED: Check = Check { name: "cube pushed through itself", quick: true, run: crushed };
 
 fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
     const C: &str = "[C] eigenvalues of the one-point cube, catalogue A15";
-    const TABLE: [(f64, [f64; 3]); 3] =
-        [(0.05, [0.470, 0.892, 0.969]), (0.1, [0.664, 0.922, 0.976]), (0.01, [0.210, 0.867, 0.963])];
+    const TABLE: [(f64, [f64; 3]); 3] = [
+        (0.05, [0.470, 0.892, 0.969]),
+        (0.1, [0.664, 0.922, 0.976]),
+        (0.01, [0.210, 0.867, 0.963]),
+    ];
     let (length, depth) = (0.1, 0.01);
     let wave = 1.875104;
     let euler = wave * wave / TAU * BAR.c() * depth / 12f64.sqrt() / (length * length);
@@ -40,9 +45,11 @@ fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
         for (n, ratio) in [1, 2, 4].into_iter().zip(ratios) {
             let side = depth / n as f64;
             let mut scene = Scene::new(1.6 / (ratio * euler));
-            let beam = scene.block(1, [10 * n, 1, n], |p| [length * p[0], side * p[1], depth * (p[2] - 0.5)]);
+            let beam = scene
+                .block(1, [10 * n, 1, n], |p| [length * p[0], side * p[1], depth * (p[2] - 0.5)]);
             scene.elastic("steel", BAR);
-            let keys = format!("{INVISCID}\nhourglass = \"stiffness\"\nhourglass_coefficient = {kappa:?}");
+            let keys =
+                format!("{INVISCID}\nhourglass = \"stiffness\"\nhourglass_coefficient = {kappa:?}");
             scene.solid_part(1, "steel", &keys);
             let mut shape = Vec::new();
             for &i in beam.all() {
@@ -54,7 +61,10 @@ fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.fix(&beam.layer(0, 0), "x y z");
             let f = frequency(bench, &format!("A15 cubes {n} kappa {kappa}"), &scene, &shape, 2)?;
             let variant = format!("{n} cubes through the depth, kappa = {kappa}");
-            all.push(Row::new("frequency / Euler-Bernoulli", variant, "", f / euler).near(ratio, 0.005, C));
+            all.push(
+                Row::new("frequency / Euler-Bernoulli", variant, "", f / euler)
+                    .near(ratio, 0.005, C),
+            );
         }
     }
     Ok(all)
@@ -92,16 +102,25 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
         ));
         for (share, bounded) in [(0.98, true), (1.02, false)] {
             let (mut start, mut grown) = (0.0, false);
-            let run = bench.run(&format!("A23b cube {nu} {share}"), &scene(share * limit / unit), |e| {
-                let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
-                if e.clock.cycle == 0 {
-                    start = now;
-                }
-                grown |= now > 100.0 * start;
-                if grown { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })?;
+            let run = bench.run(
+                &format!("A23b cube {nu} {share}"),
+                &scene(share * limit / unit),
+                |e| {
+                    let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
+                    if e.clock.cycle == 0 {
+                        start = now;
+                    }
+                    grown |= now > 100.0 * start;
+                    if grown { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                },
+            )?;
             let grows = f64::from(u8::from(grown || run.trouble));
-            let row = Row::new(format!("grows at {share} of the limit in 1000 steps"), &variant, "", grows);
+            let row = Row::new(
+                format!("grows at {share} of the limit in 1000 steps"),
+                &variant,
+                "",
+                grows,
+            );
             all.push(row.within(if bounded { 0.0 } else { 1.0 }, 0.0, "[D]"));
         }
     }
@@ -113,11 +132,14 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
     let (length, depth, load) = (0.2, 0.004, 1e3);
     let (deepest, time) = (37.20e-6, 2.132e-3);
     let mut all = Vec::new();
-    for (n, form, ratio) in [(2, "stiffness", 0.892), (4, "stiffness", 0.969), (2, "assumed_strain", 1.0)] {
+    for (n, form, ratio) in
+        [(2, "stiffness", 0.892), (4, "stiffness", 0.969), (2, "assumed_strain", 1.0)]
+    {
         let side = depth / n as f64;
         let along = (0.5 * length / side).round() as usize;
         let mut scene = Scene::new(1.3 * time / ratio);
-        let beam = scene.block(1, [along, 1, n], |p| [0.5 * length * p[0], side * p[1], depth * (p[2] - 0.5)]);
+        let beam = scene
+            .block(1, [along, 1, n], |p| [0.5 * length * p[0], side * p[1], depth * (p[2] - 0.5)]);
         scene.elastic("steel", BAR);
         scene.solid_part(1, "steel", &format!("{INVISCID}\nhourglass = \"{form}\""));
         scene.fix(&[0, 1].map(|j| beam.at([0, j, n / 2])), "z");
@@ -138,7 +160,11 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
             0.02,
             D,
         ));
-        all.push(Row::new("time of it", &variant, "ms", 1e3 * at).near(1e3 * time / ratio, 0.02, D));
+        all.push(Row::new("time of it", &variant, "ms", 1e3 * at).near(
+            1e3 * time / ratio,
+            0.02,
+            D,
+        ));
     }
     for element in ["belytschko_tsay", "stabilised_quad"] {
         const N: usize = 20;
@@ -158,7 +184,11 @@ fn pinned(bench: &Bench) -> Result<Vec<Row>, String> {
             }
         })?;
         let variant = format!("{element}, {N} along");
-        all.push(Row::new("largest deflection", &variant, "um", 1e6 * w).near(1e6 * deepest, 0.02, D));
+        all.push(Row::new("largest deflection", &variant, "um", 1e6 * w).near(
+            1e6 * deepest,
+            0.02,
+            D,
+        ));
         all.push(Row::new("time of it", &variant, "ms", 1e3 * at).near(1e3 * time, 0.02, D));
     }
     Ok(all)
@@ -173,9 +203,15 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut scene = Scene::new(3.2 * TAU / omega);
         let cube = scene.block(1, [1; 3], |p| p.map(|x| side * x));
         scene.elastic("steel", STEEL);
-        scene.solid_part(1, "steel", &format!("{INVISCID}\nhourglass = \"{form}\"\nhourglass_coefficient = {kappa:?}"));
+        scene.solid_part(
+            1,
+            "steel",
+            &format!("{INVISCID}\nhourglass = \"{form}\"\nhourglass_coefficient = {kappa:?}"),
+        );
         scene.time("safety = 0.1");
-        for s in [[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0], [1, 1, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]] {
+        for s in
+            [[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0], [1, 1, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        {
             // The mode eta zeta.
             let sign = if (s[1] + s[2]) % 2 == 0 { 1.0 } else { -1.0 };
             scene.start(&[cube.at(s)], [v * sign, 0.0, 0.0], [0.0; 3]);
@@ -193,10 +229,22 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("hexahedron {form}, kappa = {kappa}");
         if form == "stiffness" {
             const D: &str = "[D] omega = sqrt(6 kappa) c_d/L";
-            all.push(Row::new("period", &variant, "us", 1e6 / crossings.frequency()).near(1e6 * TAU / omega, 0.01, D));
-            all.push(Row::new("amplitude", &variant, "um", 1e6 * most).near(1e6 * v / omega, 0.01, D));
-            let share =
-                Row::new("largest hourglass energy / kinetic energy at the start", &variant, "", held / run.initial);
+            all.push(Row::new("period", &variant, "us", 1e6 / crossings.frequency()).near(
+                1e6 * TAU / omega,
+                0.01,
+                D,
+            ));
+            all.push(Row::new("amplitude", &variant, "um", 1e6 * most).near(
+                1e6 * v / omega,
+                0.01,
+                D,
+            ));
+            let share = Row::new(
+                "largest hourglass energy / kinetic energy at the start",
+                &variant,
+                "",
+                held / run.initial,
+            );
             all.push(share.near(1.0, 0.01, "[D]"));
         } else {
             let row = Row::new(
@@ -212,8 +260,8 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A quarter of a ring between the radii a and b in plane strain, `n` cells over the wall, under a pressure inside that
-/// rises until `ramp` [s]; of one part, "steel".
+/// A quarter of a ring between the radii a and b in plane strain, `n` cells over the wall, under a
+/// pressure inside that rises until `ramp` [s]; of one part, "steel".
 fn ring(scene: &mut Scene, [a, b]: [f64; 2], n: usize, pressure: f64, ramp: f64) -> Block {
     let ring = scene.block(1, [n, 3 * n, 1], |p| {
         let (r, angle) = (a + (b - a) * p[0], FRAC_PI_2 * p[1]);
@@ -224,7 +272,9 @@ fn ring(scene: &mut Scene, [a, b]: [f64; 2], n: usize, pressure: f64, ramp: f64)
     scene.symmetry([0.0; 3], [0.0, 1.0, 0.0]);
     let inner = scene.set(&ring.layer(0, 0));
     scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{ramp:?}, 1.0]]"));
-    scene.add(&format!("[[pressure]]\nnodes = \"{inner}\"\npressure = {pressure:?}\ncurve = \"ramp\""));
+    scene.add(&format!(
+        "[[pressure]]\nnodes = \"{inner}\"\npressure = {pressure:?}\ncurve = \"ramp\""
+    ));
     ring
 }
 
@@ -243,7 +293,8 @@ fn plastic_front(bench: &Bench) -> Result<Vec<Row>, String> {
         // The breathing mode has about 1.4e5 1/s.
         scene.time("damping = 1.6e5");
         let run = bench.watch(&format!("C12 front {share}"), &scene, |_| {})?;
-        // Where the ring is elastic, (hoop - radial stress)/2 is k c^2/r^2. The first row of cells is one along the radius.
+        // Where the ring is elastic, (hoop - radial stress)/2 is k c^2/r^2. The first row of cells
+        // is one along the radius.
         let cells = fields(&run.engine);
         let (mut sum, mut count) = (0.0, 0.0);
         for i in 0..N {
@@ -331,15 +382,20 @@ fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new(name, variant, "", *seen).near(1.0, 1e-3, "[D] A26 (a)")
         })
         .collect();
-    // Mass is kept: c_d falls as the root of the height. A free cube bears 0.734 L/c_d, a flat one L/c_d.
+    // Mass is kept: c_d falls as the root of the height. A free cube bears 0.734 L/c_d, a flat one
+    // L/c_d.
     let ratio = Row::new("step at a tenth of the height / at the start", variant, "", end / first);
     all.push(ratio.near(
         0.1f64.sqrt() / 0.734,
         0.05,
         "[D] C14; the 0.1 of the catalogue leaves out that density grows",
     ));
-    let ended =
-        Row::new("ends in trouble, no number broken before", variant, "", f64::from(u8::from(run.trouble && !wrong)));
+    let ended = Row::new(
+        "ends in trouble, no number broken before",
+        variant,
+        "",
+        f64::from(u8::from(run.trouble && !wrong)),
+    );
     all.push(ended.within(1.0, 0.0, "limit of the catalogue"));
     let height = side + displacement(&run.engine, cube.at([0, 0, 1]))[2];
     all.push(

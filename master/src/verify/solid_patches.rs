@@ -1,5 +1,6 @@
-//! Solids, alone or few: patch test (A21), prescribed rotation (A19 a, b), blocks at their step (A23 a, b), an elastic-plastic wave
-//! (A06), a thick cylinder that yields (C12), a block sunk into another (C06).
+//! Solids, alone or few: patch test (A21), prescribed rotation (A19 a, b), blocks at their step
+//! (A23 a, b), an elastic-plastic wave (A06), a thick cylinder that yields (C12), a block sunk into
+//! another (C06).
 
 use super::bars::BAR;
 use super::contact::Law;
@@ -9,7 +10,7 @@ use super::scene::{Elastic, STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::walls::plastic_shock;
 use super::{Bench, Check};
-use crumple_worker::elements::ElementFields;
+use crumple_worker::fem::elements::ElementFields;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
@@ -18,16 +19,19 @@ pub const PATCH: Check = Check { name: "patch of seven solids", quick: true, run
 /// A19 (a), (b) with solids.
 pub const TURNED: Check = Check { name: "prescribed rotation of a cube", quick: true, run: turned };
 /// A23 (a), (b) blocks.
-pub const ROD: Check = Check { name: "rods and blocks of cubes at their step", quick: true, run: rod };
+pub const ROD: Check =
+    Check { name: "rods and blocks of cubes at their step", quick: true, run: rod };
 /// A06 with solids.
 pub const PLASTIC: Check = Check { name: "elastic-plastic wave, cubes", quick: true, run: plastic };
 /// C06 with solids.
 pub const SUNK: Check = Check { name: "block sunk into a base", quick: true, run: sunk };
 
-/// A cube alone is stable up to what its own bound says, but for the drift of a run that is led: below it.
+/// A cube alone is stable up to what its own bound says, but for the drift of a run that is led:
+/// below it.
 const SAFE: &str = "safety = 0.8";
 
-/// Inner nodes in the unit cube, near those of MacNeal & Harder; the stress does not depend on where they are [m].
+/// Inner nodes in the unit cube, near those of MacNeal & Harder; the stress does not depend on
+/// where they are [m].
 const INNER: [[f64; 3]; 8] = [
     [0.249, 0.342, 0.192],
     [0.826, 0.288, 0.288],
@@ -39,7 +43,8 @@ const INNER: [[f64; 3]; 8] = [
     [0.165, 0.745, 0.702],
 ];
 /// Faces of a cube, corners in the order in which the normal points inwards.
-const FACES: [[usize; 4]; 6] = [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
+const FACES: [[usize; 4]; 6] =
+    [[0, 1, 2, 3], [7, 6, 5, 4], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
 
 fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     // So small that the change of shape is below the tolerance.
@@ -47,8 +52,13 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for form in ["stiffness", "viscous", "assumed_strain"] {
         let mut scene = Scene::new(end);
-        let corner =
-            |i: usize| [f64::from(u8::from((1..3).contains(&(i % 4)))), f64::from(u8::from(i % 4 > 1)), (i / 4) as f64];
+        let corner = |i: usize| {
+            [
+                f64::from(u8::from((1..3).contains(&(i % 4)))),
+                f64::from(u8::from(i % 4 > 1)),
+                (i / 4) as f64,
+            ]
+        };
         let outer: Vec<u32> = (0..8).map(|i| scene.node(corner(i))).collect();
         let inner: Vec<u32> = INNER.iter().map(|&x| scene.node(x)).collect();
         for face in FACES {
@@ -75,14 +85,20 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
         let worst = |parts: [usize; 3], expected: f64| {
             let far = |f: &ElementFields| {
                 let off = parts.map(|c| f.stress[c] / reached);
-                off.into_iter().max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs())).unwrap_or(f64::NAN)
+                off.into_iter()
+                    .max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs()))
+                    .unwrap_or(f64::NAN)
             };
             let each = fields(&run.engine).iter().map(far).collect::<Vec<f64>>();
-            each.into_iter().max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs())).unwrap_or(f64::NAN)
+            each.into_iter()
+                .max_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs()))
+                .unwrap_or(f64::NAN)
         };
-        for (parts, what, expected) in [([0, 1, 2], "direct", 2000.0), ([3, 4, 5], "shear", 400.0)] {
+        for (parts, what, expected) in [([0, 1, 2], "direct", 2000.0), ([3, 4, 5], "shear", 400.0)]
+        {
             let quantity = format!("patch of solids, {what} stress of the worst element");
-            let row = Row::new(quantity, format!("hexahedron {form}"), "Pa", worst(parts, expected));
+            let row =
+                Row::new(quantity, format!("hexahedron {form}"), "Pa", worst(parts, expected));
             all.push(row.near(expected, 1e-8, "[D] MacNeal & Harder, inner nodes of our own"));
         }
     }
@@ -98,7 +114,8 @@ fn turn(x: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     y
 }
 
-/// Leads a cube of 0.1 m along `place`, from its corner and the time over that of the run; `at` sees the time and the fields.
+/// Leads a cube of 0.1 m along `place`, from its corner and the time over that of the run; `at`
+/// sees the time and the fields.
 fn led_cube(
     bench: &Bench,
     name: &str,
@@ -184,8 +201,8 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A block of n cells each way, their sides given in units of L = 10 mm, all of its modes in motion, at a step of `limit`
-/// L/c_d: whether it grows.
+/// A block of n cells each way, their sides given in units of L = 10 mm, all of its modes in
+/// motion, at a step of `limit` L/c_d: whether it grows.
 fn grows(
     bench: &Bench,
     name: &str,
@@ -199,7 +216,8 @@ fn grows(
     let fast = ((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))).sqrt() * material.c();
     let scene = |safety: f64| {
         let mut scene = Scene::new(1.0);
-        let block = scene.block(1, n, |p| std::array::from_fn(|c| side * sides[c] * n[c] as f64 * p[c]));
+        let block =
+            scene.block(1, n, |p| std::array::from_fn(|c| side * sides[c] * n[c] as f64 * p[c]));
         scene.elastic("steel", material);
         scene.solid_part(1, "steel", INVISCID);
         scene.time(&format!("safety = {safety:?}\nmax_cycles = {steps}"));
@@ -219,7 +237,8 @@ fn grows(
         if e.clock.cycle == 0 {
             start = now;
         }
-        // Near the limit a mode swings up to 1/(1 - (w dt/2)^2) times its energy before it comes back.
+        // Near the limit a mode swings up to 1/(1 - (w dt/2)^2) times its energy before it comes
+        // back.
         grown |= now.is_nan() || now > 1e6 * start;
         if grown { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
@@ -229,7 +248,8 @@ fn grows(
 fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
     const CUBES: &str = "[D] eigenvalues, catalogue A23";
     let mut all = Vec::new();
-    /// What it is, cells each way, their sides, material, limit, shares of it below and above, source.
+    /// What it is, cells each way, their sides, material, limit, shares of it below and above,
+    /// source.
     type Case = (&'static str, [usize; 3], [f64; 3], Elastic, f64, [f64; 2], &'static str);
     const CUBE: [f64; 3] = [1.0; 3];
     let cases: [Case; 9] = [
@@ -245,7 +265,14 @@ fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
     ];
     for (what, n, sides, material, limit, shares, source) in cases {
         for (share, expected) in shares.into_iter().zip([0.0, 1.0]) {
-            let grown = grows(bench, &format!("A23 {what} {share}"), (n, sides), material, share * limit, 4000)?;
+            let grown = grows(
+                bench,
+                &format!("A23 {what} {share}"),
+                (n, sides),
+                material,
+                share * limit,
+                4000,
+            )?;
             let row = Row::new(
                 format!("grows at {share} of {limit} L/c_d in 4000 steps"),
                 what,
@@ -273,13 +300,16 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.start(bar.all(), [-v, 0.0, 0.0], [0.0; 3]);
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
-    let run = bench.watch("A06 cubes", &scene, |e| push.take(e.clock.time, e.walls.impulse[0][0]))?;
+    let run =
+        bench.watch("A06 cubes", &scene, |e| push.take(e.clock.time, e.walls.impulse[0][0]))?;
     let [from, to] = [0.02, 0.1].map(|x| bar.at([(x * N as f64) as usize, 0, 0]));
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;
     let stress = push.mean_force(0.4 * time, 1.7 * time) / (side * side);
     let variant = format!("wall, {N} cubes, j2");
-    let (finite_stress, finite_strain) = plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
-    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small strains.
+    let (finite_stress, finite_strain) =
+        plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
+    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small
+    // strains.
     Ok(run.with_energy(
         &variant,
         1e-3,
@@ -288,11 +318,13 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
                 .beside(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
             Row::new("strain behind the plastic front", &variant, "", strain)
                 .beside(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
-            Row::new("stress behind the plastic front, finite strain", &variant, "MPa", 1e-6 * stress).near(
-                1e-6 * finite_stress,
-                0.02,
-                "[D] shock in nominal stress",
-            ),
+            Row::new(
+                "stress behind the plastic front, finite strain",
+                &variant,
+                "MPa",
+                1e-6 * stress,
+            )
+            .near(1e-6 * finite_stress, 0.02, "[D] shock in nominal stress"),
             Row::new("strain behind the plastic front, finite strain", &variant, "", strain).near(
                 finite_strain,
                 0.02,
@@ -307,9 +339,11 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(2e-4);
-        let base =
-            scene.block(1, [3, 3, 1], |p| [3.0 * side * (p[0] - 0.5), 3.0 * side * (p[1] - 0.5), side * (p[2] - 1.0)]);
-        let block = scene.block(2, [2; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), side * p[2] - depth]);
+        let base = scene.block(1, [3, 3, 1], |p| {
+            [3.0 * side * (p[0] - 0.5), 3.0 * side * (p[1] - 0.5), side * (p[2] - 1.0)]
+        });
+        let block = scene
+            .block(2, [2; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), side * p[2] - depth]);
         scene.elastic("steel", STEEL);
         (1..=2).for_each(|part| scene.solid_part(part, "steel", INVISCID));
         scene.fix(base.all(), "x y z");
@@ -325,8 +359,11 @@ fn sunk(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{}, block of 10 mm, 0.1 mm inside a fixed base", law.name);
         const LIMIT: &str = "limit of the catalogue";
-        let (fastest, energy) = if run.trouble { (f64::INFINITY, f64::INFINITY) } else { (fastest, energy) };
-        all.push(Row::new("largest velocity of a node", &variant, "m/s", fastest).at_most(0.1, LIMIT));
+        let (fastest, energy) =
+            if run.trouble { (f64::INFINITY, f64::INFINITY) } else { (fastest, energy) };
+        all.push(
+            Row::new("largest velocity of a node", &variant, "m/s", fastest).at_most(0.1, LIMIT),
+        );
         all.push(Row::new("largest energy given", &variant, "J", energy).at_most(1e-3, LIMIT));
     }
     Ok(all)

@@ -1,4 +1,5 @@
-//! Meshes of eight-node solids for scenes: boxes, round bars, balls; and patches that share their nodes.
+//! Meshes of eight-node solids for scenes: boxes, round bars, balls; and patches that share their
+//! nodes.
 
 use super::scene::{Grid, Scene};
 use std::collections::HashMap;
@@ -71,8 +72,14 @@ impl Scene {
         self.grid_of(part, n, place, node)
     }
 
-    /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and keeps the hand.
-    pub fn block(&mut self, part: u32, n: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Block {
+    /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and keeps the
+    /// hand.
+    pub fn block(
+        &mut self,
+        part: u32,
+        n: [usize; 3],
+        place: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Block {
         self.welded(part, n, None, place)
     }
 
@@ -95,16 +102,26 @@ impl Scene {
             .collect();
         let block = Block { nodes, n };
         for [i, j, k] in steps(n.map(|n| n - 1)) {
-            let face = |k: usize| [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|s| block.at(s));
+            let face = |k: usize| {
+                [[i, j, k], [i + 1, j, k], [i + 1, j + 1, k], [i, j + 1, k]].map(|s| block.at(s))
+            };
             let (below, above) = (face(k), face(k + 1));
             self.solid(part, std::array::from_fn(|c| if c < 4 { below[c] } else { above[c - 4] }));
         }
         block
     }
 
-    /// Adds a quarter of a round bar along z, its planes of symmetry x = 0 and y = 0: `core` cells each way in the square
-    /// at the axis and as many around it up to the radius, `n` along; returns its nodes.
-    pub fn quarter_bar(&mut self, part: u32, radius: f64, length: f64, core: usize, n: usize) -> Vec<u32> {
+    /// Adds a quarter of a round bar along z, its planes of symmetry x = 0 and y = 0: `core` cells
+    /// each way in the square at the axis and as many around it up to the radius, `n` along;
+    /// returns its nodes.
+    pub fn quarter_bar(
+        &mut self,
+        part: u32,
+        radius: f64,
+        length: f64,
+        core: usize,
+        n: usize,
+    ) -> Vec<u32> {
         let side = 0.55 * radius;
         let mut weld = Weld::new(1e-6 * radius);
         // Sides of the core bulge, so that the cells beside it are no wedges.
@@ -135,9 +152,10 @@ impl Scene {
         nodes
     }
 
-    /// Adds a quarter of a ball around `centre`, its planes of symmetry x and y, whole along z: `core` cells each way in
-    /// each eighth of the cube in the middle and `rings` around it; returns its nodes. `shift`, below 1, makes cells at
-    /// the lower pole smaller by `(1+shift)/(1-shift)` and those at the upper one larger: a conformal map of the ball onto
+    /// Adds a quarter of a ball around `centre`, its planes of symmetry x and y, whole along z:
+    /// `core` cells each way in each eighth of the cube in the middle and `rings` around it;
+    /// returns its nodes. `shift`, below 1, makes cells at the lower pole smaller by
+    /// `(1+shift)/(1-shift)` and those at the upper one larger: a conformal map of the ball onto
     /// itself.
     pub fn quarter_ball(
         &mut self,
@@ -162,9 +180,11 @@ impl Scene {
             p.map(|x| side * x * onto)
         };
         for up in [true, false] {
-            // An eighth below the middle is the mirror of the one above: two axes change places to keep the hand.
+            // An eighth below the middle is the mirror of the one above: two axes change places to
+            // keep the hand.
             let turn = |p: [f64; 3]| if up { p } else { [p[1], p[0], p[2]] };
-            let cube = self.welded(part, [core; 3], Some(&mut weld), |p| place(inside(turn(p)), up));
+            let cube =
+                self.welded(part, [core; 3], Some(&mut weld), |p| place(inside(turn(p)), up));
             nodes.extend(cube.all());
             for axis in 0..3 {
                 let shell = self.welded(part, [rings, core, core], Some(&mut weld), |[r, a, b]| {
@@ -175,7 +195,10 @@ impl Scene {
                     // Equal angles between nodes on the surface.
                     let out = p.map(|x| (x * std::f64::consts::FRAC_PI_4).tan());
                     let norm = out.iter().map(|x| x * x).sum::<f64>().sqrt();
-                    place(std::array::from_fn(|c| from[c] + r * (radius * out[c] / norm - from[c])), up)
+                    place(
+                        std::array::from_fn(|c| from[c] + r * (radius * out[c] / norm - from[c])),
+                        up,
+                    )
                 });
                 nodes.extend(shell.all());
             }
@@ -186,7 +209,8 @@ impl Scene {
     }
 }
 
-/// Moebius addition of (0, 0, a) to a point of the unit ball: maps the ball onto itself and keeps angles.
+/// Moebius addition of (0, 0, a) to a point of the unit ball: maps the ball onto itself and keeps
+/// angles.
 fn shifted(x: [f64; 3], a: f64) -> [f64; 3] {
     let (dot, square) = (a * x[2], x.iter().map(|c| c * c).sum::<f64>());
     let (of_a, of_x) = (1.0 + 2.0 * dot + square, 1.0 - a * a);

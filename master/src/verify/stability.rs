@@ -1,4 +1,5 @@
-//! What limits the step beside the elements: a penalty spring of known stiffness (A24), a sliver (C14).
+//! What limits the step beside the elements: a penalty spring of known stiffness (A24), a sliver
+//! (C14).
 
 use super::bars::BAR;
 use super::contact::UNDAMPED;
@@ -36,16 +37,20 @@ struct Sprung {
     support: Block,
 }
 
-/// The support has three times the width and a ninth of modulus and density: as stiff and heavy along the axis, and none
-/// of its nodes meets the rod.
+/// The support has three times the width and a ninth of modulus and density: as stiff and heavy
+/// along the axis, and none of its nodes meets the rod.
 fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
     // The ramp is slow: five hundred transits of a cube, and twice as many for what grows.
     let transit = SIDE / BAR.c();
     let mut scene = Scene::new(1500.0 * transit);
-    let rod = scene.block(1, [1, 1, n], |p| [SIDE * (p[0] - 0.5), SIDE * (p[1] - 0.5), n as f64 * SIDE * p[2]]);
+    let rod = scene.block(1, [1, 1, n], |p| {
+        [SIDE * (p[0] - 0.5), SIDE * (p[1] - 0.5), n as f64 * SIDE * p[2]]
+    });
     let (layers, deep) = if on == On::Rod { (n, n as f64 * SIDE) } else { (1, 3.0 * SIDE) };
     let wide = 3.0 * SIDE;
-    let support = scene.block(2, [1, 1, layers], |p| [wide * (p[0] - 0.5), wide * (p[1] - 0.5), deep * (p[2] - 1.0)]);
+    let support = scene.block(2, [1, 1, layers], |p| {
+        [wide * (p[0] - 0.5), wide * (p[1] - 0.5), deep * (p[2] - 1.0)]
+    });
     scene.elastic("rod", BAR);
     scene.elastic("support", Elastic { e: BAR.e / 9.0, rho: BAR.rho / 9.0, ..BAR });
     scene.solid_part(1, "rod", INVISCID);
@@ -54,10 +59,17 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
         On::Block => scene.fix(support.all(), "x y z"),
         On::Rod => scene.fix(&support.layer(2, 0), "z"),
     }
-    scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 500.0 * transit));
+    scene.add(&format!(
+        "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
+        500.0 * transit
+    ));
     let top = scene.set(&rod.last(2));
-    scene.add(&format!("[[pressure]]\nnodes = \"{top}\"\npressure = {:?}\ncurve = \"ramp\"", PRESSED * BAR.e));
-    // Four nodes on a face with E A/d = (E/9) 9 L^2/d, d the depth of the cell behind it: 3 L for the block, L for the rod.
+    scene.add(&format!(
+        "[[pressure]]\nnodes = \"{top}\"\npressure = {:?}\ncurve = \"ramp\"",
+        PRESSED * BAR.e
+    ));
+    // Four nodes on a face with E A/d = (E/9) 9 L^2/d, d the depth of the cell behind it: 3 L for
+    // the block, L for the rod.
     let scale = 0.25 * beta * deep / (layers as f64 * SIDE);
     scene.add(&format!(
         "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = {scale:?}\npenalty_cap = {capped}\n{UNDAMPED}"
@@ -65,7 +77,8 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
     Sprung { scene, rod, support }
 }
 
-/// What came of a run: whether it grew, the spring as it was, whether the penalty was said to be lowered.
+/// What came of a run: whether it grew, the spring as it was, whether the penalty was said to be
+/// lowered.
 struct Came {
     grew: bool,
     beta: f64,
@@ -104,8 +117,18 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
     type Limits = [(f64, f64); 5];
     let cases: [(&str, usize, On, Limits); 3] = [
         ("one cube on a block", 1, On::Block, [0.5, 1.0, 2.0, 5.0, 10.0].map(|b| (b, one(b)))),
-        ("20 cubes on a block", N, On::Block, [(0.5, 0.972), (1.0, 0.910), (2.0, 0.786), (5.0, 0.573), (10.0, 0.425)]),
-        ("20 cubes on a rod", N, On::Rod, [(0.5, 0.910), (1.0, 0.786), (2.0, 0.625), (5.0, 0.425), (10.0, 0.308)]),
+        (
+            "20 cubes on a block",
+            N,
+            On::Block,
+            [(0.5, 0.972), (1.0, 0.910), (2.0, 0.786), (5.0, 0.573), (10.0, 0.425)],
+        ),
+        (
+            "20 cubes on a rod",
+            N,
+            On::Rod,
+            [(0.5, 0.910), (1.0, 0.786), (2.0, 0.625), (5.0, 0.425), (10.0, 0.308)],
+        ),
     ];
     let mut all = Vec::new();
     for (what, n, on, limits) in cases {
@@ -120,8 +143,12 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
                 if bounded {
                     measured = came.beta;
                 }
-                let row =
-                    Row::new(format!("grows at {share} of the limit"), &variant, "", f64::from(u8::from(came.grew)));
+                let row = Row::new(
+                    format!("grows at {share} of the limit"),
+                    &variant,
+                    "",
+                    f64::from(u8::from(came.grew)),
+                );
                 all.push(row.within(
                     if bounded { 0.0 } else { 1.0 },
                     0.0,
@@ -136,22 +163,24 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
         }
     }
     for beta in [1.0, 10.0] {
-        let came = press(bench, &format!("A24 capped beta {beta}"), &sprung(N, On::Rod, beta, true))?;
+        let came =
+            press(bench, &format!("A24 capped beta {beta}"), &sprung(N, On::Rod, beta, true))?;
         let variant = format!("20 cubes on a rod, beta {beta}, capped, safety 0.9");
         let holds = f64::from(u8::from(!came.grew && came.capped));
-        all.push(Row::new("stays bounded, and says that it lowers the stiffness", &variant, "", holds).within(
-            1.0,
-            0.0,
-            "the code reduces k or dt and says so",
-        ));
+        all.push(
+            Row::new("stays bounded, and says that it lowers the stiffness", &variant, "", holds)
+                .within(1.0, 0.0, "the code reduces k or dt and says so"),
+        );
     }
     Ok(all)
 }
 
-const BREATHES: &str = "[D] highest mode of a lone rectangle; the catalogue's 0.877 L/c_p is that of squares";
+const BREATHES: &str =
+    "[D] highest mode of a lone rectangle; the catalogue's 0.877 L/c_p is that of squares";
 
-/// Largest stable step of a lone rectangle of sides a and b with lumped masses [s]: it stretches along both sides, with the
-/// stiffness `E' [1 nu; nu 1]` and the masses `rho/4 [a^2, b^2]` per volume.
+/// Largest stable step of a lone rectangle of sides a and b with lumped masses [s]: it stretches
+/// along both sides, with the stiffness `E' [1 nu; nu 1]` and the masses `rho/4 [a^2, b^2]` per
+/// volume.
 fn breathing_step(a: f64, b: f64) -> f64 {
     let [p, q] = [a, b].map(|side| (2.0 * STEEL.c_plate() / side).powi(2));
     let highest = 0.5 * (p + q) + (0.25 * (p - q).powi(2) + STEEL.nu.powi(2) * p * q).sqrt();
@@ -180,7 +209,11 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
     let model = bench.model("C14 sliver scaled", &scaled)?;
     let share = model.scaled_mass() / model.structure_mass();
     let refused = bench
-        .model_of("C14 sliver refused", scaled.text("C14 sliver"), &["time.mass_scaling_limit=0.1".into()])
+        .model_of(
+            "C14 sliver refused",
+            scaled.text("C14 sliver"),
+            &["time.mass_scaling_limit=0.1".into()],
+        )
         .is_err();
     let own = STEEL.rho * side / N as f64 * thin * thickness;
     let run = bench.watch("C14 sliver scaled", &scaled, |_| {})?;
@@ -192,24 +225,34 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
             0.05,
             BREATHES,
         ),
-        Row::new("stable step with mass scaling", variant, "us", 1e6 * model.first_dt().0 / 0.9).near(
-            1e6 * wanted,
-            0.01,
-            "what the job asks for",
-        ),
-        Row::new("mass of the sliver, scaled / own", variant, "", (own + model.scaled_mass()) / own).near(
+        Row::new("stable step with mass scaling", variant, "us", 1e6 * model.first_dt().0 / 0.9)
+            .near(1e6 * wanted, 0.01, "what the job asks for"),
+        Row::new(
+            "mass of the sliver, scaled / own",
+            variant,
+            "",
+            (own + model.scaled_mass()) / own,
+        )
+        .near(
             (wanted / natural).powi(2),
             0.01,
             "[D] (dt/dt_natural)^2 of our own step, about 1e5",
         ),
         Row::new("mass added / mass of the plate, with mass_scaling_limit = 1", variant, "", share)
             .beside(0.01, "limit of the catalogue, or refuse"),
-        Row::new("refused at the default limit, 1 for yes", variant, "", f64::from(u8::from(refused))).near(
-            1.0,
-            0.01,
-            "limit of the catalogue, or refuse",
-        ),
-        Row::new("largest way of the sliver / way of free flight", variant, "", moved / (100.0 * wanted))
-            .at_most(1.0, "[D] stays with the plate"),
+        Row::new(
+            "refused at the default limit, 1 for yes",
+            variant,
+            "",
+            f64::from(u8::from(refused)),
+        )
+        .near(1.0, 0.01, "limit of the catalogue, or refuse"),
+        Row::new(
+            "largest way of the sliver / way of free flight",
+            variant,
+            "",
+            moved / (100.0 * wanted),
+        )
+        .at_most(1.0, "[D] stays with the plate"),
     ])
 }

@@ -1,5 +1,5 @@
-//! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of blocks, a block in a corner of
-//! walls (C15 b, c).
+//! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of blocks,
+//! a block in a corner of walls (C15 b, c).
 
 use super::contact::Law;
 use super::measure::{contact_force, mass, mean_velocity, position};
@@ -22,8 +22,8 @@ pub const STACK: Check = Check { name: "stack of blocks", quick: true, run: stac
 pub const CORNER: Check = Check { name: "corner of three walls", quick: true, run: corner };
 
 const SWINGS: &str = "the forces of a contact at rest go on swinging from step to step";
-/// Contact forces at rest come out smaller by half of this in a step, here by a few thousandths: contact is not damped, what
-/// it holds against is [1/s].
+/// Contact forces at rest come out smaller by half of this in a step, here by a few thousandths:
+/// contact is not damped, what it holds against is [1/s].
 const DAMPING: f64 = 2e3;
 /// Plates of C08 [m], [Pa].
 const SIDE: f64 = 0.1;
@@ -33,14 +33,18 @@ const PRESSURE: f64 = 1e6;
 /// Two plates of `n` by `n` shells, pressed from outside after a ramp; lower, then upper one.
 fn pressed(law: &Law, [below, above]: [usize; 2], more: &str, end: f64) -> (Scene, [Grid; 2]) {
     let mut scene = Scene::new(end);
-    let mut plate = |part: u32, n: usize, z: f64| scene.grid(part, [n, n], |x, y| [SIDE * x, SIDE * y, z]);
+    let mut plate =
+        |part: u32, n: usize, z: f64| scene.grid(part, [n, n], |x, y| [SIDE * x, SIDE * y, z]);
     let grids = [plate(1, below, 0.0), plate(2, above, THICKNESS + 1e-6)];
     scene.elastic("steel", STEEL);
     (1..=2).for_each(|part| scene.part(part, "steel", THICKNESS, ""));
     grids.iter().for_each(|g| scene.fix(g.all(), "x y rz"));
     scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 0.3e-3));
     for (part, sign) in [(1, -1.0), (2, 1.0)] {
-        scene.add(&format!("[[pressure]]\nparts = [{part}]\npressure = {:?}\ncurve = \"ramp\"", sign * PRESSURE));
+        scene.add(&format!(
+            "[[pressure]]\nparts = [{part}]\npressure = {:?}\ncurve = \"ramp\"",
+            sign * PRESSURE
+        ));
     }
     scene.add(&format!("{}{more}", law.table()));
     (scene, grids)
@@ -71,8 +75,17 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             })?;
             let whole = PRESSURE * SIDE * SIDE;
             let resultant = means.iter().sum::<f64>() / samples;
-            all.push(Row::new("resultant", &variant, "kN", 1e-3 * resultant).near(1e-3 * whole, 0.01, CATALOGUE));
-            let swing = Row::new("swing of the resultant / resultant", &variant, "", 0.5 * (most - least) / whole);
+            all.push(Row::new("resultant", &variant, "kN", 1e-3 * resultant).near(
+                1e-3 * whole,
+                0.01,
+                CATALOGUE,
+            ));
+            let swing = Row::new(
+                "swing of the resultant / resultant",
+                &variant,
+                "",
+                0.5 * (most - least) / whole,
+            );
             all.push(swing.at_most(0.01, CATALOGUE).known(SWINGS));
             let m = n[1];
             let share = |i: usize| if i == 0 || i == m { 0.5 } else { 1.0 };
@@ -111,7 +124,11 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{}, coincident meshes, undamped", law.name);
         let work = run.energies.external.abs();
-        let drift = if run.trouble { f64::INFINITY } else { run.energies.balance(run.initial).abs() / work };
+        let drift = if run.trouble {
+            f64::INFINITY
+        } else {
+            run.energies.balance(run.initial).abs() / work
+        };
         all.push(
             Row::new("energy not accounted for after 1e5 steps / work", &variant, "", drift)
                 .at_most(1e-3, "limit of the catalogue"),
@@ -134,9 +151,12 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(1.5 * time);
-        let steel =
-            scene.block(1, [3, 3, 1], |p| [1.5 * side * (p[0] - 0.5), 1.5 * side * (p[1] - 0.5), 0.02 * (p[2] - 1.0)]);
-        let block = scene.block(2, [cells; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), 1e-4 + side * p[2]]);
+        let steel = scene.block(1, [3, 3, 1], |p| {
+            [1.5 * side * (p[0] - 0.5), 1.5 * side * (p[1] - 0.5), 0.02 * (p[2] - 1.0)]
+        });
+        let block = scene.block(2, [cells; 3], |p| {
+            [side * (p[0] - 0.5), side * (p[1] - 0.5), 1e-4 + side * p[2]]
+        });
         scene.elastic("steel", STEEL);
         scene.elastic("foam", light);
         scene.solid_part(1, "steel", INVISCID);
@@ -152,11 +172,19 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
             deepest = foot.iter().fold(deepest, |d, &n| d.max(-position(e, n)[2]));
         })?;
         let variant = format!("{}, foam of 1 MPa and 50 kg/m3 at 5 m/s on steel", law.name);
-        let row = Row::new("largest penetration / side of a cell", &variant, "", deepest * cells as f64 / side);
+        let row = Row::new(
+            "largest penetration / side of a cell",
+            &variant,
+            "",
+            deepest * cells as f64 / side,
+        );
         all.push(row.at_most(0.05, "limit of the catalogue"));
         all.extend([run.given_row(&variant), run.hourglass_row(&variant)]);
-        let share = Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
-        all.push(share.beside(1.0, "[D] a bar without lateral strain, but for what stays in swings"));
+        let share =
+            Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, block.all(), 2) / v);
+        all.push(
+            share.beside(1.0, "[D] a bar without lateral strain, but for what stays in swings"),
+        );
     }
     Ok(all)
 }
@@ -170,19 +198,25 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         let mut scene = Scene::new(60.0 * period);
-        let base =
-            scene.block(1, [1; 3], |p| [3.0 * side * (p[0] - 0.5), 3.0 * side * (p[1] - 0.5), side * (p[2] - 1.0)]);
+        let base = scene.block(1, [1; 3], |p| {
+            [3.0 * side * (p[0] - 0.5), 3.0 * side * (p[1] - 0.5), side * (p[2] - 1.0)]
+        });
         // From the top.
         let blocks: Vec<Block> = (0..BLOCKS)
             .map(|i| {
                 let from = height - (i + 1) as f64 * side;
-                scene.block(2 + i as u32, [1; 3], |p| [side * (p[0] - 0.5), side * (p[1] - 0.5), from + side * p[2]])
+                scene.block(2 + i as u32, [1; 3], |p| {
+                    [side * (p[0] - 0.5), side * (p[1] - 0.5), from + side * p[2]]
+                })
             })
             .collect();
         scene.elastic("steel", STEEL);
         (1..=BLOCKS as u32 + 1).for_each(|part| scene.solid_part(part, "steel", INVISCID));
         scene.fix(base.all(), "x y z");
-        scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 5.0 * period));
+        scene.add(&format!(
+            "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
+            5.0 * period
+        ));
         scene.add(&format!("[[gravity]]\nacceleration = [0.0, 0.0, {:?}]\ncurve = \"ramp\"", -g));
         scene.add(&law.table());
         scene.time(&format!("damping = {:?}", 4.0 * DAMPING));
@@ -204,16 +238,24 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         let weight = STEEL.rho * side * side * side * g;
         let mut worst = 0.0f64;
         for i in 0..BLOCKS {
-            let (number, variant) = ((i + 1) as f64, format!("{}, block {} from the top", law.name, i + 1));
-            let row = Row::new("mean force under it / (m g)", &variant, "", sums[i] / samples / weight);
+            let (number, variant) =
+                ((i + 1) as f64, format!("{}, block {} from the top", law.name, i + 1));
+            let row =
+                Row::new("mean force under it / (m g)", &variant, "", sums[i] / samples / weight);
             all.push(row.near(number, 0.01, "[D] i m g; limit of the catalogue"));
             worst = worst.max(0.5 * (most[i] - least[i]) / (number * weight));
         }
-        let swing = Row::new("largest swing of these forces from step to step / themselves", law.name, "", worst);
+        let swing = Row::new(
+            "largest swing of these forces from step to step / themselves",
+            law.name,
+            "",
+            worst,
+        );
         all.push(swing.at_most(0.01, "limit of the catalogue").known(SWINGS));
         all.push(run.given_row(law.name));
         // What gravity gives in the period of the column.
-        let row = Row::new("largest speed of a block / (g period)", law.name, "", fastest / (g * period));
+        let row =
+            Row::new("largest speed of a block / (g period)", law.name, "", fastest / (g * period));
         all.push(row.at_most(1e-3, "[D] at rest"));
     }
     Ok(all)
@@ -231,14 +273,18 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         for c in 0..3 {
             scene.wall([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c))), friction);
         }
-        scene.add(&format!("[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]", 100.0 * period));
+        scene.add(&format!(
+            "[[curve]]\nname = \"ramp\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
+            100.0 * period
+        ));
         scene.add(&format!("[[gravity]]\nacceleration = {:?}\ncurve = \"ramp\"", [-g; 3]));
         scene.time(&format!("damping = {:?}", 4.0 * DAMPING));
         let (mut from, mut fastest) = (None, 0.0f64);
         let run = bench.watch(&format!("C15c {friction}"), &scene, |e| {
             if e.clock.time > 200.0 * period {
                 from.get_or_insert_with(|| (e.clock.time, e.walls.impulse.clone()));
-                fastest = (0..3).fold(fastest, |m, c| m.max(mean_velocity(e, block.all(), c).abs()));
+                fastest =
+                    (0..3).fold(fastest, |m, c| m.max(mean_velocity(e, block.all(), c).abs()));
             }
         })?;
         let (since, before) = from.ok_or("C15c ended early")?;
@@ -251,11 +297,16 @@ fn corner(bench: &Bench) -> Result<Vec<Row>, String> {
         };
         all.push(run.given_row(&variant));
         for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {
-            let row =
-                Row::new(format!("reaction of the walls along {axis} / (m g)"), &variant, "", reaction(c) / weight);
+            let row = Row::new(
+                format!("reaction of the walls along {axis} / (m g)"),
+                &variant,
+                "",
+                reaction(c) / weight,
+            );
             all.push(row.near(1.0, 0.01, "[D] m g; limit of (b)"));
         }
-        let row = Row::new("largest speed at rest / (g period)", &variant, "", fastest / (g * period));
+        let row =
+            Row::new("largest speed at rest / (g period)", &variant, "", fastest / (g * period));
         all.push(row.at_most(1e-3, "[D] momentum nought, no jitter"));
     }
     Ok(all)

@@ -10,13 +10,21 @@ use super::{Bench, Check};
 /// A39.
 pub const SCALED: Check = Check { name: "bars with added mass, head-on", quick: true, run: scaled };
 /// A40.
-pub const SUBCYCLES: Check = Check { name: "bar with short shells, 1 and 4 subcycles", quick: true, run: subcycles };
+pub const SUBCYCLES: Check =
+    Check { name: "bar with short shells, 1 and 4 subcycles", quick: true, run: subcycles };
 
 const LENGTH: f64 = 1.0;
 const THICKNESS: f64 = 1e-3;
 
 /// A strip of `n` cells along x from `from`; those in `short` are a fifth as long as the others.
-fn strip(scene: &mut Scene, part: u32, n: usize, short: std::ops::Range<usize>, from: f64, width: f64) -> Grid {
+fn strip(
+    scene: &mut Scene,
+    part: u32,
+    n: usize,
+    short: std::ops::Range<usize>,
+    from: f64,
+    width: f64,
+) -> Grid {
     let lengths: Vec<f64> = (0..n).map(|i| if short.contains(&i) { 0.2 } else { 1.0 }).collect();
     let whole: f64 = lengths.iter().sum();
     let ends: Vec<f64> = std::iter::once(0.0)
@@ -25,7 +33,9 @@ fn strip(scene: &mut Scene, part: u32, n: usize, short: std::ops::Range<usize>, 
             Some(*sum)
         }))
         .collect();
-    scene.grid(part, [n, 1], |x, y| [from + LENGTH * ends[(x * n as f64).round() as usize] / whole, width * y, 0.0])
+    scene.grid(part, [n, 1], |x, y| {
+        [from + LENGTH * ends[(x * n as f64).round() as usize] / whole, width * y, 0.0]
+    })
 }
 
 fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -36,7 +46,8 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in bench.laws() {
         let build = |scaling: Option<f64>| {
             let mut scene = Scene::new(3.2 * LENGTH / BAR.c());
-            // Short cells near the ends that meet, where added mass is felt most: the second bar is the first one's image.
+            // Short cells near the ends that meet, where added mass is felt most: the second bar is
+            // the first one's image.
             let one = strip(&mut scene, 1, N, N - 6..N - 2, 0.0, width);
             let two = strip(&mut scene, 2, N, 2..6, LENGTH + THICKNESS + 1e-6, width);
             scene.elastic("steel", BAR);
@@ -60,30 +71,49 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{law}, bars of {N} shells, four short ones, twice their step");
         let nodes: Vec<u32> = bars.iter().flat_map(|b| b.all().to_vec()).collect();
         let carried = mass(&run.engine, &nodes) - own;
-        all.push(Row::new("step / that without", &variant, "", model.first_dt().0 / 0.9 / natural).near(
-            2.0,
-            0.01,
-            "what the job asks for",
-        ));
         all.push(
-            Row::new("mass said to be added / mass of the nodes beyond their own", &variant, "", said / carried)
-                .near(1.0, 1e-9, "exact"),
+            Row::new("step / that without", &variant, "", model.first_dt().0 / 0.9 / natural).near(
+                2.0,
+                0.01,
+                "what the job asks for",
+            ),
         );
-        all.push(Row::new("mass added / mass", &variant, "", said / own).at_least(1e-3, "there is some"));
+        all.push(
+            Row::new(
+                "mass said to be added / mass of the nodes beyond their own",
+                &variant,
+                "",
+                said / carried,
+            )
+            .near(1.0, 1e-9, "exact"),
+        );
+        all.push(
+            Row::new("mass added / mass", &variant, "", said / own).at_least(1e-3, "there is some"),
+        );
         let scale = mass(&run.engine, bars[0].all()) * v;
         all.push(
-            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale)).at_most(1e-10, "exact"),
+            Row::new("change of momentum / m v", &variant, "", run.momentum_drift(0, scale))
+                .at_most(1e-10, "exact"),
         );
         let after = [0, 1].map(|b| mean_velocity(&run.engine, bars[b].all(), 0));
         // What the ripple of 40 cells keeps, as at 50 cubes in A01, and the springs of the penalty.
-        all.push(Row::new("velocity of bar 1 after", &variant, "m/s", after[0]).within(0.0, 0.03 * v, D));
-        all.push(Row::new("velocity of bar 2 after", &variant, "m/s", after[1]).within(v, 0.03 * v, D));
+        all.push(Row::new("velocity of bar 1 after", &variant, "m/s", after[0]).within(
+            0.0,
+            0.03 * v,
+            D,
+        ));
+        all.push(Row::new("velocity of bar 2 after", &variant, "m/s", after[1]).within(
+            v,
+            0.03 * v,
+            D,
+        ));
         all.push(run.given_row(&variant));
     }
     Ok(all)
 }
 
-/// A bar whose middle cells are a fifth as long, held at one end, under a step traction at the other: as in A05, `subcycles` 1 and 4.
+/// A bar whose middle cells are a fifth as long, held at one end, under a step traction at the
+/// other: as in A05, `subcycles` 1 and 4.
 fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 60;
     const D: &str = "[D] one-dimensional wave theory; 1 % is what the front disperses on 60 cells, of which the return sees twice as much";
@@ -115,16 +145,28 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("{N} shells, 8 of a fifth, {subcycles} subcycles");
         let peak = 2.0 * stress * LENGTH / BAR.e;
         all.push(
-            Row::new("largest displacement of the end / (2 sigma L/E)", &variant, "", far / peak).near(1.0, 0.01, D),
+            Row::new("largest displacement of the end / (2 sigma L/E)", &variant, "", far / peak)
+                .near(1.0, 0.01, D),
         );
         all.push(
-            Row::new("mean over a period / (sigma L/E)", &variant, "", sum / samples / (0.5 * peak)).near(1.0, 0.01, D),
+            Row::new(
+                "mean over a period / (sigma L/E)",
+                &variant,
+                "",
+                sum / samples / (0.5 * peak),
+            )
+            .near(1.0, 0.01, D),
         );
-        all.push(Row::new("return after a period / (2 sigma L/E)", &variant, "", near / peak).within(0.0, 0.02, D));
-        // On the way it is large where hardly any work has come in yet, and slow elements have not answered.
+        all.push(
+            Row::new("return after a period / (2 sigma L/E)", &variant, "", near / peak)
+                .within(0.0, 0.02, D),
+        );
+        // On the way it is large where hardly any work has come in yet, and slow elements have not
+        // answered.
         let open = run.energies.balance(run.initial).abs() / run.came_in;
         all.push(
-            Row::new("energy not accounted for at the end", &variant, "", open).at_most(1e-2, "gate of the catalogue"),
+            Row::new("energy not accounted for at the end", &variant, "", open)
+                .at_most(1e-2, "gate of the catalogue"),
         );
         peaks.push([far / peak, sum / samples / (0.5 * peak)]);
     }

@@ -1,8 +1,9 @@
-//! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that bounces (A11).
+//! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that bounces
+//! (A11).
 //!
-//! The references hold the foot to the wall, u_z = 0 on the whole face (the read-me of [V:S2], the manual of [V:S3]). A
-//! wall that only pushes lets the rim of the foot rise by 0.2 mm of 32, and the foot becomes 2 % wider: those runs are
-//! recorded beside them.
+//! The references hold the foot to the wall, u_z = 0 on the whole face (the read-me of [V:S2], the
+//! manual of [V:S3]). A wall that only pushes lets the rim of the foot rise by 0.2 mm of 32, and
+//! the foot becomes 2 % wider: those runs are recorded beside them.
 
 use super::bench::Finished;
 use super::contact::Law;
@@ -14,13 +15,20 @@ use super::{Bench, Check};
 use std::f64::consts::PI;
 
 /// B01 on a coarse mesh.
-pub const COARSE: Check =
-    Check { name: "copper, 4 cells on the radius", quick: false, run: |b| copper(b, 4, Foot::Held) };
+pub const COARSE: Check = Check {
+    name: "copper, 4 cells on the radius",
+    quick: false,
+    run: |b| copper(b, 4, Foot::Held),
+};
 /// B01.
-pub const FINE: Check =
-    Check { name: "copper, 8 cells on the radius", quick: false, run: |b| copper(b, 8, Foot::Held) };
+pub const FINE: Check = Check {
+    name: "copper, 8 cells on the radius",
+    quick: false,
+    run: |b| copper(b, 8, Foot::Held),
+};
 /// B01 with a wall that only pushes.
-pub const WALL: Check = Check { name: "copper into a rigid wall", quick: false, run: |b| copper(b, 8, Foot::Pushed) };
+pub const WALL: Check =
+    Check { name: "copper into a rigid wall", quick: false, run: |b| copper(b, 8, Foot::Pushed) };
 /// B02.
 pub const JOHNSON_COOK: Check = Check { name: "42CrMo4", quick: false, run: johnson_cook };
 /// A11.
@@ -93,11 +101,14 @@ fn hit(
         Foot::Held => scene.symmetry([0.0; 3], [0.0, 0.0, 1.0]),
         Foot::Pushed => scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0),
     }
-    let at_end = |z: f64| nodes.iter().copied().filter(|&i| (scene.at(i)[2] - z).abs() < 1e-9).collect::<Vec<u32>>();
+    let at_end = |z: f64| {
+        nodes.iter().copied().filter(|&i| (scene.at(i)[2] - z).abs() < 1e-9).collect::<Vec<u32>>()
+    };
     let (foot, head) = (at_end(0.0), at_end(LENGTH));
     let mut seen = Vec::new();
     let run = bench.watch(name, &scene, |e| {
-        let radius = foot.iter().map(|&i| position(e, i)).map(|x| x[0].hypot(x[1])).fold(0.0, f64::max);
+        let radius =
+            foot.iter().map(|&i| position(e, i)).map(|x| x[0].hypot(x[1])).fold(0.0, f64::max);
         let low = foot.iter().map(|&i| position(e, i)[2]).fold(f64::INFINITY, f64::min);
         let high = head.iter().map(|&i| position(e, i)[2]).fold(f64::NEG_INFINITY, f64::max);
         seen.push([e.clock.time, radius, high - low]);
@@ -125,21 +136,40 @@ fn copper(bench: &Bench, n: usize, end: Foot) -> Result<Vec<Row>, String> {
             0.015,
             "[V:S2] Foulk et al. 2021",
         ),
-        check(Row::new("length at 80 us", &variant, "mm", 1e3 * length), 21.43, 0.005, "[V:S2] Sierra/SM, Carina; [C]"),
+        check(
+            Row::new("length at 80 us", &variant, "mm", 1e3 * length),
+            21.43,
+            0.005,
+            "[V:S2] Sierra/SM, Carina; [C]",
+        ),
         check(
             Row::new("radius of the foot at 12 us", &variant, "mm", 1e3 * m.at(12e-6)[0]),
             5.45,
             0.015,
             "[V:S2] Carina",
         ),
-        check(Row::new("largest plastic strain", &variant, "", m.strain), 2.9, 0.1, "[C] 2.6 to 3.1 with the mesh"),
+        check(
+            Row::new("largest plastic strain", &variant, "", m.strain),
+            2.9,
+            0.1,
+            "[C] 2.6 to 3.1 with the mesh",
+        ),
     ];
-    for (t, r, l) in
-        [(5.0, 4.48, 31.26), (10.0, 5.20, 30.14), (20.0, 6.18, 28.07), (40.0, 7.13, 24.57), (60.0, 7.22, 22.22)]
-    {
+    for (t, r, l) in [
+        (5.0, 4.48, 31.26),
+        (10.0, 5.20, 30.14),
+        (20.0, 6.18, 28.07),
+        (40.0, 7.13, 24.57),
+        (60.0, 7.22, 22.22),
+    ] {
         let [radius, length] = m.at(1e-6 * t);
-        all.push(Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius).beside(r, OWN));
-        all.push(Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).beside(l, OWN));
+        all.push(
+            Row::new(format!("radius of the foot at {t} us"), &variant, "mm", 1e3 * radius)
+                .beside(r, OWN),
+        );
+        all.push(
+            Row::new(format!("length at {t} us"), &variant, "mm", 1e3 * length).beside(l, OWN),
+        );
     }
     Ok(m.with_energy(&variant, all))
 }
@@ -178,7 +208,8 @@ const FORCE: f64 = 344.8;
 
 fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] Hertz, a half space";
-    // Hertz leaves out what a finite sphere yields as a whole, of first order in the contact radius over its own, a fifth here.
+    // Hertz leaves out what a finite sphere yields as a whole, of first order in the contact radius
+    // over its own, a fifth here.
     const C: &str = "[C] axisymmetric dynamics with logarithmic strain, tests/references/sphere.py";
     let (radius, v, air) = (0.05f64, 1.0, 2e-5);
     let rubber = Elastic { e: 10e6, nu: 0.3, rho: 1000.0 };
@@ -197,9 +228,13 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
         match law {
             None => scene.wall([0.0; 3], [0.0, 0.0, 1.0], 0.0),
             Some(law) => {
-                let base =
-                    scene.block(2, [6, 6, 1], |p| [0.03 * p[0] - 1e-4, 0.03 * p[1] - 1e-4, 0.005 * (p[2] - 1.0)]);
-                scene.elastic("stone", Elastic { e: 100.0 * rubber.e, nu: 0.0, rho: 100.0 * rubber.rho });
+                let base = scene.block(2, [6, 6, 1], |p| {
+                    [0.03 * p[0] - 1e-4, 0.03 * p[1] - 1e-4, 0.005 * (p[2] - 1.0)]
+                });
+                scene.elastic(
+                    "stone",
+                    Elastic { e: 100.0 * rubber.e, nu: 0.0, rho: 100.0 * rubber.rho },
+                );
                 scene.solid_part(2, "stone", INVISCID);
                 scene.fix(base.all(), "x y z");
                 scene.add(&law.table());
@@ -225,21 +260,31 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
         let yields = if law.is_some_and(|l| l.is_spring()) { SPRINGS } else { "" };
         let duration = |what: &str| Row::new(what, &variant, "ms", 1e3 * (span.1 - span.0));
         let way = |what: &str| Row::new(what, &variant, "mm", 1e3 * (-least - air));
-        all.extend(run.with_energy(
-            &variant,
-            1e-3,
-            vec![
+        all.extend(
+            run.with_energy(
+                &variant,
+                1e-3,
+                vec![
                     duration("contact duration").near(5.560, 0.02, C),
                     duration("contact duration, of a half space").beside(1e3 * time, D),
-                    Row::new("largest force", &variant, "N", most).near(FORCE, 0.03, C).known(yields),
-                    Row::new("largest force, of a half space", &variant, "N", most).beside(force, D),
+                    Row::new("largest force", &variant, "N", most)
+                        .near(FORCE, 0.03, C)
+                        .known(yields),
+                    Row::new("largest force, of a half space", &variant, "N", most)
+                        .beside(force, D),
                     way("way of the centre of mass").near(1.9504, 0.03, C),
                     way("way of the centre of mass, of a half space").beside(1e3 * deepest, D),
                     run.hourglass_row(&variant),
-                    Row::new("rebound / v", &variant, "", mean_velocity(&run.engine, &nodes, 2) / v)
-                        .at_least(0.98, "limit of the catalogue"),
+                    Row::new(
+                        "rebound / v",
+                        &variant,
+                        "",
+                        mean_velocity(&run.engine, &nodes, 2) / v,
+                    )
+                    .at_least(0.98, "limit of the catalogue"),
                 ],
-        ));
+            ),
+        );
     }
     Ok(all)
 }

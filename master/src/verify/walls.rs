@@ -1,4 +1,5 @@
-//! Bars against rigid walls, elastic (A03) and elastic-plastic (A06). See `bars.rs` for what a bar is.
+//! Bars against rigid walls, elastic (A03) and elastic-plastic (A06). See `bars.rs` for what a bar
+//! is.
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
@@ -67,7 +68,13 @@ impl Flight {
         scene.grid(1, [n, 1], |x, y| [from + self.length * x, width * y, 0.0])
     }
 
-    fn run(&self, bench: &Bench, name: &str, n: usize, target: Target<'_>) -> Result<Struck, String> {
+    fn run(
+        &self,
+        bench: &Bench,
+        name: &str,
+        n: usize,
+        target: Target<'_>,
+    ) -> Result<Struck, String> {
         let touch = self.gap / self.velocity;
         let mut scene = Scene::new(touch + 1.6 * self.duration());
         let width = self.length / n as f64;
@@ -112,8 +119,11 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
     for n in [5, 10, 100] {
         let s = flight.run(bench, &format!("A03a wall {n}"), n, Target::Wall)?;
         let variant = format!("wall, {n} shells");
-        // Five or ten elements do not resolve a front: duration and force have their bounds on the fine mesh.
-        let fine = |row: Row, reference| if n == 100 { row.near(reference, 0.01, D) } else { row.beside(reference, D) };
+        // Five or ten elements do not resolve a front: duration and force have their bounds on the
+        // fine mesh.
+        let fine = |row: Row, reference| {
+            if n == 100 { row.near(reference, 0.01, D) } else { row.beside(reference, D) }
+        };
         all.push(fine(Row::new("time of impact", &variant, "us", 1e6 * s.span.0), 666.7));
         all.push(fine(
             Row::new("contact duration", &variant, "us", 1e6 * (s.span.1 - s.span.0)),
@@ -123,7 +133,10 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(fine(Row::new("rebound velocity", &variant, "m/s", s.rebound), 1.5));
         all.push(fine(Row::new("impulse 2 rho L A v", &variant, "N s", s.impulse), 9360.0));
         // The manual of [V:S5] has 1/2N: 10 % with 5, 5 % with 10.
-        all.push(stopped(Row::new("energy lost at the wall / E0", &variant, "", s.lost), 0.5 / n as f64));
+        all.push(stopped(
+            Row::new("energy lost at the wall / E0", &variant, "", s.lost),
+            0.5 / n as f64,
+        ));
         all.extend(s.run.energy_rows(&variant, 1e-3));
     }
     Ok(all)
@@ -144,9 +157,15 @@ fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
         variant,
         1e-3,
         vec![
-            Row::new("time of impact", variant, "us", 1e6 * s.span.0).near(49.46, 0.01, "[V:S7] 0.00005 s, [D]"),
-            Row::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0)).near(98.66, 0.01, "[D]"),
-            Row::new("mean force rho c v A", variant, "kN", 1e-3 * s.force).near(133.1, 0.01, "[D]"),
+            Row::new("time of impact", variant, "us", 1e6 * s.span.0).near(
+                49.46,
+                0.01,
+                "[V:S7] 0.00005 s, [D]",
+            ),
+            Row::new("contact duration 2L/c", variant, "us", 1e6 * (s.span.1 - s.span.0))
+                .near(98.66, 0.01, "[D]"),
+            Row::new("mean force rho c v A", variant, "kN", 1e-3 * s.force)
+                .near(133.1, 0.01, "[D]"),
             Row::new("rebound velocity", variant, "m/s", s.rebound).near(5.1359, 0.01, "[D]"),
             s.run.closing_row(variant, 1e-3),
         ],
@@ -184,14 +203,17 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.start(bar.all(), [-v, 0.0, 0.0], [0.0; 3]);
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
-    let run = bench.watch("A06 wall", &scene, |e| push.take(e.clock.time, e.walls.impulse[0][0]))?;
+    let run =
+        bench.watch("A06 wall", &scene, |e| push.take(e.clock.time, e.walls.impulse[0][0]))?;
     // Behind the plastic front, 0.16 m from the wall at the end.
     let [from, to] = [0.02, 0.1].map(|x| bar.at((x * N as f64) as usize, 0));
     let strain = (displacement(&run.engine, from)[0] - displacement(&run.engine, to)[0]) / 0.08;
     let stress = push.mean_force(0.4 * time, 1.7 * time) / (width * THICKNESS);
     let variant = "wall, 200 shells, j2";
-    let (finite_stress, finite_strain) = plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
-    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small strains.
+    let (finite_stress, finite_strain) =
+        plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
+    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small
+    // strains.
     Ok(run.with_energy(
         variant,
         1e-3,
@@ -200,11 +222,13 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
                 .beside(261.2, "[D] sigma_y + rho c_t (V - v_y), small strains"),
             Row::new("strain behind the plastic front", variant, "", strain)
                 .beside(0.0301, "[D] sigma_y/E + (V - v_y)/c_t, small strains"),
-            Row::new("stress behind the plastic front, finite strain", variant, "MPa", 1e-6 * stress).near(
-                1e-6 * finite_stress,
-                0.02,
-                "[D] shock in nominal stress",
-            ),
+            Row::new(
+                "stress behind the plastic front, finite strain",
+                variant,
+                "MPa",
+                1e-6 * stress,
+            )
+            .near(1e-6 * finite_stress, 0.02, "[D] shock in nominal stress"),
             Row::new("strain behind the plastic front, finite strain", variant, "", strain).near(
                 finite_strain,
                 0.02,
@@ -214,9 +238,10 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     ))
 }
 
-/// Nominal stress [Pa] and strain behind a plastic shock that changes the velocity by `jump` [m/s], where true stress is
-/// `sigma_y + E_t (e - sigma_y/E)` over logarithmic strain e and plastic flow keeps the volume: the area grows by
-/// `exp(e - sigma/E)`. Across a shock `rho jump^2 = (P - P_y) (eps - eps_y)`.
+/// Nominal stress [Pa] and strain behind a plastic shock that changes the velocity by `jump` [m/s],
+/// where true stress is `sigma_y + E_t (e - sigma_y/E)` over logarithmic strain e and plastic flow
+/// keeps the volume: the area grows by `exp(e - sigma/E)`. Across a shock `rho jump^2 = (P - P_y)
+/// (eps - eps_y)`.
 pub fn plastic_shock(yield_stress: f64, tangent: f64, jump: f64) -> (f64, f64) {
     let at_yield = yield_stress / BAR.e;
     let nominal = |strain: f64| {

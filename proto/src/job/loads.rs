@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A factor over time that loads and motions refer to by name: linear between its points, constant outside.
+/// A factor over time that loads and motions refer to by name: linear between its points, constant
+/// outside.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
@@ -41,15 +42,16 @@ pub struct Load {
     pub curve: Option<String>,
 }
 
-/// Pressure on faces; it follows them as they move. A positive pressure pushes against a face's normal, which for a
-/// shell follows from the order of its nodes by the right-hand rule.
+/// Pressure on faces; it follows them as they move. A positive pressure pushes against a face's
+/// normal, which for a shell follows from the order of its nodes by the right-hand rule.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pressure {
     /// Parts all of whose faces are loaded.
     #[serde(default)]
     pub parts: Vec<u32>,
-    /// Node set: the faces all of whose nodes are in it are loaded, of `parts` only if these are given too.
+    /// Node set: the faces all of whose nodes are in it are loaded, of `parts` only if these are
+    /// given too.
     #[serde(default)]
     pub nodes: Option<String>,
     /// Pressure [force/length^2].
@@ -59,8 +61,8 @@ pub struct Pressure {
     pub curve: Option<String>,
 }
 
-/// Prescribed motion of a node set or a rigid body by exactly one of `velocity`, `displacement`, `acceleration` and `spin`.
-/// Nothing that is met keeps the nodes from it.
+/// Prescribed motion of a node set or a rigid body by exactly one of `velocity`, `displacement`,
+/// `acceleration` and `spin`. Nothing that is met keeps the nodes from it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
@@ -70,9 +72,9 @@ pub struct Motion {
     /// Name of a rigid body: its centre is moved, and it turns about its centre.
     #[serde(default)]
     pub rigid: Option<String>,
-    /// Any of x, y, z, rx, ry, rz: what is prescribed; the rest stays free. If left out, x, y, z, and with `spin` all six
-    /// (of a rigid body rx, ry, rz).
-    /// Rotations named without `spin` are held.
+    /// Any of x, y, z, rx, ry, rz: what is prescribed; the rest stays free. If left out, x, y, z,
+    /// and with `spin` all six (of a rigid body rx, ry, rz). Rotations named without `spin` are
+    /// held.
     #[serde(default)]
     pub dofs: Vec<String>,
     /// Velocity [length/time].
@@ -103,7 +105,8 @@ pub struct Symmetry {
     pub point: [f64; 3],
     /// Normal, along a coordinate axis.
     pub normal: [f64; 3],
-    /// How far from the plane a node may be to count as on it [length]; 0 for a thousandth of the smallest side.
+    /// How far from the plane a node may be to count as on it [length]; 0 for a thousandth of the
+    /// smallest side.
     #[serde(default)]
     pub tolerance: f64,
 }

@@ -17,12 +17,13 @@ pub struct Output {
     pub parts: bool,
     /// Write `walls.csv`, where there are rigid walls: impulse and force of each.
     pub walls: bool,
-    /// Write `contacts.csv` and `contact_pairs.csv`, where there is contact between parts: the force on each part, and
-    /// between each two.
+    /// Write `contacts.csv` and `contact_pairs.csv`, where there is contact between parts: the
+    /// force on each part, and between each two.
     pub contacts: bool,
     /// Write the fields as a d3plot database too, when the run is over.
     pub d3plot: bool,
-    /// Write the fields as one temporal VTKHDF file too, when the run is over; needs a build with the feature `vtkhdf`.
+    /// Write the fields as one temporal VTKHDF file too, when the run is over; needs a build with
+    /// the feature `vtkhdf`.
     pub vtkhdf: bool,
     /// Nodes whose motion is written to `nodes.csv`.
     pub node: Vec<NodeHistory>,
@@ -65,8 +66,9 @@ pub struct NodeHistory {
     pub ids: Vec<u64>,
 }
 
-/// A section whose force and moment are written to `sections.csv`: what elements on one side of a node set put on these
-/// nodes. The elements are those of `parts` and `elements`, or of any part; `side` takes those of one side of them.
+/// A section whose force and moment are written to `sections.csv`: what elements on one side of a
+/// node set put on these nodes. The elements are those of `parts` and `elements`, or of any part;
+/// `side` takes those of one side of them.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectionHistory {
@@ -81,14 +83,16 @@ pub struct SectionHistory {
     /// Ids of elements that count.
     #[serde(default)]
     pub elements: Vec<u64>,
-    /// Direction from the middle of the nodes: only elements whose centre lies to this side of it at the start count.
+    /// Direction from the middle of the nodes: only elements whose centre lies to this side of it
+    /// at the start count.
     #[serde(default)]
     pub side: Option<[f64; 3]>,
 }
 
-/// A force transducer: the contact force on a surface A, from a surface B or from all that touches it, is written to
-/// `transducers.csv`. A surface is the faces and nodes of some parts, or of a node set (its nodes, and the faces all of whose
-/// nodes are in it), or what both have in common. What a surface exerts on itself cancels. Rigid walls are in `walls.csv`.
+/// A force transducer: the contact force on a surface A, from a surface B or from all that touches
+/// it, is written to `transducers.csv`. A surface is the faces and nodes of some parts, or of a
+/// node set (its nodes, and the faces all of whose nodes are in it), or what both have in common.
+/// What a surface exerts on itself cancels. Rigid walls are in `walls.csv`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TransducerHistory {

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid body: all nodes of its parts, and those of a set. Elements of the parts compute no forces and do not limit the
-/// time step; they carry mass and take part in contact.
+/// A rigid body: all nodes of its parts, and those of a set. Elements of the parts compute no
+/// forces and do not limit the time step; they carry mass and take part in contact.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rigid {
@@ -16,14 +16,16 @@ pub struct Rigid {
     /// Node set, in addition.
     #[serde(default)]
     pub nodes: Option<String>,
-    /// Any of x, y, z, rx, ry, rz: translations of the centre and rotations about the axes of space that are held.
+    /// Any of x, y, z, rx, ry, rz: translations of the centre and rotations about the axes of space
+    /// that are held.
     #[serde(default)]
     pub fixed: Vec<String>,
-    /// Mass of the elements of its parts [mass]; theirs by density and thickness if left out. What else its nodes carry
-    /// comes on top.
+    /// Mass of the elements of its parts [mass]; theirs by density and thickness if left out. What
+    /// else its nodes carry comes on top.
     #[serde(default)]
     pub mass: Option<f64>,
-    /// Inertia about the centre, xx, yy, zz, xy, yz, zx [mass length^2]; that of the nodal masses if left out.
+    /// Inertia about the centre, xx, yy, zz, xy, yz, zx [mass length^2]; that of the nodal masses
+    /// if left out.
     #[serde(default)]
     pub inertia: Option<[f64; 6]>,
 }

@@ -3,11 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A rigid wall that nodes do not pass: a plane, a rectangle of one, or the mantle of a cylinder. It stands still, goes where a
-/// curve leads it, or has a mass and gives way along its normal.
+/// A rigid wall that nodes do not pass: a plane, a rectangle of one, or the mantle of a cylinder.
+/// It stands still, goes where a curve leads it, or has a mass and gives way along its normal.
 ///
-/// A rectangle or a cylinder stops what comes from outside, and lets be what is behind it. Degrees of freedom
-/// that are fixed or prescribed feel no wall: nothing pushes them, and a wall with a mass is not stopped by them.
+/// A rectangle or a cylinder stops what comes from outside, and lets be what is behind it. Degrees
+/// of freedom that are fixed or prescribed feel no wall: nothing pushes them, and a wall with a
+/// mass is not stopped by them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
@@ -19,8 +20,8 @@ pub struct Wall {
     /// Normal of a plane or a rectangle, towards the side where the model is (made a unit vector).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal: Option<[f64; 3]>,
-    /// Makes the plane a rectangle: direction of its first side from `point`, made square to the normal. The second side has
-    /// the direction normal x edge.
+    /// Makes the plane a rectangle: direction of its first side from `point`, made square to the
+    /// normal. The second side has the direction normal x edge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<[f64; 3]>,
     /// Lengths of the two sides of a rectangle, 0 for one without end [length].
@@ -53,7 +54,8 @@ pub struct Wall {
     /// Prescribed velocity of the wall [length/time].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
-    /// Prescribed displacement of the wall, instead of a velocity; its curve has to start at 0 [length].
+    /// Prescribed displacement of the wall, instead of a velocity; its curve has to start at 0
+    /// [length].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<[f64; 3]>,
     /// Factor on the prescribed velocity or displacement over time; 1 without it.

@@ -7,7 +7,10 @@ use super::{Lost, Tag, Transport};
 ///
 /// # Errors
 /// A worker is gone.
-pub fn exchange_all(wire: &mut dyn Transport, mut parcels: Vec<Vec<u64>>) -> Result<Vec<Vec<u64>>, Lost> {
+pub fn exchange_all(
+    wire: &mut dyn Transport,
+    mut parcels: Vec<Vec<u64>>,
+) -> Result<Vec<Vec<u64>>, Lost> {
     let me = wire.rank() - 1;
     let others = || (0..parcels.len()).filter(|&w| w != me);
     for w in others() {
@@ -19,8 +22,9 @@ pub fn exchange_all(wire: &mut dyn Transport, mut parcels: Vec<Vec<u64>>) -> Res
     Ok(parcels)
 }
 
-/// A maximum over all workers that is begun early and finished late, so that it overlaps work.
-/// By dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds; a maximum may count a value twice.
+/// A maximum over all workers that is begun early and finished late, so that it overlaps work. By
+/// dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds; a maximum may count a value
+/// twice.
 #[derive(Debug)]
 pub struct MaxReduction {
     tag: Tag,
@@ -29,7 +33,8 @@ pub struct MaxReduction {
 }
 
 impl MaxReduction {
-    /// A reduction of `width` numbers. No other exchange with this tag may be under way at the same time.
+    /// A reduction of `width` numbers. No other exchange with this tag may be under way at the same
+    /// time.
     pub fn new(width: usize, tag: Tag) -> Self {
         Self { tag, values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
     }
@@ -74,15 +79,17 @@ impl MaxReduction {
     }
 }
 
-/// Adds the integers of all workers, place by place; every worker has the sums in `values` then. Up a binomial tree and down
-/// again: twice ceil(log2 P) rounds. Sums wrap around. No other exchange with this tag may be under way.
+/// Adds the integers of all workers, place by place; every worker has the sums in `values` then. Up
+/// a binomial tree and down again: twice ceil(log2 P) rounds. Sums wrap around. No other exchange
+/// with this tag may be under way.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn sum_all(wire: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), Lost> {
     let (workers, me) = (wire.size() - 1, wire.rank() - 1);
     let mut buffer = Vec::new();
-    // The lowest bit of a worker's number is the round in which it hands its sum to the worker without this bit.
+    // The lowest bit of a worker's number is the round in which it hands its sum to the worker
+    // without this bit.
     let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
     let up: Vec<usize> = levels.take_while(|bit| me & (bit - 1) == 0).collect();
     for bit in &up {

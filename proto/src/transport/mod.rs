@@ -1,7 +1,8 @@
 //! How messages travel between ranks: threads of one process, or MPI behind the feature `mpi`.
 //!
-//! A message is a sequence of 64-bit words, so that columns of numbers travel without being copied twice.
-//! Messages of one sender and tag arrive in the order they were sent. Sending never waits for the receiver.
+//! A message is a sequence of 64-bit words, so that columns of numbers travel without being copied
+//! twice. Messages of one sender and tag arrive in the order they were sent. Sending never waits
+//! for the receiver.
 
 mod collective;
 #[cfg(feature = "mpi")]
@@ -69,7 +70,8 @@ pub trait Transport {
     /// # Errors
     /// The receiver is gone.
     fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost>;
-    /// Takes the next message of this sender and tag, if it has arrived, into `words` (old content is dropped).
+    /// Takes the next message of this sender and tag, if it has arrived, into `words` (old content
+    /// is dropped).
     ///
     /// # Errors
     /// The sender is gone and nothing is left of it.

@@ -20,7 +20,8 @@ pub struct Threads {
     patience: Duration,
 }
 
-/// How long a rank looks before it sleeps where every worker has a core, and how often it looks between two looks at the clock.
+/// How long a rank looks before it sleeps where every worker has a core, and how often it looks
+/// between two looks at the clock.
 const PATIENCE: Duration = Duration::from_millis(1);
 const LOOKS: u32 = 64;
 /// Most buffers kept for further use.
@@ -37,7 +38,8 @@ pub fn connect(size: usize) -> Vec<Threads> {
             receiver.push(rx);
         }
     }
-    // Waking a sleeper costs more than a short wait; but where workers share cores, the sender needs this one.
+    // Waking a sleeper costs more than a short wait; but where workers share cores, the sender
+    // needs this one.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let patience = if size <= cores + 1 { PATIENCE } else { Duration::ZERO };
     let ends = senders.into_iter().zip(receivers).enumerate();

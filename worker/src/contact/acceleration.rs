@@ -1,15 +1,17 @@
 //! Anderson acceleration of sweeps that converge slowly (Anderson 1965; Walker & Ni 2011, eq. 2.1).
 //!
-//! A sweep takes the forces x to G(x). Where masses differ much it converges slowly: with a light layer of mass m between heavy
-//! ones of mass M a Gauss-Seidel sweep leaves `1 / (1 + m/M)^2` of an error. The residuals f = G(x) - x of the last sweeps
-//! tell what the next ones would do: with the coefficients that minimise `|f_k - sum_j c_j (f_{j+1} - f_j)|` the next
-//! forces are `G(x_k) - sum_j c_j (G(x_{j+1}) - G(x_j))`, then put back into their friction cones. On the pairs that touch,
-//! where G is linear, this is GMRES (Walker & Ni, theorem 2.2): it ends in as many steps as there are different rates of
-//! convergence, whatever these are.
+//! A sweep takes the forces x to G(x). Where masses differ much it converges slowly: with a light
+//! layer of mass m between heavy ones of mass M a Gauss-Seidel sweep leaves `1 / (1 + m/M)^2` of an
+//! error. The residuals f = G(x) - x of the last sweeps tell what the next ones would do: with the
+//! coefficients that minimise `|f_k - sum_j c_j (f_{j+1} - f_j)|` the next forces are `G(x_k) -
+//! sum_j c_j (G(x_{j+1}) - G(x_j))`, then put back into their friction cones. On the pairs that
+//! touch, where G is linear, this is GMRES (Walker & Ni, theorem 2.2): it ends in as many steps as
+//! there are different rates of convergence, whatever these are.
 //!
-//! The norm is that of the energy which a force makes in the pair's own compliance, `c |f|^2`. Its sums are exact and so the same on
-//! any number of workers (`exact_sum.rs`). If pairs begin or cease to press, or a residual grows, G is not the function that it was:
-//! history is dropped, and the next forces are those of the sweep itself.
+//! The norm is that of the energy which a force makes in the pair's own compliance, `c |f|^2`. Its
+//! sums are exact and so the same on any number of workers (`exact_sum.rs`). If pairs begin or
+//! cease to press, or a residual grows, G is not the function that it was: history is dropped, and
+//! the next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
 use crate::contact::exact_sum::{ExactSum, WORDS};
@@ -19,13 +21,16 @@ use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
-/// Most earlier sweeps that one is combined with. For five light layers, 1 to 10,000, with split masses: 69 sweeps with 2, 27 with
-/// 5 and with 8 (`accelerated_sweeps_settle_whatever_the_masses`).
+/// Most earlier sweeps that one is combined with. For five light layers, 1 to 10,000, with split
+/// masses: 69 sweeps with 2, 27 with 5 and with 8
+/// (`accelerated_sweeps_settle_whatever_the_masses`).
 const DEPTH: usize = 5;
-/// Directions whose squared sine to the others is below this are dropped: round-off of the sums, 1e-16, is felt in them.
+/// Directions whose squared sine to the others is below this are dropped: round-off of the sums,
+/// 1e-16, is felt in them.
 const PARALLEL: f64 = 1e-12;
 
-/// Sweeps are of another system if pairs have begun or ceased to press by more than this fraction of the residual.
+/// Sweeps are of another system if pairs have begun or ceased to press by more than this fraction
+/// of the residual.
 const SWITCHED: f64 = 0.01;
 
 /// Forces of own pairs, one after the other [force].
@@ -52,8 +57,8 @@ pub struct Advice {
 }
 
 impl Acceleration {
-    /// Takes note of a sweep of the own pairs among `pairs` that began with the forces `before` and has `changed` one of
-    /// them. All workers call it after each sweep.
+    /// Takes note of a sweep of the own pairs among `pairs` that began with the forces `before` and
+    /// has `changed` one of them. All workers call it after each sweep.
     ///
     /// # Errors
     /// A worker is gone.
@@ -70,9 +75,13 @@ impl Acceleration {
         let mut switched = ExactSum::ZERO;
         if let Some((residuals_before, ends_before, _)) = &self.last {
             let both = own.iter().zip(&ends).zip(ends_before);
-            let switch = both.filter(|((p, end), before)| is_pressed(p, end) != is_pressed(p, before));
-            switch.for_each(|((p, end), before)| switched.add(weighted(p, &(end - before), &(end - before))));
-            self.differences.push_back((minus(&residual, residuals_before), minus(&ends, ends_before)));
+            let switch =
+                both.filter(|((p, end), before)| is_pressed(p, end) != is_pressed(p, before));
+            switch.for_each(|((p, end), before)| {
+                switched.add(weighted(p, &(end - before), &(end - before)))
+            });
+            self.differences
+                .push_back((minus(&residual, residuals_before), minus(&ends, ends_before)));
             if self.differences.len() > DEPTH {
                 self.differences.pop_front();
                 self.products = self.products.clone().remove_row(0).remove_column(0);
@@ -100,8 +109,8 @@ impl Acceleration {
                 self.products[(n - 1, i)] = sum;
             }
         }
-        let is_other =
-            self.last.as_ref().is_some_and(|(_, _, before)| size > *before) || sums[2 * n + 1] > SWITCHED * size;
+        let is_other = self.last.as_ref().is_some_and(|(_, _, before)| size > *before)
+            || sums[2 * n + 1] > SWITCHED * size;
         self.last = Some((residual, ends.clone(), size));
         if is_other || !size.is_finite() {
             self.differences.clear();
@@ -112,7 +121,9 @@ impl Acceleration {
             return Ok(Advice { changed, forces: None });
         }
         let mut way = vec![V3::zeros(); ends.len()];
-        for ((_, difference), c) in self.differences.iter().zip(least_squares(&self.products, &sums[n..2 * n])) {
+        for ((_, difference), c) in
+            self.differences.iter().zip(least_squares(&self.products, &sums[n..2 * n]))
+        {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
         let part = part(&own, &ends, &way, wire)?;
@@ -122,8 +133,9 @@ impl Acceleration {
     }
 }
 
-/// The part of the way from the forces `ends` that is gone: up to where the first of the pairs that press would begin to pull, but no
-/// less than half of it. Those that would pull beyond are cut to 0, which leaves what they press on out of balance.
+/// The part of the way from the forces `ends` that is gone: up to where the first of the pairs that
+/// press would begin to pull, but no less than half of it. Those that would pull beyond are cut to
+/// 0, which leaves what they press on out of balance.
 ///
 /// # Errors
 /// A worker is gone.
@@ -169,8 +181,8 @@ fn weighted(pair: &Pair, a: &V3, b: &V3) -> f64 {
     pair.compliance[0] * along + pair.compliance[1] * (a.dot(b) - along)
 }
 
-/// Coefficients c that minimise `c' P c - 2 c' b`, for directions with the products `P`. Newer directions go before older ones, and
-/// those that are nearly combinations of them get 0.
+/// Coefficients c that minimise `c' P c - 2 c' b`, for directions with the products `P`. Newer
+/// directions go before older ones, and those that are nearly combinations of them get 0.
 fn least_squares(products: &DMatrix<f64>, b: &[f64]) -> Vec<f64> {
     let n = b.len();
     let scale: Vec<f64> = (0..n).map(|i| products[(i, i)].sqrt()).collect();
@@ -179,8 +191,9 @@ fn least_squares(products: &DMatrix<f64>, b: &[f64]) -> Vec<f64> {
     for i in (0..n).rev().filter(|&i| scale[i] > 0.0) {
         kept.push(i);
         let size = kept.len();
-        let scaled =
-            DMatrix::from_fn(size, size, |r, c| products[(kept[r], kept[c])] / (scale[kept[r]] * scale[kept[c]]));
+        let scaled = DMatrix::from_fn(size, size, |r, c| {
+            products[(kept[r], kept[c])] / (scale[kept[r]] * scale[kept[c]])
+        });
         let right = DVector::from_fn(size, |r, _| b[kept[r]] / scale[kept[r]]);
         match scaled.cholesky().filter(|c| c.l_dirty()[(size - 1, size - 1)].powi(2) > PARALLEL) {
             Some(factors) => solution = factors.solve(&right),

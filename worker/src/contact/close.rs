@@ -1,6 +1,7 @@
-//! Which candidates are near enough to be looked at in every step. Most of what a search finds is not: its skin is there
-//! so that it need not be made often. This list is made over from the search's, at a fraction of that skin, and leaves out
-//! only what the local search would turn away in every step until then, as long as a slave that remembered nothing still does.
+//! Which candidates are near enough to be looked at in every step. Most of what a search finds is
+//! not: its skin is there so that it need not be made often. This list is made over from the
+//! search's, at a fraction of that skin, and leaves out only what the local search would turn away
+//! in every step until then, as long as a slave that remembered nothing still does.
 
 use crate::contact::geometry::{Sphere, V3};
 use crate::contact::kernels::{is_apart, is_beside, is_in};
@@ -8,15 +9,16 @@ use crate::contact::local::{is_known, reach, reach_of_old};
 use crate::contact::neighbours::{Four, Neighbours};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
-use crate::lanes::{LANES, Lane};
+use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
-/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest segment and of a short edge: more would
-/// not let small segments be told to lie beside each other.
+/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest
+/// segment and of a short edge: more would not let small segments be told to lie beside each other.
 const SKIN: f64 = 0.5;
 const THIN: f64 = 0.5;
 const SHORT: f64 = 0.125;
-/// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be made over for nothing.
+/// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be
+/// made over for nothing.
 const STEP: f64 = 0.02;
 /// With as many candidates a picker looks at them side by side.
 const HELD: usize = 256;
@@ -37,8 +39,9 @@ impl Close {
         size_of_val(&self.list[..])
     }
 
-    /// Takes from what a search with skin `skin` found for each slave what is near, and farther for what the slave remembers.
-    /// In the step that begins two nodes move by `step` against each other. `spheres` are around the segments.
+    /// Takes from what a search with skin `skin` found for each slave what is near, and farther for
+    /// what the slave remembers. In the step that begins two nodes move by `step` against each
+    /// other. `spheres` are around the segments.
     pub fn renew<'a>(
         &mut self,
         (nodes, surface, spheres): (&Nodes, &Surface, &[Sphere]),
@@ -57,8 +60,8 @@ impl Close {
     }
 }
 
-/// Picks what slaves may meet of what was found for them, while two nodes move by `skin` against each other and in a step by `step`
-/// [length].
+/// Picks what slaves may meet of what was found for them, while two nodes move by `skin` against
+/// each other and in a step by `step` [length].
 pub struct Picker<'a, F> {
     nodes: &'a Nodes,
     surface: &'a Surface,
@@ -74,12 +77,24 @@ pub struct Picker<'a, F> {
 
 impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
     /// Nothing is looked at yet.
-    pub fn new(nodes: &'a Nodes, surface: &'a Surface, (skin, step): (f64, f64), sphere: F) -> Self {
+    pub fn new(
+        nodes: &'a Nodes,
+        surface: &'a Surface,
+        (skin, step): (f64, f64),
+        sphere: F,
+    ) -> Self {
         Self { nodes, surface, skin, step, sphere, ring: Vec::new(), held: Vec::new() }
     }
 
-    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or in [`Self::finish`], which has to follow the last.
-    pub fn look(&mut self, place: usize, found: &[u32], memory: &[Memory], near: &mut Vec<Neighbours>) {
+    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or in
+    /// [`Self::finish`], which has to follow the last.
+    pub fn look(
+        &mut self,
+        place: usize,
+        found: &[u32],
+        memory: &[Memory],
+        near: &mut Vec<Neighbours>,
+    ) {
         if found.is_empty() {
             return;
         }
@@ -97,12 +112,15 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
             if (self.sphere)(g as usize).is_farther(&at, reach + self.skin) {
                 continue;
             }
-            let shared = |k: usize| u8::from(!segment.is_solid() && self.ring.contains(&segment.nodes[k])) << k;
+            let shared = |k: usize| {
+                u8::from(!segment.is_solid() && self.ring.contains(&segment.nodes[k])) << k
+            };
             let ring: u8 = (0..4).map(shared).sum();
             if ring != 0 && surface.has_lines && segment.is_line() {
                 continue; // a line cannot fold over
             }
-            let of = Neighbours { place: place as u32, segment: g, ring, is_lone: memory.is_empty() };
+            let of =
+                Neighbours { place: place as u32, segment: g, ring, is_lone: memory.is_empty() };
             self.held.push((of, reach + self.skin));
         }
         if self.held.len() >= HELD {

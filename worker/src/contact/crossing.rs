@@ -1,6 +1,7 @@
-//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and edges that stand out
-//! (`edges.rs`) each other; an edge that cuts into a curved face between its nodes, or comes through where no fold is sharp
-//! enough, still gets through. That is looked for now and then, for all edges of the surface, and told.
+//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and
+//! edges that stand out (`edges.rs`) each other; an edge that cuts into a curved face between its
+//! nodes, or comes through where no fold is sharp enough, still gets through. That is looked for
+//! now and then, for all edges of the surface, and told.
 
 use crate::contact::geometry::{V3, passing};
 use crate::contact::ridges::{Edge, Lines};
@@ -10,8 +11,8 @@ use crate::nodes::{Nodes, Row};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
 
-/// How far both ends of an edge must be from a face where it goes through, along the normal there, as a fraction of the segment's
-/// scale.
+/// How far both ends of an edge must be from a face where it goes through, along the normal there,
+/// as a fraction of the segment's scale.
 const THROUGH: f64 = 0.1;
 
 /// An edge in a segment that it did not go through at the start.
@@ -23,11 +24,13 @@ pub struct Crossing {
     pub surface: ElemId,
 }
 
-/// Crossings of own edges, by the nodes with the lower id: of all that shells have, and of those between two faces of solids. In
-/// ascending order, each once. To be called where all nodes of the surface are at the same time, but for a step.
+/// Crossings of own edges, by the nodes with the lower id: of all that shells have, and of those
+/// between two faces of solids. In ascending order, each once. To be called where all nodes of the
+/// surface are at the same time, but for a step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
     let lines = Lines::of(surface, nodes);
-    let edges: Vec<&Edge> = lines.all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
+    let edges: Vec<&Edge> =
+        lines.all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
     let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
@@ -45,11 +48,14 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         }
         pierces_patch(&p, &q, [&a, &b, &c, &d]).into_iter().flatten().any(deep)
     };
-    // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not through.
+    // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not
+    // through.
     let meets = |e: &Edge| lines.stands_out(e, surface, &nodes.x);
     let held = |s: &Segment, e: &Edge| {
         let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
-        let ascending = |[a, b]: [u32; 2]| if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] };
+        let ascending = |[a, b]: [u32; 2]| {
+            if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] }
+        };
         let of_segment = sides.filter_map(|n| lines.place(ascending(n))).map(|i| &lines.all[i]);
         let near = |o: &&Edge| {
             let passed = passing(&e.ends(&nodes.x), &o.ends(&nodes.x));
@@ -76,7 +82,8 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     found
 }
 
-/// Where the line from `p` to `q` goes through the inside of a triangle, with the unit normal there (Moller & Trumbore 1997).
+/// Where the line from `p` to `q` goes through the inside of a triangle, with the unit normal there
+/// (Moller & Trumbore 1997).
 fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> Option<(V3, V3)> {
     let (along, e1, e2) = (q - p, b - a, c - a);
     let h = along.cross(&e2);
@@ -92,10 +99,12 @@ fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> Option<(V3, V3)> {
     inside.then(|| (p + along * t, e1.cross(&e2).normalize()))
 }
 
-/// Where the line from `p` to `q` goes through the inside of the bilinear patch that a quad is in contact, with the unit normals there. In
-/// each of two planes that hold the line, `S(u, v) = a + u (b - a) + v (d - a) + u v (a - b + c - d)` gives an equation
-/// `k_0 + k_1 u + k_2 v + k_3 u v = 0`; without v they are one of the second degree for u (Ramsey, Potter & Hansen 2004).
-/// Two triangles are the same where the quad is flat; where its corners lie h off their plane they are up to h off it.
+/// Where the line from `p` to `q` goes through the inside of the bilinear patch that a quad is in
+/// contact, with the unit normals there. In each of two planes that hold the line, `S(u, v) = a + u
+/// (b - a) + v (d - a) + u v (a - b + c - d)` gives an equation `k_0 + k_1 u + k_2 v + k_3 u v =
+/// 0`; without v they are one of the second degree for u (Ramsey, Potter & Hansen 2004). Two
+/// triangles are the same where the quad is flat; where its corners lie h off their plane they are
+/// up to h off it.
 fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2] {
     let (along, by_u, by_v, by_uv) = (q - p, b - a, d - a, a - b + c - d);
     let across = along.cross(&V3::ith(along.iamin(), 1.0));
@@ -106,7 +115,8 @@ fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2
     roots.map(|root| {
         let u = root?;
         // From the plane that says more of v.
-        let [(k_over, k_under), (l_over, l_under)] = [k, l].map(|m| (m[0] + m[1] * u, m[2] + m[3] * u));
+        let [(k_over, k_under), (l_over, l_under)] =
+            [k, l].map(|m| (m[0] + m[1] * u, m[2] + m[3] * u));
         let v = if k_under.abs() > l_under.abs() { -k_over / k_under } else { -l_over / l_under };
         let at = a + by_u * u + by_v * v + by_uv * (u * v);
         let t = (at - p).dot(&along) / along.norm_squared();
@@ -139,24 +149,40 @@ mod tests {
         assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "within its plane");
     }
 
-    /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals are on it, no triangle is.
+    /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals are
+    /// on it, no triangle is.
     #[test]
     fn a_line_goes_through_a_warped_quad_where_that_is() {
         let corner = |x: f64, y: f64| V3::new(x, y, x * y);
-        let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let [a, b, c, d] =
+            [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         let hits = |p: V3, q: V3| pierces_patch(&p, &q, [&a, &b, &c, &d]);
-        let found = |hits: [Option<(V3, V3)>; 2]| -> Vec<V3> { hits.into_iter().flatten().map(|(at, _)| at).collect() };
+        let found = |hits: [Option<(V3, V3)>; 2]| -> Vec<V3> {
+            hits.into_iter().flatten().map(|(at, _)| at).collect()
+        };
         let one = found(hits(V3::new(0.3, -0.4, -2.0), V3::new(0.3, -0.4, 1.0)));
         assert!(one.len() == 1 && (one[0] - corner(0.3, -0.4)).norm() < 1e-12, "{one:?}");
-        let (_, normal) = hits(V3::new(0.0, 0.0, -1.0), V3::new(0.0, 0.0, 1.0)).into_iter().flatten().next().unwrap();
+        let (_, normal) = hits(V3::new(0.0, 0.0, -1.0), V3::new(0.0, 0.0, 1.0))
+            .into_iter()
+            .flatten()
+            .next()
+            .unwrap();
         assert!((normal.z.abs() - 1.0).abs() < 1e-12);
         // Both triangles of the cut from a to c lie above the saddle there.
         assert!(found(hits(V3::new(0.5, -0.5, 0.9), V3::new(0.4, -0.4, 0.1))).is_empty());
-        assert!(pierces(&V3::new(0.5, -0.5, 0.9), &V3::new(0.4, -0.4, 0.1), [&a, &b, &c]).is_some());
+        assert!(
+            pierces(&V3::new(0.5, -0.5, 0.9), &V3::new(0.4, -0.4, 0.1), [&a, &b, &c]).is_some()
+        );
         // Along the diagonal x = -y the saddle is z = -x^2: a level line goes through it twice.
         let two = found(hits(V3::new(-0.9, 0.9, -0.25), V3::new(0.9, -0.9, -0.25)));
         assert_eq!(two.len(), 2);
-        assert!(two.iter().all(|at| (at.x.abs() - 0.5).abs() < 1e-12 && (at.z + 0.25).abs() < 1e-12), "{two:?}");
-        assert!(found(hits(V3::new(1.2, 0.3, -2.0), V3::new(1.2, 0.3, 2.0))).is_empty(), "beside it");
+        assert!(
+            two.iter().all(|at| (at.x.abs() - 0.5).abs() < 1e-12 && (at.z + 0.25).abs() < 1e-12),
+            "{two:?}"
+        );
+        assert!(
+            found(hits(V3::new(1.2, 0.3, -2.0), V3::new(1.2, 0.3, 2.0))).is_empty(),
+            "beside it"
+        );
     }
 }

@@ -1,26 +1,30 @@
-//! Edges against edges: what passes between the nodes that the local search looks at. Beams are edges too.
+//! Edges against edges: what passes between the nodes that the local search looks at. Beams are
+//! edges too.
 //!
-//! The edges that matter are those that stand out (`ridges.rs`). A pair is a point of one edge, the slave, on a point of
-//! another, wherever the two edges are nearest to each other between their ends; ends are nodes, which the local search has. Of
-//! two edges the one with the lower nodes is the slave, so that no pair is there twice.
+//! The edges that matter are those that stand out (`ridges.rs`). A pair is a point of one edge, the
+//! slave, on a point of another, wherever the two edges are nearest to each other between their
+//! ends; ends are nodes, which the local search has. Of two edges the one with the lower nodes is
+//! the slave, so that no pair is there twice.
 //!
-//! Which edges those are changes as surfaces fold, and is found out every so many cycles. A contact that is there lasts as long
-//! as it touches, however flat a fold becomes under it.
+//! Which edges those are changes as surfaces fold, and is found out every so many cycles. A contact
+//! that is there lasts as long as it touches, however flat a fold becomes under it.
 //!
-//! A worker owns the edges whose lowest segment is its own. It then holds their nodes, and its exterior copies are made to
-//! reach as far around them as around its slaves ([`outline`]): it has all segments that contain an edge it could meet, and
-//! with these knows what kind of edge that is.
+//! A worker owns the edges whose lowest segment is its own. It then holds their nodes, and its
+//! exterior copies are made to reach as far around them as around its slaves ([`outline`]): it has
+//! all segments that contain an edge it could meet, and with these knows what kind of edge that is.
 //!
-//! The normal is the cross product of the edges. Its sign for shells is that of the side at which the edges were when they
-//! first came near: the step is short enough for that to be seen before they are through (`agreement.rs`). A fold is met from where
-//! it stands out: seen from it the other edge lies behind none of its segments; unless the edges are then only just as near as
-//! they may come. A solid's edge is met from where its two faces look:
-//! the normal lies between theirs, as on a polyhedron's Gauss image.
+//! The normal is the cross product of the edges. Its sign for shells is that of the side at which
+//! the edges were when they first came near: the step is short enough for that to be seen before
+//! they are through (`agreement.rs`). A fold is met from where it stands out: seen from it the
+//! other edge lies behind none of its segments; unless the edges are then only just as near as they
+//! may come. A solid's edge is met from where its two faces look: the normal lies between theirs,
+//! as on a polyhedron's Gauss image.
 //!
-//! An edge that slides along a row of edges keeps what the pair with the last one had. That may have belonged to another
-//! worker, so pairs that are known here are remembered, not only own ones. A pair that is lost while it is deep is remembered for
-//! some steps more ([`Memory::lost`]).
+//! An edge that slides along a row of edges keeps what the pair with the last one had. That may
+//! have belonged to another worker, so pairs that are known here are remembered, not only own ones.
+//! A pair that is lost while it is deep is remembered for some steps more ([`Memory::lost`]).
 
+use crate::constraints::ties::Joined;
 use crate::contact::approach;
 use crate::contact::geometry::{Passing, V3, apart, passing};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
@@ -29,29 +33,31 @@ use crate::contact::ridges::{Edge, Kind, Lines, Wedge};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::nodes::{Nodes, xyz};
-use crate::ties::Joined;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// How far the normal of a contact may leave the angle between the normals of a solid's two faces, in cosines against their
-/// middle; for solids that lie flat on each other it is one of these normals. So for folds: the sine of the angle by which the other
-/// edge may lie behind a segment.
+/// How far the normal of a contact may leave the angle between the normals of a solid's two faces,
+/// in cosines against their middle; for solids that lie flat on each other it is one of these
+/// normals. So for folds: the sine of the angle by which the other edge may lie behind a segment.
 const CONE: f64 = 0.1;
-/// How near to an end of an edge, as a fraction of the scale, a new contact of shells is left to the node there, which keeps
-/// the other edge off to `sqrt(1 - END^2)` of the thickness.
+/// How near to an end of an edge, as a fraction of the scale, a new contact of shells is left to
+/// the node there, which keeps the other edge off to `sqrt(1 - END^2)` of the thickness.
 const END: f64 = 0.1;
-/// Memories of edges that follow each other are of the same contact if their normals have a product above this.
+/// Memories of edges that follow each other are of the same contact if their normals have a product
+/// above this.
 const ALIKE: f64 = 0.7;
-/// Two edges that come to stand out while each is this near behind the other, as a fraction of the thickness, and in front of it by
-/// the way both are folded, have sunk in before: that far a fold that does not stand out lets them.
+/// Two edges that come to stand out while each is this near behind the other, as a fraction of the
+/// thickness, and in front of it by the way both are folded, have sunk in before: that far a fold
+/// that does not stand out lets them.
 const SUNK: f64 = 0.5;
 
-/// Edges that are folded by this fraction of the angle at which they stand out are searched for beside those that do: else each
-/// new one would ask for a search.
+/// Edges that are folded by this fraction of the angle at which they stand out are searched for
+/// beside those that do: else each new one would ask for a search.
 const NEARLY: f64 = 0.7;
 
-/// All nodes of own segments, possibly several times: the edges between them may come to stand out, whatever others have beside
-/// them, and the segments themselves may meet others. `surface` has own segments only.
+/// All nodes of own segments, possibly several times: the edges between them may come to stand out,
+/// whatever others have beside them, and the segments themselves may meet others. `surface` has own
+/// segments only.
 pub fn outline(surface: &Surface) -> Vec<u32> {
     surface.segments.iter().flat_map(|s| s.nodes).collect()
 }
@@ -80,7 +86,8 @@ pub struct Edges {
     stale: bool,
     /// Indices of own edges.
     own: Vec<u32>,
-    /// Slave and other edge of all pairs that could touch before the next search, in ascending order of their names.
+    /// Slave and other edge of all pairs that could touch before the next search, in ascending
+    /// order of their names.
     found: Vec<[u32; 2]>,
     /// Those of them that are near.
     candidates: Vec<[u32; 2]>,
@@ -88,25 +95,34 @@ pub struct Edges {
     memories: Vec<Remembered>,
     /// Nodes of the memories, ascending, with the places of these.
     by_node: Vec<(NodeId, u32)>,
-    /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
+    /// Whether they are as they were gathered, alike on all workers that have them: no step has
+    /// gone by since.
     gathered: bool,
     /// Whether none but beams meet others.
     of_beams: bool,
 }
 
 impl Edges {
-    /// The edges of a new surface, and what is remembered at their nodes. With `of_beams` none meet but those of beams and
-    /// others.
-    pub fn of(surface: &Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>, of_beams: bool) -> Self {
+    /// The edges of a new surface, and what is remembered at their nodes. With `of_beams` none meet
+    /// but those of beams and others.
+    pub fn of(
+        surface: &Surface,
+        nodes: &Nodes,
+        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+        of_beams: bool,
+    ) -> Self {
         let lines = Lines::of(surface, nodes);
         let is_own = |e: &Edge| lines.lowest(e, surface).own;
-        let own: Vec<u32> = (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
-        let mut names: Vec<[NodeId; 2]> = own.iter().map(|&i| lines.all[i as usize].ids(nodes)).collect();
+        let own: Vec<u32> =
+            (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
+        let mut names: Vec<[NodeId; 2]> =
+            own.iter().map(|&i| lines.all[i as usize].ids(nodes)).collect();
         names.sort_unstable();
         let mut ends: Vec<NodeId> = names.iter().flatten().copied().collect();
         ends.sort_unstable();
         ends.dedup();
-        let mut memories: Vec<Memory> = ends.into_iter().flat_map(memory_of).filter(|m| m.name.is_edge()).collect();
+        let mut memories: Vec<Memory> =
+            ends.into_iter().flat_map(memory_of).filter(|m| m.name.is_edge()).collect();
         memories.sort_unstable_by_key(|m| m.name);
         memories.dedup_by_key(|m| m.name);
         let local = |id| nodes.number(id).unwrap_or(NOT_LOCAL);
@@ -128,7 +144,8 @@ impl Edges {
         edges
     }
 
-    /// Lowest segment that has the edge between these local nodes, in the order in which edges have them.
+    /// Lowest segment that has the edge between these local nodes, in the order in which edges have
+    /// them.
     pub fn segment_of(&self, nodes: [u32; 2]) -> Option<u32> {
         self.lines.place(nodes).map(|i| self.lines.segments(&self.lines.all[i])[0])
     }
@@ -150,7 +167,9 @@ impl Edges {
             self.out.push(out);
             self.nearly.push(out || nearly);
         }
-        let is_new = |(i, &out): (usize, &bool)| out && !self.searched.get(i).is_some_and(|&searched| searched);
+        let is_new = |(i, &out): (usize, &bool)| {
+            out && !self.searched.get(i).is_some_and(|&searched| searched)
+        };
         self.stale |= self.out.iter().enumerate().any(is_new);
     }
 
@@ -159,7 +178,8 @@ impl Edges {
         self.stale
     }
 
-    /// Which edges could meet others: those that stand out or nearly do, and those that are remembered.
+    /// Which edges could meet others: those that stand out or nearly do, and those that are
+    /// remembered.
     fn ready(&self) -> Vec<bool> {
         let mut ready = self.nearly.clone();
         for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
@@ -169,9 +189,16 @@ impl Edges {
         ready
     }
 
-    /// Which own edges could meet which others before nodes have moved by more than `skin` against each other [length].
-    /// [`Self::pick`] comes after it.
-    pub fn search(&mut self, surface: &Surface, nodes: &Nodes, joined: Joined<'_>, find: Search, skin: f64) {
+    /// Which own edges could meet which others before nodes have moved by more than `skin` against
+    /// each other [length]. [`Self::pick`] comes after it.
+    pub fn search(
+        &mut self,
+        surface: &Surface,
+        nodes: &Nodes,
+        joined: Joined<'_>,
+        find: Search,
+        skin: f64,
+    ) {
         self.found.clear();
         self.stale = false;
         if self.own.is_empty() {
@@ -186,13 +213,14 @@ impl Edges {
         }
         let all: Vec<u32> = (0..lines.all.len() as u32).filter(is_ready).collect();
         let edge = |i: u32| &lines.all[i as usize];
-        let [of_own, of_all] =
-            [&own, &all].map(|some| some.iter().map(|&i| Bar::of(edge(i), nodes)).collect::<Vec<_>>());
+        let [of_own, of_all] = [&own, &all]
+            .map(|some| some.iter().map(|&i| Bar::of(edge(i), nodes)).collect::<Vec<_>>());
         let longest = of_own.iter().map(|b| b.half).fold(0.0, f64::max);
         let largest = own.iter().map(|&i| edge(i).scale).fold(0.0, f64::max);
         let middles: Vec<[f64; 3]> = of_own.iter().map(|b| b.middle.into()).collect();
         let reach = |a: f64, b: f64| REACH * surface.interfaces.most(a + b) + skin;
-        let grown = |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
+        let grown =
+            |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
         let boxes: Vec<Aabb> = all.iter().map(grown).collect();
         find(&boxes, &middles, &mut |b, p| {
             let (i, other) = (own[p as usize], all[b as usize]);
@@ -217,17 +245,19 @@ impl Edges {
         self.found.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
-    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than `step` against each other, before
-    /// they have moved by more than `skin` [length].
+    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than
+    /// `step` against each other, before they have moved by more than `skin` [length].
     pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
         let is_near = |pair: &&[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
             let most = |sum| surface.interfaces.most(sum);
             let scale = most(a.scale + b.scale);
             let near = most(a.half + b.half) + ACTIVE * scale;
-            let deepest = if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
+            let deepest =
+                if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
             let reach = near.max(deepest) + step + skin;
-            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x)) && are_within(a, b, nodes, reach)
+            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x))
+                && are_within(a, b, nodes, reach)
         };
         self.candidates.clear();
         self.candidates.extend(self.found.iter().filter(is_near));
@@ -236,7 +266,10 @@ impl Edges {
     /// As [`approach::rate`] of all that was found [1/time].
     pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, (time, dt): (f64, f64)) -> f64 {
         let rate = |[a, b]: [&Edge; 2]| {
-            let interface = self.lines.interface([a, b], surface).filter(|&i| !surface.interfaces.is_over(i, time));
+            let interface = self
+                .lines
+                .interface([a, b], surface)
+                .filter(|&i| !surface.interfaces.is_over(i, time));
             let Some(interface) = interface else { return 0.0 };
             let scale = sizes(surface, interface, [a, b]).1;
             let speed = approach::speed(nodes, &a.nodes, &b.nodes);
@@ -252,8 +285,8 @@ impl Edges {
         edges.map(|[a, b]| (a.nodes[0], self.lines.segments(b)[0]))
     }
 
-    /// Active pairs of own edges in this step, appended in ascending order of their names. `stiffness` is per segment,
-    /// or empty; a pair is as stiff as the softer side.
+    /// Active pairs of own edges in this step, appended in ascending order of their names.
+    /// `stiffness` is per segment, or empty; a pair is as stiff as the softer side.
     pub fn find_pairs(
         &self,
         nodes: &Nodes,
@@ -264,11 +297,15 @@ impl Edges {
     ) {
         for places in &self.candidates {
             let edges = places.map(|i| &self.lines.all[i as usize]);
-            let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else { continue };
+            let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else {
+                continue;
+            };
             let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize]);
             let Some(interface) = interface else { continue };
             if let Some(mut pair) = self.look(nodes, (surface, interface), *places, &met, dt) {
-                let of = |e: &Edge| stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0);
+                let of = |e: &Edge| {
+                    stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0)
+                };
                 pair.stiffness = of(edges[0]).min(of(edges[1]));
                 out.push(pair);
             }
@@ -333,12 +370,14 @@ impl Edges {
         }
         let folds = if old.is_none() { self.folds(nodes, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // Edges that have just come as near as they may are on the sides where they belong, whatever else holds them off. Left
-            // to nodes until the fold has turned, they would have sunk in by then.
+            // Edges that have just come as near as they may are on the sides where they belong,
+            // whatever else holds them off. Left to nodes until the fold has turned, they would
+            // have sunk in by then.
             let touches = met.height * side - thickness >= -ACTIVE * scale;
             if !touches || lines.are_neighbours(edges, surface) {
                 // They may have met before they stood out.
-                let sunk = met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
+                let sunk =
+                    met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
                 side = if sunk { -side } else { return None };
             }
         }
@@ -348,8 +387,8 @@ impl Edges {
                 let [p, q] = edges[k].ends(&nodes.x);
                 met.along[k].min(1.0 - met.along[k]) * (q - p).norm()
             };
-            // An upright edge that stands on a face a little deep is as deep beside the face's edges as that is from them,
-            // and does not meet those.
+            // An upright edge that stands on a face a little deep is as deep beside the face's
+            // edges as that is from them, and does not meet those.
             let margin = if solid { (BESIDE * scale).max(-gap) } else { END * scale };
             if solid && gap < -BEHIND * scale || to_end(0).min(to_end(1)) < margin {
                 return None;
@@ -365,14 +404,16 @@ impl Edges {
     /// The wedges of what of two edges are folds. `None` if one of them has no outside any more.
     fn folds(&self, nodes: &Nodes, edges: [&Edge; 2]) -> Option<Folds> {
         let mut folds = Folds { of: [None; 2] };
-        for (edge, fold) in edges.into_iter().zip(&mut folds.of).filter(|(e, _)| e.kind == Kind::Fold) {
+        for (edge, fold) in
+            edges.into_iter().zip(&mut folds.of).filter(|(e, _)| e.kind == Kind::Fold)
+        {
             *fold = Some(self.lines.wedge(edge, &nodes.x)?);
         }
         Some(folds)
     }
 
-    /// What is remembered of a pair, or of one that it follows on, without its slip; `normal` is along the cross product of
-    /// the edges.
+    /// What is remembered of a pair, or of one that it follows on, without its slip; `normal` is
+    /// along the cross product of the edges.
     fn recall(&self, name: &Name, normal: &V3) -> Option<Memory> {
         if let Ok(i) = self.memories.binary_search_by_key(name, |r| r.memory.name) {
             return Some(self.memories[i].memory);
@@ -394,11 +435,13 @@ impl Edges {
             of.map(|m| (m.age, place, Memory { slip: V3::zeros(), ..m }))
         };
         // What is touched before what was lost, then by name.
-        let before = at(a).chain(at(b)).filter_map(follows).min_by_key(|&(age, place, _)| (age, place));
+        let before =
+            at(a).chain(at(b)).filter_map(follows).min_by_key(|&(age, place, _)| (age, place));
         before.map(|(_, _, m)| m)
     }
 
-    /// Remembers the pairs of a step, all that are known here, and for some steps those that are lost.
+    /// Remembers the pairs of a step, all that are known here, and for some steps those that are
+    /// lost.
     pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         let before = std::mem::take(&mut self.memories);
         self.gathered = false;
@@ -411,7 +454,8 @@ impl Edges {
         }));
         let touched = self.memories.len();
         for r in before {
-            let found = self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
+            let found =
+                self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
             if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
                 // What others have told has no side, and needs none.
                 self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
@@ -431,8 +475,9 @@ impl Edges {
         self.by_node.sort_unstable();
     }
 
-    /// What own edges remember, under each of the four nodes of a pair that is known here; of pairs that are lost, and before a
-    /// step has gone by since the last time, also what is left of edges that nobody has any more.
+    /// What own edges remember, under each of the four nodes of a pair that is known here; of pairs
+    /// that are lost, and before a step has gone by since the last time, also what is left of edges
+    /// that nobody has any more.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
@@ -469,7 +514,8 @@ fn sizes(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> (f64, f64) {
     (a.0 + b.0, a.1 + b.1)
 }
 
-/// Lever arms of friction on two edges, as they are to each other: their half thicknesses; nought without friction [length].
+/// Lever arms of friction on two edges, as they are to each other: their half thicknesses; nought
+/// without friction [length].
 fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
     if !surface.interfaces.has_friction(interface) {
         return [0.0; 2];
@@ -483,7 +529,8 @@ struct Folds {
 }
 
 impl Folds {
-    /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's side.
+    /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's
+    /// side.
     fn each(&self, normal: &V3) -> impl Iterator<Item = (&Wedge, V3)> {
         self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
     }
@@ -504,9 +551,15 @@ impl Folds {
     }
 }
 
-/// Sign with which `normal`, at right angles to both edges, points out of the other one's solid and into the first one's, as
-/// far as they are edges of solids. `None` where neither sign does.
-fn facing(lines: &Lines, surface: &Surface, nodes: &Nodes, edges: [&Edge; 2], normal: &V3) -> Option<f64> {
+/// Sign with which `normal`, at right angles to both edges, points out of the other one's solid and
+/// into the first one's, as far as they are edges of solids. `None` where neither sign does.
+fn facing(
+    lines: &Lines,
+    surface: &Surface,
+    nodes: &Nodes,
+    edges: [&Edge; 2],
+    normal: &V3,
+) -> Option<f64> {
     let mut sign = 0.0;
     for (edge, out) in edges.into_iter().zip([-1.0, 1.0]) {
         if edge.kind != Kind::Solid {

@@ -1,18 +1,18 @@
 //! Edges: which folds meet others, and what is remembered of a pair.
 
 use super::*;
+use crate::constraints::rigid::Bodies;
+use crate::constraints::ties::Ties;
 use crate::contact::search::linked_cells;
 use crate::contact::surface::Segment;
-use crate::rigid::Bodies;
 use crate::testing::nodes_at;
-use crate::ties::Ties;
 use crumple_proto::ids::SegmentId;
 
 /// Half thickness of what a roof and a plate are made of.
 const HALF: f64 = 0.2;
 
-/// A ridge along y with flanks that go off at these angles [degree] from x towards z, and the rim of a plate across it at this
-/// height.
+/// A ridge along y with flanks that go off at these angles [degree] from x towards z, and the rim
+/// of a plate across it at this height.
 fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
     let mut points = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for angle in angles {
@@ -29,7 +29,8 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
         part: 0,
         own: true,
     };
-    let segments = [[0, 1, 2, 3], [0, 1, 4, 5], [6, 7, 8, 9]].into_iter().zip(1..).map(segment).collect();
+    let segments =
+        [[0, 1, 2, 3], [0, 1, 4, 5], [6, 7, 8, 9]].into_iter().zip(1..).map(segment).collect();
     (nodes_at(&points), Surface { segments, ..Surface::default() })
 }
 
@@ -50,8 +51,9 @@ fn ridge_on_rim() -> Name {
     Name::of_edges([NodeId(1), NodeId(2)], [NodeId(7), NodeId(8)])
 }
 
-/// A fold of 7.5 degrees does not stand out, but comes near to it (6.4 on 9.2): it is searched for beforehand, and meets the rim
-/// without another search as soon as it does. One of 5.5 degrees has to be searched for then.
+/// A fold of 7.5 degrees does not stand out, but comes near to it (6.4 on 9.2): it is searched for
+/// beforehand, and meets the rim without another search as soon as it does. One of 5.5 degrees has
+/// to be searched for then.
 #[test]
 fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
     let flanks = |fold: f64| [-0.5 * fold, 180.0 + 0.5 * fold];
@@ -59,22 +61,30 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
         let (mut nodes, surface) = ridge_and_rim(flanks(fold), 2.0 * HALF);
         let mut edges = Edges::of(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
-        assert!(!edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(), "it does not stand out");
+        assert!(
+            !edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(),
+            "it does not stand out"
+        );
         let (folded, _) = ridge_and_rim(flanks(10.0), 2.0 * HALF);
         nodes.x.clone_from(&folded.x);
         nodes.seen.clone_from(&folded.x);
         edges.look_at_folds(&surface, &nodes);
         assert_eq!(edges.is_stale(), !beforehand, "from {fold} degrees to 10");
         let met = pairs(&edges, &surface, &nodes);
-        assert_eq!(met, if beforehand { vec![ridge_on_rim()] } else { vec![] }, "from {fold} degrees to 10");
+        assert_eq!(
+            met,
+            if beforehand { vec![ridge_on_rim()] } else { vec![] },
+            "from {fold} degrees to 10"
+        );
         search(&mut edges, &surface, &nodes);
         assert_eq!(pairs(&edges, &surface, &nodes), [ridge_on_rim()], "after another search");
         assert!(!edges.is_stale());
     }
 }
 
-/// An edge above a flank that goes up from the ridge: the nodes are to keep it off that flank. As soon as it is as near to the
-/// ridge as it may come it is met there; what is already below that is not.
+/// An edge above a flank that goes up from the ridge: the nodes are to keep it off that flank. As
+/// soon as it is as near to the ridge as it may come it is met there; what is already below that is
+/// not.
 #[test]
 fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     let met_at = |height: f64| {
@@ -88,10 +98,12 @@ fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     assert!(!met_at(0.9), "it is on no side that is known");
 }
 
-/// An edge that follows on another one, as slave or as the one that is met, takes over what that had, but for its slip.
+/// An edge that follows on another one, as slave or as the one that is met, takes over what that
+/// had, but for its slip.
 #[test]
 fn what_an_edge_had_goes_to_the_next_one() {
-    let name = |slave: [u64; 2], other: [u64; 2]| Name::of_edges(slave.map(NodeId), other.map(NodeId));
+    let name =
+        |slave: [u64; 2], other: [u64; 2]| Name::of_edges(slave.map(NodeId), other.map(NodeId));
     let pair = Pair {
         normal: V3::z(),
         tolerated: -0.25,
@@ -107,14 +119,19 @@ fn what_an_edge_had_goes_to_the_next_one() {
     assert_eq!(recall([5, 6], [8, 9], &V3::z()), Some(pair.memory()), "its own");
     let next = Memory { slip: V3::zeros(), ..pair.memory() };
     assert_eq!(recall([6, 7], [8, 9], &V3::z()), Some(next), "along the slave's row");
-    assert_eq!(recall([5, 6], [9, 12], &-V3::z()), Some(next), "along the other row, which may run the other way");
+    assert_eq!(
+        recall([5, 6], [9, 12], &-V3::z()),
+        Some(next),
+        "along the other row, which may run the other way"
+    );
     let turned = Memory { normal: -next.normal, force: -next.force, ..next };
     assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
     assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact by its normal");
     assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
 }
 
-/// A pair that is lost while it is deep comes back on its side with what was let be, if it is soon; one that only touched is new.
+/// A pair that is lost while it is deep comes back on its side with what was let be, if it is soon;
+/// one that only touched is new.
 #[test]
 fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
     let name = Name::of_edges([NodeId(5), NodeId(6)], [NodeId(8), NodeId(9)]);
@@ -137,5 +154,8 @@ fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
     assert_eq!(back.force, V3::zeros(), "nothing presses on what is lost");
     assert!(after(deep, 50).is_some() && after(deep, 51).is_none());
     assert!(after(Pair { depth: 0.005, ..deep }, 1).is_none());
-    assert!(back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0), "three steps of a fifth are too far");
+    assert!(
+        back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0),
+        "three steps of a fifth are too far"
+    );
 }

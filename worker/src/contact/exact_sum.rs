@@ -1,4 +1,5 @@
-//! Sums that do not depend on the order of their terms, and so not on how pairs are distributed over workers.
+//! Sums that do not depend on the order of their terms, and so not on how pairs are distributed
+//! over workers.
 
 /// Digits that cover the range of `f64`, from 2^-1074, with room for the carry of a term.
 const DIGITS: usize = 67;
@@ -7,8 +8,9 @@ const BITS: usize = 32;
 /// Words of a sum in a message.
 pub const WORDS: usize = DIGITS + 1;
 
-/// A sum of `f64` in fixed point over their whole range: exact whatever the terms (Kulisch, *Computer Arithmetic and
-/// Validity*, 2013, ch. 8; Neal, arXiv:1505.05571, sec. 2). Words of two sums are added as integers.
+/// A sum of `f64` in fixed point over their whole range: exact whatever the terms (Kulisch,
+/// *Computer Arithmetic and Validity*, 2013, ch. 8; Neal, arXiv:1505.05571, sec. 2). Words of two
+/// sums are added as integers.
 #[derive(Clone, Debug)]
 pub struct ExactSum {
     /// Digit d counts 2^(32 d - 1074). The last word counts terms that are not finite.
@@ -56,10 +58,14 @@ impl ExactSum {
             carry(&mut digits);
         }
         let Some(top) = digits.iter().rposition(|&d| d != 0) else { return 0.0 };
-        // Three digits hold more than a mantissa. Two factors, since one power of two may be out of range.
+        // Three digits hold more than a mantissa. Two factors, since one power of two may be out of
+        // range.
         let lowest = top.saturating_sub(2);
         let scale = (BITS * lowest) as i32 - 1074;
-        let head = digits[lowest..=top].iter().rev().fold(0.0, |sum, &d| sum * 2f64.powi(BITS as i32) + d as f64);
+        let head = digits[lowest..=top]
+            .iter()
+            .rev()
+            .fold(0.0, |sum, &d| sum * 2f64.powi(BITS as i32) + d as f64);
         let size = head * 2f64.powi(scale / 2) * 2f64.powi(scale - scale / 2);
         if negative { -size } else { size }
     }

@@ -1,18 +1,22 @@
-//! Segments against segments, for laws that want them: what quarters of two segments have over each other (`overlap.rs`).
+//! Segments against segments, for laws that want them: what quarters of two segments have over each
+//! other (`overlap.rs`).
 //!
-//! Two segments face each other where the product of their normals, each on the side where the other one is, is below
-//! `-FACING`. They are laid on the plane across the mean of these normals, so that neither comes before the other. Of two segments
-//! the one with the lower number is the slave, so that no pair is there twice, and its worker owns the pairs: its exterior
-//! copies are made to reach as far around all nodes of own segments as around slaves (`membership.rs`).
+//! Two segments face each other where the product of their normals, each on the side where the
+//! other one is, is below `-FACING`. They are laid on the plane across the mean of these normals,
+//! so that neither comes before the other. Of two segments the one with the lower number is the
+//! slave, so that no pair is there twice, and its worker owns the pairs: its exterior copies are
+//! made to reach as far around all nodes of own segments as around slaves (`membership.rs`).
 //!
-//! This misses nodes and edges of shells that stand on a face or meet another rim: there nodes meet segments ([`Facets::covers`]), and
-//! edges meet edges.
+//! This misses nodes and edges of shells that stand on a face or meet another rim: there nodes meet
+//! segments ([`Facets::covers`]), and edges meet edges.
 //!
-//! What is new in a place goes on from what was beside it, so that nothing begins anew where a surface slides over the next
-//! segment: another pair of the same quarter, or of the same slave, with its stick point; or, without that, one of a neighbour of
-//! the slave on the same segment. The latter may belong to another worker, so pairs that are known here are remembered, not only
-//! own ones, as with edges.
+//! What is new in a place goes on from what was beside it, so that nothing begins anew where a
+//! surface slides over the next segment: another pair of the same quarter, or of the same slave,
+//! with its stick point; or, without that, one of a neighbour of the slave on the same segment. The
+//! latter may belong to another worker, so pairs that are known here are remembered, not only own
+//! ones, as with edges.
 
+use crate::constraints::ties::Joined;
 use crate::contact::geometry::{Sphere, V3};
 use crate::contact::local::{ACTIVE, BEHIND, REACH, moved, tolerated};
 use crate::contact::overlap::{Laid, Overlap, Plane};
@@ -20,13 +24,13 @@ use crate::contact::pairs::{Memory, Name, Pair};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::nodes::{Nodes, xyz};
-use crate::ties::Joined;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};
 
 /// See above: some 70 degrees.
 const FACING: f64 = 0.3;
-/// Memories of pairs beside each other are of the same contact if their normals have a product above this.
+/// Memories of pairs beside each other are of the same contact if their normals have a product
+/// above this.
 const ALIKE: f64 = 0.7;
 
 /// What is remembered of a pair.
@@ -44,7 +48,8 @@ struct Remembered {
 pub struct Facets {
     /// By interface, whether segments meet segments there.
     wanted: Vec<bool>,
-    /// Per segment the stiffness that contact with it has for its area at the start, or empty [force/length^3].
+    /// Per segment the stiffness that contact with it has for its area at the start, or empty
+    /// [force/length^3].
     stiffness: Vec<f64>,
     /// Slave and other segment of all pairs that could touch before the next search, ascending.
     found: Vec<[u32; 2]>,
@@ -54,7 +59,8 @@ pub struct Facets {
     memories: Vec<Remembered>,
     /// The segments that they met, ascending, with their places.
     by_met: Vec<(SegmentId, u32)>,
-    /// Whether they are as they were gathered, alike on all workers that have them: no step has gone by since.
+    /// Whether they are as they were gathered, alike on all workers that have them: no step has
+    /// gone by since.
     gathered: bool,
 }
 
@@ -69,7 +75,8 @@ impl Facets {
         self.wanted.contains(&true)
     }
 
-    /// Takes a new surface and what is remembered at its nodes. `stiffness` is per segment, or empty [force/length].
+    /// Takes a new surface and what is remembered at its nodes. `stiffness` is per segment, or
+    /// empty [force/length].
     pub fn renew(
         &mut self,
         surface: &Surface,
@@ -86,7 +93,8 @@ impl Facets {
         };
         self.stiffness = surface.segments.iter().zip(stiffness).map(per_area).collect();
         (self.found, self.near) = (Vec::new(), Vec::new());
-        let mut corners: Vec<NodeId> = own(surface).flat_map(|(_, s)| s.nodes).map(|n| nodes.id[n as usize]).collect();
+        let mut corners: Vec<NodeId> =
+            own(surface).flat_map(|(_, s)| s.nodes).map(|n| nodes.id[n as usize]).collect();
         corners.sort_unstable();
         corners.dedup();
         let mut memories: Vec<Memory> =
@@ -95,7 +103,11 @@ impl Facets {
         memories.dedup_by_key(|m| m.name);
         let remembered = |memory: Memory| {
             let slave = place(surface, memory.name.slave_quarter().0).map(|i| &surface.segments[i]);
-            Remembered { memory, nodes: slave.map_or([NOT_LOCAL; 4], |s| s.nodes), own: slave.is_some_and(|s| s.own) }
+            Remembered {
+                memory,
+                nodes: slave.map_or([NOT_LOCAL; 4], |s| s.nodes),
+                own: slave.is_some_and(|s| s.own),
+            }
         };
         self.memories = memories.into_iter().map(remembered).collect();
         self.gathered = true;
@@ -104,11 +116,13 @@ impl Facets {
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.stiffness[..]) + size_of_val(&self.found[..]) + size_of_val(&self.near[..])
+        size_of_val(&self.stiffness[..])
+            + size_of_val(&self.found[..])
+            + size_of_val(&self.near[..])
     }
 
-    /// Which own segments could meet which others before nodes have moved by more than `skin` against each other [length].
-    /// [`Self::pick`] comes after it.
+    /// Which own segments could meet which others before nodes have moved by more than `skin`
+    /// against each other [length]. [`Self::pick`] comes after it.
     pub fn search(
         &mut self,
         (surface, spheres): (&Surface, &[Sphere]),
@@ -122,7 +136,8 @@ impl Facets {
             return;
         }
         let slaves: Vec<u32> = own(surface).map(|(i, _)| i as u32).collect();
-        let centres: Vec<[f64; 3]> = slaves.iter().map(|&i| spheres[i as usize].centre().into()).collect();
+        let centres: Vec<[f64; 3]> =
+            slaves.iter().map(|&i| spheres[i as usize].centre().into()).collect();
         let most = |of: &dyn Fn(u32) -> f64| slaves.iter().map(|&i| of(i)).fold(0.0, f64::max);
         let largest = most(&|i| surface.segments[i as usize].scale);
         let widest = most(&|i| spheres[i as usize].radius());
@@ -143,13 +158,15 @@ impl Facets {
         self.found.sort_unstable();
     }
 
-    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than `step` against each other, before
-    /// they have moved by more than `skin` [length].
+    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than
+    /// `step` against each other, before they have moved by more than `skin` [length].
     pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
         let is_near = |pair: &&[u32; 2]| {
             let segments = pair.map(|i| &surface.segments[i as usize]);
             let [one, other] = segments.map(|s| Sphere::around(&s.corners(&nodes.x)));
-            let reach = REACH * surface.interfaces.most(segments[0].scale + segments[1].scale) + skin + step;
+            let reach = REACH * surface.interfaces.most(segments[0].scale + segments[1].scale)
+                + skin
+                + step;
             !one.is_apart(&other, reach)
                 && segments[0].bounds(&nodes.x, reach).touches(&segments[1].bounds(&nodes.x, 0.0))
         };
@@ -159,7 +176,9 @@ impl Facets {
 
     /// A node of the slave and the other segment of each pair that is near.
     pub fn near<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = (u32, &'a Segment)> {
-        self.near.iter().map(|&[a, b]| (surface.segments[a as usize].nodes[0], &surface.segments[b as usize]))
+        self.near
+            .iter()
+            .map(|&[a, b]| (surface.segments[a as usize].nodes[0], &surface.segments[b as usize]))
     }
 
     fn interface(&self, surface: &Surface, [slave, met]: [&Segment; 2]) -> Option<u16> {
@@ -167,17 +186,26 @@ impl Facets {
         surface.interfaces.between(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
     }
 
-    /// The interface in which two segments may meet as segments, the first one with the lower id; `None` if they may not.
-    fn may_meet(&self, surface: &Surface, joined: Joined<'_>, [slave, met]: [&Segment; 2]) -> Option<u16> {
+    /// The interface in which two segments may meet as segments, the first one with the lower id;
+    /// `None` if they may not.
+    fn may_meet(
+        &self,
+        surface: &Surface,
+        joined: Joined<'_>,
+        [slave, met]: [&Segment; 2],
+    ) -> Option<u16> {
         let is_free = slave.id.elem() != met.id.elem()
             && !slave.nodes.iter().any(|n| met.nodes.contains(n))
-            && !slave.nodes.iter().any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
+            && !slave
+                .nodes
+                .iter()
+                .any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
             && !met.nodes.iter().any(|&n| joined.are_one(n, &slave.nodes));
         self.interface(surface, [slave, met]).filter(|_| is_free)
     }
 
-    /// Whether what a node meets is met by a segment around it too: the pair of the node is then left out. `alive` tells which
-    /// interfaces are there.
+    /// Whether what a node meets is met by a segment around it too: the pair of the node is then
+    /// left out. `alive` tells which interfaces are there.
     pub fn covers(
         &self,
         nodes: &Nodes,
@@ -188,12 +216,15 @@ impl Facets {
         if !self.wanted[pair.interface as usize] {
             return false;
         }
-        let (Ok(slave), Some(met)) = (surface.slaves.binary_search(&pair.nodes[0]), place(surface, pair.segment))
+        let (Ok(slave), Some(met)) =
+            (surface.slaves.binary_search(&pair.nodes[0]), place(surface, pair.segment))
         else {
             return false;
         };
         let met = &surface.segments[met];
-        let Some(normal) = met.middle_normal(&nodes.x).filter(|n| is_convex(met, n, nodes)) else { return false };
+        let Some(normal) = met.middle_normal(&nodes.x).filter(|n| is_convex(met, n, nodes)) else {
+            return false;
+        };
         surface.around(slave).any(|s| {
             let faces = |outward: &V3, other: &V3, both: bool| {
                 let along = outward.dot(other);
@@ -209,8 +240,15 @@ impl Facets {
         })
     }
 
-    /// Active pairs of own segments in this step, appended; `alive` tells which interfaces are there.
-    pub fn find_pairs(&self, nodes: &Nodes, (surface, alive): (&Surface, &[bool]), dt: f64, out: &mut Vec<Pair>) {
+    /// Active pairs of own segments in this step, appended; `alive` tells which interfaces are
+    /// there.
+    pub fn find_pairs(
+        &self,
+        nodes: &Nodes,
+        (surface, alive): (&Surface, &[bool]),
+        dt: f64,
+        out: &mut Vec<Pair>,
+    ) {
         for &places in &self.near {
             let segments = places.map(|i| &surface.segments[i as usize]);
             let interface = self.interface(surface, segments).filter(|&i| alive[i as usize]);
@@ -222,12 +260,19 @@ impl Facets {
     }
 
     /// How two segments lie to each other; `None` if they cannot touch.
-    fn visit<'a>(&self, nodes: &'a Nodes, surface: &'a Surface, interface: u16, places: [u32; 2]) -> Option<Visit<'a>> {
+    fn visit<'a>(
+        &self,
+        nodes: &'a Nodes,
+        surface: &'a Surface,
+        interface: u16,
+        places: [u32; 2],
+    ) -> Option<Visit<'a>> {
         let segments = places.map(|i| &surface.segments[i as usize]);
         let [slave, met] = segments;
         let corners = segments.map(|s| s.corners(&nodes.x));
         let [one, other] = [0, 1].map(|i| Sphere::around(&corners[i]));
-        let [ahead, behind] = segments.map(|s| surface.interfaces.measure(interface, (s.half, s.scale)));
+        let [ahead, behind] =
+            segments.map(|s| surface.interfaces.measure(interface, (s.half, s.scale)));
         let (thickness, scale) = (ahead.0 + behind.0, ahead.1 + behind.1);
         if one.is_apart(&other, REACH * scale) {
             return None;
@@ -249,12 +294,31 @@ impl Facets {
         }
         let normal = (away - to).normalize();
         let per_area = places.map(|i| self.stiffness.get(i as usize).copied().unwrap_or(0.0));
-        let arm = if surface.interfaces.has_friction(interface) { [ahead.0, behind.0] } else { [0.0; 2] };
-        Some(Visit { nodes, surface, segments, interface, thickness, arm, scale, corners, normal, side, per_area })
+        let arm =
+            if surface.interfaces.has_friction(interface) { [ahead.0, behind.0] } else { [0.0; 2] };
+        Some(Visit {
+            nodes,
+            surface,
+            segments,
+            interface,
+            thickness,
+            arm,
+            scale,
+            corners,
+            normal,
+            side,
+            per_area,
+        })
     }
 
-    /// Product of the normal of what a slave remembers of a segment, or of one beside it, with its normal, if they look alike.
-    fn side(&self, slave: SegmentId, (surface, met): (&Surface, &Segment), normal: &V3) -> Option<f64> {
+    /// Product of the normal of what a slave remembers of a segment, or of one beside it, with its
+    /// normal, if they look alike.
+    fn side(
+        &self,
+        slave: SegmentId,
+        (surface, met): (&Surface, &Segment),
+        normal: &V3,
+    ) -> Option<f64> {
         let of_met = self.of_slave(slave).iter().filter(|r| is_of(&r.memory, surface, met));
         let products = of_met.map(|r| (r.memory.age, r.memory.normal.dot(normal)));
         products.filter(|p| p.1.abs() > ALIKE).min_by_key(|p| p.0).map(|p| p.1)
@@ -267,8 +331,15 @@ impl Facets {
         &self.memories[from..to]
     }
 
-    /// What is remembered of a pair of these segments with this normal, or of one beside it, which it follows on.
-    fn recall(&self, name: &Name, normal: &V3, surface: &Surface, [slave, met]: [&Segment; 2]) -> Option<Memory> {
+    /// What is remembered of a pair of these segments with this normal, or of one beside it, which
+    /// it follows on.
+    fn recall(
+        &self,
+        name: &Name,
+        normal: &V3,
+        surface: &Surface,
+        [slave, met]: [&Segment; 2],
+    ) -> Option<Memory> {
         let alike = |m: &Memory| m.normal.dot(normal) > ALIKE && is_of(m, surface, met);
         let own = self.of_slave(slave.id).iter().map(|r| r.memory).filter(alike);
         // What is touched before what was lost, what is nearest, then by name.
@@ -289,7 +360,8 @@ impl Facets {
         })
     }
 
-    /// Remembers the pairs of a step, all that are known here, and for some steps those that are lost.
+    /// Remembers the pairs of a step, all that are known here, and for some steps those that are
+    /// lost.
     pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         if !self.are_wanted() {
             return;
@@ -303,7 +375,8 @@ impl Facets {
         }));
         let touched = self.memories.len();
         for r in before {
-            let found = self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
+            let found =
+                self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
             if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
                 // What others have told has no side, and needs none.
                 self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
@@ -315,11 +388,13 @@ impl Facets {
 
     fn index(&mut self) {
         self.by_met.clear();
-        self.by_met.extend((0..).zip(&self.memories).map(|(i, r)| (SegmentId(r.memory.name.met[0]), i)));
+        self.by_met
+            .extend((0..).zip(&self.memories).map(|(i, r)| (SegmentId(r.memory.name.met[0]), i)));
         self.by_met.sort_unstable();
     }
 
-    /// What own segments remember, under each of their nodes; see [`Edges::memories`](super::edges::Edges::memories).
+    /// What own segments remember, under each of their nodes; see
+    /// [`Edges::memories`](super::edges::Edges::memories).
     pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
@@ -355,16 +430,20 @@ struct Visit<'a> {
     per_area: [f64; 2],
 }
 
-/// Whether a pair that is remembered was with this segment, or with one that has a node in common with it.
+/// Whether a pair that is remembered was with this segment, or with one that has a node in common
+/// with it.
 fn is_of(memory: &Memory, surface: &Surface, met: &Segment) -> bool {
     let before = SegmentId(memory.name.met[0]);
     before == met.id || surface.is_beside(before, met)
 }
 
-/// Whether a segment with this normal is convex. What is not cannot be divided into quarters that are.
+/// Whether a segment with this normal is convex. What is not cannot be divided into quarters that
+/// are.
 fn is_convex(segment: &Segment, normal: &V3, nodes: &Nodes) -> bool {
     let c = segment.corners(&nodes.x);
-    let turns = |i: usize| (c[(i + 1) % 4] - c[i]).cross(&(c[(i + 2) % 4] - c[(i + 1) % 4])).dot(normal) > 0.0;
+    let turns = |i: usize| {
+        (c[(i + 1) % 4] - c[i]).cross(&(c[(i + 2) % 4] - c[(i + 1) % 4])).dot(normal) > 0.0
+    };
     segment.is_triangle() || (0..4).all(turns)
 }
 
@@ -372,12 +451,17 @@ impl Visit<'_> {
     fn find_pairs(&self, facets: &Facets, dt: f64, out: &mut Vec<Pair>) {
         let [slave, met] = self.segments;
         let plane = Plane::across(self.normal, self.corners[1].iter().sum::<V3>() * 0.25);
-        let laid = [0, 1].map(|i| Laid::on(&plane, &self.corners[i], self.segments[i].is_triangle()));
+        let laid =
+            [0, 1].map(|i| Laid::on(&plane, &self.corners[i], self.segments[i].is_triangle()));
         let [Some(above), Some(below)] = laid else { return };
         let along = |n: &u32| V3::from(xyz(&self.nodes.next_v[*n as usize])).dot(&self.normal);
         let least = slave.nodes.iter().map(along).fold(f64::INFINITY, f64::min);
-        let closing = (met.nodes.iter().map(along).fold(f64::NEG_INFINITY, f64::max) - least).max(0.0);
-        let moved = slave.nodes.iter().map(|&n| moved(self.nodes, met.nodes.into_iter(), n, dt, self.scale));
+        let closing =
+            (met.nodes.iter().map(along).fold(f64::NEG_INFINITY, f64::max) - least).max(0.0);
+        let moved = slave
+            .nodes
+            .iter()
+            .map(|&n| moved(self.nodes, met.nodes.into_iter(), n, dt, self.scale));
         let moved = moved.fold(0.0, f64::max);
         above.over(&below, self.thickness, |quarters, overlap| {
             if overlap.gap - dt * closing < ACTIVE * self.scale {
@@ -386,11 +470,19 @@ impl Visit<'_> {
         });
     }
 
-    fn pair(&self, facets: &Facets, quarters: [usize; 2], overlap: &Overlap, moved: f64, dt: f64) -> Option<Pair> {
+    fn pair(
+        &self,
+        facets: &Facets,
+        quarters: [usize; 2],
+        overlap: &Overlap,
+        moved: f64,
+        dt: f64,
+    ) -> Option<Pair> {
         let [slave, met] = self.segments;
         let name = Name::of_segments([slave.id, met.id], quarters);
-        let old =
-            facets.recall(&name, &self.normal, self.surface, self.segments).filter(|m| m.is_fresh(moved, self.scale));
+        let old = facets
+            .recall(&name, &self.normal, self.surface, self.segments)
+            .filter(|m| m.is_fresh(moved, self.scale));
         let solid = slave.is_solid() || met.is_solid();
         let deepest = if old.is_none() && solid { BEHIND } else { REACH };
         if overlap.gap < -deepest * self.scale {

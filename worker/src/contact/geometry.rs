@@ -1,7 +1,7 @@
 //! Nearest point of a segment: a bilinear quad or a triangle; where two edges pass each other.
 
 use crate::contact::kernels::{self, Projection, is_in, project};
-use crate::lanes::Real;
+use crate::math::lanes::Real;
 use nalgebra::Vector3;
 
 /// A point or vector.
@@ -10,7 +10,8 @@ pub type V3 = Vector3<f64>;
 /// The point of a segment that is nearest to a given one.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
-    /// Shape values N_k of the point at the segment's four nodes (a triangle's fourth is 0); they sum to 1.
+    /// Shape values N_k of the point at the segment's four nodes (a triangle's fourth is 0); they
+    /// sum to 1.
     pub shape: [f64; 4],
     /// The point [length].
     pub point: V3,
@@ -33,13 +34,15 @@ impl Nearest {
     }
 }
 
-/// Nearest point of segment `q` (its third node repeated for a triangle) to `p`. `None` for a segment without area.
+/// Nearest point of segment `q` (its third node repeated for a triangle) to `p`. `None` for a
+/// segment without area.
 pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
-/// Nearest point of a line between two ends to `p`, its normal the direction in which `p` lies from there: the same around an end as
-/// along the line. For `p` on the line it is some direction square to that.
+/// Nearest point of a line between two ends to `p`, its normal the direction in which `p` lies from
+/// there: the same around an end as along the line. For `p` on the line it is some direction square
+/// to that.
 pub fn nearest_on_line(p: &V3, [from, to]: [&V3; 2]) -> Nearest {
     let along = to - from;
     let length2 = along.norm_squared();
@@ -55,7 +58,8 @@ fn square_to(v: &V3) -> V3 {
     v.cross(&V3::ith(least, 1.0)).try_normalize(0.0).unwrap_or_else(V3::z)
 }
 
-/// A sphere around a segment, which lies within the hull of its corners; centre and radius in [length].
+/// A sphere around a segment, which lies within the hull of its corners; centre and radius in
+/// [length].
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
     centre: V3,
@@ -91,8 +95,8 @@ impl Sphere {
     }
 }
 
-/// Two edges whose sines of the angle between them is below this count as parallel: where they are nearest to each other
-/// is then ill determined, and their ends tell as much.
+/// Two edges whose sines of the angle between them is below this count as parallel: where they are
+/// nearest to each other is then ill determined, and their ends tell as much.
 const PARALLEL: f64 = 0.03;
 
 /// The points of two edges that are nearest to each other, both between the ends.
@@ -106,7 +110,8 @@ pub struct Passing {
     pub height: f64,
 }
 
-/// Where edges `p` and `q`, by their ends, are nearest to each other. `None` if that is at an end, or if they are parallel.
+/// Where edges `p` and `q`, by their ends, are nearest to each other. `None` if that is at an end,
+/// or if they are parallel.
 pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
     let (u, w, apart) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
     let cross = u.cross(&w);
@@ -120,7 +125,8 @@ pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
     between.then(|| Passing { along, normal, height: -apart.dot(&normal) })
 }
 
-/// Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection, 2005, 5.1.9).
+/// Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection,
+/// 2005, 5.1.9).
 pub fn apart(p: &[V3; 2], q: &[V3; 2]) -> f64 {
     let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
     let (uu, ww, uw, fu, fw) = (u.dot(&u), w.dot(&w), u.dot(&w), from.dot(&u), from.dot(&w));
@@ -144,16 +150,28 @@ mod tests {
         let at = |e: &[V3; 2], a: f64| e[0] + (e[1] - e[0]) * a;
         let found = passing(&p, &q).unwrap();
         let offset = at(&p, found.along[0]) - at(&q, found.along[1]);
-        assert!((offset - found.normal * found.height).norm() < 1e-15, "the offset is along the normal");
-        let grid = (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 400.0, j as f64 / 400.0)));
+        assert!(
+            (offset - found.normal * found.height).norm() < 1e-15,
+            "the offset is along the normal"
+        );
+        let grid =
+            (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 400.0, j as f64 / 400.0)));
         let best = grid.map(|(a, b)| (at(&p, a) - at(&q, b)).norm()).fold(f64::INFINITY, f64::min);
-        assert!(offset.norm() <= best + 1e-15 && offset.norm() > best - 1e-4, "{} and {best} on a grid", offset.norm());
+        assert!(
+            offset.norm() <= best + 1e-15 && offset.norm() > best - 1e-4,
+            "{} and {best} on a grid",
+            offset.norm()
+        );
         let back = passing(&q, &p).unwrap();
-        assert!((back.height - found.height).abs() < 1e-15 && (back.normal + found.normal).norm() < 1e-15);
+        assert!(
+            (back.height - found.height).abs() < 1e-15
+                && (back.normal + found.normal).norm() < 1e-15
+        );
     }
 
     proptest! {
-        /// The distance of two edges is that of the nearest of many points, whether it is at ends or between.
+        /// The distance of two edges is that of the nearest of many points, whether it is at ends
+        /// or between.
         #[test]
         fn how_far_edges_are_apart_is_the_least_of_many(
             ends in prop::array::uniform4(prop::array::uniform3(-1.0..1.0f64)),
@@ -174,10 +192,16 @@ mod tests {
     fn edges_that_end_before_they_pass_or_run_side_by_side_do_not_pass() {
         let p = [V3::zeros(), V3::x()];
         let over = |x: f64, y: f64| [V3::new(x, y, 1.0), V3::new(x, y + 2.0, 1.0)];
-        assert!((passing(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15, "along x cross y, it is below");
+        assert!(
+            (passing(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15,
+            "along x cross y, it is below"
+        );
         assert!(passing(&p, &over(1.1, -0.5)).is_none(), "beside the end of the first");
         assert!(passing(&p, &over(0.3, 0.1)).is_none(), "before the start of the second");
-        assert!(passing(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(), "parallel, but for a fiftieth");
+        assert!(
+            passing(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(),
+            "parallel, but for a fiftieth"
+        );
         assert!(passing(&p, &[V3::z(), V3::z()]).is_none(), "no length");
     }
 
@@ -188,24 +212,38 @@ mod tests {
     }
 
     fn warped() -> [V3; 4] {
-        [V3::new(0.0, 0.0, 0.2), V3::new(2.0, 0.1, -0.2), V3::new(2.2, 1.9, 0.3), V3::new(-0.1, 2.0, -0.1)]
+        [
+            V3::new(0.0, 0.0, 0.2),
+            V3::new(2.0, 0.1, -0.2),
+            V3::new(2.2, 1.9, 0.3),
+            V3::new(-0.1, 2.0, -0.1),
+        ]
     }
 
     #[test]
     fn projection_on_a_warped_quad_is_the_nearest_of_many_points() {
         let q = warped();
-        for p in [V3::new(1.0, 1.2, 0.8), V3::new(2.6, 1.0, 0.4), V3::new(-0.5, -0.7, 0.3), V3::new(0.3, 1.9, -0.9)] {
+        for p in [
+            V3::new(1.0, 1.2, 0.8),
+            V3::new(2.6, 1.0, 0.4),
+            V3::new(-0.5, -0.7, 0.3),
+            V3::new(0.3, 1.9, -0.9),
+        ] {
             let found = nearest(&p, &q, false).unwrap();
-            let grid = (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0)));
-            let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+            let grid = (0..=400).flat_map(|i| {
+                (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0))
+            });
+            let best =
+                grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
             let d = (found.point - p).norm();
             assert!(d <= best + 1e-12 && d > best - 1e-4, "{d} against {best} on a grid of 0.005");
             assert!((found.shape.iter().sum::<f64>() - 1.0).abs() < 1e-12);
         }
     }
 
-    /// Quads folded over as a crushed tube has them: a node 2.6 from the inside, 3.0 from the rim. Newton's method from the middle
-    /// goes far out of the first; the second is the first a little later.
+    /// Quads folded over as a crushed tube has them: a node 2.6 from the inside, 3.0 from the rim.
+    /// Newton's method from the middle goes far out of the first; the second is the first a little
+    /// later.
     #[test]
     fn a_nearest_point_inside_a_strongly_warped_quad_is_not_missed() {
         let first = [
@@ -220,16 +258,24 @@ mod tests {
             [36.018, -444.514, 150.518],
             [33.810, -443.005, 147.166],
         ];
-        for (quad, p) in [(first, [40.962, -456.242, 125.619]), (second, [40.842, -456.281, 125.646])] {
+        for (quad, p) in
+            [(first, [40.962, -456.242, 125.619]), (second, [40.842, -456.281, 125.646])]
+        {
             // Whichever corner comes first.
             for turn in 0..4 {
                 let q: [V3; 4] = std::array::from_fn(|k| V3::from(quad[(k + turn) % 4]));
                 let (p, found) = (V3::from(p), nearest(&V3::from(p), &q, false).unwrap());
-                let grid =
-                    (0..=400).flat_map(|i| (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0)));
-                let best = grid.map(|(xi, eta)| (at(&q, xi, eta) - p).norm()).fold(f64::INFINITY, f64::min);
+                let grid = (0..=400).flat_map(|i| {
+                    (0..=400).map(move |j| (i as f64 / 200.0 - 1.0, j as f64 / 200.0 - 1.0))
+                });
+                let best = grid
+                    .map(|(xi, eta)| (at(&q, xi, eta) - p).norm())
+                    .fold(f64::INFINITY, f64::min);
                 let d = (found.point - p).norm();
-                assert!(!found.rim && d <= best + 1e-12 && d > best - 1e-3, "turn {turn}: {d}, on a grid {best}");
+                assert!(
+                    !found.rim && d <= best + 1e-12 && d > best - 1e-3,
+                    "turn {turn}: {d}, on a grid {best}"
+                );
             }
         }
     }
@@ -267,7 +313,8 @@ mod tests {
             prop_assert!((sum - 1.0).abs() < 1e-12 && (found.normal.norm() - 1.0).abs() < 1e-12);
         }
 
-        /// What the near list leaves out stays out of reach, or beside, while point and corners move by half the skin each.
+        /// What the near list leaves out stays out of reach, or beside, while point and corners
+        /// move by half the skin each.
         #[test]
         fn what_is_far_or_beside_stays_so_within_the_skin(
             corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
@@ -297,7 +344,8 @@ mod tests {
                 // The local search turns away either.
                 prop_assert!(beside(then, &later, 0.0) || near.rim);
             }
-            // A plane segment that is convex: beside it is beside its rim. Of what is bent in its plane or warped that much nothing is said.
+            // A plane segment that is convex: beside it is beside its rim. Of what is bent in its
+            // plane or warped that much nothing is said.
             let flat = q.map(|p| V3::new(p.x, p.y, 0.0));
             if beside(at, &flat, 0.0) {
                 prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));
@@ -309,16 +357,28 @@ mod tests {
     fn the_nearest_point_of_a_line_is_between_its_ends() {
         let (from, to) = (V3::new(1.0, 0.0, 0.0), V3::new(3.0, 0.0, 0.0));
         let near = |x: f64, y: f64| nearest_on_line(&V3::new(x, y, 0.0), [&from, &to]);
-        assert_eq!((near(1.5, -2.0).shape, near(1.5, -2.0).normal), ([0.75, 0.25, 0.0, 0.0], -V3::y()));
-        assert_eq!((near(4.0, 0.0).point, near(4.0, 0.0).normal), (to, V3::x()), "beyond an end, all around it");
+        assert_eq!(
+            (near(1.5, -2.0).shape, near(1.5, -2.0).normal),
+            ([0.75, 0.25, 0.0, 0.0], -V3::y())
+        );
+        assert_eq!(
+            (near(4.0, 0.0).point, near(4.0, 0.0).normal),
+            (to, V3::x()),
+            "beyond an end, all around it"
+        );
         let on = near(2.0, 0.0);
         assert!(on.normal.x == 0.0 && (on.normal.norm() - 1.0).abs() < 1e-15, "{}", on.normal);
         let point = nearest_on_line(&V3::z(), [&from, &from]);
-        assert!(point.point == from && point.normal.dot(&V3::new(-1.0, 0.0, 1.0)) > 1.41, "no length");
+        assert!(
+            point.point == from && point.normal.dot(&V3::new(-1.0, 0.0, 1.0)) > 1.41,
+            "no length"
+        );
     }
 
     #[test]
     fn a_segment_without_area_has_no_nearest_point() {
-        assert!(nearest(&V3::z(), &[V3::zeros(), V3::x(), V3::x() * 2.0, V3::x()], false).is_none());
+        assert!(
+            nearest(&V3::z(), &[V3::zeros(), V3::x(), V3::x() * 2.0, V3::x()], false).is_none()
+        );
     }
 }

@@ -1,11 +1,11 @@
-//! The contact surface of the mesh as it is given, for warnings before the start: what penetrates, and what is met with less than
-//! its thickness.
+//! The contact surface of the mesh as it is given, for warnings before the start: what penetrates,
+//! and what is met with less than its thickness.
 
-use crate::blocks::LocalElement;
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::local::{BEHIND, BESIDE, is_opposed};
 use crate::contact::search::linked_cells;
 use crate::contact::surface::{ContactParts, Segment, Surface};
+use crate::fem::blocks::LocalElement;
 use crate::nodes::{Nodes, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId};
@@ -32,11 +32,12 @@ const ROUND_OFF: f64 = 1e-6;
 /// What the contact surface of a mesh shows before the start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Initial {
-    /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face of a solid that it is in. The run
-    /// tolerates what it sees until the gap opens by itself.
+    /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face
+    /// of a solid that it is in. The run tolerates what it sees until the gap opens by itself.
     pub penetrations: Vec<Penetration>,
-    /// How many shells and beams are met with less than their thickness ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest
-    /// fraction of it that is left; `None` if all are met as they are.
+    /// How many shells and beams are met with less than their thickness
+    /// ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest fraction of it that is
+    /// left; `None` if all are met as they are.
     pub thinned: Option<(usize, f64)>,
 }
 
@@ -48,19 +49,31 @@ pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
     let (nodes, mut surface) = whole_surface(settings, elements, nodes);
     surface.collect_slaves(&nodes);
     surface.link_faces(nodes.held);
-    let tied: HashSet<(NodeId, NodeId)> =
-        settings.ties.iter().flat_map(|t| t.partners().flat_map(|p| [(t.node, p), (p, t.node)])).collect();
+    let tied: HashSet<(NodeId, NodeId)> = settings
+        .ties
+        .iter()
+        .flat_map(|t| t.partners().flat_map(|p| [(t.node, p), (p, t.node)]))
+        .collect();
     let is_tied = |slave: u32, corners: &[u32]| {
-        !tied.is_empty() && corners.iter().any(|&c| tied.contains(&(nodes.id[slave as usize], nodes.id[c as usize])))
+        !tied.is_empty()
+            && corners
+                .iter()
+                .any(|&c| tied.contains(&(nodes.id[slave as usize], nodes.id[c as usize])))
     };
     let mut found = in_shells(&nodes, &surface, is_tied);
     found.extend(in_solids(&nodes, &surface, elements, is_tied));
-    found.sort_by(|a, b| a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem)));
+    found.sort_by(|a, b| {
+        a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem))
+    });
     found.dedup_by_key(|p| p.node);
     Initial { penetrations: found, thinned: thinned(settings, elements, &surface) }
 }
 
-fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> bool) -> Vec<Penetration> {
+fn in_shells(
+    nodes: &Nodes,
+    surface: &Surface,
+    is_tied: impl Fn(u32, &[u32]) -> bool,
+) -> Vec<Penetration> {
     let largest = surface.largest_scale();
     let shells: Vec<&Segment> = surface.segments.iter().filter(|s| !s.is_solid()).collect();
     let reach = |s: &Segment| surface.interfaces.most(s.scale + largest);
@@ -72,7 +85,9 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
             return;
         }
         // Lines next to a node's own do not meet it.
-        if s.is_line() && surface.around(p as usize).any(|own| own.nodes.iter().any(|n| s.nodes.contains(n))) {
+        if s.is_line()
+            && surface.around(p as usize).any(|own| own.nodes.iter().any(|n| s.nodes.contains(n)))
+        {
             return;
         }
         let at = V3::from(xyz(&nodes.x[slave as usize]));
@@ -81,15 +96,20 @@ fn in_shells(nodes: &Nodes, surface: &Surface, is_tied: impl Fn(u32, &[u32]) -> 
         let (thickness, scale) = surface.sizes(interface, slave, s);
         let depth = thickness - (at - near.point).norm();
         if depth > ROUND_OFF * scale {
-            found.push(Penetration { node: nodes.id[slave as usize], elem: s.id.elem(), depth, unseen: false });
+            found.push(Penetration {
+                node: nodes.id[slave as usize],
+                elem: s.id.elem(),
+                depth,
+                unseen: false,
+            });
         }
     });
     found.sort_by_key(|p| (p.elem, p.node));
     found
 }
 
-/// Nodes in solids that they do not belong to. How deep they are tell the faces that the surface around them faces against: a corner
-/// that lies in a side of a block has gone in by its top.
+/// Nodes in solids that they do not belong to. How deep they are tell the faces that the surface
+/// around them faces against: a corner that lies in a side of a block has gone in by its top.
 fn in_solids(
     nodes: &Nodes,
     surface: &Surface,
@@ -110,10 +130,15 @@ fn in_solids(
         let (corners, slave) = (&solids[e as usize], surface.slaves[p as usize]);
         !corners.contains(&slave)
             && !is_tied(slave, corners)
-            && is_inside(&V3::from(xyz(&nodes.x[slave as usize])), &corners.map(|n| V3::from(place(&n))))
+            && is_inside(
+                &V3::from(xyz(&nodes.x[slave as usize])),
+                &corners.map(|n| V3::from(place(&n))),
+            )
     };
     let mut slaves: Vec<u32> = Vec::new();
-    linked_cells(&boxes, &points(nodes, surface), &mut |e, p| slaves.extend(inside(e, p).then_some(p)));
+    linked_cells(&boxes, &points(nodes, surface), &mut |e, p| {
+        slaves.extend(inside(e, p).then_some(p))
+    });
     slaves.sort_unstable();
     slaves.dedup();
     let depth_in = |s: &Segment, p: u32| {
@@ -122,23 +147,26 @@ fn in_solids(
         let near = nearest(&at, &s.corners(&nodes.x), s.is_triangle())?;
         let (offset, scale) = (at - near.point, s.scale + surface.node_scale[slave as usize]);
         let depth = -offset.dot(&near.normal);
-        let behind = depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
+        let behind =
+            depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= BESIDE * scale;
         let touches = surface.interface(p as usize, s).is_some();
         let other = touches && !s.nodes.contains(&slave) && !s.behind.contains(&slave);
-        (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((depth, scale))
+        (behind && other && is_opposed(nodes, surface, p as usize, &near.normal))
+            .then_some((depth, scale))
     };
     let mut found: Vec<Penetration> = Vec::new();
     for (p, (face, depth, scale)) in nearest_faces(&faces, slaves, nodes, surface, depth_in) {
         if depth > ROUND_OFF * scale {
-            let (node, elem) = (nodes.id[surface.slaves[p as usize] as usize], faces[face as usize].id.elem());
+            let (node, elem) =
+                (nodes.id[surface.slaves[p as usize] as usize], faces[face as usize].id.elem());
             found.push(Penetration { node, elem, depth, unseen: depth > BEHIND * scale });
         }
     }
     found
 }
 
-/// For slaves the face that they are least deep in, with that depth and a scale. Faces are looked for within a reach that grows until
-/// none outside of it can be nearer.
+/// For slaves the face that they are least deep in, with that depth and a scale. Faces are looked
+/// for within a reach that grows until none outside of it can be nearer.
 fn nearest_faces(
     faces: &[&Segment],
     mut slaves: Vec<u32>,
@@ -148,7 +176,9 @@ fn nearest_faces(
 ) -> Vec<(u32, (u32, f64, f64))> {
     let all: Vec<Aabb> = faces.iter().map(|s| s.bounds(&nodes.x, 0.0)).collect();
     let place = |p: u32| xyz(&nodes.x[surface.slaves[p as usize] as usize]);
-    let whole = Aabb::around(all.iter().flat_map(|b| [b.min, b.max]).chain(slaves.iter().map(|&p| place(p))));
+    let whole = Aabb::around(
+        all.iter().flat_map(|b| [b.min, b.max]).chain(slaves.iter().map(|&p| place(p))),
+    );
     let largest = (0..3).map(|c| whole.max[c] - whole.min[c]).fold(0.0, f64::max);
     let mut reach = surface.largest_scale();
     let mut found = Vec::new();
@@ -157,9 +187,12 @@ fn nearest_faces(
         let points: Vec<[f64; 3]> = slaves.iter().map(|&p| place(p)).collect();
         let mut least: Vec<Option<(u32, f64, f64)>> = vec![None; slaves.len()];
         linked_cells(&boxes, &points, &mut |f, i| {
-            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else { return };
+            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else {
+                return;
+            };
             let best = &mut least[i as usize];
-            let nearer = |&(g, least, _): &(u32, f64, f64)| depth.total_cmp(&least).then(f.cmp(&g)).is_lt();
+            let nearer =
+                |&(g, least, _): &(u32, f64, f64)| depth.total_cmp(&least).then(f.cmp(&g)).is_lt();
             if best.as_ref().is_none_or(nearer) {
                 *best = Some((f, depth, scale));
             }
@@ -183,7 +216,8 @@ fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
     surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect()
 }
 
-/// Whether a point is in a hexahedron, but for round-off, by the planes through the middles of its faces.
+/// Whether a point is in a hexahedron, but for round-off, by the planes through the middles of its
+/// faces.
 fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
     Shape::Hex8.faces().iter().all(|f| {
         let [a, b, c, d] = f.map(|i| corners[i]);
@@ -192,22 +226,33 @@ fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
     })
 }
 
-fn thinned(settings: &Settings, elements: &[ElementRecord], surface: &Surface) -> Option<(usize, f64)> {
+fn thinned(
+    settings: &Settings,
+    elements: &[ElementRecord],
+    surface: &Surface,
+) -> Option<(usize, f64)> {
     let parts = ContactParts::of(settings);
-    let given: HashMap<ElemId, f64> = elements.iter().filter_map(|e| Some((e.id, parts.half(e)?))).collect();
+    let given: HashMap<ElemId, f64> =
+        elements.iter().filter_map(|e| Some((e.id, parts.half(e)?))).collect();
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
-    let shares =
-        shells.map(|s| s.half / given.get(&s.id.elem()).copied().unwrap_or(s.half)).filter(|&share| share < 1.0);
+    let shares = shells
+        .map(|s| s.half / given.get(&s.id.elem()).copied().unwrap_or(s.half))
+        .filter(|&share| share < 1.0);
     shares.fold(None, |sum, share| {
         Some(sum.map_or((1, share), |(count, least): (usize, f64)| (count + 1, least.min(share))))
     })
 }
 
 /// The surface of a whole mesh, with its nodes.
-fn whole_surface(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> (Nodes, Surface) {
+fn whole_surface(
+    settings: &Settings,
+    elements: &[ElementRecord],
+    nodes: &[NodeRecord],
+) -> (Nodes, Surface) {
     let nodes = Nodes::new(nodes, 0, false);
     let local = |e: &ElementRecord| {
-        let numbers = e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
+        let numbers =
+            e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
         LocalElement { record: *e, nodes: numbers, shared: false }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();

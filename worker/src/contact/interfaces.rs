@@ -1,7 +1,8 @@
-//! Contact interfaces: which of them two parts belong to, and with what thickness and friction these touch.
+//! Contact interfaces: which of them two parts belong to, and with what thickness and friction
+//! these touch.
 //!
-//! Surface, search and solver are common to all interfaces. A pair belongs to the interface of its two parts; where a node or an
-//! edge belongs to several parts, to the last interface among theirs.
+//! Surface, search and solver are common to all interfaces. A pair belongs to the interface of its
+//! two parts; where a node or an edge belongs to several parts, to the last interface among theirs.
 
 use crumple_proto::job::{Contact, Part};
 
@@ -12,14 +13,16 @@ const NONE: u16 = u16::MAX;
 #[derive(Clone, Debug)]
 pub struct Interfaces {
     numbers: Vec<Numbers>,
-    /// Interface of each two parts, row by row, by their indices; empty if there is one interface, and all parts of the surface are
-    /// in it.
+    /// Interface of each two parts, row by row, by their indices; empty if there is one interface,
+    /// and all parts of the surface are in it.
     table: Vec<u16>,
     /// Number of parts.
     parts: usize,
-    /// Largest factor of a thickness, 1 or above, and the largest half thickness that stands for shells' own [length].
+    /// Largest factor of a thickness, 1 or above, and the largest half thickness that stands for
+    /// shells' own [length].
     widest: (f64, f64),
-    /// Smallest factor of a thickness, 1 or below, and the smallest half thickness that stands for shells' own [length].
+    /// Smallest factor of a thickness, 1 or below, and the smallest half thickness that stands for
+    /// shells' own [length].
     narrowest: (f64, f64),
 }
 
@@ -76,7 +79,8 @@ impl Interfaces {
                 }
             }
         }
-        let (own, given): (Vec<&Numbers>, Vec<&Numbers>) = numbers.iter().partition(|n| n.half.is_none());
+        let (own, given): (Vec<&Numbers>, Vec<&Numbers>) =
+            numbers.iter().partition(|n| n.half.is_none());
         let range = |of: &[&Numbers], start: (f64, f64)| {
             let sizes = of.iter().map(|n| n.half.unwrap_or(1.0) * n.factor);
             sizes.fold(start, |(low, high), s| (low.min(s), high.max(s)))
@@ -88,7 +92,8 @@ impl Interfaces {
 
     /// Whether a part touches any.
     pub fn takes_part(&self, part: usize) -> bool {
-        self.is_one() || self.table[part * self.parts..(part + 1) * self.parts].iter().any(|&i| i != NONE)
+        self.is_one()
+            || self.table[part * self.parts..(part + 1) * self.parts].iter().any(|&i| i != NONE)
     }
 
     /// Whether all that is on the surface touches in the same way.
@@ -96,18 +101,24 @@ impl Interfaces {
         self.table.is_empty()
     }
 
-    /// Interface of what belongs to any of `ahead` with what belongs to any of `behind`, by the parts' indices; `None` if they do not
-    /// touch.
-    pub fn between(&self, ahead: impl Iterator<Item = u32>, behind: impl Iterator<Item = u32> + Clone) -> Option<u16> {
+    /// Interface of what belongs to any of `ahead` with what belongs to any of `behind`, by the
+    /// parts' indices; `None` if they do not touch.
+    pub fn between(
+        &self,
+        ahead: impl Iterator<Item = u32>,
+        behind: impl Iterator<Item = u32> + Clone,
+    ) -> Option<u16> {
         if self.is_one() {
             return Some(0);
         }
-        let cell = |a: u32, b: u32| Some(self.table[a as usize * self.parts + b as usize]).filter(|&i| i != NONE);
+        let cell = |a: u32, b: u32| {
+            Some(self.table[a as usize * self.parts + b as usize]).filter(|&i| i != NONE)
+        };
         ahead.flat_map(|a| behind.clone().filter_map(move |b| cell(a, b))).max()
     }
 
-    /// Half thickness and scale in an interface of what has `half` and `scale` on the surface; what has no thickness is a solid's
-    /// [length].
+    /// Half thickness and scale in an interface of what has `half` and `scale` on the surface; what
+    /// has no thickness is a solid's [length].
     pub fn measure(&self, interface: u16, (half, scale): (f64, f64)) -> (f64, f64) {
         let measured = self.numbers[interface as usize].measured(half);
         if measured == half {
@@ -212,13 +223,21 @@ mod tests {
     #[test]
     fn the_last_interface_that_names_two_parts_holds_for_them() {
         let pair = Interface { parts: vec![1], against: vec![2], ..Interface::default() };
-        let off = Interface { parts: vec![1], against: vec![2, 4], law: Some("none".into()), ..Interface::default() };
+        let off = Interface {
+            parts: vec![1],
+            against: vec![2, 4],
+            law: Some("none".into()),
+            ..Interface::default()
+        };
         let only = Interfaces::of(&contact("none", vec![pair.clone()]), &PARTS);
         assert_eq!([between(&only, 0, 1), between(&only, 1, 0)], [Some(1), Some(1)], "either way");
         assert_eq!([between(&only, 0, 0), between(&only, 1, 1), between(&only, 2, 0)], [None; 3]);
         assert_eq!([0, 1, 2].map(|p| only.takes_part(p)), [true, true, false]);
         let later = Interfaces::of(&contact("lagrange", vec![off.clone(), pair.clone()]), &PARTS);
-        assert_eq!([between(&later, 0, 1), between(&later, 0, 2), between(&later, 0, 0)], [Some(2), None, Some(0)]);
+        assert_eq!(
+            [between(&later, 0, 1), between(&later, 0, 2), between(&later, 0, 0)],
+            [Some(2), None, Some(0)]
+        );
         let earlier = Interfaces::of(&contact("lagrange", vec![pair, off]), &PARTS);
         assert_eq!([between(&earlier, 0, 1), between(&earlier, 1, 2)], [None, Some(0)]);
         let of_two = earlier.between([0, 1].into_iter(), [2].into_iter());
@@ -229,7 +248,10 @@ mod tests {
     fn parts_without_against_meet_each_other_and_themselves_but_for_what_is_excluded() {
         let own = Interface { parts: vec![1, 2], exclude: vec![2], ..Interface::default() };
         let i = Interfaces::of(&contact("none", vec![own]), &PARTS);
-        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), None, None]);
+        assert_eq!(
+            [between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)],
+            [Some(1), None, None]
+        );
         let all = Interface { friction: Some(0.5), ..Interface::default() };
         let i = Interfaces::of(&contact("none", vec![all]), &PARTS);
         assert_eq!([between(&i, 0, 0), between(&i, 0, 2)], [Some(1); 2]);
@@ -240,12 +262,25 @@ mod tests {
         let own = Interface { parts: vec![1, 2], beams: Some(false), ..Interface::default() };
         let with = |c: Contact| Interfaces::with(&c, &PARTS, |part| part == 1);
         let i = with(contact("lagrange", vec![own.clone()]));
-        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), Some(0), Some(0)]);
-        let i = with(Contact { edges: false, ..contact("lagrange", vec![Interface { beams: None, ..own.clone() }]) });
-        assert_eq!([between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)], [Some(1), None, None]);
+        assert_eq!(
+            [between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)],
+            [Some(1), Some(0), Some(0)]
+        );
+        let i = with(Contact {
+            edges: false,
+            ..contact("lagrange", vec![Interface { beams: None, ..own.clone() }])
+        });
+        assert_eq!(
+            [between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)],
+            [Some(1), None, None]
+        );
         let some = Interface { beams: Some(true), ..own };
         let i = with(Contact { beams: Some(false), ..contact("lagrange", vec![some]) });
-        assert_eq!([between(&i, 0, 1), between(&i, 1, 2)], [Some(1), None], "beams of this one alone");
+        assert_eq!(
+            [between(&i, 0, 1), between(&i, 1, 2)],
+            [Some(1), None],
+            "beams of this one alone"
+        );
         assert!(i.takes_part(1));
     }
 
@@ -264,18 +299,28 @@ mod tests {
 
     #[test]
     fn friction_falls_from_the_static_to_the_dynamic_one() {
-        let job = Contact { friction: 0.4, friction_dynamic: Some(0.1), friction_decay: 2.0, ..Contact::default() };
+        let job = Contact {
+            friction: 0.4,
+            friction_dynamic: Some(0.1),
+            friction_decay: 2.0,
+            ..Contact::default()
+        };
         let i = Interfaces::of(&job, &PARTS);
         assert_eq!(i.friction(0, || 0.0), 0.4);
         let expected = 0.1 + 0.3 * (-3.0f64).exp();
         assert!((i.friction(0, || 1.5) - expected).abs() < 1e-15);
         let job = Contact { friction_decay: 0.0, ..job };
-        assert_eq!(Interfaces::of(&job, &PARTS).friction(0, || 1e9), 0.4, "without decay it is the static one");
+        assert_eq!(
+            Interfaces::of(&job, &PARTS).friction(0, || 1e9),
+            0.4,
+            "without decay it is the static one"
+        );
     }
 
     #[test]
     fn an_interface_is_there_from_its_birth_to_its_death() {
-        let i = Interfaces::of(&Contact { birth: 1.0, death: Some(2.0), ..Contact::default() }, &PARTS);
+        let i =
+            Interfaces::of(&Contact { birth: 1.0, death: Some(2.0), ..Contact::default() }, &PARTS);
         assert_eq!([0.5, 1.0, 1.5, 2.0].map(|t| i.is_alive(0, t)), [false, true, true, false]);
     }
 }

@@ -1,9 +1,11 @@
-//! Where points and segments are to each other: one pair, or several side by side, written once over [`Real`].
+//! Where points and segments are to each other: one pair, or several side by side, written once
+//! over [`Real`].
 //!
-//! Products are not fused, and sums go in the order of components: the bits are those of the same formulas in [`V3`].
+//! Products are not fused, and sums go in the order of components: the bits are those of the same
+//! formulas in [`V3`].
 
 use crate::contact::geometry::V3;
-use crate::lanes::Real;
+use crate::math::lanes::Real;
 use std::ops::{Add, Mul, Sub};
 
 /// A point or vector.
@@ -135,7 +137,9 @@ pub fn project<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], triangle: R::Mask) -> 
         return three;
     }
     let four = on_quad(p, q);
-    let pick = |a: R::Mask, b: R::Mask| number::<R>(R::either(R::both(triangle, a), R::both(not::<R>(triangle), b)));
+    let pick = |a: R::Mask, b: R::Mask| {
+        number::<R>(R::either(R::both(triangle, a), R::both(not::<R>(triangle), b)))
+    };
     Projection {
         shape: choose(triangle, three.shape, four.shape),
         point: Vector::select(triangle, three.point, four.point),
@@ -224,8 +228,8 @@ fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found }
 }
 
-/// Gradient of half the squared distance from `p` at a place of a quad, and its second derivatives: along xi, along eta, mixed
-/// without and with the term of the twist [length^2].
+/// Gradient of half the squared distance from `p` at a place of a quad, and its second derivatives:
+/// along xi, along eta, mixed without and with the term of the twist [length^2].
 #[inline(always)]
 fn derivatives<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [xi, eta]: [R; 2]) -> ([R; 2], [R; 4]) {
     let twist = (q[0] - q[1] + q[2] - q[3]) * R::splat(0.25);
@@ -235,19 +239,22 @@ fn derivatives<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [xi, eta]: [R; 2]) -> 
     ([a.dot(r), b.dot(r)], [a.dot(a), b.dot(b), mixed, mixed + twist.dot(r)])
 }
 
-/// Whether the distance from `p` falls where a quad's rim is left inwards at the nearest point of its edges. Then Newton's method has
-/// missed a nearest point inside: set out from the middle of a warped quad, it may be thrown far out. On a plane quad, and wherever
-/// the rim is right, the distance rises inwards.
+/// Whether the distance from `p` falls where a quad's rim is left inwards at the nearest point of
+/// its edges. Then Newton's method has missed a nearest point inside: set out from the middle of a
+/// warped quad, it may be thrown far out. On a plane quad, and wherever the rim is right, the
+/// distance rises inwards.
 #[inline(always)]
 fn comes_nearer_inside<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], place: [R; 2]) -> R::Mask {
     /// Steps of Newton's method that are round-off.
     const LITTLE: f64 = 1e-6;
     let ([g1, g2], [h11, h22, ..]) = derivatives(p, q, place);
-    let falls = |at: R, g: R, h: R| R::both(at.abs().ge(R::splat(1.0)), (at * g).gt(h * R::splat(LITTLE)));
+    let falls =
+        |at: R, g: R, h: R| R::both(at.abs().ge(R::splat(1.0)), (at * g).gt(h * R::splat(LITTLE)));
     R::either(falls(place[0], g1, h11), falls(place[1], g2, h22))
 }
 
-/// Newton's method from a place of the rim, kept within the quad: along the rim where it would leave.
+/// Newton's method from a place of the rim, kept within the quad: along the rim where it would
+/// leave.
 #[inline(always)]
 fn nearest_from<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [mut xi, mut eta]: [R; 2]) -> [R; 2] {
     for _ in 0..NEWTON {
@@ -279,7 +286,13 @@ fn on_triangle<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
         let edge = nearest_edge::<R, 3>(p, q);
         shape = choose(rim, edge.shape, shape);
     }
-    Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found: size.gt(zero) }
+    Projection {
+        shape,
+        point: blend(&shape, q),
+        normal: cross.over(size),
+        rim,
+        found: size.gt(zero),
+    }
 }
 
 /// The nearest point of the edges.
@@ -316,11 +329,12 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
     best
 }
 
-/// Whether points are farther than `reach` from segments for certain, told by the direction from about the nearest point.
+/// Whether points are farther than `reach` from segments for certain, told by the direction from
+/// about the nearest point.
 #[inline(always)]
 pub fn is_apart<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
-    // The nearest point of the parallelogram through the middles of the edges. Any direction tells; none, or one that is no number,
-    // tells nothing, and the point is not apart.
+    // The nearest point of the parallelogram through the middles of the edges. Any direction tells;
+    // none, or one that is no number, tells nothing, and the point is not apart.
     let quarter = R::splat(0.25);
     let from = at - (q[0] + q[1] + q[2] + q[3]) * quarter;
     let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * quarter, (q[2] + q[3] - q[0] - q[1]) * quarter);
@@ -334,8 +348,9 @@ pub fn is_apart<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask
     R::both(R::both(one, two), R::both(three, four))
 }
 
-/// Whether the points of convex segments that are nearest to `at` lie on their rims for certain, and will until the two move by
-/// more than `skin` against each other: the point is beyond an edge, seen in the mean plane. Segments without area have no such.
+/// Whether the points of convex segments that are nearest to `at` lie on their rims for certain,
+/// and will until the two move by more than `skin` against each other: the point is beyond an edge,
+/// seen in the mean plane. Segments without area have no such.
 #[inline(always)]
 pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Mask {
     let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
@@ -348,8 +363,8 @@ pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Ma
     }
     let shortest = shortest.sqrt();
     let warp = ((q[0] + q[2] - q[1] - q[3]).dot(cross) / size).abs();
-    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by the warp, which may grow by
-    // twice the skin meanwhile. An edge turns with its ends.
+    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by
+    // the warp, which may grow by twice the skin meanwhile. An edge turns with its ends.
     let turn = R::splat(1.1) * skin * (d1.norm() + d2.norm()) / size
         + (warp + R::splat(3.0) * skin) / (shortest - skin).max(R::zero());
     let mut most = R::zero();
@@ -364,9 +379,11 @@ pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Ma
 
 /// What [`is_within`] asks of points and segments.
 pub struct Slab<R> {
-    /// Distances by which the point is outside of the box around the corners along the axes; negative within [length].
+    /// Distances by which the point is outside of the box around the corners along the axes;
+    /// negative within [length].
     beyond: R,
-    /// Distance by which it is outside of the layer, along the mean plane, that holds the segment, times `size`.
+    /// Distance by which it is outside of the layer, along the mean plane, that holds the segment,
+    /// times `size`.
     off: R,
     /// Length of that plane's normal, not normalised [length^2].
     size: R,
@@ -378,7 +395,10 @@ pub fn slab<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> Slab<R> {
     let [a, b, c, d] = *q;
     let mut beyond = R::splat(f64::NEG_INFINITY);
     for i in 0..3 {
-        let (low, high) = (a.0[i].min(b.0[i]).min(c.0[i].min(d.0[i])), a.0[i].max(b.0[i]).max(c.0[i].max(d.0[i])));
+        let (low, high) = (
+            a.0[i].min(b.0[i]).min(c.0[i].min(d.0[i])),
+            a.0[i].max(b.0[i]).max(c.0[i].max(d.0[i])),
+        );
         beyond = beyond.max((low - at.0[i]).max(at.0[i] - high));
     }
     // All of the segment lies as near to the plane through its first node as its other corners do.
@@ -401,7 +421,7 @@ pub fn is_within<R: Real>(slab: &Slab<R>, limit: R) -> R::Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{LANES, Lane};
+    use crate::math::lanes::{LANES, Lane};
     use proptest::prelude::*;
 
     fn side_by_side(of: [Vector<f64>; LANES]) -> Vector<Lane> {

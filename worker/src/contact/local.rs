@@ -1,13 +1,15 @@
-//! Local search: which candidates of a node are contact pairs in this step. That of edges is in `edges.rs`.
+//! Local search: which candidates of a node are contact pairs in this step. That of edges is in
+//! `edges.rs`.
 //!
-//! The decision uses positions, velocities without contact and the node's memory, nothing else; above all not
-//! when or by whom the candidates were collected.
+//! The decision uses positions, velocities without contact and the node's memory, nothing else;
+//! above all not when or by whom the candidates were collected.
 //!
-//! A shell's segment is touched from both sides at half its thickness, around its rim too; a beam's line all around. A solid's segment is touched
-//! from outside: a new contact is a node that is in front of it (or only just behind) now and, seen from the moving
-//! segment, behind its inside at the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node
-//! is over the segment. A new contact also wants opposed surfaces: a block that slides over another one does not meet the
-//! nodes of that one's top with its side faces, at whose lower rims they pass.
+//! A shell's segment is touched from both sides at half its thickness, around its rim too; a beam's
+//! line all around. A solid's segment is touched from outside: a new contact is a node that is in
+//! front of it (or only just behind) now and, seen from the moving segment, behind its inside at
+//! the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node is over
+//! the segment. A new contact also wants opposed surfaces: a block that slides over another one
+//! does not meet the nodes of that one's top with its side faces, at whose lower rims they pass.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::meet::Meeting;
@@ -15,34 +17,38 @@ use crate::contact::pairs::{Memory, Name, Pair, by_role};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
-/// Candidates farther than this multiple of the contact thickness (of the scale where solids take part) are not looked
-/// at. The global search must reach as far (its reach is built from the same number).
+/// Candidates farther than this multiple of the contact thickness (of the scale where solids take
+/// part) are not looked at. The global search must reach as far (its reach is built from the same
+/// number).
 pub const REACH: f64 = 1.5;
 /// A pair is active when its predicted gap falls below this fraction of the contact thickness.
 pub(super) const ACTIVE: f64 = 0.02;
-/// A surface has folded over where it stands above itself so that the distance from the fold, over the height, is more than
-/// this: where the angle is below some 60 degrees.
+/// A surface has folded over where it stands above itself so that the distance from the fold, over
+/// the height, is more than this: where the angle is below some 60 degrees.
 const FOLDED: f64 = 0.5;
-/// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front of the
-/// tangent plane of an accepted pair add nothing to it.
+/// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front
+/// of the tangent plane of an accepted pair add nothing to it.
 const PLANE: f64 = 0.02;
-/// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before is still taken for
-/// one that has just come through: it may have slipped between two faces in the step before.
+/// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before
+/// is still taken for one that has just come through: it may have slipped between two faces in the
+/// step before.
 pub(super) const BEHIND: f64 = 0.2;
 /// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
 pub(super) const BESIDE: f64 = 0.02;
-/// Two surfaces are opposed where the product of their unit normals is below this. At the corner of a block that lies
-/// flat on a face it is -1/sqrt(3) with the mean of the corner's three normals, on a top and a side face 0.
+/// Two surfaces are opposed where the product of their unit normals is below this. At the corner of
+/// a block that lies flat on a face it is -1/sqrt(3) with the mean of the corner's three normals,
+/// on a top and a side face 0.
 const OPPOSED: f64 = -0.3;
 /// Most pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
-/// Speed at which a tolerated penetration is given back to the gap, as a fraction of the wave speed of what touches: with 0.01 m/s in
-/// steel what starts inside each other parts, whatever the step, the depth and the mesh (see `CORRECT` in `enforce/mod.rs`,
-/// which it must be far below).
+/// Speed at which a tolerated penetration is given back to the gap, as a fraction of the wave speed
+/// of what touches: with 0.01 m/s in steel what starts inside each other parts, whatever the step,
+/// the depth and the mesh (see `CORRECT` in `enforce/mod.rs`, which it must be far below).
 const RELAX: f64 = 2e-6;
 
-/// Distance beyond which a slave and a segment that is new to it are no pair in a step in which they move by `step` against each
-/// other [length]: no gap closes from farther away, and nothing new is as far behind a solid's face.
+/// Distance beyond which a slave and a segment that is new to it are no pair in a step in which
+/// they move by `step` against each other [length]: no gap closes from farther away, and nothing
+/// new is as far behind a solid's face.
 pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
     /// A solid's face is met where it is when the step ends, warped and turned.
     const TURNED: f64 = 1.25;
@@ -61,7 +67,8 @@ pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
     REACH * surface.interfaces.most(surface.node_scale[slave as usize] + segment.scale)
 }
 
-/// Whether a segment is not new to a slave with these memories. What it remembers goes over to faces of solids beside.
+/// Whether a segment is not new to a slave with these memories. What it remembers goes over to
+/// faces of solids beside.
 pub fn is_known(segment: &Segment, memory: &[Memory]) -> bool {
     if segment.is_solid() { !memory.is_empty() } else { memory.iter().any(|m| m.is_of(segment.id)) }
 }
@@ -71,7 +78,8 @@ struct Find {
     pair: Pair,
     /// When within the step the gap closes, 0 for existing contact.
     impact: f64,
-    /// Normal velocity of the node against the segment without contact [length/time]; negative when closing.
+    /// Normal velocity of the node against the segment without contact [length/time]; negative when
+    /// closing.
     opening: f64,
     /// Segment to node [length].
     offset: V3,
@@ -86,9 +94,9 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of the slave at place `place` of the surface's slaves among its `meetings` (segments ascending), appended to `out` in
-/// ascending segment id. `memory` is what the node remembers of its pairs of the last step; `alive` tells which interfaces are
-/// there.
+/// Active pairs of the slave at place `place` of the surface's slaves among its `meetings`
+/// (segments ascending), appended to `out` in ascending segment id. `memory` is what the node
+/// remembers of its pairs of the last step; `alive` tells which interfaces are there.
 pub fn find_pairs(
     nodes: &Nodes,
     (surface, alive): (&Surface, &[bool]),
@@ -104,21 +112,24 @@ pub fn find_pairs(
         look(nodes, surface, &visit, memory, opposed)
     };
     let mut finds: Vec<Find> = meetings.iter().filter_map(found).collect();
-    // Existing contact first, nearest first; then by time of impact, the most opposed first; ids break ties.
+    // Existing contact first, nearest first; then by time of impact, the most opposed first; ids
+    // break ties.
     finds.sort_by(|a, b| {
         let by_time = a.impact.total_cmp(&b.impact);
-        let by_gap = if a.impact == 0.0 { a.gap.total_cmp(&b.gap) } else { a.opening.total_cmp(&b.opening) };
+        let by_gap =
+            if a.impact == 0.0 { a.gap.total_cmp(&b.gap) } else { a.opening.total_cmp(&b.opening) };
         by_time.then(by_gap).then(a.pair.segment.cmp(&b.pair.segment))
     });
     let mut accepted = 0;
     for i in 0..finds.len() {
-        // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off this segment;
-        // on a concave one it does not.
+        // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off
+        // this segment; on a concave one it does not.
         let f = &finds[i];
         let covered = |a: &Find| {
             // A beam may stand out of the shell that it lies on.
             let stands_out = if f.is_line || a.is_line { f.thickness - a.thickness } else { 0.0 };
-            f.offset.dot(&a.pair.normal) >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.thickness
+            f.offset.dot(&a.pair.normal)
+                >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.thickness
         };
         if accepted < MOST && !finds[..accepted].iter().any(covered) {
             finds.swap(accepted, i);
@@ -139,7 +150,8 @@ struct Visit<'a> {
     /// See [`Neighbours::ring`](crate::contact::neighbours::Neighbours::ring).
     ring: u8,
     interface: u16,
-    /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both [length].
+    /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both
+    /// [length].
     thickness: f64,
     /// Length that gaps are judged by [length].
     scale: f64,
@@ -161,7 +173,8 @@ impl<'a> Visit<'a> {
         let interface = surface.interface(place, segment)?;
         let (thickness, scale) = surface.sizes(interface, slave, segment);
         let around = surface.first(place);
-        let (first, speed) = (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
+        let (first, speed) =
+            (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
         Some(Self {
             segment,
             slave,
@@ -179,8 +192,8 @@ impl<'a> Visit<'a> {
     }
 }
 
-/// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean. Nodes of shells alone
-/// face everywhere.
+/// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean.
+/// Nodes of shells alone face everywhere.
 pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
     let (mut mean, mut faces) = (V3::zeros(), 0);
     for face in surface.around(place).filter(|s| s.is_solid()) {
@@ -194,7 +207,8 @@ pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal:
     faces == 0 || mean.dot(normal) < OPPOSED * mean.norm()
 }
 
-/// Where a node is against a segment: the direction in which it is to be kept off, and its distance along it.
+/// Where a node is against a segment: the direction in which it is to be kept off, and its distance
+/// along it.
 struct Place {
     normal: V3,
     /// Side of the node along the segment's own normal.
@@ -203,28 +217,36 @@ struct Place {
     reached: f64,
 }
 
-/// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node passes from one
-/// segment to the next or slides off. Deep inside, the side that is remembered of this segment decides, or of the next `beside`.
-fn beside_shell(visit: &Visit<'_>, offset: &V3, known: Option<f64>, beside: impl Fn() -> Option<f64>) -> Place {
+/// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node
+/// passes from one segment to the next or slides off. Deep inside, the side that is remembered of
+/// this segment decides, or of the next `beside`.
+fn beside_shell(
+    visit: &Visit<'_>,
+    offset: &V3,
+    known: Option<f64>,
+    beside: impl Fn() -> Option<f64>,
+) -> Place {
     let near = visit.near;
     let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
     let side = if near.rim { here } else { known.or_else(beside).unwrap_or(here) };
     let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
-    let (normal, reached) = if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
+    let (normal, reached) =
+        if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
     Place { normal, side, reached }
 }
 
-/// All around a line the normal turns with the node. One that was on the other side, by the normal that is remembered, and has come
-/// through is still kept on that side.
+/// All around a line the normal turns with the node. One that was on the other side, by the normal
+/// that is remembered, and has come through is still kept on that side.
 fn around_line(visit: &Visit<'_>, offset: &V3, known: Option<V3>) -> Place {
     let near = visit.near;
     let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
     Place { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
 }
 
-/// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face: it belongs to the
-/// same element, is deeper inside than it could have come, or is not over the face when the step ends.
+/// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face:
+/// it belongs to the same element, is deeper inside than it could have come, or is not over the
+/// face when the step ends.
 fn before_solid(nodes: &Nodes, visit: &Visit<'_>, at: &V3, old: bool) -> Option<Place> {
     let Visit { segment, slave, scale, dt, near, .. } = visit;
     let height = (at - near.point).dot(&near.normal);
@@ -236,51 +258,69 @@ fn before_solid(nodes: &Nodes, visit: &Visit<'_>, at: &V3, old: bool) -> Option<
     let met = nearest(&then, &segment.nodes.map(later), segment.is_triangle())?;
     let offset = then - met.point;
     let beside = (offset - met.normal * offset.dot(&met.normal)).norm();
-    (!met.rim || beside <= BESIDE * scale).then_some(Place { normal: near.normal, side: 1.0, reached: height })
+    (!met.rim || beside <= BESIDE * scale).then_some(Place {
+        normal: near.normal,
+        side: 1.0,
+        reached: height,
+    })
 }
 
-/// Whether the surface has folded over between a slave and a shell next to its own ones, so that the slave stands above
-/// the shell's inside. The shell's rim is that of the slave's segments too, or of what comes next; were it met, a mesh finer
-/// than its thickness would touch itself in its plane and at every corner.
+/// Whether the surface has folded over between a slave and a shell next to its own ones, so that
+/// the slave stands above the shell's inside. The shell's rim is that of the slave's segments too,
+/// or of what comes next; were it met, a mesh finer than its thickness would touch itself in its
+/// plane and at every corner.
 fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
     let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
-    let mean =
-        |of: &[usize]| of.iter().map(|&k| v3(&nodes.x[visit.segment.nodes[k] as usize])).sum::<V3>() / of.len() as f64;
+    let mean = |of: &[usize]| {
+        of.iter().map(|&k| v3(&nodes.x[visit.segment.nodes[k] as usize])).sum::<V3>()
+            / of.len() as f64
+    };
     let corners = if visit.segment.is_triangle() { 3 } else { 4 };
     let (ring, others): (Vec<usize>, Vec<usize>) = (0..corners).partition(in_ring);
     let near = visit.near;
     if near.rim || others.is_empty() {
         return false;
     }
-    let inside = others.iter().map(|&k| near.shape[k]).sum::<f64>() * (mean(&others) - mean(&ring)).norm();
+    let inside =
+        others.iter().map(|&k| near.shape[k]).sum::<f64>() * (mean(&others) - mean(&ring)).norm();
     inside > FOLDED * offset.norm()
 }
 
-/// Penetration that was not there through an impact (around a rim) is let be and given back slowly; one that was there at the start
-/// is not given back at all ([`Pair::kept`]), since that would drive apart what lies still. So is
-/// what a pair is deeper than before without having moved that far, at most by `moved` [length]: its normal has turned, or it
-/// follows on that of another segment or edge. A force against that would come from nothing, and make energy. The step
-/// `dt` and the wave speed of what touches say how much is given back.
+/// Penetration that was not there through an impact (around a rim) is let be and given back slowly;
+/// one that was there at the start is not given back at all ([`Pair::kept`]), since that would
+/// drive apart what lies still. So is what a pair is deeper than before without having moved that
+/// far, at most by `moved` [length]: its normal has turned, or it follows on that of another
+/// segment or edge. A force against that would come from nothing, and make energy. The step `dt`
+/// and the wave speed of what touches say how much is given back.
 pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64, dt: f64, speed: f64) -> f64 {
     let Some(old) = old else { return gap.min(0.0) };
     let jump = (gap + old.depth + moved).min(0.0);
     ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
 }
 
-/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a step like the last one [length].
-pub(super) fn moved(nodes: &Nodes, of: impl Iterator<Item = u32>, against: u32, dt: f64, scale: f64) -> f64 {
+/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a
+/// step like the last one [length].
+pub(super) fn moved(
+    nodes: &Nodes,
+    of: impl Iterator<Item = u32>,
+    against: u32,
+    dt: f64,
+    scale: f64,
+) -> f64 {
     /// Steps may become shorter.
     const SHORTER: f64 = 2.0;
     /// A fraction of the scale that is no jump, above all none of round-off where nothing moves.
     const LITTLE: f64 = 1e-3;
     let v = |n: u32| v3(&nodes.v[n as usize]);
-    SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt() + LITTLE * scale
+    SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt()
+        + LITTLE * scale
 }
 
-/// Lever arms of friction on the slave and on the segment, as they are to each other; nought without friction. The
-/// surfaces are half a thickness off the middles. But what turns a shell about its normal meets next to no stiffness: where friction
-/// acts on the rim of one, the other side bears the couple. So each half thickness counts by the square of the cosine
-/// between the pair's normal and the shell's.
+/// Lever arms of friction on the slave and on the segment, as they are to each other; nought
+/// without friction. The surfaces are half a thickness off the middles. But what turns a shell
+/// about its normal meets next to no stiffness: where friction acts on the rim of one, the other
+/// side bears the couple. So each half thickness counts by the square of the cosine between the
+/// pair's normal and the shell's.
 fn levers(nodes: &Nodes, surface: &Surface, visit: &Visit<'_>, normal: &V3) -> [f64; 2] {
     /// Both surfaces are met at their rims where neither square is above this.
     const RIM: f64 = 1e-6;
@@ -321,13 +361,18 @@ fn look(
     let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
     let is_fresh = |m: &&Memory| m.age == 0 || m.is_fresh(moved(), scale);
     let known = memory.iter().find(|m| m.is_of(segment.id)).filter(is_fresh);
-    // A node that slid over an edge keeps what it had on the neighbouring segment; another body's that faces the same way is
-    // none of it.
-    let slid_here = |m: &&Memory, normal: &V3| m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment);
-    // What was there in the last step comes before what was lost earlier, whichever segment it was on.
+    // A node that slid over an edge keeps what it had on the neighbouring segment; another body's
+    // that faces the same way is none of it.
+    let slid_here = |m: &&Memory, normal: &V3| {
+        m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment)
+    };
+    // What was there in the last step comes before what was lost earlier, whichever segment it was
+    // on.
     let kept = |normal: &V3| {
         let present = known.filter(|m| m.age == 0);
-        let slid = |lost: bool| memory.iter().filter(is_fresh).find(|m| (m.age > 0) == lost && slid_here(m, normal));
+        let slid = |lost: bool| {
+            memory.iter().filter(is_fresh).find(|m| (m.age > 0) == lost && slid_here(m, normal))
+        };
         present.or_else(|| slid(false)).or(known).or_else(|| slid(true))
     };
     let Place { normal, side, reached } = if segment.is_solid() {
@@ -339,18 +384,27 @@ fn look(
         before_solid(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
         // A node that is past the middle of one segment has not come to the other side of the next.
-        let past = |m: &&Memory| m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment);
+        let past = |m: &&Memory| {
+            m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment)
+        };
         if surface.has_lines && segment.is_line() {
-            around_line(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
+            around_line(
+                visit,
+                &offset,
+                known.or_else(|| memory.iter().find(past)).map(|m| m.normal),
+            )
         } else {
-            let turned = |m: &Memory| Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum);
+            let turned = |m: &Memory| {
+                Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum)
+            };
             let on_side = || memory.iter().filter(past).find_map(turned);
             beside_shell(visit, &offset, known.map(|m| m.side), on_side)
         }
     };
     let gap = reached - thickness;
     let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
-    let point_velocity: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
+    let point_velocity: V3 =
+        segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
     // What is tolerated is no gap: it can only make the pair less near.
@@ -362,8 +416,11 @@ fn look(
     if predicted - tolerated >= ACTIVE * scale {
         return None;
     }
-    let impact =
-        if old.is_some() || gap <= 0.0 { 0.0 } else { (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0) };
+    let impact = if old.is_some() || gap <= 0.0 {
+        0.0
+    } else {
+        (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0)
+    };
     let [a, b, c, d] = near.shape;
     let shape = by_role([1.0, a, b, c, d]);
     let [i, j, k, l] = segment.nodes;
@@ -378,10 +435,22 @@ fn look(
         speed,
         first: visit.first,
         own: true,
-        ..Pair::unknown(Name::of_node(nodes.id[slave as usize], segment.id), segment.id, [slave, i, j, k, l])
+        ..Pair::unknown(
+            Name::of_node(nodes.id[slave as usize], segment.id),
+            segment.id,
+            [slave, i, j, k, l],
+        )
     };
     let is_line = surface.has_lines && segment.is_line();
-    Some(Find { pair: pair.remembering(old, gap, tolerated), impact, opening, offset, thickness, is_line, gap })
+    Some(Find {
+        pair: pair.remembering(old, gap, tolerated),
+        impact,
+        opening,
+        offset,
+        thickness,
+        is_line,
+        gap,
+    })
 }
 
 #[cfg(test)]
@@ -421,13 +490,18 @@ mod tests {
             assert!((back / (1000.0 * dt * RELAX * speed) - 1.0).abs() < 1e-6, "step {dt}: {back}");
         }
         memory.tolerated = -1e-9;
-        assert_eq!(tolerated(Some(&memory), -depth, 0.0, 1e-3, speed), 0.0, "and no more than there is");
+        assert_eq!(
+            tolerated(Some(&memory), -depth, 0.0, 1e-3, speed),
+            0.0,
+            "and no more than there is"
+        );
     }
 
     /// A square face of a solid with its corners moved, and a slave.
     fn face_and_slave(corners: [[f64; 3]; 4], at: [f64; 3]) -> (Nodes, Surface) {
         const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let corner = |k: usize| [SQUARE[k][0] + corners[k][0], SQUARE[k][1] + corners[k][1], corners[k][2]];
+        let corner =
+            |k: usize| [SQUARE[k][0] + corners[k][0], SQUARE[k][1] + corners[k][1], corners[k][2]];
         let nodes = nodes_at(&[corner(0), corner(1), corner(2), corner(3), at]);
         let face = Segment {
             id: SegmentId(8),
@@ -453,7 +527,8 @@ mod tests {
 
     const SCALE: f64 = 0.25;
 
-    /// A node 0.05 deep in the second of two shells side by side, with what it remembers of them: force and what was let be.
+    /// A node 0.05 deep in the second of two shells side by side, with what it remembers of them:
+    /// force and what was let be.
     fn on_the_second_of_two(memory: &[Memory]) -> (f64, f64) {
         const HALF: f64 = 0.1;
         let row = |y: f64| [0.0, 1.0, 2.0].map(|x| [x, y, 0.0]);
@@ -480,39 +555,71 @@ mod tests {
         let near = nearest(&at, &surface.segments[1].corners(&nodes.x), false).unwrap();
         let of = Neighbours { place: 0, segment: 1, ring: 0, is_lone: false };
         let mut found = Vec::new();
-        find_pairs(&nodes, (&surface, &[true]), 0, &[Meeting { of, step: 0.0, near }], memory, 0.0, &mut found);
+        find_pairs(
+            &nodes,
+            (&surface, &[true]),
+            0,
+            &[Meeting { of, step: 0.0, near }],
+            memory,
+            0.0,
+            &mut found,
+        );
         let [pair] = found[..] else { panic!("one pair, not {}", found.len()) };
         assert!((pair.depth - 0.05).abs() < 1e-15 && pair.normal == V3::z());
         (pair.force.z, pair.tolerated)
     }
 
-    /// What was there in the last step is taken over before what was lost earlier, though that was of the same segment.
+    /// What was there in the last step is taken over before what was lost earlier, though that was
+    /// of the same segment.
     #[test]
     fn memories_of_the_last_step_come_before_lost_ones() {
         let pair = |segment: u64, force: f64, tolerated: f64| {
             let name = Name::of_node(NodeId(7), SegmentId(segment));
             let (normal, side) = (V3::z(), 1.0);
-            let of = Pair { normal, side, thickness: 0.2, ..Pair::unknown(name, SegmentId(segment), [6, 0, 0, 0, 0]) };
+            let of = Pair {
+                normal,
+                side,
+                thickness: 0.2,
+                ..Pair::unknown(name, SegmentId(segment), [6, 0, 0, 0, 0])
+            };
             Pair { force: V3::z() * force, ..of.remembering(None, -0.05, tolerated) }.memory()
         };
         let lost = |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).lost().unwrap();
         // Times without length give nothing back.
         assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own, lost");
         assert_eq!(on_the_second_of_two(&[pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own");
-        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01)]), (2.0, -0.01), "from where it slid");
-        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01), lost(16, -0.04)]), (2.0, -0.01), "not its own, lost");
-        assert_eq!(on_the_second_of_two(&[pair(8, 2.0, -0.01), pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own first");
-        assert_eq!(on_the_second_of_two(&[lost(8, -0.02), lost(16, -0.04)]), (0.0, -0.04), "of lost ones its own");
+        assert_eq!(
+            on_the_second_of_two(&[pair(8, 2.0, -0.01)]),
+            (2.0, -0.01),
+            "from where it slid"
+        );
+        assert_eq!(
+            on_the_second_of_two(&[pair(8, 2.0, -0.01), lost(16, -0.04)]),
+            (2.0, -0.01),
+            "not its own, lost"
+        );
+        assert_eq!(
+            on_the_second_of_two(&[pair(8, 2.0, -0.01), pair(16, 3.0, -0.03)]),
+            (3.0, -0.03),
+            "its own first"
+        );
+        assert_eq!(
+            on_the_second_of_two(&[lost(8, -0.02), lost(16, -0.04)]),
+            (0.0, -0.04),
+            "of lost ones its own"
+        );
     }
 
     #[test]
     fn a_slave_with_a_past_is_given_faces_that_it_may_go_over_to() {
         let (nodes, surface) = face_and_slave([[0.0; 3]; 4], [0.5, 0.5, 0.3]);
-        let pair = Pair::unknown(Name::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
+        let pair =
+            Pair::unknown(Name::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
         let picked = |memory: &[Memory]| {
             let mut near = Vec::new();
-            let mut picker =
-                Picker::new(&nodes, &surface, (0.0, 0.0), |g| Sphere::around(&surface.segments[g].corners(&nodes.x)));
+            let mut picker = Picker::new(&nodes, &surface, (0.0, 0.0), |g| {
+                Sphere::around(&surface.segments[g].corners(&nodes.x))
+            });
             picker.look(0, &[0], memory, &mut near);
             picker.finish(&mut near);
             near.len()
@@ -522,7 +629,8 @@ mod tests {
     }
 
     proptest! {
-        /// However a face is warped and moves, what it would meet in the step is within the bound of what is looked at.
+        /// However a face is warped and moves, what it would meet in the step is within the bound
+        /// of what is looked at.
         #[test]
         fn nothing_new_is_met_from_beyond_reach(
             corners in prop::array::uniform4(prop::array::uniform3(-0.15..0.15f64)),

@@ -1,5 +1,5 @@
-//! Which near segments come into reach of their slaves in the step, and where they are nearest: several at once, whoever their
-//! slaves are.
+//! Which near segments come into reach of their slaves in the step, and where they are nearest:
+//! several at once, whoever their slaves are.
 
 use crate::contact::geometry::{Nearest, V3};
 use crate::contact::kernels::{is_beside, is_in, is_within, project, slab};
@@ -7,7 +7,7 @@ use crate::contact::local::{reach, reach_of_old};
 use crate::contact::neighbours::{Four, Neighbours};
 use crate::contact::pairs::Memory;
 use crate::contact::surface::Surface;
-use crate::lanes::{LANES, Lane};
+use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
 /// Neighbours that may touch in the step.
@@ -15,7 +15,8 @@ use crate::nodes::{Nodes, xyz};
 pub struct Meeting {
     /// Who meets.
     pub of: Neighbours,
-    /// The most that the slave and a node of the segment move against each other, contact not yet felt [length].
+    /// The most that the slave and a node of the segment move against each other, contact not yet
+    /// felt [length].
     pub step: f64,
     /// Where the segment is nearest.
     pub near: Nearest,
@@ -56,7 +57,8 @@ impl Meetings {
             for (lane, &(of, step)) in some.iter().enumerate() {
                 let segment = four.segment[lane];
                 let near = match surface.has_lines && segment.is_line() {
-                    true => segment.nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
+                    true => segment
+                        .nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
                     false => Nearest::of(&found, lane),
                 };
                 self.all.extend(near.map(|near| Meeting { of, step, near }));
@@ -64,8 +66,8 @@ impl Meetings {
         }
     }
 
-    /// A cheap look before the projection: is the node within reach of the segment's box and of its mean plane, and not beside
-    /// one that has to fold over to be met?
+    /// A cheap look before the projection: is the node within reach of the segment's box and of its
+    /// mean plane, and not beside one that has to fold over to be met?
     fn keep_reached<'a>(
         &mut self,
         nodes: &Nodes,
@@ -78,9 +80,12 @@ impl Meetings {
         let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
         let v = four.slaves(&nodes.next_v);
         let apart = four.corners(&nodes.next_v).map(|of| (of - v).square());
-        let step = (apart[0].max(apart[1]).max(apart[2].max(apart[3])).sqrt() * Lane::splat(dt)).to_array();
+        let step = (apart[0].max(apart[1]).max(apart[2].max(apart[3])).sqrt() * Lane::splat(dt))
+            .to_array();
         let [new, old]: [[f64; LANES]; 2] = [
-            std::array::from_fn(|lane| reach(surface, four.slave[lane], four.segment[lane], step[lane])),
+            std::array::from_fn(|lane| {
+                reach(surface, four.slave[lane], four.segment[lane], step[lane])
+            }),
             std::array::from_fn(|lane| reach_of_old(surface, four.slave[lane], four.segment[lane])),
         ];
         let slab = slab(at, &q);
@@ -90,7 +95,8 @@ impl Meetings {
         let is_turned_away = if ring { is_beside(at, &q, 0.0) } else { Lane::splat(0.0) };
         for (lane, &of) in some.iter().enumerate() {
             let segment = four.segment[lane];
-            let goes_over = |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+            let goes_over =
+                |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
             let is_kept = || memory(of.place).iter().any(|m| m.is_of(segment.id) || goes_over(m));
             let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
             if reaches && !(of.ring != 0 && is_in::<Lane>(is_turned_away, lane)) {
@@ -108,13 +114,23 @@ mod tests {
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
 
-    /// Six nodes on a bent strip of a quad, a triangle and a solid's face, four slaves above, and where they go.
+    /// Six nodes on a bent strip of a quad, a triangle and a solid's face, four slaves above, and
+    /// where they go.
     fn scene() -> (Nodes, Surface) {
-        let strip =
-            [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.1, 1.0, 0.1], [0.0, 1.0, 0.0], [2.0, 0.0, -0.2], [2.1, 1.0, 0.0]];
+        let strip = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.1, 0.0],
+            [1.1, 1.0, 0.1],
+            [0.0, 1.0, 0.0],
+            [2.0, 0.0, -0.2],
+            [2.1, 1.0, 0.0],
+        ];
         let above = [[0.4, 0.4, 0.1], [0.95, 0.5, 0.12], [1.6, 0.3, 0.05], [0.2, 1.1, 0.1]];
         let mut nodes = nodes_at(&[&strip[..], &above[..]].concat());
-        nodes.next_v[6..].iter_mut().zip(1..).for_each(|(v, k)| *v = [0.1, 0.0, -0.05 * f64::from(k), 0.0]);
+        nodes.next_v[6..]
+            .iter_mut()
+            .zip(1..)
+            .for_each(|(v, k)| *v = [0.1, 0.0, -0.05 * f64::from(k), 0.0]);
         let segment = |(i, (nodes, half)): (usize, ([u32; 4], f64))| Segment {
             id: SegmentId(8 * (i as u64 + 1)),
             nodes,
@@ -140,19 +156,28 @@ mod tests {
     #[test]
     fn a_pair_meets_in_company_where_it_meets_alone() {
         let (nodes, surface) = scene();
-        let past = Pair::unknown(Name::of_node(NodeId(8), SegmentId(16)), SegmentId(16), [7, 1, 4, 2, 2]).memory();
+        let past =
+            Pair::unknown(Name::of_node(NodeId(8), SegmentId(16)), SegmentId(16), [7, 1, 4, 2, 2])
+                .memory();
         let remembered = [past];
         let memory = |place: u32| if place == 1 { &remembered[..] } else { &[] };
         let asked: Vec<Neighbours> = (0..4)
             .flat_map(|place| (0..3).map(move |segment| (place, segment)))
-            .map(|(place, segment)| Neighbours { place, segment, ring: (place == 3) as u8, is_lone: false })
+            .map(|(place, segment)| Neighbours {
+                place,
+                segment,
+                ring: (place == 3) as u8,
+                is_lone: false,
+            })
             .collect();
         let meet = |asked: &[Neighbours]| {
             let mut meetings = Meetings::default();
             meetings.find(&nodes, &surface, asked, memory, 1.0);
             let told = |m: &Meeting| {
-                let numbers = m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
-                let bits: Vec<u64> = numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
+                let numbers =
+                    m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
+                let bits: Vec<u64> =
+                    numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
                 (m.of.place, m.of.segment, m.near.rim, bits)
             };
             meetings.all.iter().map(told).collect::<Vec<_>>()

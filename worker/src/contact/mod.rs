@@ -1,14 +1,15 @@
 //! Contact: search, then enforce. Pairs and their history.
 //!
-//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next search, and which edges
-//!    an edge?
-//! 2. local search (`local.rs` for nodes, `edges.rs` for edges, `facets.rs` for segments), every step: which of those that
-//!    are near (`close.rs`) does it meet in this step?
-//! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of other workers included
-//!    (`pairs.rs`)
+//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next
+//!    search, and which edges an edge?
+//! 2. local search (`local.rs` for nodes, `edges.rs` for edges, `facets.rs` for segments), every
+//!    step: which of those that are near (`close.rs`) does it meet in this step?
+//! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of
+//!    other workers included (`pairs.rs`)
 //!
-//! Normal forces of a pair are on one line, whichever points of it they act at. Friction acts on the surfaces, half a thickness off the
-//! nodes: it turns nodes too, and their spins are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
+//! Normal forces of a pair are on one line, whichever points of it they act at. Friction acts on
+//! the surfaces, half a thickness off the nodes: it turns nodes too, and their spins are part of
+//! the sliding velocity, in all sweeps ([`Pair::lever`]).
 
 mod acceleration;
 pub mod approach;
@@ -35,13 +36,13 @@ pub mod search;
 pub mod surface;
 mod sweep;
 
+use crate::constraints::rigid::Bodies;
+use crate::constraints::ties::Joined;
+use crate::constraints::walls::Walls;
 use crate::energy::{ContactWork, Work};
-use crate::halo::Halo;
-use crate::motion::Motion;
+use crate::math::rigid_motion::Motion;
 use crate::nodes::{Nodes, Row, row, xyz};
-use crate::rigid::Bodies;
-use crate::ties::Joined;
-use crate::wall::Walls;
+use crate::parallel::ghosts::Halo;
 use close::{Close, Picker};
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -83,7 +84,8 @@ pub struct Contact {
     neighbours: Vec<Neighbours>,
     /// What of these may touch in a step.
     meetings: Meetings,
-    /// Motion since `close` was made, and what relative motion there was between the search and that [length].
+    /// Motion since `close` was made, and what relative motion there was between the search and
+    /// that [length].
     since_close: Motion,
     moved: f64,
     /// Stiffness per segment, empty unless the law wants it [force/length].
@@ -107,23 +109,27 @@ pub struct Contact {
     pub sweeps: u64,
     /// Most accelerated sweeps in a step.
     accelerated: usize,
-    /// Steps so far with accelerated sweeps, and steps whose sweeps ended before the forces of all pairs were good enough.
+    /// Steps so far with accelerated sweeps, and steps whose sweeps ended before the forces of all
+    /// pairs were good enough.
     pub unsettled: [u64; 2],
-    /// Pairs that were held softer than the job asks so that the step stays stable, summed over the steps so far.
+    /// Pairs that were held softer than the job asks so that the step stays stable, summed over the
+    /// steps so far.
     pub capped: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
     pub penetration: f64,
-    /// Largest rate at which something near passed what it could meet in the last step, where that may limit the step [1/time].
+    /// Largest rate at which something near passed what it could meet in the last step, where that
+    /// may limit the step [1/time].
     pub approach: f64,
-    /// Whether pairs of each interface were looked for in the last step: what penetrates when they first are, has from the start.
+    /// Whether pairs of each interface were looked for in the last step: what penetrates when they
+    /// first are, has from the start.
     begun: Vec<bool>,
 }
 
 /// Every so many cycles surfaces are looked at for folds.
 const FOLDS_EVERY: u64 = 64;
 
-/// How far beyond their own box segments must be known for a search with the local search's reach, by the scales of
-/// segment and nodes [length].
+/// How far beyond their own box segments must be known for a search with the local search's reach,
+/// by the scales of segment and nodes [length].
 pub fn reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
     local::REACH * interfaces.most(segment_scale + largest_scale)
 }
@@ -132,11 +138,14 @@ impl Contact {
     /// Contact with an empty surface.
     ///
     /// # Panics
-    /// On a law or search that is not in the tables; the master checks names before it deals out work.
+    /// On a law or search that is not in the tables; the master checks names before it deals out
+    /// work.
     pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
         let laws = Laws::of(job, parts);
-        let method =
-            SEARCHES.iter().find(|s| s.name == job.search).unwrap_or_else(|| panic!("no search {}", job.search));
+        let method = SEARCHES
+            .iter()
+            .find(|s| s.name == job.search)
+            .unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
             begun: vec![false; laws.count()],
             facets: Facets::new(laws.by_segments()),
@@ -174,12 +183,18 @@ impl Contact {
     }
 
     /// Takes a new surface and what its slaves remember; candidates must be searched again.
-    pub fn renew(&mut self, surface: Surface, nodes: &Nodes, memory_of: impl Fn(NodeId) -> Vec<Memory>) {
+    pub fn renew(
+        &mut self,
+        surface: Surface,
+        nodes: &Nodes,
+        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+    ) {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
         self.surface.link_faces(nodes.held);
         self.surface.speeds.clone_from(&self.speeds);
-        let stiffness = self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
+        let stiffness =
+            self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
         self.memories.clear();
         self.memory_start.clear();
@@ -188,7 +203,8 @@ impl Contact {
         for &s in &self.surface.slaves {
             self.memory_start.push(self.memories.len() as u32);
             let start = self.memories.len();
-            self.memories.extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
+            self.memories
+                .extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
             self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
         self.memory_start.push(self.memories.len() as u32);
@@ -199,7 +215,8 @@ impl Contact {
         }
     }
 
-    /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what tells when to search.
+    /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what
+    /// tells when to search.
     pub fn bytes(&self) -> usize {
         let lists = [&self.candidate_start, &self.candidates, &self.memory_start];
         self.surface.bytes()
@@ -216,7 +233,9 @@ impl Contact {
 
     /// What each slave remembers; edges under all nodes of their pairs, segments under their own.
     pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
-        let run = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        let run = |i: usize| {
+            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+        };
         let of_nodes = self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)));
         let others = self.edges.memories().chain(self.facets.memories());
         of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))
@@ -227,7 +246,8 @@ impl Contact {
         crossing::crossings(&self.surface, nodes, time, self.find)
     }
 
-    /// Whether workers ask each other in every step if their sweeps have settled, to accelerate them if not.
+    /// Whether workers ask each other in every step if their sweeps have settled, to accelerate
+    /// them if not.
     pub fn accelerates(&self) -> bool {
         self.accelerated > 0 && self.laws.converge()
     }
@@ -237,13 +257,14 @@ impl Contact {
         self.surface.velocities(nodes)
     }
 
-    /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this worker knows.
+    /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this
+    /// worker knows.
     pub fn record_of(&self, part: usize) -> (bool, bool) {
         self.record.part(&self.surface.segments, part)
     }
 
-    /// Active pairs of owned nodes after the last local search, as ids of the slave, or its lower node, and
-    /// of the segment.
+    /// Active pairs of owned nodes after the last local search, as ids of the slave, or its lower
+    /// node, and of the segment.
     pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
         self.table.pairs.iter().filter(|p| p.own).map(|p| (p.name.slave, p.segment))
     }
@@ -258,21 +279,29 @@ impl Contact {
         self.table.pairs.iter().filter(|p| p.own)
     }
 
-    /// Slaves that have candidates, with the number of those that are near, once these have been searched for.
+    /// Slaves that have candidates, with the number of those that are near, once these have been
+    /// searched for.
     pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let runs = self.close.list.chunk_by(|a, b| a.place == b.place);
         runs.map(|run| (self.surface.slaves[run[0].place as usize], run.len()))
     }
 
-    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know after `quiet` rounds that all are
-    /// quiet.
+    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know
+    /// after `quiet` rounds that all are quiet.
     pub fn exchange(&self, sweeps: f64, quiet: u64) -> Exchange {
         Exchange::of(&self.laws, sweeps, quiet)
     }
 
-    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they have used up that one's. Finds
-    /// [`Self::approach`] too; `stable` is the step that elements leave [time].
-    pub fn refresh_candidates(&mut self, nodes: &Nodes, joined: Joined<'_>, (time, dt): (f64, f64), stable: f64) {
+    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they
+    /// have used up that one's. Finds [`Self::approach`] too; `stable` is the step that elements
+    /// leave [time].
+    pub fn refresh_candidates(
+        &mut self,
+        nodes: &Nodes,
+        joined: Joined<'_>,
+        (time, dt): (f64, f64),
+        stable: f64,
+    ) {
         let spread = spread(&nodes.next_v);
         // Else no two nodes pass the thinnest of segments in a step of elements.
         let fast = stable * spread > self.surface.thinnest;
@@ -284,11 +313,19 @@ impl Contact {
     fn approach_rate(&self, nodes: &Nodes, time: f64, dt: f64) -> f64 {
         let s = &self.surface;
         let of_slave = |(i, &slave): (usize, &u32)| {
-            let found = &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
+            let found = &self.candidates
+                [self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
             let of_pair = |&g: &u32| {
                 let segment = &s.segments[g as usize];
-                let interface = s.interface(i, segment).filter(|&k| !s.interfaces.is_over(k, time))?;
-                Some(approach::rate(nodes, slave, segment, s.sizes(interface, slave, segment).1, dt))
+                let interface =
+                    s.interface(i, segment).filter(|&k| !s.interfaces.is_over(k, time))?;
+                Some(approach::rate(
+                    nodes,
+                    slave,
+                    segment,
+                    s.sizes(interface, slave, segment).1,
+                    dt,
+                ))
             };
             found.iter().filter_map(of_pair).fold(0.0, f64::max)
         };
@@ -299,7 +336,8 @@ impl Contact {
     fn refresh(&mut self, nodes: &Nodes, joined: Joined<'_>, step: f64, fast: bool) {
         let fresh = !self.candidate_start.is_empty();
         let moved = if fresh { 2.0 * self.since_close.update(&nodes.x).residual } else { 0.0 };
-        // What comes near in the next steps has to be known, unless that is so much that the step goes by the whole surface.
+        // What comes near in the next steps has to be known, unless that is so much that the step
+        // goes by the whole surface.
         let ahead = approach::STEPS * (2.0 * step).max(self.close.step);
         let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
         let used_up = self.moved + moved + ahead > self.skin;
@@ -312,7 +350,8 @@ impl Contact {
         }
         self.since_close.restart(&nodes.x, Vec::new());
         self.moved += moved;
-        let spheres: Vec<Sphere> = self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
+        let spheres: Vec<Sphere> =
+            self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
         if !fresh || self.moved + self.close.skin + ahead > self.skin {
             self.search(nodes, &spheres, joined);
             self.search_edges(nodes, joined);
@@ -321,8 +360,12 @@ impl Contact {
         } else if self.edges.is_stale() {
             self.search_edges(nodes, joined);
         }
-        let found = |i: usize| &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize];
-        let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        let found = |i: usize| {
+            &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize]
+        };
+        let memory = |i: usize| {
+            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+        };
         self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
         self.pick(nodes);
     }
@@ -335,12 +378,15 @@ impl Contact {
     /// Which edges and segments could meet others before the list of near segments is made over.
     fn pick(&mut self, nodes: &Nodes) {
         self.edges.pick(nodes, &self.surface, self.close.skin, self.close.step);
-        self.edges.near().for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
+        self.edges
+            .near()
+            .for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
         self.facets.pick(nodes, &self.surface, self.close.skin, self.close.step);
         self.facets.near(&self.surface).for_each(|(slave, met)| self.record.near(slave, met));
     }
 
-    /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are where their owners have them.
+    /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are
+    /// where their owners have them.
     pub fn look_at_folds(&mut self, nodes: &mut Nodes, cycle: u64) {
         if self.with_edges && cycle.is_multiple_of(FOLDS_EVERY) {
             nodes.seen.clone_from(&nodes.x);
@@ -357,15 +403,19 @@ impl Contact {
         let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
         {
             let largest = s.largest_scale();
-            let bounds = |g: &Segment| g.bounds(&nodes.x, reach(&s.interfaces, g.scale, largest) + self.skin);
+            let bounds = |g: &Segment| {
+                g.bounds(&nodes.x, reach(&s.interfaces, g.scale, largest) + self.skin)
+            };
             let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
-            let points: Vec<[f64; 3]> = s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
+            let points: Vec<[f64; 3]> =
+                s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
             (self.find)(&boxes, &points, &mut |g, p| {
                 let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
                 let reach = local::reach_of_old(s, slave, segment) + self.skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
                 let touches = || s.interface(p as usize, segment).is_some();
-                let is_other = !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes);
+                let is_other =
+                    !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes);
                 if !is_far && is_other && touches() {
                     found.push(p);
                     count[g as usize] += 1;
@@ -395,7 +445,9 @@ impl Contact {
         let alive: Vec<bool> = (0..self.surface.interfaces.count() as u16).map(is_alive).collect();
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
-        let memory = |i: usize| &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize];
+        let memory = |i: usize| {
+            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+        };
         let has_new_past = |n: &Neighbours| n.is_lone && !memory(n.place as usize).is_empty();
         let near = match self.close.list.iter().any(has_new_past) {
             false => &self.close.list,
@@ -406,7 +458,8 @@ impl Contact {
                 for run in self.close.list.chunk_by(|a, b| a.place == b.place) {
                     let i = run[0].place as usize;
                     if has_new_past(&run[0]) {
-                        let found = self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize;
+                        let found =
+                            self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize;
                         picker.look(i, &self.candidates[found], memory(i), &mut self.neighbours);
                         picker.finish(&mut self.neighbours);
                     } else {
@@ -419,7 +472,15 @@ impl Contact {
         self.meetings.find(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
         for meetings in self.meetings.all.chunk_by(|a, b| a.of.place == b.of.place) {
             let i = meetings[0].of.place as usize;
-            local::find_pairs(nodes, (&self.surface, &alive), i, meetings, memory(i), steps.dt, &mut pairs);
+            local::find_pairs(
+                nodes,
+                (&self.surface, &alive),
+                i,
+                meetings,
+                memory(i),
+                steps.dt,
+                &mut pairs,
+            );
         }
         if !self.stiffness.is_empty() {
             for p in &mut pairs {
@@ -432,7 +493,13 @@ impl Contact {
             pairs.retain(|p| !self.facets.covers(nodes, (&self.surface, &alive), joined, p));
         }
         let of_nodes = pairs.len();
-        self.edges.find_pairs(nodes, (&self.surface, &alive), &self.stiffness, steps.dt, &mut pairs);
+        self.edges.find_pairs(
+            nodes,
+            (&self.surface, &alive),
+            &self.stiffness,
+            steps.dt,
+            &mut pairs,
+        );
         if with_segments {
             pairs.iter_mut().for_each(|p| p.area = p.thickness * p.thickness);
             self.facets.find_pairs(nodes, (&self.surface, &alive), steps.dt, &mut pairs);
@@ -477,11 +544,17 @@ impl Contact {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn share_pairs(&mut self, wire: &mut dyn Transport, nodes: &Nodes, halo: &Halo) -> Result<(), Lost> {
+    pub fn share_pairs(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &Nodes,
+        halo: &Halo,
+    ) -> Result<(), Lost> {
         self.table.share(wire, nodes, halo)
     }
 
-    /// Contact forces; brings the velocities of the nodes that pairs touch to those with contact and walls.
+    /// Contact forces; brings the velocities of the nodes that pairs touch to those with contact
+    /// and walls.
     ///
     /// # Errors
     /// A worker is gone.
@@ -504,8 +577,17 @@ impl Contact {
         }
         let coupled = bodies.meet(wire, &t.touched, nodes, couples)?;
         let (free, free_spins) = (&self.free[..], &self.free_spins[..]);
-        let mut sweeps =
-            Sweeps { laws: &self.laws, nodes, free, free_spins, walls, bodies, coupled, steps, accelerated };
+        let mut sweeps = Sweeps {
+            laws: &self.laws,
+            nodes,
+            free,
+            free_spins,
+            walls,
+            bodies,
+            coupled,
+            steps,
+            accelerated,
+        };
         let swept = sweeps.run(t, wire)?;
         self.sweeps += swept.sweeps;
         for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
@@ -514,10 +596,16 @@ impl Contact {
         Ok(())
     }
 
-    /// Nodes that pairs touch, ascending, with their velocities after contact but before walls [length/time].
-    pub fn pushed<'a>(&'a self, nodes: &'a Nodes, steps: Steps) -> impl Iterator<Item = (u32, Row)> + 'a {
+    /// Nodes that pairs touch, ascending, with their velocities after contact but before walls
+    /// [length/time].
+    pub fn pushed<'a>(
+        &'a self,
+        nodes: &'a Nodes,
+        steps: Steps,
+    ) -> impl Iterator<Item = (u32, Row)> + 'a {
         let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free);
-        touched.map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.push)))
+        touched
+            .map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.push)))
     }
 
     /// Contact force on local node `n` in this step [force].
@@ -542,8 +630,11 @@ impl Contact {
         if !surface.interfaces.limits_friction() {
             return;
         }
-        let is_limited =
-            |p: &Pair| p.own && p.name.is_node() && surface.interfaces.friction_limit(p.interface) < f64::INFINITY;
+        let is_limited = |p: &Pair| {
+            p.own
+                && p.name.is_node()
+                && surface.interfaces.friction_limit(p.interface) < f64::INFINITY
+        };
         let noted = |(q, p): (usize, &Pair)| {
             let area = surface.area_of(p, &nodes.x, |n| t.bears(n, &p.normal));
             (q, self.force_on(p.nodes[0]).dot(&p.normal), area)
@@ -577,7 +668,9 @@ impl Contact {
             let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
             work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
         }
-        for (&n, couple) in t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_own(**n as usize)) {
+        for (&n, couple) in
+            t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_own(**n as usize))
+        {
             let (before, after) = (&nodes.w[n as usize], &nodes.next_w[n as usize]);
             work.total += Work::of_all(&row((couple * steps.mid).into()), before, after);
         }

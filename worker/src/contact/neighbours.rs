@@ -2,7 +2,7 @@
 
 use crate::contact::kernels::Vector;
 use crate::contact::surface::{Segment, Surface};
-use crate::lanes::{LANES, Lane, Lanes, Real};
+use crate::math::lanes::{LANES, Lane, Lanes, Real};
 use crate::nodes::Row;
 
 /// A slave and a segment that it may touch.
@@ -12,9 +12,11 @@ pub struct Neighbours {
     pub place: u32,
     /// Place of the segment in the surface's segments.
     pub segment: u32,
-    /// The segment's nodes that a segment has on which the slave lies, bit by bit: of a shell next but one to the slave.
+    /// The segment's nodes that a segment has on which the slave lies, bit by bit: of a shell next
+    /// but one to the slave.
     pub ring: u8,
-    /// Whether the slave remembered nothing when it was given the segment; what one with memories may meet is then left out.
+    /// Whether the slave remembered nothing when it was given the segment; what one with memories
+    /// may meet is then left out.
     pub is_lone: bool,
 }
 
@@ -43,7 +45,9 @@ impl<'a> Four<'a> {
 
     /// Vectors at the segments' corners.
     pub fn corners(&self, of: &[Row]) -> [Vector<Lane>; 4] {
-        [0, 1, 2, 3].map(|k| Vector(Lane::from_rows(self.segment.map(|s| Lane::new(of[s.nodes[k] as usize])))))
+        [0, 1, 2, 3].map(|k| {
+            Vector(Lane::from_rows(self.segment.map(|s| Lane::new(of[s.nodes[k] as usize]))))
+        })
     }
 
     /// Which segments are triangles.

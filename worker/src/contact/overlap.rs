@@ -1,14 +1,16 @@
-//! What two segments have over each other, seen along a common normal: the area where one has gone into the other, how deep it
-//! is there in the mean, and where on either segment that acts.
+//! What two segments have over each other, seen along a common normal: the area where one has gone
+//! into the other, how deep it is there in the mean, and where on either segment that acts.
 //!
-//! As in mortar methods (Puso & Laursen 2004, sec. 3; Yang, Laursen & Meng 2005, sec. 4) both segments are laid on a plane, their
-//! outlines are clipped against each other, and integrals are taken over the triangles of what is left, where the shape values of
-//! both segments are smooth. Here the outlines are those of the quarters that belong to the corners, and what is left is clipped
-//! along the line g = 0, so that either all of a piece presses or none of it.
+//! As in mortar methods (Puso & Laursen 2004, sec. 3; Yang, Laursen & Meng 2005, sec. 4) both
+//! segments are laid on a plane, their outlines are clipped against each other, and integrals are
+//! taken over the triangles of what is left, where the shape values of both segments are smooth.
+//! Here the outlines are those of the quarters that belong to the corners, and what is left is
+//! clipped along the line g = 0, so that either all of a piece presses or none of it.
 //!
-//! With a pressure of k per depth and area the nodal forces are `k int -g N_a da` on one side and `k int -g N_b da` on the other:
-//! together they are a force of `k A d`, with the area A and the mean depth d, shared by `int g N da / int g da`. As these shares
-//! place it at points of either side that lie above each other, it turns nothing. Uniform pressure gives the nodal forces of
+//! With a pressure of k per depth and area the nodal forces are `k int -g N_a da` on one side and
+//! `k int -g N_b da` on the other: together they are a force of `k A d`, with the area A and the
+//! mean depth d, shared by `int g N da / int g da`. As these shares place it at points of either
+//! side that lie above each other, it turns nothing. Uniform pressure gives the nodal forces of
 //! uniform pressure on both sides, whatever the meshes: what the patch test asks for.
 
 use crate::contact::geometry::V3;
@@ -18,7 +20,8 @@ type V2 = Vector2<f64>;
 
 /// Most corners of what two quarters have in common, clipped once more.
 const MOST: usize = 12;
-/// What is in common is left out below this fraction of a quarter's area: round-off where meshes match.
+/// What is in common is left out below this fraction of a quarter's area: round-off where meshes
+/// match.
 const SLIVER: f64 = 1e-6;
 /// Points and weights in a triangle, exact to the degree of four (Dunavant 1985, table II).
 const POINTS: [([f64; 3], f64); 6] = {
@@ -58,7 +61,8 @@ impl Plane {
     /// At right angles to a unit vector.
     pub fn across(normal: V3, origin: V3) -> Self {
         // Any direction that is not the normal's own.
-        let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
+        let least =
+            (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
         let along = normal.cross(&V3::ith(least, 1.0)).normalize();
         Self { origin, axes: [along, normal.cross(&along), normal] }
     }
@@ -78,7 +82,8 @@ impl Outline {
         outline
     }
 
-    /// A corner more than there is room for is left out: round-off between edges that lie on each other.
+    /// A corner more than there is room for is left out: round-off between edges that lie on each
+    /// other.
     fn push(&mut self, corner: V2) {
         if self.count < MOST {
             self.corners[self.count] = corner;
@@ -95,11 +100,13 @@ impl Outline {
         0.5 * (2..c.len()).map(|i| (c[i - 1] - c[0]).perp(&(c[i] - c[0]))).sum::<f64>()
     }
 
-    /// The part of it where a function is not above nought, which is taken as linear along the edges.
+    /// The part of it where a function is not above nought, which is taken as linear along the
+    /// edges.
     fn clipped(&self, of: impl Fn(&V2) -> f64) -> Self {
         let mut left = Self { count: 0, ..*self };
         let c = self.corners();
-        let values: [f64; MOST] = std::array::from_fn(|i| if i < c.len() { of(&c[i]) } else { 0.0 });
+        let values: [f64; MOST] =
+            std::array::from_fn(|i| if i < c.len() { of(&c[i]) } else { 0.0 });
         for i in 0..c.len() {
             let next = (i + 1) % c.len();
             let (here, there) = (values[i], values[next]);
@@ -143,7 +150,11 @@ impl Laid {
         let offsets = q.map(|p| p - plane.origin);
         let corners = offsets.map(|o| V2::new(o.dot(e), o.dot(f)));
         let turn = (corners[2] - corners[0]).perp(&(corners[3] - corners[1]));
-        let turn = if triangle { (corners[1] - corners[0]).perp(&(corners[2] - corners[0])) } else { turn };
+        let turn = if triangle {
+            (corners[1] - corners[0]).perp(&(corners[2] - corners[0]))
+        } else {
+            turn
+        };
         if turn == 0.0 {
             return None;
         }
@@ -156,11 +167,13 @@ impl Laid {
             if turn < 0.0 {
                 c.swap(1, 3);
             }
-            let is_convex = (0..4).all(|i| (c[(i + 1) % 4] - c[i]).perp(&(c[(i + 2) % 4] - c[(i + 1) % 4])) > 0.0);
+            let is_convex = (0..4)
+                .all(|i| (c[(i + 1) % 4] - c[i]).perp(&(c[(i + 2) % 4] - c[(i + 1) % 4])) > 0.0);
             (k < count && is_convex).then(|| Outline::of(&c))
         };
         let quarters = [0, 1, 2, 3].map(quarter);
-        let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.inf(c), h.sup(c)));
+        let (low, high) =
+            corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.inf(c), h.sup(c)));
         Some(Self { corners, heights: offsets.map(|o| o.dot(n)), triangle, quarters, low, high })
     }
 
@@ -174,7 +187,8 @@ impl Laid {
             return [1.0 - b - c, b, c, 0.0];
         }
         let (mean, by_x) = ((q[0] + q[1] + q[2] + q[3]) * 0.25, (q[1] + q[2] - q[0] - q[3]) * 0.25);
-        let (by_y, twist) = ((q[2] + q[3] - q[0] - q[1]) * 0.25, (q[0] + q[2] - q[1] - q[3]) * 0.25);
+        let (by_y, twist) =
+            ((q[2] + q[3] - q[0] - q[1]) * 0.25, (q[0] + q[2] - q[1] - q[3]) * 0.25);
         let (mut x, mut y) = (0.0, 0.0);
         for _ in 0..MOST_STEPS {
             let left = at - (mean + by_x * x + by_y * y + twist * (x * y));
@@ -190,15 +204,17 @@ impl Laid {
                 break;
             }
         }
-        [(1.0 - x) * (1.0 - y), (1.0 + x) * (1.0 - y), (1.0 + x) * (1.0 + y), (1.0 - x) * (1.0 + y)].map(|n| 0.25 * n)
+        [(1.0 - x) * (1.0 - y), (1.0 + x) * (1.0 - y), (1.0 + x) * (1.0 + y), (1.0 - x) * (1.0 + y)]
+            .map(|n| 0.25 * n)
     }
 
     fn height(&self, shape: &[f64; 4]) -> f64 {
         (0..4).map(|k| shape[k] * self.heights[k]).sum()
     }
 
-    /// Calls `found` with what each quarter of this segment and each quarter of another one below it have over each other, in
-    /// ascending order; they touch at the distance `thickness` [length].
+    /// Calls `found` with what each quarter of this segment and each quarter of another one below
+    /// it have over each other, in ascending order; they touch at the distance `thickness`
+    /// [length].
     pub fn over(&self, below: &Self, thickness: f64, mut found: impl FnMut([usize; 2], Overlap)) {
         if self.low.x >= below.high.x
             || below.low.x >= self.high.x
@@ -222,7 +238,8 @@ impl Laid {
     /// What it has over another one within an outline.
     fn pressed(&self, below: &Self, within: &Outline, thickness: f64) -> Overlap {
         let shapes = |p: &V2| [self.shape(p), below.shape(p)];
-        let gap_of = |[ahead, behind]: &[[f64; 4]; 2]| self.height(ahead) - below.height(behind) - thickness;
+        let gap_of =
+            |[ahead, behind]: &[[f64; 4]; 2]| self.height(ahead) - below.height(behind) - thickness;
         let gap = |p: &V2| gap_of(&shapes(p));
         let inside = within.clipped(gap);
         let (mut area, mut volume, mut sums) = (0.0, 0.0, [[0.0; 4]; 2]);
@@ -232,17 +249,25 @@ impl Laid {
                 let part = weight * (-gap_of(&shapes)).max(0.0);
                 area += weight;
                 volume += part;
-                sums.iter_mut().zip(shapes).for_each(|(sums, n)| (0..4).for_each(|k| sums[k] += part * n[k]));
+                sums.iter_mut()
+                    .zip(shapes)
+                    .for_each(|(sums, n)| (0..4).for_each(|k| sums[k] += part * n[k]));
             });
         }
         if area > 0.0 && volume > 0.0 {
-            return Overlap { area, gap: -volume / area, shape: sums.map(|s| s.map(|s| s / volume)) };
+            return Overlap {
+                area,
+                gap: -volume / area,
+                shape: sums.map(|s| s.map(|s| s / volume)),
+            };
         }
         let mut whole = 0.0;
         within.sum(|weight, p| {
             whole += weight;
             let shapes = shapes(p);
-            sums.iter_mut().zip(shapes).for_each(|(sums, n)| (0..4).for_each(|k| sums[k] += weight * n[k]));
+            sums.iter_mut()
+                .zip(shapes)
+                .for_each(|(sums, n)| (0..4).for_each(|k| sums[k] += weight * n[k]));
         });
         let least = within.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
         Overlap { area: 0.0, gap: least, shape: sums.map(|s| s.map(|s| s / whole)) }
@@ -255,7 +280,9 @@ impl Outline {
         let c = self.corners();
         for i in 2..c.len() {
             let area = 0.5 * (c[i - 1] - c[0]).perp(&(c[i] - c[0]));
-            POINTS.iter().for_each(|([a, b, d], w)| add(w * area, &(c[0] * *a + c[i - 1] * *b + c[i] * *d)));
+            POINTS
+                .iter()
+                .for_each(|([a, b, d], w)| add(w * area, &(c[0] * *a + c[i - 1] * *b + c[i] * *d)));
         }
     }
 }
@@ -279,7 +306,8 @@ mod tests {
         found
     }
 
-    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces are those of the integrals.
+    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces are
+    /// those of the integrals.
     #[test]
     fn uniform_depth_gives_the_nodal_forces_of_uniform_pressure() {
         let above = square([0.5, 0.0], 1.0, |_, _| -0.1);
@@ -287,15 +315,24 @@ mod tests {
         let found = all(&above, &below);
         let area: f64 = found.iter().map(|f| f.1.area).sum();
         assert!((area - 0.5).abs() < 1e-14 && found.iter().all(|f| (f.1.gap + 0.1).abs() < 1e-14));
-        let on = |side: usize, k: usize| found.iter().map(|f| f.1.area * f.1.shape[side][k]).sum::<f64>();
+        let on = |side: usize, k: usize| {
+            found.iter().map(|f| f.1.area * f.1.shape[side][k]).sum::<f64>()
+        };
         // Over half of a square: int (1 - x) dx from 0 to 1/2 is 3/8, and 1/8 for x.
-        for (side, expected) in [[3.0, 1.0, 1.0, 3.0], [1.0, 3.0, 3.0, 1.0]].into_iter().enumerate() {
-            (0..4)
-                .for_each(|k| assert!((on(side, k) - expected[k] / 16.0).abs() < 1e-14, "{side} {k}: {}", on(side, k)));
+        for (side, expected) in [[3.0, 1.0, 1.0, 3.0], [1.0, 3.0, 3.0, 1.0]].into_iter().enumerate()
+        {
+            (0..4).for_each(|k| {
+                assert!(
+                    (on(side, k) - expected[k] / 16.0).abs() < 1e-14,
+                    "{side} {k}: {}",
+                    on(side, k)
+                )
+            });
         }
     }
 
-    /// A tilted square that dips in by its edge only: force and moment of the linear pressure over what is in.
+    /// A tilted square that dips in by its edge only: force and moment of the linear pressure over
+    /// what is in.
     #[test]
     fn what_is_tilted_presses_where_it_is_in() {
         let (slope, depth) = (0.5, 0.1);
@@ -305,7 +342,8 @@ mod tests {
         let pressed = found.iter().filter(|f| f.1.area > 0.0);
         let force: f64 = pressed.clone().map(|f| f.1.area * -f.1.gap).sum();
         let at = |q: &[V3; 4], n: &[f64; 4]| (0..4).map(|k| q[k] * n[k]).sum::<V3>();
-        let turn: f64 = pressed.clone().map(|f| f.1.area * -f.1.gap * at(&above, &f.1.shape[0]).x).sum();
+        let turn: f64 =
+            pressed.clone().map(|f| f.1.area * -f.1.gap * at(&above, &f.1.shape[0]).x).sum();
         // A wedge of the length depth / slope: its volume, and the place of its centre at a third.
         let length = depth / slope;
         assert!((force - 0.5 * depth * length).abs() < 1e-14, "{force}");
@@ -330,7 +368,10 @@ mod tests {
                 );
                 let n = laid.shape(&at);
                 let back: V2 = (0..4).map(|k| laid.corners[k] * n[k]).sum();
-                assert!((back - at).norm() < 1e-14 && (n.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{n:?}");
+                assert!(
+                    (back - at).norm() < 1e-14 && (n.iter().sum::<f64>() - 1.0).abs() < 1e-14,
+                    "{n:?}"
+                );
             }
         }
     }

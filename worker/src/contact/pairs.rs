@@ -1,8 +1,8 @@
 //! Contact pairs of a step, own and others': who knows which, and their forces on nodes.
 //!
-//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It learns of every other pair that
-//! touches one of its local nodes, so that it can add up the contact force on each of them alone, in ascending order of the
-//! pairs' names.
+//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It learns of
+//! every other pair that touches one of its local nodes, so that it can add up the contact force on
+//! each of them alone, in ascending order of the pairs' names.
 
 mod order;
 mod pair;
@@ -10,12 +10,12 @@ pub mod quiet;
 
 pub use pair::{HELD, Memory, Name, Opposed, Pair, ROLES, by_role};
 
+use crate::constraints::rigid::Bodies;
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
-use crate::halo::Halo;
 use crate::nodes::{Nodes, Row, row};
-use crate::rigid::Bodies;
+use crate::parallel::ghosts::Halo;
 use crumple_proto::transport::{Lost, Tag, Transport};
 
 /// What a node feels of all pairs: force [force], and moment if any pair has one [force length].
@@ -31,7 +31,8 @@ struct Common {
     received: Vec<u32>,
 }
 
-/// Shares of guesses that a node takes as one of those that slaves meet, see [`PairTable::rubbed_on`].
+/// Shares of guesses that a node takes as one of those that slaves meet, see
+/// [`PairTable::rubbed_on`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rubbed {
     /// Of guesses, friction that turns nodes left out [force].
@@ -57,11 +58,13 @@ pub struct PairTable {
     pub touched: Vec<u32>,
     /// Contact force on each of `touched` [force].
     pub total: Vec<V3>,
-    /// Moment of friction on each of `touched`, see [`Pair::arm`]; empty if no pair has one [force length].
+    /// Moment of friction on each of `touched`, see [`Pair::arm`]; empty if no pair has one [force
+    /// length].
     pub couples: Vec<V3>,
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
-    /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one does not; see [`Self::soften`].
+    /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one
+    /// does not; see [`Self::soften`].
     crowds: Vec<[f64; ROLES]>,
     /// The same of the shares times the lever arms; empty if no pair has one [length].
     twists: Vec<[f64; ROLES]>,
@@ -75,18 +78,27 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// Tells other workers of own pairs and learns of theirs; `pairs` holds own ones, ascending, at the start.
+    /// Tells other workers of own pairs and learns of theirs; `pairs` holds own ones, ascending, at
+    /// the start.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn share(&mut self, wire: &mut dyn Transport, nodes: &Nodes, halo: &Halo) -> Result<(), Lost> {
+    pub fn share(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &Nodes,
+        halo: &Halo,
+    ) -> Result<(), Lost> {
         self.common.clear();
         for link in halo.links.iter().filter(|l| l.meets) {
             self.words.clear();
-            let concerns =
-                |p: &Pair| p.touching().any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok());
-            let sent: Vec<u32> =
-                (0..self.pairs.len()).filter(|&i| concerns(&self.pairs[i])).map(|i| i as u32).collect();
+            let concerns = |p: &Pair| {
+                p.touching().any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok())
+            };
+            let sent: Vec<u32> = (0..self.pairs.len())
+                .filter(|&i| concerns(&self.pairs[i]))
+                .map(|i| i as u32)
+                .collect();
             for &i in &sent {
                 self.pairs[i as usize].tell(nodes, &mut self.words);
             }
@@ -127,7 +139,8 @@ impl PairTable {
         for (c, common) in self.common.iter_mut().enumerate() {
             common.sent.iter_mut().for_each(|i| *i = place[*i as usize]);
             // A sender's pairs arrive in its ascending order, which is also the order here.
-            let received = source.iter().enumerate().filter(|(_, s)| s.0 == c).map(|(from, _)| place[from]);
+            let received =
+                source.iter().enumerate().filter(|(_, s)| s.0 == c).map(|(from, _)| place[from]);
             common.received = received.collect();
         }
     }
@@ -160,12 +173,14 @@ impl PairTable {
         }
     }
 
-    /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq. 7 and 11:
-    /// m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their shape values. To be done before others are told.
+    /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq.
+    /// 7 and 11: m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their shape values. To
+    /// be done before others are told.
     pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
         for pair in self.pairs.iter_mut().filter(|p| p.own && p.name.is_node()) {
-            let m: [f64; 4] =
-                std::array::from_fn(|k| nodes.contact_mass(pair.nodes[k + 1] as usize) * pair.shape[k + 1]);
+            let m: [f64; 4] = std::array::from_fn(|k| {
+                nodes.contact_mass(pair.nodes[k + 1] as usize) * pair.shape[k + 1]
+            });
             let sum: f64 = m.iter().sum();
             if sum > 0.0 {
                 pair.weight[1..5].iter_mut().zip(m).for_each(|(w, a)| *w = a / sum);
@@ -173,17 +188,23 @@ impl PairTable {
         }
     }
 
-    /// Sets how softly own pairs answer. When all pairs are split, the mass of a node is divided among the pairs that touch it in
-    /// proportion to their shares in it. That lets simultaneous updates converge whatever the masses: for shares w > 0 the
-    /// matrix diag(w_p sum_q w_q) - w w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than
-    /// the coupling. A pair whose share is of the size of round-off makes a difference of that size.
-    /// Pairs may count for more or less than others, by [`Pair::area`] A: with c the sum of the A of all pairs of a node by their shares,
-    /// a pair has the part A/c of its mass, and the same holds.
-    /// Where friction turns nodes, its compliance is that of their rotational inertias too, which are split in the same way: pairs have
-    /// shares in a moment as in a force, each times its lever arm.
-    /// With prediction and correction the masses of edges are split: a slave edge may be in several pairs, which do not see
-    /// each other's corrections as pairs on one segment do.
-    pub fn soften(&mut self, nodes: &Nodes, bodies: &Bodies, iteration: impl Fn(&Pair) -> Iteration) {
+    /// Sets how softly own pairs answer. When all pairs are split, the mass of a node is divided
+    /// among the pairs that touch it in proportion to their shares in it. That lets simultaneous
+    /// updates converge whatever the masses: for shares w > 0 the matrix diag(w_p sum_q w_q) - w
+    /// w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than the
+    /// coupling. A pair whose share is of the size of round-off makes a difference of that size.
+    /// Pairs may count for more or less than others, by [`Pair::area`] A: with c the sum of the A
+    /// of all pairs of a node by their shares, a pair has the part A/c of its mass, and the same
+    /// holds. Where friction turns nodes, its compliance is that of their rotational inertias too,
+    /// which are split in the same way: pairs have shares in a moment as in a force, each times its
+    /// lever arm. With prediction and correction the masses of edges are split: a slave edge may be
+    /// in several pairs, which do not see each other's corrections as pairs on one segment do.
+    pub fn soften(
+        &mut self,
+        nodes: &Nodes,
+        bodies: &Bodies,
+        iteration: impl Fn(&Pair) -> Iteration,
+    ) {
         self.crowds.clear();
         self.crowds.resize(self.pairs.len(), [0.0; ROLES]);
         self.twists.clear();
@@ -192,13 +213,16 @@ impl PairTable {
         }
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
-            let counts = |p: u32, r: u8| self.pairs[p as usize].area * self.pairs[p as usize].share(r as usize);
+            let counts = |p: u32, r: u8| {
+                self.pairs[p as usize].area * self.pairs[p as usize].share(r as usize)
+            };
             let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| counts(p, r)).sum();
             for &(p, r) in &self.roles[roles.clone()] {
                 self.crowds[p as usize][r as usize] = crowd;
             }
             if !self.twists.is_empty() {
-                let turns = |p: u32, r: u8| counts(p, r) * self.pairs[p as usize].arm_of(r as usize).abs();
+                let turns =
+                    |p: u32, r: u8| counts(p, r) * self.pairs[p as usize].arm_of(r as usize).abs();
                 let twist = self.roles[roles.clone()].iter().map(|&(p, r)| turns(p, r)).sum();
                 for &(p, r) in &self.roles[roles] {
                     self.twists[p as usize][r as usize] = twist;
@@ -207,7 +231,9 @@ impl PairTable {
         }
         // Where two segments have nothing in contact yet there is nothing to answer.
         let answers = |p: &Pair| p.own && p.area > 0.0;
-        for (i, (pair, crowd)) in self.pairs.iter_mut().zip(&self.crowds).enumerate().filter(|(_, (p, _))| answers(p)) {
+        for (i, (pair, crowd)) in
+            self.pairs.iter_mut().zip(&self.crowds).enumerate().filter(|(_, (p, _))| answers(p))
+        {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
             let mut rolling = 0.0;
@@ -216,12 +242,14 @@ impl PairTable {
                 Iteration::Correct { .. } => pair.name.is_edge(),
                 Iteration::GaussSeidel => false,
             };
-            // In the order of roles: local numbers, and with them any other order, differ from worker to worker.
+            // In the order of roles: local numbers, and with them any other order, differ from
+            // worker to worker.
             for r in (0..pair.roles()).filter(|&r| crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
                 // The nodes of a rigid body feel a sweep's forces together, when it is over.
                 let together = split || bodies.of(pair.nodes[r]).is_some();
-                let moved = if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
+                let moved =
+                    if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
                 let along = moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
                 soft[0] += along;
@@ -230,7 +258,8 @@ impl PairTable {
                 let arm = pair.arm_of(r).abs();
                 if arm > 0.0 {
                     let inv = bodies.inv_inertia(pair.nodes[r], nodes);
-                    let twist = if together { self.twists[i][r] / pair.area } else { pair.share(r) * arm };
+                    let twist =
+                        if together { self.twists[i][r] / pair.area } else { pair.share(r) * arm };
                     rolling += twist * arm * pair.follows(r) * inv[0].max(inv[1]).max(inv[2]);
                 }
             }
@@ -284,8 +313,8 @@ impl PairTable {
         sum
     }
 
-    /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at place `t` of `touched`
-    /// takes as a node of what slaves meet [force], [mass].
+    /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at
+    /// place `t` of `touched` takes as a node of what slaves meet [force], [mass].
     pub fn pressed_on(&self, t: usize) -> (V3, f64) {
         let (mut force, mut mass) = (V3::zeros(), 0.0);
         for &(p, r) in self.roles_at(t) {
@@ -298,7 +327,8 @@ impl PairTable {
         (force, mass)
     }
 
-    /// The same where friction turns nodes: of pairs that do, the tangential part of the guess is apart.
+    /// The same where friction turns nodes: of pairs that do, the tangential part of the guess is
+    /// apart.
     pub fn rubbed_on(&self, t: usize) -> Rubbed {
         let mut sum = Rubbed::default();
         for &(p, r) in self.roles_at(t) {
@@ -322,13 +352,17 @@ impl PairTable {
         sum
     }
 
-    /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back from the pair's side. Those whose
-    /// guess is below the fraction `little` of their force have settled.
+    /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back
+    /// from the pair's side. Those whose guess is below the fraction `little` of their force have
+    /// settled.
     pub fn opposed(&self, pair: &Pair, little: f64) -> Opposed {
         let mut found = Opposed { free: false, held: false, settled: true };
         let places = (pair.ahead()..pair.roles()).filter(|&r| pair.share(r) != 0.0);
         let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
-        for &(q, _) in places.flat_map(|t| self.roles_at(t)).filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r)) {
+        for &(q, _) in places
+            .flat_map(|t| self.roles_at(t))
+            .filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r))
+        {
             let other = &self.pairs[q as usize];
             let force = other.force + other.guess;
             if force.dot(&pair.normal) < 0.0 {
@@ -355,8 +389,8 @@ impl PairTable {
         !self.common.is_empty()
     }
 
-    /// Exchanges the forces of pairs that several workers know, after a sweep that has `changed` an own one or not. Returns
-    /// whether all that have pairs in common, one with the next, are quiet.
+    /// Exchanges the forces of pairs that several workers know, after a sweep that has `changed` an
+    /// own one or not. Returns whether all that have pairs in common, one with the next, are quiet.
     ///
     /// # Errors
     /// A worker is gone.

@@ -1,7 +1,9 @@
-//! Which parts ever came near to contact, and which ever had a pair: what `crumple advise` asks after a run.
+//! Which parts ever came near to contact, and which ever had a pair: what `crumple advise` asks
+//! after a run.
 //!
-//! Nodes are marked, not segments: a part counts as near or touched when any node of its segments is marked. Parts that
-//! share nodes count together, so that no part is called free of contact that was not.
+//! Nodes are marked, not segments: a part counts as near or touched when any node of its segments
+//! is marked. Parts that share nodes count together, so that no part is called free of contact that
+//! was not.
 
 use crate::contact::surface::{NOT_LOCAL, Segment};
 
@@ -17,7 +19,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// Books the marks of nodes to the parts of `segments`; nodes are to be numbered anew, `count` of them.
+    /// Books the marks of nodes to the parts of `segments`; nodes are to be numbered anew, `count`
+    /// of them.
     pub fn renew(&mut self, segments: &[Segment], count: usize) {
         self.parts = self.of_parts(segments);
         self.nodes.clear();
@@ -32,7 +35,10 @@ impl Record {
 
     /// Marks the nodes of a pair.
     pub fn touched(&mut self, nodes: &[u32]) {
-        nodes.iter().filter(|&&n| n != NOT_LOCAL).for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
+        nodes
+            .iter()
+            .filter(|&&n| n != NOT_LOCAL)
+            .for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
     }
 
     /// Whether a part ever was near, and whether it was ever touched, by the index of the part.
@@ -49,7 +55,10 @@ impl Record {
     fn of_parts(&self, segments: &[Segment]) -> Vec<u8> {
         let mut parts = self.parts.clone();
         for s in segments {
-            let marks = s.nodes.iter().fold(0, |m, &n| m | self.nodes.get(n as usize).copied().unwrap_or(0));
+            let marks = s
+                .nodes
+                .iter()
+                .fold(0, |m, &n| m | self.nodes.get(n as usize).copied().unwrap_or(0));
             let part = s.part as usize;
             parts.resize(parts.len().max(part + 1), 0);
             parts[part] |= marks;
@@ -74,7 +83,8 @@ mod tests {
             part,
             own: true,
         };
-        let before = [segment(0, [0, 1, 2, 3]), segment(1, [4, 5, 6, 7]), segment(2, [8, 9, 10, 11])];
+        let before =
+            [segment(0, [0, 1, 2, 3]), segment(1, [4, 5, 6, 7]), segment(2, [8, 9, 10, 11])];
         let mut record = Record::default();
         record.renew(&[], 12);
         record.near(0, &before[1]);
@@ -84,6 +94,9 @@ mod tests {
         record.touched(&[5, 0, 1, 2, 3]);
         record.renew(&before, 4);
         let after = [segment(2, [0, 1, 2, 3])];
-        assert_eq!([0, 1, 2].map(|p| record.part(&after, p)), [(true, true), (true, true), (false, false)]);
+        assert_eq!(
+            [0, 1, 2].map(|p| record.part(&after, p)),
+            [(true, true), (true, true), (false, false)]
+        );
     }
 }

@@ -8,8 +8,9 @@ use crumple_proto::ids::NodeId;
 use std::collections::BTreeMap;
 
 impl Contact {
-    /// Forces of the own pairs of the last step by the parts that they are between, ascending. Within a part there is none.
-    /// A node that several parts share counts for the lowest of them that is in contact.
+    /// Forces of the own pairs of the last step by the parts that they are between, ascending.
+    /// Within a part there is none. A node that several parts share counts for the lowest of them
+    /// that is in contact.
     pub fn forces_between_parts(&self) -> Vec<ContactShare> {
         let mut sums: BTreeMap<[u32; 2], [f64; 3]> = BTreeMap::new();
         for pair in self.own_table() {
@@ -21,9 +22,13 @@ impl Contact {
         sums.into_iter().map(|(parts, force)| ContactShare { parts, force }).collect()
     }
 
-    /// What the own pairs of the last step do to transducers, ascending by transducer and pair. A node that several parts share counts for the lowest
-    /// of them that is in contact, as above.
-    pub fn forces_on_transducers(&self, transducers: &[Transducer], nodes: &Nodes) -> Vec<PairForce> {
+    /// What the own pairs of the last step do to transducers, ascending by transducer and pair. A
+    /// node that several parts share counts for the lowest of them that is in contact, as above.
+    pub fn forces_on_transducers(
+        &self,
+        transducers: &[Transducer],
+        nodes: &Nodes,
+    ) -> Vec<PairForce> {
         let mut felt = Vec::new();
         for pair in self.own_table() {
             let Some([slave, met]) = self.parts_of(pair) else { continue };
@@ -51,7 +56,9 @@ impl Contact {
         let s = &self.surface;
         let met = s.segments[s.segments.binary_search_by_key(&pair.segment, |g| g.id).ok()?].part;
         let slave = if pair.name.is_segment() {
-            s.segments[s.segments.binary_search_by_key(&pair.name.slave_quarter().0, |g| g.id).ok()?].part
+            s.segments
+                [s.segments.binary_search_by_key(&pair.name.slave_quarter().0, |g| g.id).ok()?]
+            .part
         } else if pair.name.is_edge() {
             s.segments[self.edges.segment_of([pair.nodes[0], pair.nodes[1]])? as usize].part
         } else {

@@ -1,10 +1,12 @@
-//! Edges of the surface, and which of them stand out: rims of shells, folds, edges of more than two segments, sharp
-//! convex edges of solids, and beams.
+//! Edges of the surface, and which of them stand out: rims of shells, folds, edges of more than two
+//! segments, sharp convex edges of solids, and beams.
 //!
-//! How sharp an edge is depends on where its nodes were when surfaces were last looked at for folds ([`Nodes::seen`]): in the same
-//! cycle on all workers, and known to those too that have the edge since. From an edge every segment that has it goes off in a direction at right angles to it, its arm. Where all arms lie within less
-//! than half a turn the edge has an outside, and the outermost two of them make its wedge: it is folded by what half a
-//! turn is more than the angle between them.
+//! How sharp an edge is depends on where its nodes were when surfaces were last looked at for folds
+//! ([`Nodes::seen`]): in the same cycle on all workers, and known to those too that have the edge
+//! since. From an edge every segment that has it goes off in a direction at right angles to it, its
+//! arm. Where all arms lie within less than half a turn the edge has an outside, and the outermost
+//! two of them make its wedge: it is folded by what half a turn is more than the angle between
+//! them.
 
 use crate::contact::geometry::V3;
 use crate::contact::surface::{Segment, Surface};
@@ -12,16 +14,19 @@ use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Folds of shells begin to meet other edges where these would sink in by more than this fraction of the thickness before nodes meet
-/// segments: half the width of a segment times the tangent of half the fold.
+/// Folds of shells begin to meet other edges where these would sink in by more than this fraction
+/// of the thickness before nodes meet segments: half the width of a segment times the tangent of
+/// half the fold.
 const SINKS: f64 = 0.1;
-/// They do so from 20 degrees on however narrow their segments are, and below 5 degrees however wide these are, they do not [rad].
+/// They do so from 20 degrees on however narrow their segments are, and below 5 degrees however
+/// wide these are, they do not [rad].
 const FOLD: f64 = 0.349;
 const LEAST: f64 = 0.087;
 /// Edges of solids begin at 45 degrees [rad].
 const SOLID_FOLD: f64 = 0.785;
 
-/// The fold from which on an edge of shells begins to meet others, by its half thickness and the width of its segments [rad].
+/// The fold from which on an edge of shells begins to meet others, by its half thickness and the
+/// width of its segments [rad].
 fn limit(half: f64, width: f64) -> f64 {
     (2.0 * SINKS * 2.0 * half / (0.5 * width)).clamp(LEAST, FOLD)
 }
@@ -57,7 +62,8 @@ pub struct Edge {
     pub kind: Kind,
     first: u32,
     count: u32,
-    /// Half thickness, the largest of its shells and beams, or of the lowest of two faces of solids [length].
+    /// Half thickness, the largest of its shells and beams, or of the lowest of two faces of solids
+    /// [length].
     pub half: f64,
     /// Length that its gaps are judged by, of the same [length].
     pub scale: f64,
@@ -95,14 +101,18 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Those of a surface that stand out or could: faces of solids have no rims, and more than two are no wedge.
+    /// Those of a surface that stand out or could: faces of solids have no rims, and more than two
+    /// are no wedge.
     pub fn of(surface: &Surface, nodes: &Nodes) -> Self {
         let mut sides: Vec<Side> = Vec::with_capacity(4 * surface.segments.len());
         for (g, s) in surface.segments.iter().enumerate() {
             let corners = if s.is_triangle() { 3 } else { 4 };
             for k in 0..if s.is_line() { 1 } else { corners } {
                 let (a, b) = (s.nodes[k], s.nodes[(k + 1) % corners]);
-                sides.push((if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] }, g as u32));
+                sides.push((
+                    if nodes.id[a as usize] < nodes.id[b as usize] { [a, b] } else { [b, a] },
+                    g as u32,
+                ));
             }
         }
         sides.sort_unstable();
@@ -154,7 +164,8 @@ impl Lines {
 
     /// Interface of two edges; `None` if they do not touch.
     pub fn interface(&self, edges: [&Edge; 2], surface: &Surface) -> Option<u16> {
-        let [ahead, behind] = edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
+        let [ahead, behind] =
+            edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
         surface.interfaces.between(ahead, behind)
     }
 
@@ -171,7 +182,8 @@ impl Lines {
 
     /// Whether a segment of one edge and a segment of the other have a node in common.
     pub fn are_neighbours(&self, edges: [&Edge; 2], surface: &Surface) -> bool {
-        let [mut one, other] = edges.map(|e| self.segments(e).iter().flat_map(|&g| surface.segments[g as usize].nodes));
+        let [mut one, other] = edges
+            .map(|e| self.segments(e).iter().flat_map(|&g| surface.segments[g as usize].nodes));
         one.any(|n| other.clone().any(|m| m == n))
     }
 
@@ -193,7 +205,13 @@ impl Lines {
     }
 
     /// Whether it is folded by these fractions of the angle at which it stands out.
-    pub fn is_folded<const N: usize>(&self, edge: &Edge, surface: &Surface, x: &[Row], by: [f64; N]) -> [bool; N] {
+    pub fn is_folded<const N: usize>(
+        &self,
+        edge: &Edge,
+        surface: &Surface,
+        x: &[Row],
+        by: [f64; N],
+    ) -> [bool; N] {
         if matches!(edge.kind, Kind::Rim | Kind::Beam) {
             return [true; N];
         }
@@ -201,12 +219,15 @@ impl Lines {
         let turned = -a.dot(&b);
         if edge.kind == Kind::Solid {
             // Of a solid it is convex: the other face lies behind this one.
-            let convex = || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
+            let convex =
+                || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
             return by.map(|fraction| turned < (fraction * SOLID_FOLD).cos() && convex());
         }
         by.map(|fraction| {
-            // Most are flatter or sharper than any limit: by bounds of the cosine they are told without it.
-            let [least, most] = [LEAST, FOLD].map(|angle| 0.5 * (fraction * angle) * (fraction * angle));
+            // Most are flatter or sharper than any limit: by bounds of the cosine they are told
+            // without it.
+            let [least, most] =
+                [LEAST, FOLD].map(|angle| 0.5 * (fraction * angle) * (fraction * angle));
             let flat = turned >= 1.0 - least + least * least / 6.0;
             let sharp = turned < 1.0 - most;
             !flat && (sharp || turned < (fraction * limit(edge.half, width)).cos())
@@ -244,7 +265,8 @@ impl Wedge {
     }
 }
 
-/// The two of some arms about a line [length] that all others lie between; `None` where these take half a turn or more.
+/// The two of some arms about a line [length] that all others lie between; `None` where these take
+/// half a turn or more.
 fn outermost(arms: &[V3]) -> Option<Wedge> {
     /// Round-off of unit vectors.
     const BETWEEN: f64 = 1e-9;
@@ -268,7 +290,8 @@ mod tests {
     use crate::testing::nodes_at;
     use crumple_proto::ids::SegmentId;
 
-    /// Squares with one edge in common, along y, that go off at these angles [degree] from x towards z.
+    /// Squares with one edge in common, along y, that go off at these angles [degree] from x
+    /// towards z.
     fn star(angles: &[f64], half: f64) -> (Nodes, Surface) {
         let mut points = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mut segments = Vec::new();
@@ -300,9 +323,13 @@ mod tests {
         assert!(stands_out(&[30.0], 0.2), "a rim");
         assert!(!stands_out(&[0.0, 180.0], 0.5), "flat");
         assert!(!stands_out(&[0.0, 162.0], 0.5), "by 18 degrees");
-        assert!(stands_out(&[0.0, 158.0], 0.5) && stands_out(&[0.0, 202.0], 0.5), "by 22, either way");
+        assert!(
+            stands_out(&[0.0, 158.0], 0.5) && stands_out(&[0.0, 202.0], 0.5),
+            "by 22, either way"
+        );
         assert!(stands_out(&[0.0, 0.0], 0.5), "folded up");
-        // Half the width of 1 times the tangent of half of 9 degrees is 0.039, a tenth of a thickness of 0.39.
+        // Half the width of 1 times the tangent of half of 9 degrees is 0.039, a tenth of a
+        // thickness of 0.39.
         assert!(stands_out(&[0.0, 171.0], 0.19) && !stands_out(&[0.0, 171.0], 0.205));
     }
 

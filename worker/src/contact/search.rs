@@ -5,7 +5,8 @@
 
 use crumple_proto::boxes::Aabb;
 
-/// A global search: calls `found` with all box and point of which the point is in the closed box, boxes ascending.
+/// A global search: calls `found` with all box and point of which the point is in the closed box,
+/// boxes ascending.
 pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32));
 
 /// A method by its name in the job.
@@ -20,7 +21,8 @@ pub struct Method {
 pub const SEARCHES: &[Method] =
     &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
 
-/// Points go to the cells of a grid whose cells are as large as the average box; each box looks into the cells it covers.
+/// Points go to the cells of a grid whose cells are as large as the average box; each box looks
+/// into the cells it covers.
 pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let bounds = Aabb::around(points.iter().copied());
     if boxes.is_empty() || bounds.is_empty() {
@@ -63,8 +65,10 @@ impl Grid {
                 grid.count[c] = (((bounds.max[c] - bounds.min[c]) / cell).min(1e6) as usize) + 1;
                 grid.per_length[c] = 1.0 / cell;
             }
-            // Where coordinates are no numbers any more, the step that made them ends the run; any grid will do.
-            let few = grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0;
+            // Where coordinates are no numbers any more, the step that made them ends the run; any
+            // grid will do.
+            let few =
+                grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0;
             if few || !cell.is_finite() {
                 return grid;
             }
@@ -73,7 +77,9 @@ impl Grid {
     }
 
     fn place(&self, p: [f64; 3]) -> [usize; 3] {
-        std::array::from_fn(|c| (((p[c] - self.origin[c]) * self.per_length[c]) as usize).min(self.count[c] - 1))
+        std::array::from_fn(|c| {
+            (((p[c] - self.origin[c]) * self.per_length[c]) as usize).min(self.count[c] - 1)
+        })
     }
 
     /// Counting sort of points by cell.
@@ -98,10 +104,12 @@ impl Grid {
     }
 }
 
-/// Points are sorted along each axis; a box takes the axis on which the fewest lie within it and tests the other two.
+/// Points are sorted along each axis; a box takes the axis on which the fewest lie within it and
+/// tests the other two.
 pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let sorted: [Vec<(f64, u32)>; 3] = std::array::from_fn(|c| {
-        let mut list: Vec<(f64, u32)> = points.iter().enumerate().map(|(i, p)| (p[c], i as u32)).collect();
+        let mut list: Vec<(f64, u32)> =
+            points.iter().enumerate().map(|(i, p)| (p[c], i as u32)).collect();
         list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         list
     });
@@ -112,7 +120,9 @@ pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
         };
         let ranges: [_; 3] = std::array::from_fn(within);
         let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
-        let inside = sorted[fewest][ranges[fewest].clone()].iter().filter(|p| bx.holds(points[p.1 as usize]));
+        let inside = sorted[fewest][ranges[fewest].clone()]
+            .iter()
+            .filter(|p| bx.holds(points[p.1 as usize]));
         inside.for_each(|p| found(b as u32, p.1));
     }
 }

@@ -1,11 +1,11 @@
-//! What can touch: both sides of shells with thickness, the faces of solids that no other solid repeats, and beams all around.
-//! Nodes of these against their segments.
+//! What can touch: both sides of shells with thickness, the faces of solids that no other solid
+//! repeats, and beams all around. Nodes of these against their segments.
 
-use crate::blocks::LocalElement;
 use crate::contact::beams;
 use crate::contact::geometry::{Nearest, V3, nearest, nearest_on_line};
 use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
+use crate::fem::blocks::LocalElement;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::SegmentId;
@@ -18,8 +18,9 @@ use std::sync::Arc;
 /// Marks a corner that is not local here.
 pub const NOT_LOCAL: u32 = u32::MAX;
 
-/// Scale of a solid's faces and nodes as a fraction of its shortest edge at the start: two solids look for each other
-/// within REACH times half an edge, and what is in the middle of one is not yet behind it.
+/// Scale of a solid's faces and nodes as a fraction of its shortest edge at the start: two solids
+/// look for each other within REACH times half an edge, and what is in the middle of one is not yet
+/// behind it.
 const SOLID_SCALE: f64 = 0.25;
 
 /// A face that nodes can touch, or the line of a beam.
@@ -29,11 +30,13 @@ pub struct Segment {
     pub id: SegmentId,
     /// Local nodes (a triangle repeats its third, a line its second).
     pub nodes: [u32; 4],
-    /// Corners of a solid that are opposite to this face; they can never touch it. [`NOT_LOCAL`] for a shell.
+    /// Corners of a solid that are opposite to this face; they can never touch it. [`NOT_LOCAL`]
+    /// for a shell.
     pub behind: [u32; 4],
     /// Half the shell's thickness, or the beam's radius; 0 for a solid [length].
     pub half: f64,
-    /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge [length].
+    /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge
+    /// [length].
     pub scale: f64,
     /// Index of its part.
     pub part: u32,
@@ -48,7 +51,8 @@ pub struct Surface {
     pub segments: Vec<Segment>,
     /// Owned nodes that may touch segments, ascending.
     pub slaves: Vec<u32>,
-    /// Half thickness per held node, the largest of its shells and beams; 0 for nodes of solids and off the surface [length].
+    /// Half thickness per held node, the largest of its shells and beams; 0 for nodes of solids and
+    /// off the surface [length].
     pub node_half: Vec<f64>,
     /// [`Segment::scale`] per held node, the largest of its segments; 0 off the surface [length].
     pub node_scale: Vec<f64>,
@@ -88,7 +92,11 @@ impl Segment {
     /// Its nearest point to `p`; `None` for a face without area.
     pub fn nearest(&self, p: &V3, x: &[Row]) -> Option<Nearest> {
         let q = self.corners(x);
-        if self.is_line() { Some(nearest_on_line(p, [&q[0], &q[1]])) } else { nearest(p, &q, self.is_triangle()) }
+        if self.is_line() {
+            Some(nearest_on_line(p, [&q[0], &q[1]]))
+        } else {
+            nearest(p, &q, self.is_triangle())
+        }
     }
 
     /// Whether the segment is a triangle.
@@ -96,7 +104,8 @@ impl Segment {
         self.nodes[2] == self.nodes[3]
     }
 
-    /// Depth of the solid behind it, taken as its shortest edge at the start; nought for a shell [length].
+    /// Depth of the solid behind it, taken as its shortest edge at the start; nought for a shell
+    /// [length].
     pub fn depth(&self) -> f64 {
         if self.is_solid() { self.scale / SOLID_SCALE } else { 0.0 }
     }
@@ -120,8 +129,8 @@ impl Segment {
 
 /// Which parts take part in contact, and how thick they are for it.
 pub struct ContactParts {
-    /// Of each part that takes part: half thickness of shells, radius of beams, 0 for solids [length]; whether it overrides the
-    /// thickness of single shells; and a factor on the result.
+    /// Of each part that takes part: half thickness of shells, radius of beams, 0 for solids
+    /// [length]; whether it overrides the thickness of single shells; and a factor on the result.
     half: Vec<Option<(f64, bool, f64)>>,
     /// Largest thickness of a shell as a multiple of its shortest side, or of a beam of its length.
     limit: f64,
@@ -132,9 +141,12 @@ impl ContactParts {
     /// Of a job.
     pub fn of(settings: &Settings) -> Self {
         let contact = settings.contact.as_ref();
-        let interfaces = Arc::new(contact.map_or(Interfaces::default(), |c| Interfaces::of_parts(c, &settings.parts)));
+        let interfaces = Arc::new(
+            contact.map_or(Interfaces::default(), |c| Interfaces::of_parts(c, &settings.parts)),
+        );
         let half = |(i, p): (usize, &Part)| {
-            let takes_part = contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
+            let takes_part =
+                contact.is_some_and(|c| c.takes_part(p.id)) && interfaces.takes_part(i);
             if p.beam.is_some() {
                 return contact
                     .filter(|_| takes_part)
@@ -142,7 +154,11 @@ impl ContactParts {
                     .map(|radius| (radius, true, 1.0));
             }
             let given = p.contact_thickness;
-            takes_part.then_some((0.5 * given.unwrap_or(p.thickness), given.is_some(), p.contact_thickness_scale))
+            takes_part.then_some((
+                0.5 * given.unwrap_or(p.thickness),
+                given.is_some(),
+                p.contact_thickness_scale,
+            ))
         };
         Self {
             half: settings.parts.iter().enumerate().map(half).collect(),
@@ -151,10 +167,12 @@ impl ContactParts {
         }
     }
 
-    /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a solid [length].
+    /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a
+    /// solid [length].
     pub fn half(&self, record: &ElementRecord) -> Option<f64> {
         let (of_part, instead, scale) = self.half[record.part as usize]?;
-        let half = if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
+        let half =
+            if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
         Some(half * scale)
     }
 }
@@ -212,7 +230,12 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
 /// Shortest edge of an element at the start [length].
 fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
     let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
-    let sides = e.record.shape.faces().iter().flat_map(|f| (0..4).map(|i| (at(f[i]) - at(f[(i + 1) % 4])).norm()));
+    let sides = e
+        .record
+        .shape
+        .faces()
+        .iter()
+        .flat_map(|f| (0..4).map(|i| (at(f[i]) - at(f[(i + 1) % 4])).norm()));
     sides.filter(|&s| s > 0.0).fold(f64::INFINITY, f64::min) // a triangle's face repeats a corner
 }
 
@@ -242,26 +265,31 @@ impl Surface {
         (*h, *s) = (h.max(half), s.max(scale));
     }
 
-    /// Notes the segments around each slave. All of them are local to the worker that owns it: what a slave could
-    /// meet is, and it lies on these.
+    /// Notes the segments around each slave. All of them are local to the worker that owns it: what
+    /// a slave could meet is, and it lies on these.
     pub fn link_faces(&mut self, held: usize) {
         self.has_lines = self.segments.iter().any(Segment::is_line);
         let mut place = vec![u32::MAX; held];
         self.slaves.iter().enumerate().for_each(|(i, &s)| place[s as usize] = i as u32);
         let mut around: Vec<(u32, u32)> = Vec::new();
         for (g, s) in self.segments.iter().enumerate() {
-            for &i in s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX) {
+            for &i in
+                s.nodes.iter().filter_map(|&n| place.get(n as usize)).filter(|&&i| i != u32::MAX)
+            {
                 around.push((i, g as u32));
             }
         }
         around.sort_unstable();
         around.dedup(); // a triangle repeats its third node
-        self.face_start =
-            (0..=self.slaves.len()).map(|i| around.partition_point(|a| (a.0 as usize) < i) as u32).collect();
+        self.face_start = (0..=self.slaves.len())
+            .map(|i| around.partition_point(|a| (a.0 as usize) < i) as u32)
+            .collect();
         self.faces = around.into_iter().map(|a| a.1).collect();
         let rank = |&g: &u32| (self.segments[g as usize].part, self.segments[g as usize].id);
-        let runs = self.face_start.windows(2).map(|run| &self.faces[run[0] as usize..run[1] as usize]);
-        self.first = runs.map(|run| run.iter().copied().min_by_key(rank).unwrap_or(u32::MAX)).collect();
+        let runs =
+            self.face_start.windows(2).map(|run| &self.faces[run[0] as usize..run[1] as usize]);
+        self.first =
+            runs.map(|run| run.iter().copied().min_by_key(rank).unwrap_or(u32::MAX)).collect();
         self.link_parts();
     }
 
@@ -284,13 +312,15 @@ impl Surface {
         known.into_iter().for_each(|(parts, set)| self.part_sets[set as usize] = parts);
     }
 
-    /// Interface of the slave at place `place` of `slaves` with a segment; `None` if they do not touch.
+    /// Interface of the slave at place `place` of `slaves` with a segment; `None` if they do not
+    /// touch.
     pub fn interface(&self, place: usize, segment: &Segment) -> Option<u16> {
         let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
         self.interfaces.between(parts.iter().copied(), std::iter::once(segment.part))
     }
 
-    /// Half thicknesses of a node and a segment together in an interface, and their scales [length].
+    /// Half thicknesses of a node and a segment together in an interface, and their scales
+    /// [length].
     pub fn sizes(&self, interface: u16, node: u32, segment: &Segment) -> (f64, f64) {
         let n = node as usize;
         let ahead = self.interfaces.measure(interface, (self.node_half[n], self.node_scale[n]));
@@ -319,7 +349,8 @@ impl Surface {
 
     /// The slower wave speed of two parts, of those that are known [length/time].
     pub fn slower(&self, one: u32, other: u32) -> f64 {
-        let [a, b] = [one, other].map(|part| self.speeds.get(part as usize).copied().unwrap_or(f64::INFINITY));
+        let [a, b] = [one, other]
+            .map(|part| self.speeds.get(part as usize).copied().unwrap_or(f64::INFINITY));
         a.min(b)
     }
 
@@ -329,16 +360,18 @@ impl Surface {
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
     }
 
-    /// Area of the surface around the slave node of an own pair that is its own, a quarter of each quad and a third of each triangle
-    /// [length^2]; of solids what of it faces against the pair's normal. Of a segment some of whose nodes bear nothing, that share
-    /// is left out: what it stands on ends below it.
+    /// Area of the surface around the slave node of an own pair that is its own, a quarter of each
+    /// quad and a third of each triangle [length^2]; of solids what of it faces against the pair's
+    /// normal. Of a segment some of whose nodes bear nothing, that share is left out: what it
+    /// stands on ends below it.
     pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
         let of = |s: &Segment| {
             let [a, b, c, d] = s.corners(x);
             let area = (c - a).cross(&(d - b)) * 0.5;
             let seen = if s.is_solid() { (-area.dot(&pair.normal)).max(0.0) } else { area.norm() };
             let corners = if s.is_triangle() { &s.nodes[..3] } else { &s.nodes[..] };
-            let (count, borne) = (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
+            let (count, borne) =
+                (corners.len() as f64, corners.iter().filter(|&&n| bears(n)).count() as f64);
             seen * borne / (count * count)
         };
         self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
@@ -353,7 +386,8 @@ impl Surface {
             + size_of_val(&self.node_scale[..])
     }
 
-    /// Edge than which a segment in ten here has a shorter one; a few slivers do not count [length].
+    /// Edge than which a segment in ten here has a shorter one; a few slivers do not count
+    /// [length].
     pub fn short_edge(&self, nodes: &Nodes) -> f64 {
         let shortest = |s: &Segment| {
             let q = s.corners(&nodes.x);
@@ -362,7 +396,11 @@ impl Surface {
         };
         let mut edges: Vec<f64> = self.segments.iter().map(shortest).collect();
         let tenth = edges.len() / 10;
-        if edges.is_empty() { f64::INFINITY } else { *edges.select_nth_unstable_by(tenth, f64::total_cmp).1 }
+        if edges.is_empty() {
+            f64::INFINITY
+        } else {
+            *edges.select_nth_unstable_by(tenth, f64::total_cmp).1
+        }
     }
 
     /// Largest scale of a held node [length].
@@ -370,8 +408,8 @@ impl Surface {
         self.node_scale.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Largest velocity components of the slaves, then the largest of their negatives; minus infinity without any
-    /// [length/time].
+    /// Largest velocity components of the slaves, then the largest of their negatives; minus
+    /// infinity without any [length/time].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
         let mut range = [f64::NEG_INFINITY; 6];
         for v in self.slaves.iter().map(|&i| &nodes.v[i as usize]) {

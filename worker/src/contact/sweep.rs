@@ -1,13 +1,14 @@
-//! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by prediction and
-//! correction in one. Where these do not settle, more sweeps follow that are accelerated (`acceleration.rs`).
+//! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by
+//! prediction and correction in one. Where these do not settle, more sweeps follow that are
+//! accelerated (`acceleration.rs`).
 
+use crate::constraints::rigid::Bodies;
+use crate::constraints::walls::Walls;
 use crate::contact::acceleration::{Acceleration, Forces};
 use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps, demand};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::{Felt, Pair, PairTable, push};
 use crate::nodes::{Nodes, Row};
-use crate::rigid::Bodies;
-use crate::wall::Walls;
 use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport};
 
 /// What all pairs act on.
@@ -28,7 +29,8 @@ pub struct Sweeps<'a> {
     pub coupled: bool,
     /// Steps around the present time.
     pub steps: Steps,
-    /// Most accelerated sweeps if the others do not settle, the same on all workers; 0 if no law converges.
+    /// Most accelerated sweeps if the others do not settle, the same on all workers; 0 if no law
+    /// converges.
     pub accelerated: usize,
 }
 
@@ -39,7 +41,8 @@ pub struct Swept {
     pub sweeps: u64,
     /// Whether some were accelerated.
     pub accelerated: bool,
-    /// Whether forces of pairs are not good enough in the end: of own ones, or of any with accelerated sweeps.
+    /// Whether forces of pairs are not good enough in the end: of own ones, or of any with
+    /// accelerated sweeps.
     pub unsettled: bool,
 }
 
@@ -52,7 +55,8 @@ enum Stage {
     Accelerated,
 }
 
-/// Pairs that are updated together within a sweep: those of the interfaces that iterate in this way, as long as their laws want to.
+/// Pairs that are updated together within a sweep: those of the interfaces that iterate in this
+/// way, as long as their laws want to.
 #[derive(Clone, Copy)]
 struct Selection {
     iteration: Iteration,
@@ -71,7 +75,8 @@ impl Selection {
     }
 }
 
-/// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs apart.
+/// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs
+/// apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange {
     /// Sweeps of both.
@@ -83,21 +88,29 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// That of a step that takes `alone` sweeps on one worker, among workers that know after `quiet` rounds that none has changed
-    /// anything. What `Sweeps::run` does, with the least that it may take: one message in a sweep for the forces; one more
-    /// for guesses, or for the forces of a phase of pairs in order; and the rounds in which the phases are laid down, at least
-    /// as many as it takes to know that they stand. The last sweep of one worker changes nothing; on several there are `quiet`
-    /// such, as far as the laws let them. Where interfaces have several ways to iterate, each takes its messages in every sweep, and
-    /// the forces are exchanged once more.
+    /// That of a step that takes `alone` sweeps on one worker, among workers that know after
+    /// `quiet` rounds that none has changed anything. What `Sweeps::run` does, with the least that
+    /// it may take: one message in a sweep for the forces; one more for guesses, or for the forces
+    /// of a phase of pairs in order; and the rounds in which the phases are laid down, at least as
+    /// many as it takes to know that they stand. The last sweep of one worker changes nothing; on
+    /// several there are `quiet` such, as far as the laws let them. Where interfaces have several
+    /// ways to iterate, each takes its messages in every sweep, and the forces are exchanged once
+    /// more.
     pub fn of(laws: &Laws, alone: f64, quiet: u64) -> Self {
         let quiet = quiet as f64;
         let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
         let of_one = |iteration: &Iteration| match iteration {
             Iteration::Split => [sweeps, 2.0 * sweeps, 3.0 * sweeps],
             Iteration::Correct { .. } => [2.0 * sweeps, 2.0 * sweeps, 6.0 * sweeps],
-            Iteration::GaussSeidel => [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps],
+            Iteration::GaussSeidel => {
+                [quiet + 2.0 * sweeps, 2.0 * (quiet + sweeps), quiet + 6.0 * sweeps]
+            }
         };
-        let common = if laws.iterations().len() > 1 { [sweeps, 2.0 * sweeps, 3.0 * sweeps] } else { [0.0; 3] };
+        let common = if laws.iterations().len() > 1 {
+            [sweeps, 2.0 * sweeps, 3.0 * sweeps]
+        } else {
+            [0.0; 3]
+        };
         let add = |sum: [f64; 3], one: [f64; 3]| std::array::from_fn(|i| sum[i] + one[i]);
         let [messages, lead, each] = laws.iterations().iter().map(of_one).fold(common, add);
         Self { sweeps, messages, words: [lead, each] }
@@ -152,13 +165,20 @@ impl Sweeps<'_> {
         Ok(swept)
     }
 
-    /// More sweeps, each from forces that the ones before it point to, until nothing changes on any worker.
-    fn accelerate(&mut self, t: &mut PairTable, wire: &mut dyn Transport, swept: &mut Swept) -> Result<(), Lost> {
+    /// More sweeps, each from forces that the ones before it point to, until nothing changes on any
+    /// worker.
+    fn accelerate(
+        &mut self,
+        t: &mut PairTable,
+        wire: &mut dyn Transport,
+        swept: &mut Swept,
+    ) -> Result<(), Lost> {
         let mut acceleration = Acceleration::default();
         for left in (0..self.accelerated).rev() {
             swept.sweeps += 1;
             let before: Forces = t.pairs.iter().filter(|p| p.own).map(|p| p.force).collect();
-            // Who has no pairs has laid no order for them, and takes part in what all agree on only.
+            // Who has no pairs has laid no order for them, and takes part in what all agree on
+            // only.
             let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, wire)? > 1.0;
             self.feel_others(t, wire, changed)?;
             let advice = acceleration.note(&t.pairs, &before, changed, wire)?;
@@ -175,7 +195,12 @@ impl Sweeps<'_> {
     }
 
     /// Lets nodes and bodies feel the forces of own pairs and of others'.
-    fn feel_others(&mut self, t: &mut PairTable, wire: &mut dyn Transport, changed: bool) -> Result<(), Lost> {
+    fn feel_others(
+        &mut self,
+        t: &mut PairTable,
+        wire: &mut dyn Transport,
+        changed: bool,
+    ) -> Result<(), Lost> {
         if t.is_common() {
             t.swap_between(wire)?;
         }
@@ -185,17 +210,26 @@ impl Sweeps<'_> {
         Ok(())
     }
 
-    /// One sweep over all pairs; the most that an own one has had left undone, over what may be left. In the end others are not
-    /// told yet.
-    fn sweep(&mut self, t: &mut PairTable, stage: Stage, wire: &mut dyn Transport) -> Result<f64, Lost> {
+    /// One sweep over all pairs; the most that an own one has had left undone, over what may be
+    /// left. In the end others are not told yet.
+    fn sweep(
+        &mut self,
+        t: &mut PairTable,
+        stage: Stage,
+        wire: &mut dyn Transport,
+    ) -> Result<f64, Lost> {
         let iterations = self.laws.iterations();
         let mut undone: f64 = 0.0;
         for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
             let some = Selection { iteration, stage };
             let most = match iteration {
                 Iteration::Split => self.all_at_once(t, some),
-                Iteration::GaussSeidel => t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?,
-                Iteration::Correct { partition, little } => self.correct(t, some, (partition, little), wire)?,
+                Iteration::GaussSeidel => {
+                    t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?
+                }
+                Iteration::Correct { partition, little } => {
+                    self.correct(t, some, (partition, little), wire)?
+                }
             };
             undone = undone.max(most);
             if left > 0 {
@@ -223,14 +257,27 @@ impl Sweeps<'_> {
     }
 
     /// Lets rigid bodies feel the forces of all pairs; whether `changed` holds on any worker.
-    fn move_bodies(&mut self, t: &PairTable, wire: &mut dyn Transport, changed: bool) -> Result<bool, Lost> {
+    fn move_bodies(
+        &mut self,
+        t: &PairTable,
+        wire: &mut dyn Transport,
+        changed: bool,
+    ) -> Result<bool, Lost> {
         if !self.coupled {
             return Ok(changed);
         }
-        self.bodies.feel(wire, self.nodes, (&t.touched, &t.total, &t.couples), self.walls, self.steps, changed)
+        self.bodies.feel(
+            wire,
+            self.nodes,
+            (&t.touched, &t.total, &t.couples),
+            self.walls,
+            self.steps,
+            changed,
+        )
     }
 
-    /// The force that a selected pair gets in a sweep, and what the one it has leaves undone, over what may be left.
+    /// The force that a selected pair gets in a sweep, and what the one it has leaves undone, over
+    /// what may be left.
     fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, f64)> {
         let law = some.law(p, self.laws)?;
         let velocity = p.relative_velocity(self.nodes);
@@ -250,8 +297,9 @@ impl Sweeps<'_> {
         undone
     }
 
-    /// Guesses what all pairs still need, sees how segments would move under that, each slave's mass and force shared
-    /// among a segment's nodes, and corrects the forces of own pairs; the most that one has had left undone.
+    /// Guesses what all pairs still need, sees how segments would move under that, each slave's
+    /// mass and force shared among a segment's nodes, and corrects the forces of own pairs; the
+    /// most that one has had left undone.
     fn correct(
         &mut self,
         t: &mut PairTable,
@@ -265,16 +313,19 @@ impl Sweeps<'_> {
             p.guess = some.law(p, self.laws).map_or(V3::zeros(), guess);
             if p.turns() && p.compliance[1] > 0.0 {
                 let sliding = velocity - p.normal * velocity.dot(&p.normal);
-                p.pull_most = (p.slip / self.steps.dt + sliding).norm() / (self.steps.push * p.compliance[1]);
+                p.pull_most =
+                    (p.slip / self.steps.dt + sliding).norm() / (self.steps.push * p.compliance[1]);
             }
         }
         if t.is_common() {
             t.swap_guesses(wire)?;
         }
-        let fraction = |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
+        let fraction =
+            |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
         let fractions: Vec<f64> = t.pairs.iter().map(fraction).collect();
         t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.turn = fraction);
-        // The slave of a pair is taken where it goes now, the segment where all guesses would take it.
+        // The slave of a pair is taken where it goes now, the segment where all guesses would take
+        // it.
         let own = t.pairs.iter().filter(|p| p.own);
         let slaves: Vec<V3> = own.map(|p| p.slave_velocity(self.nodes)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
@@ -289,7 +340,9 @@ impl Sweeps<'_> {
         for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
             let moved = p.slave_velocity(self.nodes);
             let velocity = p.relative_velocity(self.nodes) + slave - moved;
-            if let Some(force) = some.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps)) {
+            if let Some(force) =
+                some.law(p, self.laws).and_then(|law| law.update(p, &velocity, self.steps))
+            {
                 p.force = force;
                 undone = f64::INFINITY;
             }
@@ -300,25 +353,29 @@ impl Sweeps<'_> {
     /// Velocity of node `n` under guesses on what slaves meet, with their masses.
     fn predicted(&self, n: u32, force: &V3, mass: f64) -> Row {
         let total = self.nodes.contact_mass(n as usize) + mass;
-        let inverse = self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
+        let inverse =
+            self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
         push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push)
     }
 
-    /// The same where friction turns nodes: what slides on node n has a share M of its mass there, which moves and turns it together, so
-    /// that a force gives `1/m / (1 + M (1/m + b^2/I))` of velocity with the lever arm b and the inertia I, and a moment as much of
-    /// spin with `1/I`.
+    /// The same where friction turns nodes: what slides on node n has a share M of its mass there,
+    /// which moves and turns it together, so that a force gives `1/m / (1 + M (1/m + b^2/I))` of
+    /// velocity with the lever arm b and the inertia I, and a moment as much of spin with `1/I`.
     fn predict_turning(&mut self, t: &PairTable, k: usize, n: u32) {
         let guessed = t.rubbed_on(k);
         let v = self.predicted(n, &guessed.force, guessed.mass);
-        let (inv_mass, inv_inertia) = (self.nodes.inv_mass[n as usize], self.nodes.inv_inertia[n as usize]);
+        let (inv_mass, inv_inertia) =
+            (self.nodes.inv_mass[n as usize], self.nodes.inv_inertia[n as usize]);
         let most = |inverse: &Row| inverse[0].max(inverse[1]).max(inverse[2]);
-        let held = 1.0 + guessed.sliding_mass * most(&inv_mass) + guessed.turned_mass * most(&inv_inertia);
+        let held =
+            1.0 + guessed.sliding_mass * most(&inv_mass) + guessed.turned_mass * most(&inv_inertia);
         self.bring(n, push(&v, &-guessed.drag, &inv_mass.map(|i| i / held), self.steps.push));
         let spin = &self.nodes.next_w[n as usize];
         self.spin(n, push(spin, &guessed.couple, &inv_inertia.map(|i| i / held), self.steps.push));
     }
 
-    /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and walls.
+    /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and
+    /// walls.
     fn feel(&mut self, t: &mut PairTable) {
         t.add_up();
         for (k, total) in t.total.iter().enumerate() {
@@ -327,7 +384,8 @@ impl Sweeps<'_> {
     }
 
     fn feel_at(&mut self, k: u32, n: u32, (total, couple): Felt<'_>) {
-        let v = push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.push);
+        let v =
+            push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.push);
         self.bring(n, v);
         if let Some(couple) = couple {
             let inverse = &self.nodes.inv_inertia[n as usize];

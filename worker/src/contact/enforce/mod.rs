@@ -21,12 +21,15 @@ use crumple_proto::job::Contact;
 pub struct Steps {
     /// To the next time: positions move by `dt` times the mid-step velocity [time].
     pub dt: f64,
-    /// From the last to the next mid-step: velocities change by `mid` times the acceleration [time].
+    /// From the last to the next mid-step: velocities change by `mid` times the acceleration
+    /// [time].
     pub mid: f64,
-    /// The same for the forces of contact and walls, which come after damping: with the damping a they change velocities by
-    /// `mid / (1 + a mid / 2)` times the acceleration, so that what is at rest needs no other forces than without [time].
+    /// The same for the forces of contact and walls, which come after damping: with the damping a
+    /// they change velocities by `mid / (1 + a mid / 2)` times the acceleration, so that what is at
+    /// rest needs no other forces than without [time].
     pub push: f64,
-    /// The step that elements and contact allow, which `dt` falls short of where a run comes to its end [time].
+    /// The step that elements and contact allow, which `dt` falls short of where a run comes to its
+    /// end [time].
     pub whole: f64,
 }
 
@@ -50,17 +53,20 @@ pub struct Elasticity {
     pub with_edges: bool,
 }
 
-/// How the forces of all pairs, which feel each other through common nodes, come about within a step.
+/// How the forces of all pairs, which feel each other through common nodes, come about within a
+/// step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Iteration {
-    /// All pairs are updated from the same state, each nodal mass split among the pairs that use it. Converges whatever
-    /// the masses: an update is damped by no less than the coupling.
+    /// All pairs are updated from the same state, each nodal mass split among the pairs that use
+    /// it. Converges whatever the masses: an update is damped by no less than the coupling.
     Split,
-    /// One pair after the other in ascending (node, segment), each with full masses and feeling those before it.
-    /// Projected Gauss-Seidel: converges whatever the masses, faster than `Split` where nodes have few pairs.
+    /// One pair after the other in ascending (node, segment), each with full masses and feeling
+    /// those before it. Projected Gauss-Seidel: converges whatever the masses, faster than `Split`
+    /// where nodes have few pairs.
     GaussSeidel,
-    /// First guesses for all pairs, then corrections by how segments would move under all of them. Where two surfaces are
-    /// slaves of each other, one of them gets this fraction of the correction.
+    /// First guesses for all pairs, then corrections by how segments would move under all of them.
+    /// Where two surfaces are slaves of each other, one of them gets this fraction of the
+    /// correction.
     Correct {
         /// See above.
         partition: f64,
@@ -71,21 +77,23 @@ pub enum Iteration {
 
 /// How the force of a pair follows from its gap and relative velocity.
 ///
-/// Forces are updated sweep after sweep. A law leaves a force exactly as it is once it is good enough: when no force
-/// changes any more, further sweeps would change nothing, and stopping early is not felt in the bits.
+/// Forces are updated sweep after sweep. A law leaves a force exactly as it is once it is good
+/// enough: when no force changes any more, further sweeps would change nothing, and stopping early
+/// is not felt in the bits.
 pub trait ContactLaw: Send + Sync {
     /// Most sweeps within a step.
     fn sweeps(&self) -> usize;
     /// How sweeps are made.
     fn iteration(&self) -> Iteration;
-    /// Whether sweeps go on until every pair has the force that it should have, so that more of them, or faster ones, are
-    /// nearer to it. Passes of prediction and correction are no such sweeps: where they are left off they have taken
-    /// energy, and where they are accelerated they give it.
+    /// Whether sweeps go on until every pair has the force that it should have, so that more of
+    /// them, or faster ones, are nearer to it. Passes of prediction and correction are no such
+    /// sweeps: where they are left off they have taken energy, and where they are accelerated they
+    /// give it.
     fn converges(&self) -> bool {
         false
     }
-    /// What plain sweeps may leave undone before accelerated ones follow, over what may be left at all
-    /// ([`ContactLaw::refine`]).
+    /// What plain sweeps may leave undone before accelerated ones follow, over what may be left at
+    /// all ([`ContactLaw::refine`]).
     fn coarse(&self) -> f64 {
         1.0
     }
@@ -93,24 +101,26 @@ pub trait ContactLaw: Send + Sync {
     fn by_segments(&self) -> bool {
         false
     }
-    /// Stiffness that contact with a segment has, from its material and its initial shape at coordinates `x0`
-    /// [force/length]; `None` from laws that want none.
+    /// Stiffness that contact with a segment has, from its material and its initial shape at
+    /// coordinates `x0` [force/length]; `None` from laws that want none.
     fn segment_stiffness(&self, _segment: &Segment, _x0: &[Row]) -> Option<f64> {
         None
     }
     /// Force that a pair starts the step with, given what is remembered.
     fn start(&self, pair: &Pair, steps: Steps) -> V3;
-    /// First guess of what is to be added to a pair's force, as if its segment stood still; for [`Iteration::Correct`].
+    /// First guess of what is to be added to a pair's force, as if its segment stood still; for
+    /// [`Iteration::Correct`].
     fn guess(&self, _pair: &Pair, _velocity: &V3, _steps: Steps) -> V3 {
         V3::zeros()
     }
-    /// New force of a pair whose node moves with `velocity` relative to the contact point at the next mid-step,
-    /// all present forces felt; `None` if the present force is good enough. It depends on nothing else: a pair is not asked
-    /// again before one of its nodes moves otherwise.
+    /// New force of a pair whose node moves with `velocity` relative to the contact point at the
+    /// next mid-step, all present forces felt; `None` if the present force is good enough. It
+    /// depends on nothing else: a pair is not asked again before one of its nodes moves otherwise.
     fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
-    /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and what that leaves undone over what
-    /// may be left: above 1 if it is not good enough. For accelerated sweeps, which need the residuals of all pairs. `None` if the
-    /// pair can have no other force.
+    /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and
+    /// what that leaves undone over what may be left: above 1 if it is not good enough. For
+    /// accelerated sweeps, which need the residuals of all pairs. `None` if the pair can have no
+    /// other force.
     fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, f64)> {
         self.update(pair, velocity, steps).map(|force| (force, f64::INFINITY))
     }
@@ -219,28 +229,32 @@ impl Laws {
     }
 }
 
-/// A force is good enough when it leaves less than this fraction of the contact thickness of the gap unclosed: little
-/// enough for a block that rests under its own weight (a coarser limit leaves forces that push on by themselves and pump
-/// energy into what is at rest), enough to end sweeps over forces of round-off.
+/// A force is good enough when it leaves less than this fraction of the contact thickness of the
+/// gap unclosed: little enough for a block that rests under its own weight (a coarser limit leaves
+/// forces that push on by themselves and pump energy into what is at rest), enough to end sweeps
+/// over forces of round-off.
 const GAP: f64 = 1e-11;
-/// Speed at which penetration is taken out at most, as a fraction of the wave speed of what touches. A surface that is moved with
-/// the speed v sends out a wave of the strain v/c (Graff 1975, ch. 2): this one, some 8 MPa and 0.2 m/s in steel, harms
-/// nothing, whatever the step, the thickness and the mesh. What a step leaves over is far below; where sweeps cannot do
-/// better, or a node comes upon a segment from its rim, it must not be thrown out.
+/// Speed at which penetration is taken out at most, as a fraction of the wave speed of what
+/// touches. A surface that is moved with the speed v sends out a wave of the strain v/c (Graff
+/// 1975, ch. 2): this one, some 8 MPa and 0.2 m/s in steel, harms nothing, whatever the step, the
+/// thickness and the mesh. What a step leaves over is far below; where sweeps cannot do better, or
+/// a node comes upon a segment from its rim, it must not be thrown out.
 const CORRECT: f64 = 4e-5;
-/// A stick point lasts through steps in which its pair bears nothing, as long as it stays touching and within this fraction of
-/// the contact thickness: where several pairs hold a body, which of them bears the load changes from step to step.
-/// What has lifted off or slid farther sticks anew; friction does no more than mu N times this length beyond its due.
+/// A stick point lasts through steps in which its pair bears nothing, as long as it stays touching
+/// and within this fraction of the contact thickness: where several pairs hold a body, which of
+/// them bears the load changes from step to step. What has lifted off or slid farther sticks anew;
+/// friction does no more than mu N times this length beyond its due.
 const STAY: f64 = 1e-4;
 
-/// The gap that is to be closed, or the part of a penetration that is to be taken out in this step [length].
+/// The gap that is to be closed, or the part of a penetration that is to be taken out in this step
+/// [length].
 fn overlap(pair: &Pair, steps: Steps) -> f64 {
     pair.gap.max(-CORRECT * pair.speed * steps.dt)
 }
 
-/// Tangential distance from the stick point after the step, nought where the node slides or leaves [length]. It slides if the force
-/// that would bring it back to its stick point leaves the cone; what the force at hand is does not tell, since a law may
-/// leave it a little short of the cone.
+/// Tangential distance from the stick point after the step, nought where the node slides or leaves
+/// [length]. It slides if the force that would bring it back to its stick point leaves the cone;
+/// what the force at hand is does not tell, since a law may leave it a little short of the cone.
 fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
     if pair.friction == 0.0 {
         return V3::zeros(); // the cone is a line: nothing sticks
@@ -258,7 +272,8 @@ fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
     if sticks { slip } else { V3::zeros() }
 }
 
-/// Speed at which a pair's gap would be passed in the step at this velocity, 0 if it would not be [length/time].
+/// Speed at which a pair's gap would be passed in the step at this velocity, 0 if it would not be
+/// [length/time].
 pub fn demand(pair: &Pair, velocity: &V3, steps: Steps) -> f64 {
     (-overlap(pair, steps) / steps.dt - velocity.dot(&pair.normal)).max(0.0)
 }
@@ -269,7 +284,8 @@ fn split(f: &V3, normal: &V3) -> (f64, V3) {
     (along, f - normal * along)
 }
 
-/// Tangential force held within the friction cone of normal force `pressed`, which the limit of friction cuts to a cylinder.
+/// Tangential force held within the friction cone of normal force `pressed`, which the limit of
+/// friction cuts to a cylinder.
 pub fn within_cone(tangential: V3, pressed: f64, pair: &Pair) -> V3 {
     no_longer(tangential, pair.friction_force(pressed))
 }

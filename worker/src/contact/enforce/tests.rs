@@ -1,5 +1,5 @@
-//! What contact laws must and must not do, on hand-made scenes: nodes that are masses, segments between them, no
-//! elements. The search and the sweeps are those of a real run.
+//! What contact laws must and must not do, on hand-made scenes: nodes that are masses, segments
+//! between them, no elements. The search and the sweeps are those of a real run.
 
 mod couple;
 mod kinematic;
@@ -9,6 +9,9 @@ mod rubbing;
 mod sweeps;
 
 use super::{CONTACT_LAWS, Elasticity, Steps};
+use crate::constraints::rigid::Bodies;
+use crate::constraints::ties::{Joined, Ties};
+use crate::constraints::walls::Walls;
 use crate::contact::Contact;
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
@@ -16,11 +19,8 @@ use crate::contact::interfaces::Interfaces;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::energy::ContactWork;
-use crate::halo::Halo;
 use crate::nodes::{Nodes, row, xyz};
-use crate::rigid::Bodies;
-use crate::ties::{Joined, Ties};
-use crate::wall::Walls;
+use crate::parallel::ghosts::Halo;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
@@ -52,8 +52,12 @@ fn all_laws() -> Vec<(String, ContactJob)> {
     let mut jobs = vec![lagrange("split"), lagrange("gauss_seidel"), job("kinematic")];
     jobs.push(ContactJob { weighting: "mass".into(), ..lagrange("split") });
     jobs.push(ContactJob { weighting: "mass".into(), ..job("kinematic") });
-    jobs.extend(["soft", "stiffness"].map(|form| ContactJob { penalty_form: form.into(), ..job("penalty") }));
-    let name = |c: &ContactJob| format!("{} {} {} {}", c.law, c.iteration, c.weighting, c.penalty_form);
+    jobs.extend(
+        ["soft", "stiffness"]
+            .map(|form| ContactJob { penalty_form: form.into(), ..job("penalty") }),
+    );
+    let name =
+        |c: &ContactJob| format!("{} {} {} {}", c.law, c.iteration, c.weighting, c.penalty_form);
     jobs.into_iter().map(|c| (name(&c), c)).collect()
 }
 
@@ -76,7 +80,13 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(job: &ContactJob, points: &[NodeRecord], segments: &[[u32; 4]], slaves: &[u32], dt: f64) -> Self {
+    fn new(
+        job: &ContactJob,
+        points: &[NodeRecord],
+        segments: &[[u32; 4]],
+        slaves: &[u32],
+        dt: f64,
+    ) -> Self {
         let named = |(i, p): (usize, &NodeRecord)| NodeRecord { id: NodeId(i as u64 + 1), ..*p };
         let nodes = Nodes::new(&points.iter().enumerate().map(named).collect::<Vec<_>>(), 0, true);
         let segment = |(i, &nodes): (usize, &[u32; 4])| Segment {
@@ -100,7 +110,12 @@ impl Scene {
         };
         let mut contact = Contact::new(
             job,
-            &Elasticity { safety: 0.9, moduli: vec![MODULUS], speeds: vec![SPEED], with_edges: job.edges },
+            &Elasticity {
+                safety: 0.9,
+                moduli: vec![MODULUS],
+                speeds: vec![SPEED],
+                with_edges: job.edges,
+            },
         );
         contact.renew(surface, &nodes, |_| Vec::new());
         let mut ends = connect(2);
@@ -130,8 +145,10 @@ impl Scene {
         if contact.laws.iterations().contains(&Iteration::GaussSeidel)
             && contact.sweeps - before < contact.laws.sweeps() as u64
         {
-            // Pairs are passed over while no node of theirs feels anything new: none of them may have been left behind.
-            let update = |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(nodes), *steps);
+            // Pairs are passed over while no node of theirs feels anything new: none of them may
+            // have been left behind.
+            let update =
+                |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(nodes), *steps);
             let at_rest = |p: &Pair| update(p).is_none();
             assert!(
                 contact.table.pairs.iter().filter(|p| p.own && in_order(p)).all(at_rest),
@@ -181,14 +198,16 @@ impl Scene {
     }
 }
 
-/// A square of side 2 around the origin with nodal masses `of`, and nodes just touching it from above.
+/// A square of side 2 around the origin with nodal masses `of`, and nodes just touching it from
+/// above.
 fn square(of: [f64; 4]) -> Vec<NodeRecord> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     corners.iter().zip(of).map(|(c, m)| mass([c[0], c[1], 0.0], [0.0; 3], m)).collect()
 }
 
-/// Different nodes at different places of two segments with an edge in common: sweeps reach the solution of the whole
-/// system `sum_j A_ij f_j = -v_i / mid`, where A couples pairs through the segments' nodes.
+/// Different nodes at different places of two segments with an edge in common: sweeps reach the
+/// solution of the whole system `sum_j A_ij f_j = -v_i / mid`, where A couples pairs through the
+/// segments' nodes.
 #[test]
 fn sweeps_reach_the_solution_of_the_coupled_system() {
     for iteration in ["split", "gauss_seidel"] {
@@ -201,10 +220,12 @@ fn coupled_system(iteration: &str) {
     let mut points = square([1.0, 2.0, 5.0, 0.5]);
     points.push(mass([3.0, -1.0, 0.0], [0.0; 3], 0.7));
     points.push(mass([3.0, 1.0, 0.0], [0.0; 3], 3.0));
-    let places = [[-0.5, -0.5, 2.0], [0.3, 0.8, 5.0], [0.9, 0.0, 1.0], [1.5, -0.6, 4.0], [2.2, 0.4, 0.2]];
+    let places =
+        [[-0.5, -0.5, 2.0], [0.3, 0.8, 5.0], [0.9, 0.0, 1.0], [1.5, -0.6, 4.0], [2.2, 0.4, 0.2]];
     points.extend(places.map(|[x, y, m]| mass([x, y, THICK], [0.0, 0.0, -10.0], m)));
     let slaves = [6, 7, 8, 9, 10];
-    let job = ContactJob { sweeps: 500, tolerance: 0.0, iteration: iteration.into(), ..job("lagrange") };
+    let job =
+        ContactJob { sweeps: 500, tolerance: 0.0, iteration: iteration.into(), ..job("lagrange") };
     let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [1, 4, 5, 2]], &slaves, dt);
     let before = (scene.momentum(), scene.spin(), scene.energy());
     scene.step();
@@ -222,17 +243,28 @@ fn coupled_system(iteration: &str) {
     let exact = a.lu().solve(&DVector::from_element(5, 10.0 / dt)).unwrap();
     assert!(exact.iter().all(|&f| f > 0.0), "all stay in contact: {exact}");
     for (p, f) in pairs.iter().zip(exact.iter()) {
-        // Left over: 1e-4 of the thickness per step is 1e-3 of the approach; the light node feels it most.
+        // Left over: 1e-4 of the thickness per step is 1e-3 of the approach; the light node feels
+        // it most.
         assert!((p.force.z / f - 1.0).abs() < 5e-3, "{} and not {f}", p.force.z);
     }
-    assert!((scene.momentum() - before.0).norm() < 1e-12 * before.0.norm(), "linear momentum to round-off");
-    assert!((scene.spin() - before.1).norm() < 1e-12 * before.1.norm(), "angular momentum to round-off");
+    assert!(
+        (scene.momentum() - before.0).norm() < 1e-12 * before.0.norm(),
+        "linear momentum to round-off"
+    );
+    assert!(
+        (scene.spin() - before.1).norm() < 1e-12 * before.1.norm(),
+        "angular momentum to round-off"
+    );
     assert!(scene.energy() < before.2, "an impact takes energy");
-    assert!((scene.energy() - before.2 - scene.work).abs() < 1e-12 * before.2, "and the books say how much");
+    assert!(
+        (scene.energy() - before.2 - scene.work).abs() < 1e-12 * before.2,
+        "and the books say how much"
+    );
 }
 
-/// Shares N_k act at the contact point, so they keep both momenta. Shares m_k/M2 (Wang 2007, eq. 7) act where the
-/// masses are: they keep linear momentum only, unless all masses are equal. Here with masses 1, 2, 4, 8.
+/// Shares N_k act at the contact point, so they keep both momenta. Shares m_k/M2 (Wang 2007, eq. 7)
+/// act where the masses are: they keep linear momentum only, unless all masses are equal. Here with
+/// masses 1, 2, 4, 8.
 #[test]
 fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     let change = |weighting: &str, of: [f64; 4]| {
@@ -245,7 +277,10 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
         let impulse = scene.pairs()[0].force.norm() * 1e-3;
         assert!(impulse > 1.0);
         let off: V3 = (0..4)
-            .map(|k| (scene.pairs()[0].weight[k + 1] - scene.pairs()[0].shape[k + 1]) * V3::from(points[k].x))
+            .map(|k| {
+                (scene.pairs()[0].weight[k + 1] - scene.pairs()[0].shape[k + 1])
+                    * V3::from(points[k].x)
+            })
             .sum();
         ((scene.momentum() - p).norm() / impulse, (scene.spin() - l).norm() / impulse, off.norm())
     };
@@ -253,15 +288,20 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     let (p, l, _) = change("shape", differ);
     assert!(p < 1e-13 && l < 1e-13, "round-off: {p:e} {l:e}");
     let (p, l, off) = change("mass", differ);
-    eprintln!("mass weights: an impulse P changes angular momentum by {l:.3} P, lever {off:.3}, on a square of side 2");
+    eprintln!(
+        "mass weights: an impulse P changes angular momentum by {l:.3} P, lever {off:.3}, on a square of side 2"
+    );
     assert!(p < 1e-13, "round-off: {p:e}");
-    assert!(l > 0.1 && (l - off).abs() < 1e-12, "the lever from the contact point to where the shares act: {l} {off}");
+    assert!(
+        l > 0.1 && (l - off).abs() < 1e-12,
+        "the lever from the contact point to where the shares act: {l} {off}"
+    );
     let (p, l, _) = change("mass", [2.0; 4]);
     assert!(p < 1e-13 && l < 1e-13, "equal masses, equal shares: {p:e} {l:e}");
 }
 
-/// Zero gap at the end of the step is a perfectly plastic impact of two nodes: `1/2 m_red v^2` is lost, whatever part
-/// of the step the approach takes.
+/// Zero gap at the end of the step is a perfectly plastic impact of two nodes: `1/2 m_red v^2` is
+/// lost, whatever part of the step the approach takes.
 #[test]
 fn an_impact_loses_what_a_plastic_one_loses() {
     for open in [0.0, 0.3, 0.99] {
@@ -280,7 +320,8 @@ fn an_impact_loses_what_a_plastic_one_loses() {
     }
 }
 
-/// C02: a light node on a heavy segment and a heavy node on a light one; both end with the common velocity.
+/// C02: a light node on a heavy segment and a heavy node on a light one; both end with the common
+/// velocity.
 #[test]
 fn light_on_heavy_and_heavy_on_light_keep_momentum() {
     for (m, segment) in [(1e-6, 1.0), (1.0, 1e-6), (1.0, 1.0)] {
@@ -296,25 +337,34 @@ fn light_on_heavy_and_heavy_on_light_keep_momentum() {
         let n = [0.6 * 0.8, 1.4 * 0.8, 1.4 * 1.2, 0.6 * 1.2].map(|n| 0.25 * n);
         let point: V3 = (0..4).map(|k| scene.v(k) * n[k]).sum();
         // The segment turns a little, so that the contact point moves over it.
-        assert!((scene.v(4) - point).norm() < 0.02 * v, "m {m} on {segment}: {} and {point}", scene.v(4));
+        assert!(
+            (scene.v(4) - point).norm() < 0.02 * v,
+            "m {m} on {segment}: {} and {point}",
+            scene.v(4)
+        );
     }
 }
 
 /// C15a: a node between two plates that close symmetrically holds both, and all end at rest.
 ///
-/// The two pairs feel each other through the node: sweeps with split masses leave `1 - 1/4M / (2/m + 1/4M)` of the
-/// error, near 1 for a light node, sweeps in order its square root. With sweeps to spare the plates rest and the node is
-/// where symmetry wants it. What 20 sweeps leave over lets the plates come nearer and pushes the node aside, towards the
-/// plate whose pair comes first; it does not throw the plates back.
+/// The two pairs feel each other through the node: sweeps with split masses leave `1 - 1/4M / (2/m
+/// + 1/4M)` of the error, near 1 for a light node, sweeps in order its square root. With sweeps to
+/// spare the plates rest and the node is where symmetry wants it. What 20 sweeps leave over lets
+/// the plates come nearer and pushes the node aside, towards the plate whose pair comes first; it
+/// does not throw the plates back.
 #[test]
 fn a_node_between_two_plates_ends_at_rest() {
     let v = 10.0;
-    // Largest velocity at the end as a fraction of the approach, and how far the node is from its place.
+    // Largest velocity at the end as a fraction of the approach, and how far the node is from its
+    // place.
     let rebound = |m: f64, sweeps: usize| {
-        let at =
-            |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
-        let points: Vec<_> =
-            at(-1.5 * THICK, v).chain(at(1.5 * THICK, -v)).chain([mass([0.0; 3], [0.0; 3], m)]).collect();
+        let at = |z: f64, v: f64| {
+            square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0))
+        };
+        let points: Vec<_> = at(-1.5 * THICK, v)
+            .chain(at(1.5 * THICK, -v))
+            .chain([mass([0.0; 3], [0.0; 3], m)])
+            .collect();
         let job = ContactJob { sweeps, tolerance: 1e-6, ..job("lagrange") };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
@@ -327,15 +377,20 @@ fn a_node_between_two_plates_ends_at_rest() {
     for m in [0.01, 0.3, 1.0, 100.0] {
         let left = [20, 100, 10_000].map(|sweeps| rebound(m, sweeps));
         eprintln!("node of {m} between plates of 4: {left:.4?} with 20, 100, 10000 sweeps");
-        // In order from one side, with a change of 1e-6 left: (1e-6 / 0.01) of the approach over a step for the lightest.
+        // In order from one side, with a change of 1e-6 left: (1e-6 / 0.01) of the approach over a
+        // step for the lightest.
         assert!(left[2].0 < 1e-3 && left[2].1 < 1e-3, "node of {m}: {left:?}");
-        assert!(left.iter().all(|l| l.0 < 0.1), "the plates are not thrown back, whatever the sweeps: {left:?}");
+        assert!(
+            left.iter().all(|l| l.0 < 0.1),
+            "the plates are not thrown back, whatever the sweeps: {left:?}"
+        );
         assert!(left[0].1 < 0.5, "the node stays between the plates' middles: {left:?}");
     }
 }
 
-/// C03: where a node lands on a flat patch of segments does not matter: on a facet, an edge, a vertex, or a hair's
-/// breadth beside. The patch is heavy, so that the normal impulse is m v anywhere; it is turned off all axes.
+/// C03: where a node lands on a flat patch of segments does not matter: on a facet, an edge, a
+/// vertex, or a hair's breadth beside. The patch is heavy, so that the normal impulse is m v
+/// anywhere; it is turned off all axes.
 #[test]
 fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
@@ -343,11 +398,18 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     let beside = 1e-9;
     for law in ["lagrange", "kinematic", "penalty"] {
         let mut first = None;
-        for (x, y) in
-            [(0.5, 0.5), (0.0, 0.5), (beside, 0.5), (-beside, 0.5), (0.0, 0.0), (beside, -beside), (0.3, beside)]
-        {
+        for (x, y) in [
+            (0.5, 0.5),
+            (0.0, 0.5),
+            (beside, 0.5),
+            (-beside, 0.5),
+            (0.0, 0.0),
+            (beside, -beside),
+            (0.3, beside),
+        ] {
             let grid = (0..9).map(|i| V3::new((i % 3) as f64 - 1.0, (i / 3) as f64 - 1.0, 0.0));
-            let mut points: Vec<NodeRecord> = grid.map(|p| mass((turn * p).into(), [0.0; 3], 1e6)).collect();
+            let mut points: Vec<NodeRecord> =
+                grid.map(|p| mass((turn * p).into(), [0.0; 3], 1e6)).collect();
             let down = turn * Vector3::z() * -1.0;
             points.push(mass((turn * V3::new(x, y, THICK + 0.004)).into(), (down * v).into(), m));
             let segments: Vec<[u32; 4]> = [0, 1, 3, 4].map(|i| [i, i + 1, i + 4, i + 3]).into();
@@ -359,18 +421,26 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
                 pressed -= force.dot(&down);
                 sideways += force + down * -force.dot(&down);
             }
-            // Lagrange and kinematic end at rest; penalty throws the node back, to what its steps lose and gain (see below).
-            let (expected, within) = if law == "penalty" { (2.0 * m * v, 0.05) } else { (m * v, 0.01) };
-            assert!((pressed / expected - 1.0).abs() < within, "{law} at {x}, {y}: {pressed} and not {expected}");
+            // Lagrange and kinematic end at rest; penalty throws the node back, to what its steps
+            // lose and gain (see below).
+            let (expected, within) =
+                if law == "penalty" { (2.0 * m * v, 0.05) } else { (m * v, 0.01) };
+            assert!(
+                (pressed / expected - 1.0).abs() < within,
+                "{law} at {x}, {y}: {pressed} and not {expected}"
+            );
             let first = *first.get_or_insert(pressed);
-            assert!((pressed / first - 1.0).abs() < 0.01, "{law} at {x}, {y}: {pressed} and not {first}");
+            assert!(
+                (pressed / first - 1.0).abs() < 0.01,
+                "{law} at {x}, {y}: {pressed} and not {first}"
+            );
             assert!(sideways.norm() < 1e-3 * expected, "{law} at {x}, {y}: sideways {sideways}");
         }
     }
 }
 
-/// A node that slides over a ridge turns around it on a circle of the contact thickness: its normal turns by no more
-/// than `v dt / thickness` per step, and contact does not break.
+/// A node that slides over a ridge turns around it on a circle of the contact thickness: its normal
+/// turns by no more than `v dt / thickness` per step, and contact does not break.
 #[test]
 fn the_normal_turns_continuously_over_a_ridge() {
     for slope in [15.0f64, 30.0, 60.0] {
@@ -379,18 +449,28 @@ fn the_normal_turns_continuously_over_a_ridge() {
         let points: Vec<NodeRecord> = [[-2.0 * c, -2.0 * s], [0.0, 0.0], [2.0 * c, -2.0 * s]]
             .iter()
             .flat_map(|p| [-1.0, 1.0].map(|y| held([p[0], y, p[1]])))
-            .chain([mass([-0.2 * c - THICK * s, 0.1, -0.2 * s + THICK * c], [2.0 * c, 0.0, 2.0 * s], m)])
+            .chain([mass(
+                [-0.2 * c - THICK * s, 0.1, -0.2 * s + THICK * c],
+                [2.0 * c, 0.0, 2.0 * s],
+                m,
+            )])
             .collect();
-        let mut scene = Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], dt);
+        let mut scene =
+            Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], dt);
         let mut last: Option<V3> = None;
         let mut worst = 0.0f64;
-        // Driven along at a steady speed and pressed on along the normal, more than m v^2 / thickness = 40.
+        // Driven along at a steady speed and pressed on along the normal, more than m v^2 /
+        // thickness = 40.
         for step in 0..300 {
             let normal = last.unwrap_or(V3::new(-s, 0.0, c));
             scene.load[6] = normal * -100.0;
             scene.step();
             let force: V3 = scene.pairs().iter().map(|p| p.force).sum();
-            assert!(force.norm() > 0.0, "slope {slope}: contact broke in step {step} at {}", scene.x(6));
+            assert!(
+                force.norm() > 0.0,
+                "slope {slope}: contact broke in step {step} at {}",
+                scene.x(6)
+            );
             let now = force.normalize();
             if let Some(last) = last {
                 let turned = last.angle(&now);
@@ -399,15 +479,20 @@ fn the_normal_turns_continuously_over_a_ridge() {
             }
             last = Some(now);
         }
-        assert!(last.unwrap().x > 0.9 * s && scene.x(6).x > 0.1, "slope {slope}: on the other side at {}", scene.x(6));
+        assert!(
+            last.unwrap().x > 0.9 * s && scene.x(6).x > 0.1,
+            "slope {slope}: on the other side at {}",
+            scene.x(6)
+        );
         // 1 in the limit of small steps; the secant of a step and the gap left over add to it.
         eprintln!("slope {slope}: the normal turns by at most {worst:.3} v dt / thickness");
         assert!(worst < 1.1, "slope {slope}: turned by {worst} times what the motion explains");
     }
 }
 
-/// Two squares side by side and a node that is past the middle of the first: it is still on its side on the second one, and when it is
-/// found again after some steps in which it was not, but not after many.
+/// Two squares side by side and a node that is past the middle of the first: it is still on its
+/// side on the second one, and when it is found again after some steps in which it was not, but not
+/// after many.
 #[test]
 fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
     let points: Vec<NodeRecord> = [0.0, 1.0, 2.0]
@@ -417,7 +502,8 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
         .collect();
     let deep = -0.1 * HALF;
     let side = |leave: usize, back: f64| {
-        let mut scene = Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], 1e-3);
+        let mut scene =
+            Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], 1e-3);
         let go = |scene: &mut Scene, x: f64, z: f64| {
             scene.nodes.x[6] = row([x, 0.5, z]);
             (scene.nodes.v[6], scene.nodes.next_v[6]) = ([0.0; 4], [0.0; 4]);

@@ -1,10 +1,13 @@
-//! The order in which pairs are updated one by one, so that each feels all pairs before it wherever they touch.
+//! The order in which pairs are updated one by one, so that each feels all pairs before it wherever
+//! they touch.
 //!
-//! The order is that of the pairs' names, on any number of workers. Two pairs without a common node do not feel each
-//! other, so only pairs that touch wait for one another: a pair comes in a later *phase* than the pairs of other workers
-//! that it touches and that come before it, and not before own ones. Within a phase every worker goes through its own
-//! pairs in ascending order, but for those that would answer as when they were last asked, then forces travel. What is computed is what one worker alone computes, to the last bit;
-//! phases are a timetable and nothing of them is left in the result.
+//! The order is that of the pairs' names, on any number of workers. Two pairs without a common node
+//! do not feel each other, so only pairs that touch wait for one another: a pair comes in a later
+//! *phase* than the pairs of other workers that it touches and that come before it, and not before
+//! own ones. Within a phase every worker goes through its own pairs in ascending order, but for
+//! those that would answer as when they were last asked, then forces travel. What is computed is
+//! what one worker alone computes, to the last bit; phases are a timetable and nothing of them is
+//! left in the result.
 
 use super::{Felt, Pair, PairTable, ROLES};
 use crate::contact::geometry::V3;
@@ -26,17 +29,19 @@ pub struct Order {
     phases: u32,
     /// Number of forces that have changed so far, from 1.
     turn: u64,
-    /// The turn in which the node at each place of `touched` last felt a new force, and that in which each pair was last looked at, 0
-    /// for never.
+    /// The turn in which the node at each place of `touched` last felt a new force, and that in
+    /// which each pair was last looked at, 0 for never.
     felt: Vec<u64>,
     looked: Vec<u64>,
 }
 
 impl Order {
-    /// Whether a pair may find something to do: a node of it has felt a new force since it was looked at. So work goes on where
-    /// pairs hang together with such as still change, and ends elsewhere.
+    /// Whether a pair may find something to do: a node of it has felt a new force since it was
+    /// looked at. So work goes on where pairs hang together with such as still change, and ends
+    /// elsewhere.
     fn is_due(&self, i: u32, pair: &Pair) -> bool {
-        let mut roles = self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
+        let mut roles =
+            self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
         roles.any(|(&t, _)| t == NOWHERE || self.felt[t as usize] > self.looked[i as usize])
     }
 }
@@ -57,7 +62,8 @@ impl PairTable {
         }
         order.phase.clear();
         order.phase.resize(self.pairs.len(), 0);
-        // Phases only rise, from the lowest that others' may be. They stand when nobody raises one any more.
+        // Phases only rise, from the lowest that others' may be. They stand when nobody raises one
+        // any more.
         loop {
             let changed = self.raise_phases(&mut order);
             if !self.is_common() {
@@ -83,7 +89,8 @@ impl PairTable {
         Ok(())
     }
 
-    /// Brings the phases of own pairs up to date with all that come before them; whether one has changed.
+    /// Brings the phases of own pairs up to date with all that come before them; whether one has
+    /// changed.
     fn raise_phases(&self, order: &mut Order) -> bool {
         let mut earliest = vec![0u32; self.touched.len()];
         let mut changed = false;
@@ -118,14 +125,15 @@ impl PairTable {
         Ok(())
     }
 
-    /// Lets all pairs be looked at in the next sweep: nodes have moved otherwise than by their forces.
+    /// Lets all pairs be looked at in the next sweep: nodes have moved otherwise than by their
+    /// forces.
     pub fn look_at_all(&mut self) {
         self.order.looked.fill(0);
     }
 
-    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new force, if it has one;
-    /// `feel` takes a place in `touched`, the node there and the total force and moment that it is to feel. Whether a force of an own
-    /// pair has changed.
+    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new
+    /// force, if it has one; `feel` takes a place in `touched`, the node there and the total force
+    /// and moment that it is to feel. Whether a force of an own pair has changed.
     ///
     /// # Errors
     /// A worker is gone.
@@ -140,7 +148,8 @@ impl PairTable {
         let mut next = 0;
         let mut undone: f64 = 0.0;
         for phase in 0..order.phases {
-            while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase) {
+            while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase)
+            {
                 next += 1;
                 if !order.is_due(i, &self.pairs[i as usize]) {
                     continue;
@@ -155,7 +164,9 @@ impl PairTable {
             }
             for c in &self.common {
                 let due = c.sent.iter().filter(|&&i| order.phase[i as usize] == phase);
-                let forces = due.flat_map(|&i| <[f64; 3]>::from(self.pairs[i as usize].force)).map(f64::to_bits);
+                let forces = due
+                    .flat_map(|&i| <[f64; 3]>::from(self.pairs[i as usize].force))
+                    .map(f64::to_bits);
                 self.words.clear();
                 self.words.extend(forces);
                 if !self.words.is_empty() {
@@ -164,14 +175,16 @@ impl PairTable {
             }
             for c in 0..self.common.len() {
                 let due = |i: &&u32| order.phase[**i as usize] == phase;
-                let expected: Vec<u32> = self.common[c].received.iter().filter(due).copied().collect();
+                let expected: Vec<u32> =
+                    self.common[c].received.iter().filter(due).copied().collect();
                 if expected.is_empty() {
                     continue;
                 }
                 let mut words = std::mem::take(&mut self.words);
                 wire.recv(self.common[c].worker + 1, Tag::Sweep, &mut words)?;
                 for (i, f) in expected.into_iter().zip(words.chunks_exact(3)) {
-                    let force = V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
+                    let force =
+                        V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
                     if force != self.pairs[i as usize].force {
                         self.put(i, force, &mut order, state, &feel);
                     }
@@ -197,7 +210,12 @@ impl PairTable {
         for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
             order.felt[t as usize] = order.turn;
             self.add_up_at(t as usize);
-            feel(state, t, self.touched[t as usize], (&self.total[t as usize], self.couples.get(t as usize)));
+            feel(
+                state,
+                t,
+                self.touched[t as usize],
+                (&self.total[t as usize], self.couples.get(t as usize)),
+            );
         }
     }
 }

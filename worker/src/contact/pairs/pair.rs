@@ -20,17 +20,19 @@ pub fn by_role<const N: usize>(values: [f64; N]) -> [f64; ROLES] {
     std::array::from_fn(|r| values.get(r).copied().unwrap_or(0.0))
 }
 
-/// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of workers.
+/// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of
+/// workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 pub struct Name {
-    /// The node, or the node of the slave edge with the lower id, or the number of the slave segment.
-    pub slave: NodeId,
-    /// The other node of the slave edge; 0 where the slave is a node, as no edge has, and the largest number where it is a
+    /// The node, or the node of the slave edge with the lower id, or the number of the slave
     /// segment.
+    pub slave: NodeId,
+    /// The other node of the slave edge; 0 where the slave is a node, as no edge has, and the
+    /// largest number where it is a segment.
     pub far: NodeId,
-    /// The segment and 0, or the nodes of the edge that is met, ascending; or the segment, and which quarters of the slave
-    /// and of it.
+    /// The segment and 0, or the nodes of the edge that is met, ascending; or the segment, and
+    /// which quarters of the slave and of it.
     pub met: [u64; 2],
 }
 
@@ -76,12 +78,13 @@ impl Name {
     }
 }
 
-/// A node on a segment, or a point of an edge (the slave edge) on a point of another one, or what two quarters of segments
-/// have over each other.
+/// A node on a segment, or a point of an edge (the slave edge) on a point of another one, or what
+/// two quarters of segments have over each other.
 ///
-/// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A slave edge has roles 0 and 1,
-/// the other edge 2 and 3. A slave segment has roles 0 to 3, the other segment 4 to 7. What is left is empty. The force acts on
-/// the slave's roles by their shares, and with the opposite sign on the others.
+/// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A
+/// slave edge has roles 0 and 1, the other edge 2 and 3. A slave segment has roles 0 to 3, the
+/// other segment 4 to 7. What is left is empty. The force acts on the slave's roles by their
+/// shares, and with the opposite sign on the others.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// Which pair it is.
@@ -94,16 +97,17 @@ pub struct Pair {
     pub shape: [f64; ROLES],
     /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
     pub weight: [f64; ROLES],
-    /// What the pair counts for where nodal masses are split: the area that two segments have in contact, 0 while there is
-    /// none, and 1 where no segments meet segments [length^2].
+    /// What the pair counts for where nodal masses are split: the area that two segments have in
+    /// contact, 0 while there is none, and 1 where no segments meet segments [length^2].
     pub area: f64,
     /// Unit normal that points to the slave's side.
     pub normal: V3,
-    /// Lever arms of friction, which acts between the middle surfaces: how far its point is off that of the slave and off that of the
-    /// other side, along the normal. Together they are the distance of both, or both nought where no couple is taken; see
-    /// [`Pair::lever`] [length].
+    /// Lever arms of friction, which acts between the middle surfaces: how far its point is off
+    /// that of the slave and off that of the other side, along the normal. Together they are the
+    /// distance of both, or both nought where no couple is taken; see [`Pair::lever`] [length].
     pub arm: [f64; 2],
-    /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1 or -1.
+    /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1
+    /// or -1.
     pub side: f64,
     /// Gap that the law is to close, tolerated penetration taken off [length].
     pub gap: f64,
@@ -111,10 +115,11 @@ pub struct Pair {
     pub depth: f64,
     /// Penetration that is let be, 0 or negative [length].
     pub tolerated: f64,
-    /// The part of it that the run started with, which is let be until the gap opens by itself [length].
+    /// The part of it that the run started with, which is let be until the gap opens by itself
+    /// [length].
     pub kept: f64,
-    /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them where a side is a
-    /// solid's ([`crate::contact::surface::Segment::scale`]) [length].
+    /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them
+    /// where a side is a solid's ([`crate::contact::surface::Segment::scale`]) [length].
     pub thickness: f64,
     /// The slower wave speed of the two sides [length/time].
     pub speed: f64,
@@ -122,25 +127,28 @@ pub struct Pair {
     pub interface: u16,
     /// Coefficient of friction in this step; others are not told.
     pub friction: f64,
-    /// Most tangential force, infinite unless friction is limited and the pressure not yet known; others are not told [force].
+    /// Most tangential force, infinite unless friction is limited and the pressure not yet known;
+    /// others are not told [force].
     pub friction_most: f64,
-    /// Normal pressure of all pairs around the slave node, as a mean over the last steps; nought if it is not known. Where friction is
-    /// limited only, and others are not told [force/length^2].
+    /// Normal pressure of all pairs around the slave node, as a mean over the last steps; nought if
+    /// it is not known. Where friction is limited only, and others are not told [force/length^2].
     pub pressure: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
     pub slip: V3,
-    /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split among their pairs.
+    /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split
+    /// among their pairs.
     pub compliance: [f64; 2],
     /// The part of the tangential compliance that is of nodes which friction turns.
     pub rolling: f64,
     /// The part of the normal compliance that is of the side which answers less, 0 if that is held.
     pub firm: f64,
-    /// Speed at which the gap would be passed in the step without contact, 0 if it would not be [length/time].
+    /// Speed at which the gap would be passed in the step without contact, 0 if it would not be
+    /// [length/time].
     pub demand: f64,
-    /// What is to be added to the force if the segment stands still, and the fraction of the correction that this pair
-    /// gets, for laws that predict and correct [force].
+    /// What is to be added to the force if the segment stands still, and the fraction of the
+    /// correction that this pair gets, for laws that predict and correct [force].
     pub guess: V3,
     /// See `guess`.
     pub turn: f64,
@@ -148,7 +156,8 @@ pub struct Pair {
     pub mass: f64,
     /// The same across it: less than that where friction turns the slave [mass].
     pub sliding_mass: f64,
-    /// Most tangential force that a correction may add where friction turns nodes, for laws that predict and correct [force].
+    /// Most tangential force that a correction may add where friction turns nodes, for laws that
+    /// predict and correct [force].
     pub pull_most: f64,
     /// Whether the slave is held fixed, or led, along the normal; others are told.
     pub held: bool,
@@ -189,7 +198,8 @@ pub struct Memory {
 
 /// Share of a step in the mean pressure: forces change from one to the next where bodies vibrate.
 const PRESSURE_SHARE: f64 = 0.1;
-/// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its thickness.
+/// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its
+/// thickness.
 const KEPT: u32 = 50;
 const DEEP: f64 = 0.01;
 /// What is lost may have moved by this fraction of its scale until it counts as new.
@@ -199,19 +209,22 @@ impl Memory {
     /// Words of a memory in a message.
     pub const WORDS: usize = 20;
 
-    /// What is left of it a step later in which there is no such pair: on which side it was, how deep, and what of that is let be.
-    /// Found again it does not begin anew. What was not deep is on no side that could not be seen.
+    /// What is left of it a step later in which there is no such pair: on which side it was, how
+    /// deep, and what of that is let be. Found again it does not begin anew. What was not deep is
+    /// on no side that could not be seen.
     pub fn lost(self) -> Option<Self> {
         let kept = self.age < KEPT && self.depth > DEEP * self.thickness;
         kept.then(|| Self { age: self.age + 1, force: V3::zeros(), slip: V3::zeros(), ..self })
     }
 
-    /// Whether the pair was there in the last step, or cannot have gone far since by what it moves in one, `moved` [length].
+    /// Whether the pair was there in the last step, or cannot have gone far since by what it moves
+    /// in one, `moved` [length].
     pub fn is_fresh(&self, moved: f64, scale: f64) -> bool {
         f64::from(self.age) * moved <= STRAYED * scale
     }
 
-    /// The remembered force turned to a new normal: same normal part, tangential part within the new tangent plane.
+    /// The remembered force turned to a new normal: same normal part, tangential part within the
+    /// new tangent plane.
     pub fn force_along(&self, normal: &V3) -> V3 {
         let pressed = self.force.dot(&self.normal);
         let sheared = self.force - self.normal * pressed;
@@ -227,9 +240,16 @@ impl Memory {
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
-        let numbers =
-            [self.side, self.tolerated, self.kept, self.depth, self.thickness, f64::from(self.age), self.pressure]
-                .into_iter();
+        let numbers = [
+            self.side,
+            self.tolerated,
+            self.kept,
+            self.depth,
+            self.thickness,
+            f64::from(self.age),
+            self.pressure,
+        ]
+        .into_iter();
         let vectors = [self.normal, self.force, self.slip];
         let all = numbers.chain(vectors.iter().flat_map(|v| [v.x, v.y, v.z]));
         w[NAME_WORDS..].iter_mut().zip(all).for_each(|(w, a)| *w = a.to_bits());
@@ -267,7 +287,8 @@ impl Memory {
     }
 }
 
-/// What is pushed back from a pair's side among the nodes that its slave meets, which are slaves themselves.
+/// What is pushed back from a pair's side among the nodes that its slave meets, which are slaves
+/// themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Opposed {
     /// Whether some are free, and whether some are held.
@@ -321,8 +342,9 @@ const REST_WORDS: usize = size_of::<WireRest>() / 8;
 const LEVER_WORDS: usize = size_of::<WireLever>() / 8;
 
 impl Pair {
-    /// With the gap between the surfaces [length] and what is remembered of the pair: the force and the slip from the stick
-    /// point, turned to its normal, and the penetration that is let be, 0 or negative [length].
+    /// With the gap between the surfaces [length] and what is remembered of the pair: the force and
+    /// the slip from the stick point, turned to its normal, and the penetration that is let be, 0
+    /// or negative [length].
     pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
         let kept = old.map_or(0.0, |m| m.kept.max(gap.min(0.0)));
         let tolerated = tolerated.min(kept);
@@ -378,10 +400,11 @@ impl Pair {
         }
     }
 
-    /// Holds the friction of this step to a shear stress [force/length^2] on the area of the slave node [length^2]. Where two surfaces
-    /// are slaves of each other the load is shared in any way between their pairs, so that what a pair bears tells nothing of the
-    /// pressure: the coefficient is held to the limit over the pressure, once that is known. Two segments have their own area, and
-    /// no pressure is noted of them.
+    /// Holds the friction of this step to a shear stress [force/length^2] on the area of the slave
+    /// node [length^2]. Where two surfaces are slaves of each other the load is shared in any way
+    /// between their pairs, so that what a pair bears tells nothing of the pressure: the
+    /// coefficient is held to the limit over the pressure, once that is known. Two segments have
+    /// their own area, and no pressure is noted of them.
     pub fn limit_friction(&mut self, limit: f64, area: f64) {
         if self.pressure > 0.0 {
             self.friction = self.friction.min(limit / self.pressure);
@@ -447,15 +470,17 @@ impl Pair {
 
     /// Moment of the pair's force on both of its sides together, per lever arm [force].
     ///
-    /// Friction F acts on the slave at `x_s - a n` and with the opposite sign on the other side at `x_m + b n`, with the arms a
-    /// and b. About `x_s` and `x_m` that is `-a n x F` and `-b n x F`, which the nodes take by their shares in F.
+    /// Friction F acts on the slave at `x_s - a n` and with the opposite sign on the other side at
+    /// `x_m + b n`, with the arms a and b. About `x_s` and `x_m` that is `-a n x F` and `-b n x F`,
+    /// which the nodes take by their shares in F.
     pub(super) fn twist(&self, force: &V3) -> V3 {
         -self.normal.cross(force)
     }
 
-    /// Sets the lever arms of the own pair from what they are to each other, as `arm` has it. Together they span the distance of the
-    /// points of both sides along the normal: the couple of forces on the middle surfaces is then taken to round-off. A
-    /// side without rotational inertia at a node that the force acts on can take none of it, and leaves it to the other one; where
+    /// Sets the lever arms of the own pair from what they are to each other, as `arm` has it.
+    /// Together they span the distance of the points of both sides along the normal: the couple of
+    /// forces on the middle surfaces is then taken to round-off. A side without rotational inertia
+    /// at a node that the force acts on can take none of it, and leaves it to the other one; where
     /// neither can, the couple stays.
     pub fn lever(&mut self, nodes: &Nodes) {
         if !self.turns() {
@@ -474,18 +499,22 @@ impl Pair {
             [false, true] => [0.0, 1.0],
             [false, false] => [0.0, 0.0],
         };
-        let along = |r: usize| V3::from(xyz(&nodes.x[self.nodes[r] as usize])).dot(&self.normal) * self.shape[r];
+        let along = |r: usize| {
+            V3::from(xyz(&nodes.x[self.nodes[r] as usize])).dot(&self.normal) * self.shape[r]
+        };
         let apart = loaded(0..self.ahead()).map(along).sum::<f64>()
             - loaded(self.ahead()..self.roles()).map(along).sum::<f64>();
         self.arm = arm.map(|a| a * apart);
     }
 
-    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition` for the first one, the
-    /// rest for the other. Where one of them is held, the free one closes the gap; the held one takes what is left when
-    /// the free one has settled, such as a held node between the free ones of a coarser face.
+    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition`
+    /// for the first one, the rest for the other. Where one of them is held, the free one closes
+    /// the gap; the held one takes what is left when the free one has settled, such as a held node
+    /// between the free ones of a coarser face.
     pub fn turn_of(&self, partition: f64, met: Opposed) -> f64 {
         match (self.held, met) {
-            (_, Opposed { free: false, held: false, .. }) | (false, Opposed { free: false, .. }) => 1.0,
+            (_, Opposed { free: false, held: false, .. })
+            | (false, Opposed { free: false, .. }) => 1.0,
             (true, Opposed { free: true, settled, .. }) => f64::from(settled),
             _ => {
                 if self.first {
@@ -504,7 +533,9 @@ impl Pair {
         let n = &self.normal;
         let moves = |r: usize| {
             let inv = &nodes.inv_mass[self.nodes[r] as usize];
-            self.share(r) * self.follows(r) * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
+            self.share(r)
+                * self.follows(r)
+                * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
         };
         let moves: f64 = (0..self.ahead()).map(moves).sum();
         self.held = moves * HELD * segment <= 1.0;
@@ -522,10 +553,15 @@ impl Pair {
 
     /// Local nodes that the pair's force acts on.
     pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
-        self.nodes[..self.roles()].iter().enumerate().filter(|&(r, _)| self.share(r) != 0.0).map(|(_, &n)| n)
+        self.nodes[..self.roles()]
+            .iter()
+            .enumerate()
+            .filter(|&(r, _)| self.share(r) != 0.0)
+            .map(|(_, &n)| n)
     }
 
-    /// Velocity at the next mid-step of the slave where friction acts on it, own pairs only [length/time].
+    /// Velocity at the next mid-step of the slave where friction acts on it, own pairs only
+    /// [length/time].
     pub fn slave_velocity(&self, nodes: &Nodes) -> V3 {
         let middle = self.slave_mean(&nodes.next_v);
         if self.arm[0] == 0.0 {
@@ -556,12 +592,13 @@ impl Pair {
 
     /// Mean of the vectors at four nodes from a role on, by their shape values.
     fn mean(&self, v: &[Row], from: usize) -> V3 {
-        let part = |r: usize| V3::from(xyz(&v[self.nodes[from + r] as usize])) * self.shape[from + r];
+        let part =
+            |r: usize| V3::from(xyz(&v[self.nodes[from + r] as usize])) * self.shape[from + r];
         part(0) + part(1) + part(2) + part(3)
     }
 
-    /// Velocity at the next mid-step of the slave relative to the other side, both where friction acts on them; own pairs only
-    /// [length/time].
+    /// Velocity at the next mid-step of the slave relative to the other side, both where friction
+    /// acts on them; own pairs only [length/time].
     pub fn relative_velocity(&self, nodes: &Nodes) -> V3 {
         let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.next_v);
         if self.arm[1] == 0.0 {
@@ -570,12 +607,17 @@ impl Pair {
         relative - self.met_mean(&nodes.next_w).cross(&self.normal) * self.arm[1]
     }
 
-    /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs only.
+    /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs
+    /// only.
     pub fn work(&self, nodes: &Nodes, mid: f64) -> Work {
         let on = |r: usize| {
             let share = if r < self.ahead() { self.share(r) } else { -self.share(r) };
             let n = self.nodes[r] as usize;
-            let moved = Work::of_all(&row((self.force * (mid * share)).into()), &nodes.v[n], &nodes.next_v[n]);
+            let moved = Work::of_all(
+                &row((self.force * (mid * share)).into()),
+                &nodes.v[n],
+                &nodes.next_v[n],
+            );
             let arm = self.arm_of(r);
             if arm == 0.0 {
                 return moved;
@@ -583,7 +625,10 @@ impl Pair {
             let couple = self.twist(&self.force) * (mid * self.share(r) * arm);
             moved + Work::of_all(&row(couple.into()), &nodes.w[n], &nodes.next_w[n])
         };
-        (0..self.roles()).filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0).map(on).sum()
+        (0..self.roles())
+            .filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0)
+            .map(on)
+            .sum()
     }
 
     /// What the slave remembers of this pair.

@@ -1,8 +1,9 @@
 //! When workers that have pairs in common, one with the next, know that nothing changes any more.
 //!
-//! News travels one worker per round. So all of them are quiet when nobody has changed anything for as many rounds as the
-//! two that are farthest apart are from each other, and one more. How far that is they learn in the same rounds: each tells
-//! its neighbours whom it has pairs in common with, and what it has newly heard of others.
+//! News travels one worker per round. So all of them are quiet when nobody has changed anything for
+//! as many rounds as the two that are farthest apart are from each other, and one more. How far
+//! that is they learn in the same rounds: each tells its neighbours whom it has pairs in common
+//! with, and what it has newly heard of others.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -18,7 +19,8 @@ pub struct Quiet {
     heard: Vec<u64>,
     /// Rounds that it takes; none while somebody's neighbours are not known.
     enough: Option<u64>,
-    /// What was known in the end the last time, and how many rounds it takes: mostly the same again.
+    /// What was known in the end the last time, and how many rounds it takes: mostly the same
+    /// again.
     last: (BTreeMap<u64, Vec<u64>>, u64),
 }
 
@@ -72,9 +74,12 @@ impl Quiet {
     pub fn close(&mut self) {
         std::mem::swap(&mut self.fresh, &mut self.heard);
         self.heard.clear();
-        if self.enough.is_none() && self.neighbours.values().flatten().all(|w| self.neighbours.contains_key(w)) {
+        if self.enough.is_none()
+            && self.neighbours.values().flatten().all(|w| self.neighbours.contains_key(w))
+        {
             if self.neighbours != self.last.0 {
-                let farthest = |&w| distances(&self.neighbours, w).values().copied().max().unwrap_or(0);
+                let farthest =
+                    |&w| distances(&self.neighbours, w).values().copied().max().unwrap_or(0);
                 let enough = self.neighbours.keys().map(farthest).max().unwrap_or(0) + 1;
                 self.last = (self.neighbours.clone(), enough);
             }
@@ -109,12 +114,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Among workers with these connections `first` changes something, in the next round its neighbours do, and so on for `reach`
-    /// rounds; the round in which each says that all are quiet.
+    /// Among workers with these connections `first` changes something, in the next round its
+    /// neighbours do, and so on for `reach` rounds; the round in which each says that all are
+    /// quiet.
     fn rounds(edges: &[(usize, usize)], workers: usize, first: usize, reach: usize) -> Vec<usize> {
         let of = |w: usize| {
-            let mut all: Vec<usize> =
-                edges.iter().filter_map(|&(a, b)| if a == w { Some(b) } else { (b == w).then_some(a) }).collect();
+            let mut all: Vec<usize> = edges
+                .iter()
+                .filter_map(|&(a, b)| if a == w { Some(b) } else { (b == w).then_some(a) })
+                .collect();
             all.sort_unstable();
             all.dedup();
             all.retain(|&o| o != w);
@@ -123,7 +131,8 @@ mod tests {
         let mut quiet: Vec<Quiet> = (0..workers).map(|_| Quiet::default()).collect();
         quiet.iter_mut().enumerate().for_each(|(w, q)| q.start(w, of(w).into_iter()));
         let mut over = vec![usize::MAX; workers];
-        // A wave of changes that starts at `first` and goes on from neighbour to neighbour for `reach` rounds.
+        // A wave of changes that starts at `first` and goes on from neighbour to neighbour for
+        // `reach` rounds.
         let mut wave = vec![first];
         for round in 0..4 * workers + reach {
             quiet.iter_mut().enumerate().for_each(|(w, q)| q.note(wave.contains(&w)));
@@ -137,13 +146,19 @@ mod tests {
                 })
                 .collect();
             for w in 0..workers {
-                of(w).into_iter().for_each(|o| assert_eq!(quiet[w].read(&sent[o]), [77], "what follows is left"));
+                of(w).into_iter().for_each(|o| {
+                    assert_eq!(quiet[w].read(&sent[o]), [77], "what follows is left")
+                });
                 quiet[w].close();
                 if quiet[w].is_over() {
                     over[w] = over[w].min(round);
                 }
             }
-            wave = if round + 1 < reach { wave.iter().flat_map(|&w| of(w)).collect() } else { Vec::new() };
+            wave = if round + 1 < reach {
+                wave.iter().flat_map(|&w| of(w)).collect()
+            } else {
+                Vec::new()
+            };
             wave.sort_unstable();
             wave.dedup();
         }
@@ -151,7 +166,8 @@ mod tests {
     }
 
     proptest! {
-        /// Nobody ends before the last change, and those that are connected end in the same round, soon after it.
+        /// Nobody ends before the last change, and those that are connected end in the same round,
+        /// soon after it.
         #[test]
         fn all_end_together_after_the_last_change(
             edges in prop::collection::vec((0usize..9, 0usize..9), 0..20),

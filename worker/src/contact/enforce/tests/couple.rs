@@ -1,4 +1,5 @@
-//! Friction acts on surfaces, half a thickness off the nodes: it turns these, and no couple is left over.
+//! Friction acts on surfaces, half a thickness off the nodes: it turns these, and no couple is left
+//! over.
 
 use super::*;
 
@@ -7,10 +8,13 @@ fn turning(node: NodeRecord, inertia: f64) -> NodeRecord {
     NodeRecord { inertia, ..node }
 }
 
-/// Two plates that come upon each other with a slide, all nodes slaves of the other plate's segment.
+/// Two plates that come upon each other with a slide, all nodes slaves of the other plate's
+/// segment.
 fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], inertia: [f64; 2]) -> Scene {
     let v = V3::new(0.7, -0.2, 1.0);
-    let lower = square(low).into_iter().map(|p| turning(NodeRecord { v: v.into(), ..p }, inertia[0] * p.mass));
+    let lower = square(low)
+        .into_iter()
+        .map(|p| turning(NodeRecord { v: v.into(), ..p }, inertia[0] * p.mass));
     let upper = square(high).into_iter().map(|p| {
         let at = mass([p.x[0] + 0.1, p.x[1] - 0.05, THICK], (-v).into(), p.mass);
         turning(at, inertia[1] * p.mass)
@@ -32,12 +36,17 @@ fn energy(scene: &Scene) -> f64 {
     scene.energy() + spins(scene).map(|(i, w)| 0.5 * i * w.norm_squared()).sum::<f64>()
 }
 
-/// Laws whose shares act at the contact point: those by mass keep no angular momentum, friction or not.
+/// Laws whose shares act at the contact point: those by mass keep no angular momentum, friction or
+/// not.
 fn fair_laws() -> impl Iterator<Item = (String, ContactJob)> {
-    all_laws().into_iter().filter(|(_, c)| c.weighting != "mass").map(|(n, c)| (n, ContactJob { friction: 0.3, ..c }))
+    all_laws()
+        .into_iter()
+        .filter(|(_, c)| c.weighting != "mass")
+        .map(|(n, c)| (n, ContactJob { friction: 0.3, ..c }))
 }
 
-/// A29: friction keeps angular momentum to round-off, whichever side can turn; what it takes is booked, and it gives nothing.
+/// A29: friction keeps angular momentum to round-off, whichever side can turn; what it takes is
+/// booked, and it gives nothing.
 #[test]
 fn friction_keeps_angular_momentum() {
     // Square of the radius of gyration: that of a thin section up to that of a wide element.
@@ -53,11 +62,22 @@ fn friction_keeps_angular_momentum() {
                 most = energy(&scene).max(most);
             }
             // That of a penalty sticks by springs, which give back.
-            assert!(of.law == "penalty" || rubbed < 1e-6 * had, "{name}: friction gives nothing, {rubbed} of {had}");
+            assert!(
+                of.law == "penalty" || rubbed < 1e-6 * had,
+                "{name}: friction gives nothing, {rubbed} of {had}"
+            );
             assert!(spins(&scene).any(|(_, w)| w.norm() > 1e-3), "{name}: and turn");
             // 50 steps of some ten sums each.
-            assert!((scene.momentum() - first).norm() < 5e-12 * size, "{name}: {}", scene.momentum() - first);
-            assert!((angular(&scene) - before).norm() < 5e-12 * size, "{name}: {}", angular(&scene) - before);
+            assert!(
+                (scene.momentum() - first).norm() < 5e-12 * size,
+                "{name}: {}",
+                scene.momentum() - first
+            );
+            assert!(
+                (angular(&scene) - before).norm() < 5e-12 * size,
+                "{name}: {}",
+                angular(&scene) - before
+            );
             assert!((energy(&scene) - had - scene.work).abs() < 1e-12 * had, "{name}: as booked");
             let doubt = if of.law == "penalty" { 0.05 } else { 1e-9 };
             assert!(most < had * (1.0 + doubt), "{name}: {most} of {had}");
@@ -65,8 +85,9 @@ fn friction_keeps_angular_momentum() {
     }
 }
 
-/// What sticks has no velocity where the surfaces touch: the impulse is that of a rod of both inertias,
-/// `v / (1/m + a^2/I + sum_k N_k^2 (1/M + b^2/J))`, with half a thickness of lever arm on either side.
+/// What sticks has no velocity where the surfaces touch: the impulse is that of a rod of both
+/// inertias, `v / (1/m + a^2/I + sum_k N_k^2 (1/M + b^2/J))`, with half a thickness of lever arm on
+/// either side.
 #[test]
 fn what_sticks_does_so_at_the_surface() {
     let (m, inertia, dt) = (1.5, 2e-3, 1e-3);
@@ -80,17 +101,23 @@ fn what_sticks_does_so_at_the_surface() {
             iteration: of.1.into(),
             ..job(of.0)
         };
-        let mut points: Vec<NodeRecord> = square([node; 4]).into_iter().map(|p| turning(p, turns)).collect();
+        let mut points: Vec<NodeRecord> =
+            square([node; 4]).into_iter().map(|p| turning(p, turns)).collect();
         points.push(turning(mass([0.3, -0.4, THICK], [2.0, 1.0, -10.0], m), inertia));
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], dt);
         let before = angular(&scene);
         scene.step();
         let pair = scene.pairs()[0];
-        assert!((pair.arm[0] - HALF).abs() < 1e-15 && (pair.arm[1] - HALF).abs() < 1e-15, "{:?}", pair.arm);
+        assert!(
+            (pair.arm[0] - HALF).abs() < 1e-15 && (pair.arm[1] - HALF).abs() < 1e-15,
+            "{:?}",
+            pair.arm
+        );
         let spin = |i: usize| V3::from(xyz(&scene.nodes.w[i]));
         let arm = V3::z() * HALF;
         let slave = scene.v(4) - spin(4).cross(&arm);
-        let plate: V3 = (0..4).map(|k| (scene.v(k) + spin(k).cross(&arm)) * pair.shape[k + 1]).sum();
+        let plate: V3 =
+            (0..4).map(|k| (scene.v(k) + spin(k).cross(&arm)) * pair.shape[k + 1]).sum();
         let name = format!("{} {}", of.0, of.1);
         assert!((slave - plate).norm() < 1e-6, "{name}: slides with {}", slave - plate);
         let squares: f64 = pair.shape[1..5].iter().map(|n| n * n).sum();
@@ -101,14 +128,16 @@ fn what_sticks_does_so_at_the_surface() {
     }
 }
 
-/// A block on a plate whose friction turns it: a pull below mu N is held at the surface for long, and gives no energy.
+/// A block on a plate whose friction turns it: a pull below mu N is held at the surface for long,
+/// and gives no energy.
 #[test]
 fn a_pull_below_the_limit_is_held() {
     for (name, of) in fair_laws() {
         if of.law == "penalty" {
             continue; // sticks by a spring
         }
-        let mut points: Vec<NodeRecord> = square([1e3; 4]).into_iter().map(|p| turning(held(p.x), 1.0)).collect();
+        let mut points: Vec<NodeRecord> =
+            square([1e3; 4]).into_iter().map(|p| turning(held(p.x), 1.0)).collect();
         // Nothing turns about any axis: spins would be those of wheels which nothing holds.
         points.push(turning(mass([0.0, 0.0, THICK], [0.0; 3], 2.0), 1e-3));
         points.iter_mut().for_each(|p| p.fixed |= 0b11_1000);
@@ -120,20 +149,25 @@ fn a_pull_below_the_limit_is_held() {
     }
 }
 
-/// Without rotational inertia on either side nothing takes the couple, and without friction there is none.
+/// Without rotational inertia on either side nothing takes the couple, and without friction there
+/// is none.
 #[test]
 fn what_cannot_turn_or_rub_has_no_lever() {
     for (inertia, friction, turns) in [(0.0, 0.3, false), (0.01, 0.0, false), (0.01, 0.3, true)] {
         let of = ContactJob { friction, ..job("lagrange") };
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], [inertia; 2]);
         scene.step();
-        assert!(!scene.pairs().is_empty() && scene.pairs().iter().all(|p| p.turns() == turns), "{inertia} {friction}");
+        assert!(
+            !scene.pairs().is_empty() && scene.pairs().iter().all(|p| p.turns() == turns),
+            "{inertia} {friction}"
+        );
         assert_eq!(scene.contact.table.couples.is_empty(), !turns);
     }
 }
 
-/// A shell that stands upright on a plate would be turned about its own normal by friction along its rim, which next to nothing holds:
-/// the plate takes the whole couple, from where the middle of the rim is.
+/// A shell that stands upright on a plate would be turned about its own normal by friction along
+/// its rim, which next to nothing holds: the plate takes the whole couple, from where the middle of
+/// the rim is.
 #[test]
 fn the_rim_of_a_shell_takes_no_couple() {
     let of = ContactJob { friction: 0.3, ..job("lagrange") };

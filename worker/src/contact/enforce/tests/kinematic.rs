@@ -6,21 +6,25 @@ fn kinematic(partition: f64) -> ContactJob {
     ContactJob { partition, ..job("kinematic") }
 }
 
-/// Two plates that face each other, all nodes slaves of the other plate's segment; the lower one has lower node ids.
+/// Two plates that face each other, all nodes slaves of the other plate's segment; the lower one
+/// has lower node ids.
 fn plates(of: &ContactJob, low: [f64; 4], high: [f64; 4], v: V3) -> Scene {
     let lower = square(low);
-    let upper = square(high).into_iter().map(|p| mass([p.x[0], p.x[1], THICK], (-v).into(), p.mass));
-    let points: Vec<NodeRecord> = lower.into_iter().map(|p| NodeRecord { v: v.into(), ..p }).chain(upper).collect();
+    let upper =
+        square(high).into_iter().map(|p| mass([p.x[0], p.x[1], THICK], (-v).into(), p.mass));
+    let points: Vec<NodeRecord> =
+        lower.into_iter().map(|p| NodeRecord { v: v.into(), ..p }).chain(upper).collect();
     Scene::new(of, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[0, 1, 2, 3, 4, 5, 6, 7], 1e-3)
 }
 
-/// Momentum is kept to round-off by every law in every form: nodes of all masses on both sides, with friction, at an
-/// angle. Energy is not gained but for what a penalty's steps leave in doubt.
+/// Momentum is kept to round-off by every law in every form: nodes of all masses on both sides,
+/// with friction, at an angle. Energy is not gained but for what a penalty's steps leave in doubt.
 #[test]
 fn every_law_keeps_momentum() {
     for (name, of) in all_laws() {
         let of = ContactJob { friction: 0.3, ..of };
-        let mut scene = plates(&of, [1.0, 3.0, 0.2, 5.0], [2.0, 0.5, 4.0, 1.0], V3::new(0.7, -0.2, 1.0));
+        let mut scene =
+            plates(&of, [1.0, 3.0, 0.2, 5.0], [2.0, 0.5, 4.0, 1.0], V3::new(0.7, -0.2, 1.0));
         let (p, before) = (scene.momentum(), scene.energy());
         let mut met = 0;
         for _ in 0..50 {
@@ -30,15 +34,19 @@ fn every_law_keeps_momentum() {
         let all: f64 = scene.sum(|m, _, v| m * v.norm());
         assert!(met > 8, "{name}: they meet");
         // 50 steps of some ten sums each.
-        assert!((scene.momentum() - p).norm() < 1e-13 * 50.0 * all, "{name}: {}", scene.momentum() - p);
+        assert!(
+            (scene.momentum() - p).norm() < 1e-13 * 50.0 * all,
+            "{name}: {}",
+            scene.momentum() - p
+        );
         assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "{name}: as booked");
         let doubt = if of.law == "penalty" { 0.05 } else { 1e-9 };
         assert!(scene.energy() < before * (1.0 + doubt), "{name}: {} of {before}", scene.energy());
     }
 }
 
-/// A node that finds no slave on the other side closes its gap alone and at once, wherever on the segment and whatever
-/// the partition: C02, light on heavy and heavy on light.
+/// A node that finds no slave on the other side closes its gap alone and at once, wherever on the
+/// segment and whatever the partition: C02, light on heavy and heavy on light.
 #[test]
 fn a_one_sided_pair_closes_its_gap_in_one_step() {
     for (m, segment) in [(1e-6, 1e-3), (1.0, 1e-6), (1.0, 1.0)] {
@@ -47,7 +55,8 @@ fn a_one_sided_pair_closes_its_gap_in_one_step() {
                 let (v, dt) = (10.0, 1e-3);
                 let mut points = square([segment; 4]);
                 points.push(mass([x, y, THICK], [0.0, 0.0, -v], m));
-                let mut scene = Scene::new(&kinematic(partition), &points, &[[0, 1, 2, 3]], &[4], dt);
+                let mut scene =
+                    Scene::new(&kinematic(partition), &points, &[[0, 1, 2, 3]], &[4], dt);
                 let p = scene.momentum();
                 scene.step();
                 let shape = scene.pairs()[0].shape;
@@ -58,13 +67,18 @@ fn a_one_sided_pair_closes_its_gap_in_one_step() {
                 // A plastic impact on the mass that the contact point has there.
                 let behind: f64 = 1.0 / shape[1..].iter().map(|n| n * n / segment).sum::<f64>();
                 let common = v * m / (m + behind);
-                assert!((scene.v(4).z + common).abs() < 1e-9 * v, "{at}: {} and not {common}", scene.v(4).z);
+                assert!(
+                    (scene.v(4).z + common).abs() < 1e-9 * v,
+                    "{at}: {} and not {common}",
+                    scene.v(4).z
+                );
             }
         }
     }
 }
 
-/// Many nodes on a segment share its mass: at the centre, with equal masses, one pass is exact for any number of them.
+/// Many nodes on a segment share its mass: at the centre, with equal masses, one pass is exact for
+/// any number of them.
 #[test]
 fn nodes_that_share_a_segment_are_corrected_together() {
     for (n, m, segment) in [(2, 1.0, 1.0), (10, 10.0, 1.0), (10, 1e3, 1.0)] {
@@ -75,17 +89,25 @@ fn nodes_that_share_a_segment_are_corrected_together() {
         let mut scene = Scene::new(&kinematic(0.5), &points, &[[0, 1, 2, 3]], &slaves, dt);
         scene.step();
         let common = n as f64 * m * v / (n as f64 * m + 4.0 * segment);
-        (0..4 + n)
-            .for_each(|i| assert!((scene.v(i).z + common).abs() < 1e-9 * v, "{n} of {m}: node {i} {}", scene.v(i).z));
+        (0..4 + n).for_each(|i| {
+            assert!(
+                (scene.v(i).z + common).abs() < 1e-9 * v,
+                "{n} of {m}: node {i} {}",
+                scene.v(i).z
+            )
+        });
     }
 }
 
-/// Fixed nodes against a free segment, without the other direction: they take part as very heavy ones.
+/// Fixed nodes against a free segment, without the other direction: they take part as very heavy
+/// ones.
 #[test]
 fn a_segment_stops_at_fixed_nodes() {
     let mut points: Vec<NodeRecord> =
         square([1.0; 4]).into_iter().map(|p| NodeRecord { v: [0.0, 0.0, 10.0], ..p }).collect();
-    points.extend([[0.0, 0.0], [0.1, 0.0], [-0.2, 0.3], [0.5, -0.6]].map(|[x, y]| held([x, y, THICK])));
+    points.extend(
+        [[0.0, 0.0], [0.1, 0.0], [-0.2, 0.3], [0.5, -0.6]].map(|[x, y]| held([x, y, THICK])),
+    );
     let mut scene = Scene::new(&kinematic(0.5), &points, &[[0, 1, 2, 3]], &[4, 5, 6, 7], 1e-3);
     let before = scene.energy();
     for _ in 0..30 {
@@ -94,10 +116,15 @@ fn a_segment_stops_at_fixed_nodes() {
     }
     let point = |i: usize| scene.x(i).z;
     let centre = 0.25 * (0..4).map(point).sum::<f64>();
-    assert!(centre < 1e-3 * THICK && scene.contact.penetration < 0.05, "{centre}, {}", scene.contact.penetration);
+    assert!(
+        centre < 1e-3 * THICK && scene.contact.penetration < 0.05,
+        "{centre}, {}",
+        scene.contact.penetration
+    );
 }
 
-/// C08: where both plates are slaves of each other, the partition shares the correction, and the gap is closed once.
+/// C08: where both plates are slaves of each other, the partition shares the correction, and the
+/// gap is closed once.
 #[test]
 fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
     for partition in [0.0, 0.3, 0.5, 1.0] {
@@ -105,12 +132,21 @@ fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
         let mut scene = plates(&kinematic(partition), [low; 4], [high; 4], V3::new(0.0, 0.0, v));
         scene.step();
         let common = v * (low - high) / (low + high);
-        (0..8)
-            .for_each(|i| assert!((scene.v(i).z - common).abs() < 1e-12 * v, "{partition}: node {i} {}", scene.v(i).z));
+        (0..8).for_each(|i| {
+            assert!(
+                (scene.v(i).z - common).abs() < 1e-12 * v,
+                "{partition}: node {i} {}",
+                scene.v(i).z
+            )
+        });
         let exact = low * (v - common) / 1e-3;
         for p in scene.pairs() {
             let share = if p.name.slave.0 <= 4 { partition } else { 1.0 - partition };
-            assert!((p.force.norm() - share * exact).abs() < 1e-9 * exact, "{partition}: {:?}", p.force);
+            assert!(
+                (p.force.norm() - share * exact).abs() < 1e-9 * exact,
+                "{partition}: {:?}",
+                p.force
+            );
         }
     }
 }
@@ -119,9 +155,13 @@ fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
 #[test]
 fn pressed_plates_pass_the_load_once() {
     for (name, of) in all_laws() {
-        // Far above what the Lagrange law leaves be, far below what sinks a penalty in by the thickness.
+        // Far above what the Lagrange law leaves be, far below what sinks a penalty in by the
+        // thickness.
         let load = if of.law == "penalty" { 100.0 } else { 5e3 };
-        let of = ContactJob { penalty_scale: if of.penalty_form == "stiffness" { 1e5 } else { 0.1 }, ..of };
+        let of = ContactJob {
+            penalty_scale: if of.penalty_form == "stiffness" { 1e5 } else { 0.1 },
+            ..of
+        };
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], V3::zeros());
         (0..8).for_each(|i| scene.load[i].z = if i < 4 { load } else { -load });
         scene.settle(600, 0.05);
@@ -129,17 +169,21 @@ fn pressed_plates_pass_the_load_once() {
         let mut on_node = [0.0; 4];
         for p in scene.pairs() {
             for (r, &n) in p.nodes[..p.roles()].iter().enumerate().filter(|(_, n)| **n >= 4) {
-                on_node[n as usize - 4] += if r == 0 { p.force.z } else { -p.force.z * p.weight[r] };
+                on_node[n as usize - 4] +=
+                    if r == 0 { p.force.z } else { -p.force.z * p.weight[r] };
             }
         }
         // Lagrange leaves a force be that changes by less than 1e-3.
-        on_node.iter().for_each(|f| assert!((f / load - 1.0).abs() < 3e-3, "{name}: {on_node:?} and not {load}"));
+        on_node.iter().for_each(|f| {
+            assert!((f / load - 1.0).abs() < 3e-3, "{name}: {on_node:?} and not {load}")
+        });
         assert_eq!(scene.pairs().len(), 8, "{name}: both directions");
     }
 }
 
-/// A fine surface falls on a coarse one, all nodes slaves: nodes at mid-face of the coarse segment are partitioned with its
-/// corners, so that their gap closes step by step, never more than once: no energy comes up, momentum stays.
+/// A fine surface falls on a coarse one, all nodes slaves: nodes at mid-face of the coarse segment
+/// are partitioned with its corners, so that their gap closes step by step, never more than once:
+/// no energy comes up, momentum stays.
 #[test]
 fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
     for partition in [0.2, 0.5, 0.8] {
@@ -155,7 +199,11 @@ fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
         let plastic = 0.5 * p.norm_squared() / scene.sum(|m, _, _| m);
         for step in 0..40 {
             scene.step();
-            assert!(scene.energy() < last * (1.0 + 1e-12), "step {step}: {} after {last}", scene.energy());
+            assert!(
+                scene.energy() < last * (1.0 + 1e-12),
+                "step {step}: {} after {last}",
+                scene.energy()
+            );
             last = scene.energy();
         }
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
@@ -167,18 +215,25 @@ fn a_fine_surface_on_a_coarse_one_comes_to_rest_on_it() {
     }
 }
 
-/// A plate on a bed of held nodes, all nodes slaves of the other side, the bed's middle node higher by `bump`; pressed down by
-/// `press` and pulled along by `pull` at each of its corners.
+/// A plate on a bed of held nodes, all nodes slaves of the other side, the bed's middle node higher
+/// by `bump`; pressed down by `press` and pulled along by `pull` at each of its corners.
 fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
     let mut points: Vec<NodeRecord> = (0..25)
-        .map(|i| held([0.45 * ((i % 5) as f64 - 2.0), 0.45 * ((i / 5) as f64 - 2.0), if i == 12 { bump } else { 0.0 }]))
+        .map(|i| {
+            held([
+                0.45 * ((i % 5) as f64 - 2.0),
+                0.45 * ((i / 5) as f64 - 2.0),
+                if i == 12 { bump } else { 0.0 },
+            ])
+        })
         .collect();
     let corners = square([1.0, 2.0, 0.5, 1.5]).into_iter();
     let fixed = if pull == 0.0 { 0b011 } else { 0 }; // up and down only: nothing slides off the bump
     let above = |p: NodeRecord| mass([0.7 * p.x[0], 0.7 * p.x[1], THICK + bump], [0.0; 3], p.mass);
     points.extend(corners.map(|p| NodeRecord { fixed, ..above(p) }));
     let bed = |i: u32| i % 4 + 5 * (i / 4);
-    let mut segments: Vec<[u32; 4]> = (0..16).map(|i| [bed(i), bed(i) + 1, bed(i) + 6, bed(i) + 5]).collect();
+    let mut segments: Vec<[u32; 4]> =
+        (0..16).map(|i| [bed(i), bed(i) + 1, bed(i) + 6, bed(i) + 5]).collect();
     segments.push([25, 26, 27, 28]);
     let slaves: Vec<u32> = (0..29).collect();
     let mut scene = Scene::new(of, &points, &segments, &slaves, 1e-3);
@@ -186,7 +241,8 @@ fn on_a_bed(of: &ContactJob, bump: f64, press: f64, pull: f64) -> Scene {
     scene
 }
 
-/// A09: on a held bed the free nodes bear the load whatever the partition, and none of it creeps under a pull below mu N.
+/// A09: on a held bed the free nodes bear the load whatever the partition, and none of it creeps
+/// under a pull below mu N.
 #[test]
 fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
     for partition in [0.0, 0.5, 1.0] {
@@ -198,7 +254,11 @@ fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
         (0..steps).for_each(|_| _ = scene.step());
         for p in scene.pairs() {
             let borne = if p.name.slave.0 > 25 { press } else { 0.0 };
-            assert!((p.force.z.abs() - borne).abs() < 1e-3 * press, "{partition}: {:?} and not {borne}", p.force);
+            assert!(
+                (p.force.z.abs() - borne).abs() < 1e-3 * press,
+                "{partition}: {:?} and not {borne}",
+                p.force
+            );
         }
         let time = f64::from(steps) * scene.steps.dt;
         for (i, start) in (25..29).zip(start) {
@@ -210,7 +270,8 @@ fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
     }
 }
 
-/// A held node that stands up between the free corners of a coarse face still stops it, while the corners are held too.
+/// A held node that stands up between the free corners of a coarse face still stops it, while the
+/// corners are held too.
 #[test]
 fn a_held_node_between_free_ones_takes_what_they_leave() {
     let bump = 0.5 * THICK;
@@ -230,5 +291,8 @@ fn a_held_node_between_free_ones_takes_what_they_leave() {
         borne(true),
         borne(false)
     );
-    assert!((middle - THICK - bump).abs() < 1e-3 * THICK, "the bump is not in the plate: {corners:?}");
+    assert!(
+        (middle - THICK - bump).abs() < 1e-3 * THICK,
+        "the bump is not in the plate: {corners:?}"
+    );
 }

@@ -3,7 +3,8 @@
 use super::*;
 use crate::contact::surface::Surface;
 
-/// A plate of `n` by `n` segments of a square of side 2, its nodes with masses by their areas; height and velocity.
+/// A plate of `n` by `n` segments of a square of side 2, its nodes with masses by their areas;
+/// height and velocity.
 struct Plate {
     points: Vec<NodeRecord>,
     segments: Vec<[u32; 4]>,
@@ -31,12 +32,18 @@ fn plate(n: usize, first: usize, at: impl Fn(f64, f64) -> f64, v: [f64; 3]) -> P
 
 fn forms() -> [ContactJob; 2] {
     // E A / d of a segment is 1 / (n sqrt 2) here.
-    let stiff = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 2e5, ..job("mortar") };
+    let stiff =
+        ContactJob { penalty_form: "stiffness".into(), penalty_scale: 2e5, ..job("mortar") };
     [job("mortar"), stiff]
 }
 
 /// Two plates one above the other: their scene, and the area of each node.
-fn two(of: &ContactJob, [below, above]: [usize; 2], at: impl Fn(f64, f64) -> f64, v: [f64; 3]) -> (Scene, Vec<f64>) {
+fn two(
+    of: &ContactJob,
+    [below, above]: [usize; 2],
+    at: impl Fn(f64, f64) -> f64,
+    v: [f64; 3],
+) -> (Scene, Vec<f64>) {
     let one = plate(below, 0, |_, _| 0.0, [0.0; 3]);
     let two = plate(above, one.points.len(), at, v);
     let points = [one.points, two.points].concat();
@@ -45,7 +52,8 @@ fn two(of: &ContactJob, [below, above]: [usize; 2], at: impl Fn(f64, f64) -> f64
     (scene, [one.areas, two.areas].concat())
 }
 
-/// A22: plates that come together flat are pressed uniformly, on both sides and whatever their meshes.
+/// A22: plates that come together flat are pressed uniformly, on both sides and whatever their
+/// meshes.
 #[test]
 fn flat_plates_press_uniformly_whatever_their_meshes() {
     for of in forms() {
@@ -55,7 +63,8 @@ fn flat_plates_press_uniformly_whatever_their_meshes() {
             let momentum = scene.momentum();
             for _ in 0..20 {
                 scene.step();
-                let forces: Vec<V3> = (0..areas.len()).map(|i| scene.contact.force_on(i as u32)).collect();
+                let forces: Vec<V3> =
+                    (0..areas.len()).map(|i| scene.contact.force_on(i as u32)).collect();
                 let pressure = forces.iter().map(|f| f.z.abs()).sum::<f64>() / 8.0;
                 if pressure == 0.0 {
                     continue;
@@ -63,14 +72,21 @@ fn flat_plates_press_uniformly_whatever_their_meshes() {
                 pressed += 1;
                 for (f, a) in forces.iter().zip(&areas) {
                     let off = (f.z.abs() / (pressure * a) - 1.0).abs();
-                    assert!(off < 1e-9 && f.xy().norm() < 1e-9 * f.norm(), "{meshes:?}: {off:e} at a node of {a}");
+                    assert!(
+                        off < 1e-9 && f.xy().norm() < 1e-9 * f.norm(),
+                        "{meshes:?}: {off:e} at a node of {a}"
+                    );
                 }
             }
             assert!(pressed > 2, "{} {meshes:?}: they touch in {pressed} steps", of.penalty_form);
             let upper = scene.v(areas.len() - 1).z;
-            assert!(scene.pairs().iter().all(|p| p.force.norm() == 0.0) && upper > -0.2, "apart again: {upper}");
+            assert!(
+                scene.pairs().iter().all(|p| p.force.norm() == 0.0) && upper > -0.2,
+                "apart again: {upper}"
+            );
             assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
-            // Central differences are in doubt by the part of a step in which the spring comes on and goes off.
+            // Central differences are in doubt by the part of a step in which the spring comes on
+            // and goes off.
             let kept = scene.energy() / before;
             assert!((kept - 1.0).abs() < 0.2, "{} {meshes:?}: energy kept {kept}", of.penalty_form);
             assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
@@ -78,7 +94,8 @@ fn flat_plates_press_uniformly_whatever_their_meshes() {
     }
 }
 
-/// A warped and tilted plate that slides as it comes down: both momenta stay, and contact gives little more than it took.
+/// A warped and tilted plate that slides as it comes down: both momenta stay, and contact gives
+/// little more than it took.
 #[test]
 fn tilted_plates_keep_both_momenta() {
     for of in forms() {
@@ -92,7 +109,11 @@ fn tilted_plates_keep_both_momenta() {
         }
         assert!(touched > 20, "they touch in {touched} steps");
         assert!((scene.momentum() - momentum).norm() < 1e-12 * momentum.norm(), "round-off");
-        assert!((scene.spin() - spin).norm() < 1e-11 * momentum.norm(), "round-off: {}", scene.spin() - spin);
+        assert!(
+            (scene.spin() - spin).norm() < 1e-11 * momentum.norm(),
+            "round-off: {}",
+            scene.spin() - spin
+        );
         let work = scene.work / before;
         eprintln!("{}: work of contact / energy {work:.4}", of.penalty_form);
         assert!((scene.energy() - before - scene.work).abs() < 1e-12 * before, "as booked");
@@ -100,12 +121,14 @@ fn tilted_plates_keep_both_momenta() {
     }
 }
 
-/// A07: friction slows a plate that slides over another one, whose segments it does not match, with mu times what presses it.
+/// A07: friction slows a plate that slides over another one, whose segments it does not match, with
+/// mu times what presses it.
 #[test]
 fn friction_slows_a_plate_over_many_segments() {
     let (mu, load, v) = (0.3, 2.0, 1.0);
     for of in forms() {
-        let (mut scene, areas) = two(&ContactJob { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
+        let (mut scene, areas) =
+            two(&ContactJob { friction: mu, ..of.clone() }, [4, 1], |_, _| THICK, [0.0; 3]);
         let first = areas.len() - 4;
         (0..first).for_each(|i| scene.nodes.inv_mass[i] = [0.0; 4]);
         for (i, area) in areas.iter().enumerate().skip(first) {
@@ -120,7 +143,11 @@ fn friction_slows_a_plate_over_many_segments() {
         (0..steps).for_each(|_| _ = scene.step());
         let expected = v - mu * load * f64::from(steps) * 1e-3;
         let now = (first..areas.len()).map(|i| scene.v(i).x).sum::<f64>() / 4.0;
-        assert!(((now - expected) / (v - expected)).abs() < 0.02, "{}: {now} and not {expected}", of.penalty_form);
+        assert!(
+            ((now - expected) / (v - expected)).abs() < 0.02,
+            "{}: {now} and not {expected}",
+            of.penalty_form
+        );
     }
 }
 
@@ -134,7 +161,10 @@ fn of_two_segments_one_is_the_slave() {
     for p in scene.pairs() {
         assert!(p.name.is_segment() && p.name.slave_quarter().0 < p.segment && p.ahead() == 4);
         let of = |s: SegmentId| surface.segments.iter().find(|g| g.id == s).unwrap().nodes;
-        assert_eq!([&p.nodes[..4], &p.nodes[4..]].concat(), [of(p.name.slave_quarter().0), of(p.segment)].concat());
+        assert_eq!(
+            [&p.nodes[..4], &p.nodes[4..]].concat(),
+            [of(p.name.slave_quarter().0), of(p.segment)].concat()
+        );
         // What is there at the start is let be.
         assert!((p.depth - 1e-3).abs() < 1e-15 && p.gap.abs() < 1e-15 && p.force == V3::zeros());
     }
@@ -142,7 +172,8 @@ fn of_two_segments_one_is_the_slave() {
     assert!((area - 4.0).abs() < 1e-12, "all of the plates: {area}");
 }
 
-/// A plate between two others remembers each of them by itself: the one that it met first does not tell on which side the other is.
+/// A plate between two others remembers each of them by itself: the one that it met first does not
+/// tell on which side the other is.
 #[test]
 fn a_plate_between_two_others_holds_both_apart() {
     for of in forms() {
@@ -158,10 +189,13 @@ fn a_plate_between_two_others_holds_both_apart() {
         let (mut met, mut nearest) = ([0, 0], f64::INFINITY);
         for _ in 0..200 {
             scene.step();
-            let touches = |side: f64| scene.pairs().iter().any(|p| p.normal.z * side > 0.0 && p.force.norm() > 0.0);
+            let touches = |side: f64| {
+                scene.pairs().iter().any(|p| p.normal.z * side > 0.0 && p.force.norm() > 0.0)
+            };
             (0..2).for_each(|i| met[i] += usize::from(touches([1.0, -1.0][i])));
-            let mean =
-                |nodes: std::ops::Range<usize>| nodes.clone().map(|i| scene.x(i).z).sum::<f64>() / nodes.len() as f64;
+            let mean = |nodes: std::ops::Range<usize>| {
+                nodes.clone().map(|i| scene.x(i).z).sum::<f64>() / nodes.len() as f64
+            };
             let [m, a, b] = [mean(0..9), mean(9..25), mean(25..41)];
             nearest = nearest.min((a - m).min(m - b));
         }

@@ -2,9 +2,9 @@
 
 use super::*;
 
-/// The penalty law is a spring `k = scale m_red / dt^2`: it keeps momentum, throws back what comes without loss, and
-/// lets a node sink in by `v sqrt(m_red / k) = v dt / sqrt(scale)`. Stable up to the limit of central differences,
-/// k m_red^-1 dt^2 < 4.
+/// The penalty law is a spring `k = scale m_red / dt^2`: it keeps momentum, throws back what comes
+/// without loss, and lets a node sink in by `v sqrt(m_red / k) = v dt / sqrt(scale)`. Stable up to
+/// the limit of central differences, k m_red^-1 dt^2 < 4.
 #[test]
 fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
     let mut sunk = Vec::new();
@@ -24,9 +24,13 @@ fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
         let expected = v * dt / scale.sqrt();
         // Steps of a size of 1/8 and more of a swing: the deepest point falls between two of them.
-        assert!((deepest / expected - 1.0).abs() < 0.15, "scale {scale}: {deepest} and not {expected}");
-        // Central differences keep a spring's energy but where the node first meets and last leaves it: a force of up to
-        // k v dt acts over a part of a step, and with it `1/2 k (v dt)^2 = scale / 2` of the energy is in doubt.
+        assert!(
+            (deepest / expected - 1.0).abs() < 0.15,
+            "scale {scale}: {deepest} and not {expected}"
+        );
+        // Central differences keep a spring's energy but where the node first meets and last leaves
+        // it: a force of up to k v dt acts over a part of a step, and with it `1/2 k (v dt)^2 =
+        // scale / 2` of the energy is in doubt.
         let kept = scene.energy() / before;
         eprintln!("scale {scale}: sinks by {deepest:.2e}, energy kept {kept:.4}");
         assert!((kept - 1.0).abs() < 0.5 * scale, "scale {scale}: {kept}");
@@ -35,9 +39,9 @@ fn penalty_is_a_spring_that_keeps_momentum_and_energy() {
     assert!(sunk.windows(2).all(|d| d[0] > d[1]), "stiffer, less deep: {sunk:?}");
 }
 
-/// C02: a light node on a heavy segment and a heavy node on a light one. However stiff the job asks for, the stiffness in
-/// use keeps the step stable: momentum stays, energy within what a spring of this stiffness leaves in doubt, and the pairs
-/// that were softened are counted.
+/// C02: a light node on a heavy segment and a heavy node on a light one. However stiff the job asks
+/// for, the stiffness in use keeps the step stable: momentum stays, energy within what a spring of
+/// this stiffness leaves in doubt, and the pairs that were softened are counted.
 #[test]
 fn stiffness_is_bounded_by_the_masses_that_it_moves() {
     for (m, segment) in [(1e-6, 1e-3), (1.0, 1e-6)] {
@@ -45,16 +49,27 @@ fn stiffness_is_bounded_by_the_masses_that_it_moves() {
         let mut points = square([segment; 4]);
         points.push(mass([0.0, 0.0, THICK], [0.0, 0.0, -v], m));
         // 1e9 N/m of the segment's E A / d = sqrt 2.
-        let job = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e9 / 2f64.sqrt(), ..job("penalty") };
+        let job = ContactJob {
+            penalty_form: "stiffness".into(),
+            penalty_scale: 1e9 / 2f64.sqrt(),
+            ..job("penalty")
+        };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], dt);
         let (p, before) = (scene.momentum(), scene.energy());
         (0..200).for_each(|_| _ = scene.step());
         assert!(scene.contact.capped > 0, "said");
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
         // k c dt^2 = 4 (1 - 0.9^2) = 0.76: half of it is in doubt (see above).
-        assert!((scene.energy() / before - 1.0).abs() < 0.38, "{m} on {segment}: {}", scene.energy() / before);
+        assert!(
+            (scene.energy() / before - 1.0).abs() < 0.38,
+            "{m} on {segment}: {}",
+            scene.energy() / before
+        );
         let light = if m < segment { -scene.v(4).z - v } else { -scene.v(0).z };
-        assert!((light.abs() / (2.0 * v) - 1.0).abs() < 0.2, "{m} on {segment}: the light body leaves with {light}");
+        assert!(
+            (light.abs() / (2.0 * v) - 1.0).abs() < 0.2,
+            "{m} on {segment}: the light body leaves with {light}"
+        );
     }
 }
 
@@ -62,20 +77,26 @@ const CELLS: usize = 12;
 /// Force that holds the rods together.
 const PRELOAD: f64 = 0.01;
 
-/// Two rods of lumped masses, pressed together and at rest: mass 1 and stiffness 1 per cell, so that a free rod is stable
-/// up to dt = 1. The lower one is four strings, its end a segment; the upper one is one string, its end the slave.
+/// Two rods of lumped masses, pressed together and at rest: mass 1 and stiffness 1 per cell, so
+/// that a free rod is stable up to dt = 1. The lower one is four strings, its end a segment; the
+/// upper one is one string, its end the slave.
 fn rods(of: &ContactJob, dt: f64) -> Scene {
-    let along_z = |x: f64, y: f64, z: f64, m: f64| NodeRecord { fixed: 0b011, ..mass([x, y, z], [0.0; 3], m) };
+    let along_z = |x: f64, y: f64, z: f64, m: f64| NodeRecord {
+        fixed: 0b011,
+        ..mass([x, y, z], [0.0; 3], m)
+    };
     let lumped = |i: usize| if i == 0 || i == CELLS { 0.5 } else { 1.0 };
     let mut points = Vec::new();
     for i in 0..=CELLS {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        points.extend(corners.map(|[x, y]| along_z(x, y, i as f64 - CELLS as f64, 0.25 * lumped(i))));
+        points
+            .extend(corners.map(|[x, y]| along_z(x, y, i as f64 - CELLS as f64, 0.25 * lumped(i))));
     }
     let slave = points.len();
     points.extend((0..=CELLS).map(|i| along_z(0.0, 0.0, i as f64 + THICK, lumped(i))));
     let top = 4 * CELLS as u32;
-    let mut scene = Scene::new(of, &points, &[[top, top + 1, top + 2, top + 3]], &[slave as u32], dt);
+    let mut scene =
+        Scene::new(of, &points, &[[top, top + 1, top + 2, top + 3]], &[slave as u32], dt);
     // Without force longer by what the preload presses them together.
     scene.springs = (0..4 * CELLS).map(|i| (i, i + 4, 0.25, 1.0 + PRELOAD)).collect();
     scene.springs.extend((slave..slave + CELLS).map(|i| (i, i + 1, 1.0, 1.0 + PRELOAD)));
@@ -88,7 +109,8 @@ fn rods(of: &ContactJob, dt: f64) -> Scene {
     scene
 }
 
-/// How many times the velocity of a kick to the touching end the fastest node has at most in 400 steps of `dt`.
+/// How many times the velocity of a kick to the touching end the fastest node has at most in 400
+/// steps of `dt`.
 fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     // What bounds the stiffness is the step: no other one before.
     let bounded = of.law == "penalty" && of.penalty_cap;
@@ -110,21 +132,29 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
 fn stiff(beta: f64, cap: bool) -> ContactJob {
     // The segment's E A / d is 4 / (2 sqrt 2).
     let penalty_scale = beta / 2f64.sqrt();
-    ContactJob { penalty_form: "stiffness".into(), penalty_scale, penalty_cap: cap, ..job("penalty") }
+    ContactJob {
+        penalty_form: "stiffness".into(),
+        penalty_scale,
+        penalty_cap: cap,
+        ..job("penalty")
+    }
 }
 
-/// A24, C01: a spring of beta cell stiffnesses between two long rods lowers their stable step to
-/// `2 / omega, omega^2 = 2 + 2 sqrt(1 + 4 beta^2)` cells (the mode that decays by `2 beta - sqrt(1 + 4 beta^2)` per cell on
-/// either side). Two percent below the rods swing on, two percent above they blow up. With the bound on stiffness they
-/// are stable at the safety of 0.9 however stiff the job asks for.
+/// A24, C01: a spring of beta cell stiffnesses between two long rods lowers their stable step to `2
+/// / omega, omega^2 = 2 + 2 sqrt(1 + 4 beta^2)` cells (the mode that decays by `2 beta - sqrt(1 + 4
+/// beta^2)` per cell on either side). Two percent below the rods swing on, two percent above they
+/// blow up. With the bound on stiffness they are stable at the safety of 0.9 however stiff the job
+/// asks for.
 #[test]
 fn a_stiff_penalty_lowers_the_stable_step_as_it_should_and_the_bound_keeps_it() {
     let kick = 1e-6;
     for (beta, listed) in [(0.5, 0.910), (1.0, 0.786), (2.0, 0.625), (10.0, 0.308)] {
         let limit = 2.0 / (2.0 + 2.0 * f64::sqrt(1.0 + 4.0 * beta * beta)).sqrt();
         assert!((limit - listed).abs() < 6e-4, "the catalogue's figure");
-        let (below, above) =
-            (growth(&stiff(beta, false), 0.98 * limit, kick), growth(&stiff(beta, false), 1.02 * limit, kick));
+        let (below, above) = (
+            growth(&stiff(beta, false), 0.98 * limit, kick),
+            growth(&stiff(beta, false), 1.02 * limit, kick),
+        );
         eprintln!("beta {beta}: limit {limit:.4}, growth {below:.2} below and {above:.0} above");
         // Just below the limit a mode swings with up to 1 / sqrt(1 - 0.98^2) = 5 times its kick.
         assert!(below < 10.0, "beta {beta}: grows {below} times below {limit}");
@@ -133,18 +163,24 @@ fn a_stiff_penalty_lowers_the_stable_step_as_it_should_and_the_bound_keeps_it() 
         assert!(bounded < 10.0, "beta {beta}: grows {bounded} times at 0.9 in spite of the bound");
     }
     assert!(
-        growth(&stiff(0.5, false), 0.9, kick) < 10.0 && growth(&stiff(1.0, false), 0.9, kick) > 100.0,
+        growth(&stiff(0.5, false), 0.9, kick) < 10.0
+            && growth(&stiff(1.0, false), 0.9, kick) > 100.0,
         "A24 at 0.9"
     );
 }
 
-/// Local Lagrange and kinematic contact leave the stable step to the elements. The kick is large against what the
-/// Lagrange law leaves open, and the ends hop.
+/// Local Lagrange and kinematic contact leave the stable step to the elements. The kick is large
+/// against what the Lagrange law leaves open, and the ends hop.
 #[test]
 fn lagrange_and_kinematic_contact_do_not_lower_the_stable_step() {
     let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
     for of in [job("lagrange"), gauss_seidel, job("kinematic")] {
         let (below, above) = (growth(&of, 0.99, 0.02), growth(&of, 1.02, 0.02));
-        assert!(below < 10.0 && above > 100.0, "{} {}: grows {below} below, {above} above", of.law, of.iteration);
+        assert!(
+            below < 10.0 && above > 100.0,
+            "{} {}: grows {below} below, {above} above",
+            of.law,
+            of.iteration
+        );
     }
 }

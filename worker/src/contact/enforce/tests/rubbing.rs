@@ -9,9 +9,11 @@ fn pressed(friction: f64, law: &str, velocity: f64, pull: f64, press: f64) -> Sc
 
 fn plate(of: &ContactJob, velocity: f64, pull: f64, press: f64) -> Scene {
     let rows = 40;
-    let mut points: Vec<NodeRecord> =
-        (0..=rows).flat_map(|i| [-1.0, 1.0].map(|y| held([0.5 * i as f64 - 1.0, y, 0.0]))).collect();
-    let segments: Vec<[u32; 4]> = (0..rows).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();
+    let mut points: Vec<NodeRecord> = (0..=rows)
+        .flat_map(|i| [-1.0, 1.0].map(|y| held([0.5 * i as f64 - 1.0, y, 0.0])))
+        .collect();
+    let segments: Vec<[u32; 4]> =
+        (0..rows).map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).collect();
     let slave = points.len();
     points.push(mass([0.0, 0.3, THICK], [velocity, 0.0, 0.0], 2.0));
     let mut scene = Scene::new(of, &points, &segments, &[slave as u32], 1e-3);
@@ -19,8 +21,9 @@ fn plate(of: &ContactJob, velocity: f64, pull: f64, press: f64) -> Scene {
     scene
 }
 
-/// A07: Coulomb friction slows a sliding block of mass m under a force N with `mu N / m` until it rests, holds it
-/// against a pull below mu N, and lets it go above. The block passes 20 edges of segments on its way.
+/// A07: Coulomb friction slows a sliding block of mass m under a force N with `mu N / m` until it
+/// rests, holds it against a pull below mu N, and lets it go above. The block passes 20 edges of
+/// segments on its way.
 #[test]
 fn coulomb_friction_slows_holds_and_lets_go() {
     for law in ["lagrange", "kinematic"] {
@@ -36,9 +39,14 @@ fn slows_holds_and_lets_go(law: &str) {
     for _ in 0..1000 {
         scene.step();
     }
-    // v(1) = 10 - 7.5; the force law is exact for a constant load, what is left is the tolerance of 1e-3 of a force.
+    // v(1) = 10 - 7.5; the force law is exact for a constant load, what is left is the tolerance of
+    // 1e-3 of a force.
     let expected = v - slowing;
-    assert!((scene.v(block).x - expected).abs() < 2e-3 * slowing, "{} and not {expected}", scene.v(block).x);
+    assert!(
+        (scene.v(block).x - expected).abs() < 2e-3 * slowing,
+        "{} and not {expected}",
+        scene.v(block).x
+    );
     assert!((scene.x(block).x - (v - 0.5 * slowing)).abs() < 2e-2, "{}", scene.x(block).x);
     for _ in 0..1000 {
         scene.step();
@@ -48,7 +56,11 @@ fn slows_holds_and_lets_go(law: &str) {
     let way = v * v / (2.0 * slowing);
     assert!((scene.x(block).x / way - 1.0).abs() < 2e-3, "{} and not {way}", scene.x(block).x);
     assert!((scene.x(block).z - THICK).abs() < 1e-3 * THICK, "on the plate");
-    assert!((scene.work + 0.5 * m * v * v).abs() < 1e-3 * m * v * v, "friction took it all: {}", scene.work);
+    assert!(
+        (scene.work + 0.5 * m * v * v).abs() < 1e-3 * m * v * v,
+        "friction took it all: {}",
+        scene.work
+    );
 
     for (pull, moves) in [(0.9, 0.0), (1.1, 0.1)] {
         let mut scene = pressed(mu, law, 0.0, pull * mu * n, n);
@@ -62,8 +74,9 @@ fn slows_holds_and_lets_go(law: &str) {
     }
 }
 
-/// The same with the penalty law, whose stick is a spring: a held block swings on it instead of resting. Without the
-/// dashpot the block bounces on its spring; friction acts in every touch from its first step on, so that it is the same.
+/// The same with the penalty law, whose stick is a spring: a held block swings on it instead of
+/// resting. Without the dashpot the block bounces on its spring; friction acts in every touch from
+/// its first step on, so that it is the same.
 #[test]
 fn coulomb_friction_of_the_penalty_law() {
     let (mu, n, m, v) = (0.3, 50.0, 2.0, 10.0);
@@ -74,7 +87,10 @@ fn coulomb_friction_of_the_penalty_law() {
         let block = scene.nodes.len() - 1;
         (0..1000).for_each(|_| _ = scene.step());
         let left = scene.v(block).x;
-        assert!((left - expected).abs() < 1e-2 * mu * n / m, "damping {damping}: {left} and not {expected}");
+        assert!(
+            (left - expected).abs() < 1e-2 * mu * n / m,
+            "damping {damping}: {left} and not {expected}"
+        );
     }
     let mut scene = plate(&damped(0.1), 0.0, 0.4 * mu * n, n);
     let block = scene.nodes.len() - 1;
@@ -82,8 +98,9 @@ fn coulomb_friction_of_the_penalty_law() {
     assert!((scene.x(block).x).abs() < 1e-2 * THICK, "held: {}", scene.x(block).x);
 }
 
-/// A14: what slides through a whole touch takes friction's impulse, mu times the normal one, wherever in a step the touch
-/// begins; so it does if it comes from outside the range in which pairs are looked at.
+/// A14: what slides through a whole touch takes friction's impulse, mu times the normal one,
+/// wherever in a step the touch begins; so it does if it comes from outside the range in which
+/// pairs are looked at.
 #[test]
 fn friction_of_a_penalty_acts_from_the_first_step_of_a_touch() {
     let mu = 0.3;
@@ -96,25 +113,35 @@ fn friction_of_a_penalty_acts_from_the_first_step_of_a_touch() {
             scene.nodes.v[block][2] = -fall;
             scene.nodes.x[block][2] += (4.0 + 0.05 * f64::from(phase)) * fall * dt;
             (0..60).for_each(|_| _ = scene.step());
-            assert!(scene.pairs().is_empty() && scene.v(block).z > 0.5 * fall, "it has left: {}", scene.v(block));
+            assert!(
+                scene.pairs().is_empty() && scene.v(block).z > 0.5 * fall,
+                "it has left: {}",
+                scene.v(block)
+            );
             let ratio = (3.0 - scene.v(block).x) / (scene.v(block).z + fall);
-            // Slides at 3 against 0.3: the spring from the stick point is beyond the cone in every step.
-            assert!((ratio / mu - 1.0).abs() < 1e-9, "damping {damping}, phase {phase}: {ratio} and not {mu}");
+            // Slides at 3 against 0.3: the spring from the stick point is beyond the cone in every
+            // step.
+            assert!(
+                (ratio / mu - 1.0).abs() < 1e-9,
+                "damping {damping}, phase {phase}: {ratio} and not {mu}"
+            );
         }
     }
 }
 
-/// C09: a pull `1.5 mu N sin(2 pi t / T)` to and fro. Friction takes `mu N |v|`, never gives; while the block sticks the force
-/// follows the pull and changes its sign once at most; the block comes back to where it was.
+/// C09: a pull `1.5 mu N sin(2 pi t / T)` to and fro. Friction takes `mu N |v|`, never gives; while
+/// the block sticks the force follows the pull and changes its sign once at most; the block comes
+/// back to where it was.
 #[test]
 fn friction_follows_a_reversing_pull_without_chatter() {
     let (mu, period) = (0.3, 200);
     let gauss_seidel = ContactJob { iteration: "gauss_seidel".into(), ..job("lagrange") };
-    let stiff = ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e6, ..job("penalty") };
+    let stiff =
+        ContactJob { penalty_form: "stiffness".into(), penalty_scale: 1e6, ..job("penalty") };
     for of in [job("lagrange"), gauss_seidel, job("kinematic"), job("penalty"), stiff] {
         let name = format!("{} {} {}", of.law, of.iteration, of.penalty_form);
-        // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 0.25 % of mu N; for a penalty
-        // so small that the block sinks in by a third of the thickness.
+        // So large that what the Lagrange law leaves be, 1e-4 of the thickness per step, is 0.25 %
+        // of mu N; for a penalty so small that the block sinks in by a third of the thickness.
         let n = if of.law == "penalty" { 2e3 / mu } else { 8e3 / mu };
         let mut scene = plate(&ContactJob { friction: mu, ..of.clone() }, 0.0, 0.0, n);
         let block = scene.nodes.len() - 1;
@@ -124,11 +151,13 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         let (mut dissipated, mut expected, mut means) = (0.0, 0.0, Vec::new());
         let mut widest = (f64::INFINITY, f64::NEG_INFINITY);
         // Signs of the force while it sticks: steps since it last changed, changes in this phase.
-        let (mut last_sign, mut since, mut changes, mut quickest, mut most) = (0.0, 0, 0, usize::MAX, 0);
+        let (mut last_sign, mut since, mut changes, mut quickest, mut most) =
+            (0.0, 0, 0, usize::MAX, 0);
         for _ in 0..20 {
             let mut mean = 0.0;
             for step in 0..period {
-                let pull = 1.5 * mu * n * (std::f64::consts::TAU * step as f64 / period as f64).sin();
+                let pull =
+                    1.5 * mu * n * (std::f64::consts::TAU * step as f64 / period as f64).sin();
                 scene.load[block].x = pull;
                 let work = scene.step();
                 let v = scene.v(block).x;
@@ -158,7 +187,10 @@ fn friction_follows_a_reversing_pull_without_chatter() {
         eprintln!(
             "{name}: friction took {dissipated:.4} of {expected:.4}, drift {drift:.2e} of {amplitude:.3}, {most} changes"
         );
-        assert!((dissipated / expected - 1.0).abs() < 5e-3, "{name}: {dissipated} and not {expected}");
+        assert!(
+            (dissipated / expected - 1.0).abs() < 5e-3,
+            "{name}: {dissipated} and not {expected}"
+        );
         assert!(drift < 0.01 * amplitude, "{name}: drifts by {drift} of {amplitude}");
         if of.law == "penalty" {
             // A block on its stick spring swings about the pull, some 20 steps and more each time.
@@ -169,8 +201,8 @@ fn friction_follows_a_reversing_pull_without_chatter() {
     }
 }
 
-/// A stick point lasts through steps in which its pair bears nothing but stays touching, and ends with what lifts off or
-/// slides away.
+/// A stick point lasts through steps in which its pair bears nothing but stays touching, and ends
+/// with what lifts off or slides away.
 #[test]
 fn a_stick_point_lasts_through_a_step_without_force() {
     for law in ["lagrange", "kinematic"] {
@@ -181,7 +213,10 @@ fn a_stick_point_lasts_through_a_step_without_force() {
         let idle = Pair { force: V3::zeros(), slip: little, gap: 0.0, ..scene.pairs()[0] };
         let after = |pair: &Pair, way: V3| law.slip(pair, &(way / steps.dt), steps);
         assert_eq!(after(&idle, V3::zeros()), little, "stays");
-        assert!((after(&idle, little) - little * 2.0).norm() < 1e-15, "and is left behind by what moves");
+        assert!(
+            (after(&idle, little) - little * 2.0).norm() < 1e-15,
+            "and is left behind by what moves"
+        );
         assert_eq!(after(&idle, V3::z() * (1e-3 * THICK)), V3::zeros(), "lifted off");
         assert_eq!(after(&idle, V3::x() * (1e-3 * THICK)), V3::zeros(), "slid away");
     }

@@ -1,17 +1,27 @@
-//! How fast sweeps bring the forces of pairs that feel each other into agreement, and when they do not.
+//! How fast sweeps bring the forces of pairs that feel each other into agreement, and when they do
+//! not.
 
 use super::*;
 
 fn lagrange(iteration: &str, sweeps: usize) -> ContactJob {
-    ContactJob { iteration: iteration.into(), sweeps, accelerated: 0, tolerance: 0.0, ..job("lagrange") }
+    ContactJob {
+        iteration: iteration.into(),
+        sweeps,
+        accelerated: 0,
+        tolerance: 0.0,
+        ..job("lagrange")
+    }
 }
 
-/// n nodes of mass m land together on the centre of a segment of equal nodal masses M. Simultaneous updates with full
-/// masses would multiply the error by `-(n-1) (1/4M) / (1/m + 1/4M)` per sweep, which is above 1 for most of these; masses split
-/// among their pairs, and pairs that take turns, settle for all of them.
+/// n nodes of mass m land together on the centre of a segment of equal nodal masses M. Simultaneous
+/// updates with full masses would multiply the error by `-(n-1) (1/4M) / (1/m + 1/4M)` per sweep,
+/// which is above 1 for most of these; masses split among their pairs, and pairs that take turns,
+/// settle for all of them.
 #[test]
 fn many_nodes_on_one_segment_settle() {
-    for (n, m, segment) in [(2, 1.0, 1.0), (5, 1.0, 1.0), (5, 4.0, 1.0), (10, 10.0, 1.0), (4, 1.0, 1e3)] {
+    for (n, m, segment) in
+        [(2, 1.0, 1.0), (5, 1.0, 1.0), (5, 4.0, 1.0), (10, 10.0, 1.0), (4, 1.0, 1e3)]
+    {
         let (v, dt) = (10.0, 1e-3);
         let mut points = square([segment; 4]);
         points.extend((0..n).map(|_| mass([0.0, 0.0, THICK], [0.0, 0.0, -v], m)));
@@ -19,7 +29,8 @@ fn many_nodes_on_one_segment_settle() {
         // All end with the common velocity of a plastic impact.
         let common = n as f64 * m * v / (n as f64 * m + 4.0 * segment);
         for (iteration, most) in [("split", 4), ("gauss_seidel", 200)] {
-            let mut scene = Scene::new(&lagrange(iteration, 200), &points, &[[0, 1, 2, 3]], &slaves, dt);
+            let mut scene =
+                Scene::new(&lagrange(iteration, 200), &points, &[[0, 1, 2, 3]], &slaves, dt);
             scene.step();
             // The law leaves 1e-10 of the contact thickness of the gap per step and pair.
             for i in 0..scene.nodes.len() {
@@ -34,9 +45,10 @@ fn many_nodes_on_one_segment_settle() {
     }
 }
 
-/// Bodies of the given masses in a row that touch, in turn a plate of four nodes and a node on its centre, so that each
-/// acts as one mass. The last one comes with velocity `v` upon the others at rest. Returns the largest error of a
-/// pair's force after so many sweeps, as a fraction of the largest force.
+/// Bodies of the given masses in a row that touch, in turn a plate of four nodes and a node on its
+/// centre, so that each acts as one mass. The last one comes with velocity `v` upon the others at
+/// rest. Returns the largest error of a pair's force after so many sweeps, as a fraction of the
+/// largest force.
 fn row_error(iteration: &str, masses: &[f64], sweeps: usize) -> f64 {
     row_of(&lagrange(iteration, sweeps), masses).0
 }
@@ -51,7 +63,8 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
         let first = points.len() as u32;
         if i % 2 == 0 {
             let plate = square([0.25 * m; 4]);
-            points.extend(plate.iter().map(|p| mass([p.x[0], p.x[1], z], [0.0, 0.0, speed], p.mass)));
+            points
+                .extend(plate.iter().map(|p| mass([p.x[0], p.x[1], z], [0.0, 0.0, speed], p.mass)));
             segments.push([first, first + 1, first + 2, first + 3]);
         } else {
             points.push(mass([0.0, 0.0, z], [0.0, 0.0, speed], m));
@@ -61,24 +74,27 @@ fn row_of(job: &ContactJob, masses: &[f64]) -> (f64, u64) {
     let mut scene = Scene::new(job, &points, &segments, &slaves, dt);
     scene.step();
     assert_eq!(scene.pairs().len(), masses.len() - 1, "each touches the next");
-    // Plastic impact: all below the struck one are brought to the common velocity by what the pair above them passes on.
+    // Plastic impact: all below the struck one are brought to the common velocity by what the pair
+    // above them passes on.
     let common = v * masses[masses.len() - 1] / masses.iter().sum::<f64>();
-    let exact: Vec<f64> = (1..masses.len()).map(|j| masses[..j].iter().sum::<f64>() * common / dt).collect();
+    let exact: Vec<f64> =
+        (1..masses.len()).map(|j| masses[..j].iter().sum::<f64>() * common / dt).collect();
     // Pairs in ascending (node, segment) are those of the row from below.
     let off = scene.pairs().iter().zip(&exact).map(|(p, f)| (p.force.norm() - f).abs());
     (off.fold(0.0, f64::max) / exact[exact.len() - 1], scene.contact.sweeps)
 }
 
-/// Light layers of any number between heavy ones, with masses as 1 to 1 and down to 1 to 10,000: accelerated sweeps settle
-/// within a bound that does not depend on the masses, however they are made. A layer of n light bodies has n + 1
-/// different rates of convergence.
+/// Light layers of any number between heavy ones, with masses as 1 to 1 and down to 1 to 10,000:
+/// accelerated sweeps settle within a bound that does not depend on the masses, however they are
+/// made. A layer of n light bodies has n + 1 different rates of convergence.
 #[test]
 fn accelerated_sweeps_settle_whatever_the_masses() {
     for law in [lagrange("gauss_seidel", 20), lagrange("split", 20)] {
         let law = ContactJob { tolerance: 1e-9, accelerated: 100, ..law };
         for ratio in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
             for light in [1, 2, 3, 5] {
-                let masses: Vec<f64> = [1.0].into_iter().chain(vec![ratio; light]).chain([1.0]).collect();
+                let masses: Vec<f64> =
+                    [1.0].into_iter().chain(vec![ratio; light]).chain([1.0]).collect();
                 let (error, sweeps) = row_of(&law, &masses);
                 let plain = row_of(&ContactJob { accelerated: 0, ..law.clone() }, &masses).0;
                 eprintln!(
@@ -87,14 +103,18 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
                 );
                 assert!(error < 1e-5, "{law:?}, {masses:?}: {error}");
                 assert!(sweeps < 50, "{law:?}, {masses:?}: {sweeps}");
-                assert!(plain > 0.5 || ratio > 0.05, "{law:?}, {masses:?}: plain sweeps settle too, {plain}");
+                assert!(
+                    plain > 0.5 || ratio > 0.05,
+                    "{law:?}, {masses:?}: plain sweeps settle too, {plain}"
+                );
             }
         }
     }
 }
 
-/// C15: Gauss-Seidel on n equal masses in a row has the spectral radius `cos^2(pi/n)`; on a light layer between two heavy
-/// ones `1 / (1 + mu/m)^2`. Sweeps to an error of 1e-6: 10, 33, 138 and 73, 695 in the catalogue.
+/// C15: Gauss-Seidel on n equal masses in a row has the spectral radius `cos^2(pi/n)`; on a light
+/// layer between two heavy ones `1 / (1 + mu/m)^2`. Sweeps to an error of 1e-6: 10, 33, 138 and 73,
+/// 695 in the catalogue.
 #[test]
 fn sweeps_in_order_converge_by_the_known_spectral_radii() {
     let row = |n: usize| (vec![1.0; n], (std::f64::consts::PI / n as f64).cos().powi(2));
@@ -102,36 +122,56 @@ fn sweeps_in_order_converge_by_the_known_spectral_radii() {
     for (masses, radius) in [row(3), row(5), row(10), layer(0.1), layer(0.01)] {
         let needed = 1e-6f64.ln() / radius.ln();
         let late = (0.8 * needed) as usize;
-        let measured = row_error("gauss_seidel", &masses, late + 1) / row_error("gauss_seidel", &masses, late);
+        let measured =
+            row_error("gauss_seidel", &masses, late + 1) / row_error("gauss_seidel", &masses, late);
         // Other modes have died out by then, but for the smallest problem in the fewest sweeps.
-        assert!((measured - radius).abs() < 0.01 * radius, "{masses:?}: {measured} and not {radius}");
+        assert!(
+            (measured - radius).abs() < 0.01 * radius,
+            "{masses:?}: {measured} and not {radius}"
+        );
         let counted = (1..).find(|&k| row_error("gauss_seidel", &masses, k) < 1e-6).unwrap();
-        eprintln!("{masses:?}: radius {measured:.4} ({radius:.4}), {counted} sweeps ({needed:.0}) to 1e-6");
-        // The radius tells of sweeps as they follow each other; the first ones take what is not of the slowest mode.
-        assert!((counted as f64 - needed).abs() < 0.1 * needed + 1.0, "{masses:?}: {counted} sweeps and not {needed}");
-        // Split masses converge too, more slowly: with two users of each inner mass `(1 + rho) / 2`, rho Jacobi's radius.
+        eprintln!(
+            "{masses:?}: radius {measured:.4} ({radius:.4}), {counted} sweeps ({needed:.0}) to 1e-6"
+        );
+        // The radius tells of sweeps as they follow each other; the first ones take what is not of
+        // the slowest mode.
+        assert!(
+            (counted as f64 - needed).abs() < 0.1 * needed + 1.0,
+            "{masses:?}: {counted} sweeps and not {needed}"
+        );
+        // Split masses converge too, more slowly: with two users of each inner mass `(1 + rho) /
+        // 2`, rho Jacobi's radius.
         let split = row_error("split", &masses, late + 1) / row_error("split", &masses, late);
         assert!(split < 1.0 && split > radius, "{masses:?}: {split}");
     }
 }
 
-/// C15: with too few sweeps for a light node between two heavy plates the plates sink in, and it shows; the node stays
-/// between them. Gauss-Seidel takes no energy from anywhere. Split masses, whose remembered forces go on pushing when they
-/// should long have ended, do: they must be given sweeps.
+/// C15: with too few sweeps for a light node between two heavy plates the plates sink in, and it
+/// shows; the node stays between them. Gauss-Seidel takes no energy from anywhere. Split masses,
+/// whose remembered forces go on pushing when they should long have ended, do: they must be given
+/// sweeps.
 #[test]
 fn too_few_sweeps_leave_penetration_that_shows() {
     let energy = |iteration: &str, sweeps: usize| {
-        let at =
-            |z: f64, v: f64| square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0));
-        let points: Vec<_> = at(-THICK, 1.0).chain(at(THICK, -1.0)).chain([mass([0.0; 3], [0.0; 3], 0.004)]).collect();
-        let job = ContactJob { sweeps, accelerated: 0, iteration: iteration.into(), ..job("lagrange") };
+        let at = |z: f64, v: f64| {
+            square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0))
+        };
+        let points: Vec<_> = at(-THICK, 1.0)
+            .chain(at(THICK, -1.0))
+            .chain([mass([0.0; 3], [0.0; 3], 0.004)])
+            .collect();
+        let job =
+            ContactJob { sweeps, accelerated: 0, iteration: iteration.into(), ..job("lagrange") };
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[8], 1e-3);
         let before = scene.energy();
         let mut most = before;
         for _ in 0..200 {
             scene.step();
             most = most.max(scene.energy());
-            assert!(scene.x(0).z < scene.x(8).z && scene.x(8).z < scene.x(4).z, "{iteration}: expelled");
+            assert!(
+                scene.x(0).z < scene.x(8).z && scene.x(8).z < scene.x(4).z,
+                "{iteration}: expelled"
+            );
         }
         assert!(scene.momentum().norm() < 1e-12 * 8.0, "{iteration}: round-off");
         eprintln!(
@@ -139,7 +179,12 @@ fn too_few_sweeps_leave_penetration_that_shows() {
             most / before,
             scene.contact.penetration
         );
-        assert_eq!(scene.contact.penetration > 0.05, sweeps < 100, "{iteration}: {}", scene.contact.penetration);
+        assert_eq!(
+            scene.contact.penetration > 0.05,
+            sweeps < 100,
+            "{iteration}: {}",
+            scene.contact.penetration
+        );
         most / before
     };
     assert!(energy("gauss_seidel", 10) < 1.0 + 1e-12);
@@ -149,17 +194,23 @@ fn too_few_sweeps_leave_penetration_that_shows() {
     energy("split", 10);
 }
 
-/// C15 (a): however large the first step is, the light plate stays between the heavy ones, and all are at rest but for the
-/// speed at which penetration is taken out.
+/// C15 (a): however large the first step is, the light plate stays between the heavy ones, and all
+/// are at rest but for the speed at which penetration is taken out.
 #[test]
 fn a_light_plate_between_heavy_ones_is_at_rest_with_them() {
     for iteration in ["split", "gauss_seidel"] {
         for (ratio, dt) in [(1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 1e-3), (1e-3, 0.04)] {
             let at = |z: f64, side: f64, v: f64, m: f64| {
-                square([m; 4]).into_iter().map(move |p| mass([side * p.x[0], side * p.x[1], z], [0.0, 0.0, v], m))
+                square([m; 4])
+                    .into_iter()
+                    .map(move |p| mass([side * p.x[0], side * p.x[1], z], [0.0, 0.0, v], m))
             };
             let reach = 1.05 * THICK;
-            let plates = [at(-reach, 1.0, 1.0, 0.25), at(0.0, 0.25, 0.0, 0.25 * ratio), at(reach, 1.0, -1.0, 0.25)];
+            let plates = [
+                at(-reach, 1.0, 1.0, 0.25),
+                at(0.0, 0.25, 0.0, 0.25 * ratio),
+                at(reach, 1.0, -1.0, 0.25),
+            ];
             let points: Vec<_> = plates.into_iter().flatten().collect();
             let segments = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]];
             let job = ContactJob { iteration: iteration.into(), ..job("lagrange") };
@@ -200,7 +251,8 @@ fn penetration_is_taken_out_at_a_speed_whatever_the_step() {
         let force = scene.contact.laws.of_pair(&p).update(&p, &V3::zeros(), steps).expect("deep");
         let lagrange = force.z * p.compliance[0] * dt;
         let (p, scene) = pair("kinematic");
-        let kinematic = scene.contact.laws.of_pair(&p).guess(&p, &V3::zeros(), steps).z / p.mass * dt;
+        let kinematic =
+            scene.contact.laws.of_pair(&p).guess(&p, &V3::zeros(), steps).z / p.mass * dt;
         for (law, speed) in [("lagrange", lagrange), ("kinematic", kinematic)] {
             assert!((speed / (4e-5 * SPEED) - 1.0).abs() < 1e-9, "{law}, step {dt}: {speed}");
         }

@@ -1,0 +1,283 @@
+//! What a scene costs: bytes and nanoseconds of elements, nodes and contact, by what is switched
+//! on.
+//!
+//! Both are taken from engines that hold some hundred neighbouring elements of each part, some
+//! thousand for contact, set up from the job as a worker sets them up. Bytes are those of the
+//! columns that are then there. Times are the shortest of a few steps, of the mesh as it is given,
+//! with unstrained elements computed like all others: in motion, with a cold cache or on a busy
+//! machine a step takes longer.
+
+use crate::input::job::Model;
+use crumple_proto::boxes::CutTree;
+use crumple_proto::ids::NodeId;
+use crumple_proto::loads::Loads;
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::transport::{Lost, threads};
+use crumple_worker::engine::{Engine, Phase};
+use crumple_worker::fem::blocks::BlockBytes;
+use crumple_worker::parallel::partition::Share;
+use crumple_worker::step::step;
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// Elements of a part that are tried alone.
+const SAMPLE: usize = 512;
+/// Elements of a part that are tried in contact, where a sample's own free edges are not to count
+/// for much.
+const TOUCHING: usize = 4096;
+/// Steps that are timed.
+const STEPS: usize = 20;
+
+/// A sample as an engine holds it.
+struct Sample {
+    elements: usize,
+    /// Places in lanes that they take.
+    lanes: usize,
+    nodes: usize,
+    blocks: BlockBytes,
+    /// Of moving and of turning.
+    columns: [usize; 2],
+    contact: usize,
+    /// Shortest time of each phase [s].
+    elements_s: f64,
+    assemble_s: f64,
+    advance_s: f64,
+    /// Local search and enforcement, with the pairs that the mesh has at the start.
+    contact_s: f64,
+    /// First global search [s].
+    search_s: f64,
+}
+
+/// The tables that `crumple check` prints for `workers` workers.
+pub fn describe(model: &Model, workers: usize) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    if write(model, workers, &mut out).is_err() {
+        out.push_str("\nno costs: the sample could not be set up\n");
+    }
+    out
+}
+
+fn write(
+    model: &Model,
+    workers: usize,
+    out: &mut String,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let (mut bytes, mut element_s, mut rows) = (0.0, 0.0, String::new());
+    let (mut parted, mut node_s) = (Vec::new(), 0.0f64);
+    let mut columns = [0.0f64; 2];
+    for (number, part) in (0u32..).zip(&model.settings.parts) {
+        let count = elements.iter().filter(|e| e.part == number).count();
+        if count == 0 {
+            continue;
+        }
+        let s = try_out(&quiet(model, false), &pick(&elements, number, SAMPLE, &record), &record)?;
+        if model.settings.contact.is_some() {
+            parted.extend(pick(&elements, number, TOUCHING, &record));
+        }
+        let each = |b: usize| b as f64 / s.elements as f64;
+        let rigid = is_idle(model, number);
+        let ns = if rigid { 0.0 } else { 1e9 * s.elements_s / s.elements as f64 };
+        let of =
+            [s.blocks.history, s.blocks.force, s.blocks.moment, s.blocks.connectivity].map(each);
+        let name = if part.name.is_empty() { part.id.to_string() } else { part.name.clone() };
+        let rigid = if rigid { "  rigid or a skin: no forces" } else { "" };
+        let [history, force, moment, connectivity] = of;
+        writeln!(
+            rows,
+            "  {name:<20} {count:>9}  {history:>8.0} {force:>7.0} {moment:>8.0} {connectivity:>13.0}  {ns:>8.1}{rigid}"
+        )?;
+        bytes += of.iter().sum::<f64>() * count as f64;
+        let cycles =
+            |e: &&ElementRecord| if e.slow { model.settings.subcycles as f64 } else { 1.0 };
+        let computed: f64 =
+            elements.iter().filter(|e| e.part == number).map(|e| 1.0 / cycles(&e)).sum();
+        element_s += 1e-9 * ns * computed;
+        node_s = node_s.max((s.assemble_s + s.advance_s) / s.nodes as f64);
+        columns = s.columns.map(|b| b as f64 / s.nodes as f64);
+    }
+    writeln!(
+        out,
+        "\ncost a cycle: bytes exact, times by {STEPS} steps of up to {SAMPLE} elements of each part; contact, bytes too, by up to {TOUCHING}"
+    )?;
+    writeln!(
+        out,
+        "  part                  elements   history  forces  moments  connectivity  ns/cycle"
+    )?;
+    out.push_str(&rows);
+    let all = nodes.len() as f64;
+    let turning = if model.settings.rotations { "" } else { " (nothing can turn)" };
+    writeln!(
+        out,
+        "  a node: {:.0} bytes to move, {:.0} to turn{turning}; {:.1} ns/cycle to gather, accelerate and advance",
+        columns[0],
+        columns[1],
+        1e9 * node_s
+    )?;
+    bytes += (columns[0] + columns[1]) * all;
+    let mut cycle_s = element_s + node_s * all;
+    match &model.settings.contact {
+        None => writeln!(out, "  contact: none, 0 bytes, 0 ns")?,
+        Some(c) => {
+            let s = try_out(&quiet(model, true), &parted, &record)?;
+            let each = s.contact as f64 / s.elements as f64;
+            let friction =
+                if c.each().any(|c| c.friction > 0.0) { "with friction" } else { "no friction" };
+            writeln!(
+                out,
+                "  contact: {each:.0} bytes and {:.1} ns/cycle an element as the mesh is at the start, {friction}; a global search now and then, {:.0} ns an element",
+                1e9 * s.contact_s / s.elements as f64,
+                1e9 * s.search_s / s.elements as f64
+            )?;
+            bytes += each * elements.len() as f64;
+            cycle_s += s.contact_s / s.elements as f64 * elements.len() as f64;
+        }
+    }
+    let rated =
+        |m: &&crumple_proto::partition::Material| m.parameters.contains_key("cowper_symonds");
+    let rates: Vec<&str> =
+        model.settings.materials.iter().filter(rated).map(|m| m.name.as_str()).collect();
+    if !rates.is_empty() {
+        writeln!(
+            out,
+            "  rates: of {}; they cost where a point yields, which none does yet",
+            rates.join(", ")
+        )?;
+    }
+    let master = (size_of::<ElementRecord>() * elements.len()
+        + size_of::<NodeRecord>() * nodes.len()) as f64;
+    writeln!(
+        out,
+        "  in all: {:.1} MB with {:.1} MB of the master, {:.1} MB a worker of {workers}",
+        1e-6 * (bytes + master),
+        1e-6 * master,
+        1e-6 * bytes / workers as f64
+    )?;
+    let cycles = (model.settings.end_time / model.first_dt().0).ceil();
+    writeln!(
+        out,
+        "  a cycle takes about {:.3} ms of CPU time, the run of {cycles:.0} cycles or more {:.1} s, before anything yields or touches",
+        1e3 * cycle_s,
+        cycle_s * cycles
+    )?;
+    Ok(())
+}
+
+/// Time of the forces of an element of each part in a step; nought for rigid parts and for those
+/// without elements [s].
+///
+/// # Errors
+/// A sample could not be set up.
+pub fn element_seconds(model: &Model) -> Result<Vec<f64>, Lost> {
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let of_part = |number: u32| {
+        let picked = pick(&elements, number, SAMPLE, &record);
+        if picked.is_empty() || is_idle(model, number) {
+            return Ok(0.0);
+        }
+        try_out(&quiet(model, false), &picked, &record).map(|s| s.elements_s / s.lanes as f64)
+    };
+    (0..model.settings.parts.len() as u32).map(of_part).collect()
+}
+
+/// A sample of a part: the elements that are nearest to its middle one by id, ascending.
+fn pick(
+    elements: &[ElementRecord],
+    part: u32,
+    count: usize,
+    record: &HashMap<NodeId, &NodeRecord>,
+) -> Vec<ElementRecord> {
+    let first = |e: &ElementRecord| record.get(&e.nodes[0]).map_or([0.0; 3], |n| n.x);
+    let mut all: Vec<&ElementRecord> = elements.iter().filter(|e| e.part == part).collect();
+    if all.len() > count {
+        let middle = first(all[all.len() / 2]);
+        let far = |e: &&ElementRecord| {
+            first(e).iter().zip(middle).map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
+        };
+        all.select_nth_unstable_by(count - 1, |a, b| {
+            far(a).total_cmp(&far(b)).then(a.id.cmp(&b.id))
+        });
+        all.truncate(count);
+        all.sort_unstable_by_key(|e| e.id);
+    }
+    all.into_iter().copied().collect()
+}
+
+fn is_idle(model: &Model, part: u32) -> bool {
+    model.settings.parts[part as usize].skin
+        || model.settings.rigid.iter().any(|r| r.parts.contains(&part))
+}
+
+/// The job without what acts on the model and without output.
+fn quiet(model: &Model, contact: bool) -> Settings {
+    let mut settings = model.settings.clone();
+    settings.walls.clear();
+    settings.rigid.clear();
+    settings.field_times.clear();
+    settings.loads = Loads::default();
+    settings.history_interval = f64::MAX;
+    settings.contact = settings.contact.filter(|_| contact);
+    settings
+}
+
+/// Some steps of some elements.
+fn try_out(
+    settings: &Settings,
+    elements: &[ElementRecord],
+    record: &HashMap<NodeId, &NodeRecord>,
+) -> Result<Sample, Lost> {
+    let corners = elements.iter().flat_map(|e| e.nodes).filter_map(|n| record.get(&n).map(|&&r| r));
+    let share = Share {
+        elements: elements.iter().map(|&e| (e, Vec::new())).collect(),
+        nodes: corners.collect(),
+        ..Share::default()
+    };
+    let mut ends = threads::connect(2);
+    let (mut wire, _master) = (ends.remove(1), ends.remove(0)); // reports pile up unread
+    let mut engine = Engine::new(&mut wire, settings.clone(), CutTree::single(), share)?;
+    engine.blocks.compute_all();
+    let mut least = [f64::INFINITY; 4];
+    let mut search_s = 0.0;
+    for number in 0..STEPS {
+        let whole = engine.clock.begins(settings);
+        let before = engine.timer.seconds;
+        engine.timer.restart();
+        if step(&mut engine, &mut wire)?.trouble.is_some() {
+            break;
+        }
+        let spent = |phases: &[Phase]| -> f64 {
+            phases.iter().map(|&p| engine.timer.seconds[p as usize] - before[p as usize]).sum()
+        };
+        if number == 0 {
+            search_s = spent(&[Phase::Search]);
+        }
+        if !whole {
+            continue; // without slow elements
+        }
+        let now = [
+            &[Phase::Elements][..],
+            &[Phase::Assemble],
+            &[Phase::Advance],
+            &[Phase::Local, Phase::Contact],
+        ];
+        least.iter_mut().zip(now).for_each(|(l, phases)| *l = l.min(spent(phases)));
+    }
+    let [elements_s, assemble_s, advance_s, contact_s] =
+        least.map(|s| if s.is_finite() { s } else { 0.0 });
+    Ok(Sample {
+        elements: elements.len(),
+        lanes: engine.blocks.blocks.iter().map(|b| b.count.next_multiple_of(b.lanes())).sum(),
+        nodes: engine.nodes.len(),
+        blocks: engine.blocks.bytes(),
+        columns: engine.nodes.bytes(),
+        contact: engine.contact.as_ref().map_or(0, |c| c.bytes()),
+        elements_s,
+        assemble_s,
+        advance_s,
+        contact_s,
+        search_s,
+    })
+}

@@ -1,0 +1,115 @@
+//! Connected pieces of parts, and which of them have nodes in common: what could move as one body.
+
+use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::Mesh;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// A connected piece of a part.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Piece {
+    /// Number among the pieces of all parts, from 0.
+    pub number: usize,
+    /// Pieces of other parts with which it has nodes in common, ascending.
+    pub joined: Vec<usize>,
+}
+
+/// The pieces of each part, by its id. Elements of a part that have a node in common belong to one
+/// piece.
+pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
+    let mut places: HashMap<(u32, NodeId), usize> = HashMap::new();
+    let mut sets = Sets::default();
+    for e in &mesh.elements {
+        let corners: Vec<usize> = e
+            .corners()
+            .iter()
+            .map(|&node| {
+                let next = places.len();
+                *places.entry((e.part, node)).or_insert_with(|| {
+                    sets.parent.push(next);
+                    next
+                })
+            })
+            .collect();
+        corners.iter().for_each(|&c| sets.join(corners[0], c));
+    }
+    // Numbers by part and lowest node, whatever the order of the table.
+    let mut ordered: Vec<((u32, NodeId), usize)> = places.into_iter().collect();
+    ordered.sort_unstable();
+    let mut numbers: HashMap<usize, usize> = HashMap::new();
+    let mut parts: BTreeMap<u32, Vec<Piece>> = BTreeMap::new();
+    let mut at: BTreeMap<NodeId, BTreeSet<usize>> = BTreeMap::new();
+    for ((part, node), place) in ordered {
+        let next = numbers.len();
+        let number = *numbers.entry(sets.root(place)).or_insert_with(|| {
+            parts.entry(part).or_default().push(Piece { number: next, joined: Vec::new() });
+            next
+        });
+        at.entry(node).or_default().insert(number);
+    }
+    let mut joined: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    for here in at.values().filter(|here| here.len() > 1) {
+        for &piece in here {
+            joined.entry(piece).or_default().extend(here.iter().filter(|&&other| other != piece));
+        }
+    }
+    for piece in parts.values_mut().flatten() {
+        piece.joined = joined.remove(&piece.number).unwrap_or_default().into_iter().collect();
+    }
+    parts
+}
+
+/// Disjoint sets of numbers.
+#[derive(Default)]
+pub struct Sets {
+    /// For each number another of its set; itself for the one that stands for the set.
+    pub parent: Vec<usize>,
+}
+
+impl Sets {
+    /// The number that stands for the set of `a`.
+    pub fn root(&mut self, mut a: usize) -> usize {
+        while self.parent[a] != a {
+            self.parent[a] = self.parent[self.parent[a]];
+            a = self.parent[a];
+        }
+        a
+    }
+
+    /// Makes the sets of `a` and `b` one.
+    pub fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b)] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::ElemId;
+    use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
+
+    /// Two triangles of part 1 that touch nowhere, one of part 2 that touches both.
+    #[test]
+    fn pieces_are_joined_through_common_nodes() {
+        let element = |id, part, nodes: [u64; 3]| MeshElement {
+            id: ElemId(id),
+            part,
+            shape: Shape::Tri3,
+            nodes: corner_nodes(&nodes.map(NodeId)),
+            thickness: 0.0,
+        };
+        let mesh = Mesh {
+            elements: vec![
+                element(1, 1, [1, 2, 3]),
+                element(2, 1, [4, 5, 6]),
+                element(3, 2, [3, 4, 7]),
+            ],
+            ..Mesh::default()
+        };
+        let found = pieces(&mesh);
+        let piece = |number, joined: &[usize]| Piece { number, joined: joined.to_vec() };
+        assert_eq!(found[&1], [piece(0, &[2]), piece(1, &[2])]);
+        assert_eq!(found[&2], [piece(2, &[0, 1])]);
+    }
+}

@@ -1,0 +1,336 @@
+//! `crumple scale`: what parallel efficiency a job would have on any number of workers.
+//!
+//! - `kernels.rs`: what elements, nodes, candidates and pairs cost on this machine
+//! - `model.rs`: the time of a step from these, from a network and from what each worker has
+//! - `report.rs`: the table, `scale.csv`, the chart
+//!
+//! One worker runs the job to each of the times. There, for every number of workers, space is cut
+//! as in a run (`decompose/`) and counted who would have and send what
+//! ([`crumple_worker::parallel::census`]). Nothing with more workers runs, but for two of them from
+//! the start as a check.
+
+mod kernels;
+mod model;
+mod report;
+
+use crate::cli::ScaleArgs;
+use crate::input::job::{self, Model, Report};
+use crate::run::decompose::{Centres, Load, Loads, bisect};
+use crate::run::embedded::{run_alone, time_side_by_side};
+use crate::run::progress::{Progress, State};
+use crate::run::say::say;
+use crumple_proto::boxes::CutTree;
+use crumple_worker::contact::Exchange;
+use crumple_worker::engine::Engine;
+use crumple_worker::parallel::census::{Census, Count, messages_to_all};
+use kernels::{Kernels, STEPS, Watch};
+use model::{Costs, Network, Step, Work};
+use std::ops::ControlFlow;
+
+/// Exit codes, as README.md lists them.
+const DONE: u8 = 0;
+const BAD_INPUT: u8 = 2;
+const FAILED: u8 = 3;
+
+/// Cycles of the check with two workers: those before it, and those that are timed.
+const CHECKED: [u64; 2] = [20, 200];
+/// Fewest workers whose boxes have enough neighbours to stand for those of any number.
+const TYPICAL: usize = 8;
+
+/// A prediction for one number of workers at one time.
+pub struct Prediction {
+    /// Number of workers.
+    pub workers: usize,
+    /// What each has.
+    pub counts: Vec<Count>,
+    /// The step for the mesh as it is.
+    pub step: Step,
+    /// Messages of a step that each sends to all others.
+    pub to_all: f64,
+    /// Efficiency for a mesh that grows with the number of workers.
+    pub scaled: f64,
+}
+
+/// All predictions for one time.
+pub struct Sample {
+    /// Simulated time that was asked for [time].
+    pub at: f64,
+    /// Cycles done when all was counted: some steps later, which are timed.
+    pub cycle: u64,
+    /// What one worker has, and its step.
+    pub whole: Count,
+    /// See `whole`.
+    pub alone: Work,
+    /// Costs on this machine.
+    pub kernels: Kernels,
+    /// Elements per worker of the mesh that grows.
+    pub grows_by: f64,
+    /// One for each number of workers, ascending.
+    pub predictions: Vec<Prediction>,
+}
+
+/// `crumple scale`; returns the exit code.
+pub fn run(args: &ScaleArgs) -> u8 {
+    let mut model = match job::read(&args.job, &args.set) {
+        Ok(model) => model,
+        Err(report) => {
+            eprint!("{report}");
+            return Report::EXIT_CODE;
+        }
+    };
+    let (mut workers, mut times) = (args.workers.clone(), args.at.clone());
+    if workers.is_empty() {
+        workers =
+            (1..=10).map(|power| 1 << power).filter(|&n| n <= model.mesh.elements.len()).collect();
+    }
+    workers.sort_unstable();
+    workers.dedup();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    if let Some(why) = refuse(&model, &workers, &times) {
+        eprintln!("error: {why}");
+        return BAD_INPUT;
+    }
+    let out = args.out_dir();
+    if let Err(error) = std::fs::create_dir_all(&out) {
+        eprintln!("error: {}: {error}; choose another folder with --out", out.display());
+        return BAD_INPUT;
+    }
+    let network = Network { latency: args.latency, bandwidth: args.bandwidth };
+    // The run goes on beyond the last time for the steps that are timed; nothing is written and
+    // nobody reads history.
+    model.settings.end_time = f64::MAX;
+    model.settings.max_cycles = 0;
+    model.settings.history_interval = f64::MAX;
+    model.settings.field_times.clear();
+    let samples = match samples(&model, &workers, &times, network) {
+        Ok(samples) => samples,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return FAILED;
+        }
+    };
+    for sample in &samples {
+        say!("{}", report::table(sample, network));
+    }
+    if let Some(sample) = samples.first().filter(|_| times[0] == 0.0) {
+        match check(&model, sample) {
+            Ok(said) => say!("{said}"),
+            Err(why) => eprintln!("not checked with two workers: {why}"),
+        }
+    }
+    if let count @ 1.. = model.settings.ties.len() {
+        say!(
+            "not in the figures: what {count} tied nodes cost, up to five messages a step between workers that share a tie"
+        );
+    }
+    match report::write(&model.job.title, &samples, &out) {
+        Ok(files) => say!("written: {files}"),
+        Err(why) => {
+            eprintln!("error: {why}; choose another folder with --out");
+            return BAD_INPUT;
+        }
+    }
+    DONE
+}
+
+fn refuse(model: &Model, workers: &[usize], times: &[f64]) -> Option<String> {
+    let (elements, end) = (model.mesh.elements.len(), model.settings.end_time);
+    if model.settings.subcycles > 1 {
+        return Some(
+            "time.subcycles: the model of costs has all elements in each cycle; add --set time.subcycles=1".into(),
+        );
+    }
+    if let Some(n) = workers.iter().find(|&&n| n > elements) {
+        return Some(format!(
+            "{n} workers are more than the {elements} elements of the job; give fewer with --workers"
+        ));
+    }
+    if workers.is_empty() {
+        return Some("the job has one element: there is nothing to cut up".into());
+    }
+    let late = times.iter().find(|&&t| t >= end)?;
+    Some(format!(
+        "time {late} is not before the job's end_time = {end}; give an earlier one with --at"
+    ))
+}
+
+/// Runs the job on one worker and predicts at each of the times.
+fn samples(
+    model: &Model,
+    workers: &[usize],
+    times: &[f64],
+    network: Network,
+) -> Result<Vec<Sample>, String> {
+    let last = times[times.len() - 1];
+    let mut progress = Progress::new(last.max(f64::MIN_POSITIVE), last == 0.0);
+    let mut watch: Option<Watch> = None;
+    let mut samples: Vec<Sample> = Vec::new();
+    let mut failed = None;
+    let ended = run_alone(model, |engine| {
+        let clock = &engine.clock;
+        progress.show(&State {
+            cycle: clock.cycle,
+            time: clock.time,
+            dt: clock.dt,
+            ..State::default()
+        });
+        if watch.as_mut().is_some_and(|w| w.take(engine))
+            && let Some(watch) = watch.take()
+        {
+            progress.say(&format!("predicting at T={:.4e}", engine.clock.time));
+            match sample(model, engine, &watch, workers, network) {
+                Ok(sample) => samples.push(Sample { at: times[samples.len()], ..sample }),
+                Err(why) => failed = Some(why),
+            }
+        }
+        if samples.len() == times.len() || failed.is_some() {
+            return ControlFlow::Break(());
+        }
+        if watch.is_none() && engine.clock.time >= times[samples.len()] {
+            watch = Some(Watch::new(engine));
+        }
+        ControlFlow::Continue(())
+    });
+    progress.finish();
+    let ended = ended.map_err(|lost| lost.to_string())?;
+    match (failed, ended.trouble) {
+        (Some(why), _) => Err(why),
+        (None, Some(element)) => Err(format!(
+            "element {element} is in trouble at time {:.6e}; see `crumple run`",
+            ended.engine.clock.time
+        )),
+        (None, None) => Ok(samples),
+    }
+}
+
+fn sample(
+    model: &Model,
+    engine: &Engine,
+    watch: &Watch,
+    workers: &[usize],
+    network: Network,
+) -> Result<Sample, String> {
+    let mut whole = count(engine, &CutTree::single());
+    let whole = whole.swap_remove(0);
+    let kernels = watch.kernels(model, engine, &whole).map_err(|lost| lost.to_string())?;
+    let costs = Costs { kernels: &kernels, network };
+    let alone = Work::of(&whole, [0.0; 2], None, costs);
+    let mut load = load(engine, &kernels, &whole);
+    let mut predictions = Vec::new();
+    for &n in workers {
+        let tree = bisect(load.as_mut(), n).map_err(|lost| lost.to_string())?;
+        let counts = count(engine, &tree);
+        let step = step(engine, &counts, n, costs, [alone.kernels, alone.search]);
+        predictions.push(Prediction {
+            workers: n,
+            counts,
+            step,
+            to_all: messages_to_all(engine, n),
+            scaled: 0.0,
+        });
+    }
+    // What a worker of a typical number has, in a mesh that grows with the number of workers.
+    let typical = workers.iter().position(|&n| n >= TYPICAL).unwrap_or(workers.len() - 1);
+    let (base, counts) = (workers[typical] as f64, predictions[typical].counts.clone());
+    for p in &mut predictions {
+        let grown = step(engine, &counts, p.workers, costs, [alone.kernels, alone.search]);
+        p.scaled = alone.total() / base / grown.total;
+    }
+    let grows_by = whole.elements as f64 / base;
+    let (at, cycle) = (engine.clock.time, engine.clock.cycle);
+    Ok(Sample { at, cycle, whole, alone, kernels, grows_by, predictions })
+}
+
+/// Who has what in the boxes of a tree.
+fn count(engine: &Engine, tree: &CutTree) -> Vec<Count> {
+    let mut census = Census::new(engine, tree);
+    census.count_contact(engine);
+    census.counts
+}
+
+/// A step of workers with these counts, `workers` in all: as many as there are counts, or more of
+/// the same kind.
+fn step(
+    engine: &Engine,
+    counts: &[Count],
+    workers: usize,
+    costs: Costs<'_>,
+    alone: [f64; 2],
+) -> Step {
+    let none = Exchange { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
+    let exchange =
+        |quiet| engine.contact.as_ref().map_or(none, |c| c.exchange(costs.kernels.sweeps, quiet));
+    let of = |c: &Count| Work::of(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
+    let works: Vec<Work> = counts.iter().map(of).collect();
+    Step::of(&works, alone)
+}
+
+/// What the boxes share out: elements at the start, as the master does; later their measured cost
+/// with that of pairs, as a low redecomposition does.
+fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
+    let mut loads = Vec::new();
+    let units = |n: u64| n as f64;
+    let elements: f64 = kernels.element.iter().zip(&whole.lanes).map(|(s, &n)| s * units(n)).sum();
+    let of_contact =
+        [kernels.local, kernels.contact].iter().map(|k| k[0] * units(whole.slaves)).sum::<f64>()
+            + kernels.local[1] * units(whole.near)
+            + kernels.contact[1] * units(whole.pairs)
+            + kernels.watch * units(whole.held)
+            + kernels.search * units(whole.segments + whole.slaves);
+    let weighs = engine.clock.cycle > STEPS as u64 && whole.pairs > 0 && elements > 0.0;
+    let pair_weight = if weighs {
+        of_contact / units(whole.pairs) / (elements / units(whole.elements))
+    } else {
+        0.0
+    };
+    engine.for_each_load(1.0, pair_weight, |centre, load| loads.push((centre, load)));
+    if weighs {
+        Box::new(Loads(loads))
+    } else {
+        Box::new(Centres(loads.into_iter().map(|l| l.0).collect()))
+    }
+}
+
+/// Two workers from the start, as predicted and as they are.
+fn check(model: &Model, sample: &Sample) -> Result<String, String> {
+    let Some(p) = sample.predictions.iter().find(|p| p.workers == 2) else {
+        return Err("2 is not among --workers".into());
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    if cores < 2 {
+        return Err("this machine has one core".into());
+    }
+    let [skip, cycles] = CHECKED;
+    let timings = time_side_by_side(model, 2, skip, cycles)?;
+    let each = |seconds: f64| 1e6 * seconds / cycles as f64;
+    let most =
+        |of: fn(&crate::run::embedded::Timing) -> f64| timings.iter().map(of).fold(0.0, f64::max);
+    let mean = |n: u64| n as f64 / (2 * cycles) as f64;
+    let (messages, bytes) =
+        timings.iter().fold((0, 0), |s, t| (s.0 + t.traffic.messages, s.1 + t.traffic.bytes));
+    let (cpu, wall) = (each(most(|t| t.cpu_s)), each(most(|t| t.wall_s)));
+    let alone = 1e6 * sample.alone.total();
+    let busy = if wall > 1.25 * cpu {
+        " The wall clock is far above the CPU time: two cores were not free, or waiting takes long here; rely on the CPU time."
+    } else {
+        ""
+    };
+    Ok(format!(
+        "two workers in fact, as threads without a network, {cycles} steps from the start: predicted {:.1} us of own work for \
+         the slower one, {:.0} messages and {:.1} kB for the one that sends most; measured {cpu:.1} us of CPU time, {wall:.1} us \
+         by the wall clock, {:.1} messages and {:.1} kB (mean). Efficiency: {:.1} % by own work as predicted, {:.1} % by CPU time, \
+         {:.1} % by wall clock.{busy}",
+        1e6 * p.step.own,
+        p.step.messages,
+        1e-3 * p.step.bytes,
+        mean(messages),
+        1e-3 * mean(bytes),
+        100.0 * sample.alone.total() / (2.0 * p.step.own),
+        50.0 * alone / cpu,
+        50.0 * alone / wall
+    ))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+//! From counts, costs and a network to the time of a step: arithmetic only.
+//!
+//! A step takes as long as its slowest worker: own work, a latency for each of its messages (the
+//! rounds of the agreement among all are such), and its bytes over the bandwidth, one after the
+//! other and nothing hidden behind work, as in `deploy/efficiency.py`. Renewals of boxes and
+//! membership, ties, field files and what caches do are left out.
+
+use super::kernels::Kernels;
+use crumple_worker::contact::Exchange;
+use crumple_worker::parallel::census::Count;
+
+/// Between any two workers.
+#[derive(Clone, Copy, Debug)]
+pub struct Network {
+    /// Time of a message of no length [s].
+    pub latency: f64,
+    /// Bytes in a second.
+    pub bandwidth: f64,
+}
+
+/// What costs what.
+#[derive(Clone, Copy, Debug)]
+pub struct Costs<'a> {
+    /// On the machine.
+    pub kernels: &'a Kernels,
+    /// Between machines.
+    pub network: Network,
+}
+
+/// A worker's step [s], and what it sends in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Elements, nodes, candidates and pairs.
+    pub kernels: f64,
+    /// Watching motion, and global searches.
+    pub search: f64,
+    /// Time of messages.
+    pub latency: f64,
+    /// Time of bytes.
+    pub transfer: f64,
+    /// Messages.
+    pub messages: f64,
+    /// Bytes.
+    pub bytes: f64,
+}
+
+/// A step of all workers [s]; what is useful and what is lost add up to it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Step {
+    /// All of it.
+    pub total: f64,
+    /// That of one worker with everything, over their number.
+    pub useful: f64,
+    /// Lost, in the order of [`LOSSES`].
+    pub lost: [f64; LOSSES.len()],
+    /// Own work of the slowest, without messages.
+    pub own: f64,
+    /// Most messages and bytes of a worker.
+    pub messages: f64,
+    /// See `messages`.
+    pub bytes: f64,
+}
+
+/// What takes time that one worker with everything would not need.
+pub const LOSSES: [&str; 5] = ["imbalance", "shared work", "search", "latency", "bytes"];
+
+impl Work {
+    /// A worker's step. `traffic` is what it sends apart from the exchange between partners in
+    /// contact; that is `exchange`, none for a single worker.
+    pub fn of(
+        count: &Count,
+        traffic: [f64; 2],
+        exchange: Option<Exchange>,
+        costs: Costs<'_>,
+    ) -> Self {
+        let (k, network) = (costs.kernels, costs.network);
+        let units = |n: u64| n as f64;
+        let elements: f64 = k.element.iter().zip(&count.lanes).map(|(s, &n)| s * units(n)).sum();
+        let local = k.local[0] * units(count.slaves) + k.local[1] * units(count.near);
+        let contact = k.contact[0] * units(count.slaves) + k.contact[1] * units(count.pairs);
+        let partners = exchange.filter(|_| count.partners > 0);
+        let longer = partners.filter(|_| k.sweeps > 0.0).map_or(1.0, |e| e.sweeps / k.sweeps);
+        let [mut messages, mut bytes] = traffic;
+        if let Some(e) = partners {
+            messages += units(count.partners) * e.messages;
+            bytes += 8.0 * (units(count.partners) * e.words[0] + units(count.told) * e.words[1]);
+        }
+        let surface = units(count.segments + count.exterior_segments + count.slaves);
+        let motion = if exchange.is_some() { k.motion * units(count.held) } else { 0.0 };
+        Self {
+            kernels: elements + k.node * units(count.held) + local + contact * longer,
+            search: motion
+                + k.watch * units(count.held + count.exterior_nodes)
+                + k.search * surface,
+            latency: messages * network.latency,
+            transfer: bytes / network.bandwidth,
+            messages,
+            bytes,
+        }
+    }
+
+    /// All of it [s].
+    pub fn total(&self) -> f64 {
+        self.kernels + self.search + self.latency + self.transfer
+    }
+}
+
+impl Step {
+    /// A step of all workers; `alone` is what one worker with everything takes [s], by kernels and
+    /// search.
+    pub fn of(works: &[Work], alone: [f64; 2]) -> Self {
+        let n = works.len() as f64;
+        let Some(slowest) = works.iter().max_by(|a, b| a.total().total_cmp(&b.total())) else {
+            return Self::default();
+        };
+        let mean = |f: fn(&Work) -> f64| works.iter().map(f).sum::<f64>() / n;
+        let most = |f: fn(&Work) -> f64| works.iter().map(f).fold(0.0, f64::max);
+        let (kernels, search) = (mean(|w| w.kernels), mean(|w| w.search));
+        let own = slowest.kernels + slowest.search;
+        Self {
+            total: slowest.total(),
+            useful: (alone[0] + alone[1]) / n,
+            lost: [
+                own - kernels - search,
+                kernels - alone[0] / n,
+                search - alone[1] / n,
+                slowest.latency,
+                slowest.transfer,
+            ],
+            own,
+            messages: most(|w| w.messages),
+            bytes: most(|w| w.bytes),
+        }
+    }
+
+    /// T_1 / (N T_N) for a mesh of fixed size.
+    pub fn efficiency(&self) -> f64 {
+        self.useful / self.total
+    }
+
+    /// What takes most of the time that is lost.
+    pub fn first_limit(&self) -> usize {
+        (0..LOSSES.len()).max_by(|&a, &b| self.lost[a].total_cmp(&self.lost[b])).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kernels() -> Kernels {
+        Kernels {
+            element: vec![1e-7],
+            node: 2e-8,
+            watch: 1e-9,
+            local: [0.0, 5e-8],
+            contact: [0.0, 1e-6],
+            ..Kernels::default()
+        }
+    }
+
+    fn count(elements: u64, near: u64) -> Count {
+        Count { elements, lanes: vec![elements], held: elements, near, ..Count::default() }
+    }
+
+    /// Useful time and losses add up, and each cause shows under its own name.
+    #[test]
+    fn losses_add_up_and_are_named() {
+        let kernels = kernels();
+        let costs =
+            |latency| Costs { kernels: &kernels, network: Network { latency, bandwidth: 1e9 } };
+        let alone = Work::of(&count(800, 40), [0.0; 2], None, costs(0.0));
+        assert!(
+            (alone.kernels - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18 && alone.messages == 0.0
+        );
+        let together = |counts: &[Count], traffic, latency| {
+            let exchange = Some(Exchange { sweeps: 0.0, messages: 0.0, words: [0.0; 2] });
+            let works: Vec<Work> =
+                counts.iter().map(|c| Work::of(c, traffic, exchange, costs(latency))).collect();
+            let step = Step::of(&works, [alone.kernels, alone.search]);
+            assert!(
+                (step.useful + step.lost.iter().sum::<f64>() - step.total).abs()
+                    < 1e-12 * step.total
+            );
+            step
+        };
+        let even = together(&[count(400, 20), count(400, 20)], [0.0; 2], 0.0);
+        assert!((even.efficiency() - 1.0).abs() < 1e-12);
+        let uneven = together(&[count(500, 20), count(300, 20)], [0.0; 2], 0.0);
+        assert_eq!((LOSSES[uneven.first_limit()], uneven.efficiency() < 0.81), ("imbalance", true));
+        let shared = Count { held: 450, ..count(400, 20) };
+        let sharing = together(&[shared.clone(), shared], [0.0; 2], 0.0);
+        assert_eq!(LOSSES[sharing.first_limit()], "shared work");
+        let talking = together(&[count(400, 20), count(400, 20)], [5.0, 100.0], 2e-6);
+        let round_off = 1e-20;
+        assert!(
+            (talking.lost[3] - 1e-5).abs() < round_off
+                && (talking.lost[4] - 1e-7).abs() < round_off
+        );
+        assert_eq!(LOSSES[talking.first_limit()], "latency");
+    }
+}

@@ -1,0 +1,185 @@
+//! What is counted for many workers against workers that are there.
+
+use super::*;
+use crate::run::embedded::{centres, deal, on_threads};
+use crumple_proto::boxes::CutTree;
+use crumple_proto::transport::{Traffic, Transport};
+use crumple_worker::parallel::partition::Share;
+use crumple_worker::step::step as one_step;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+fn model(name: &str, sets: &[&str]) -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(name);
+    let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+    job::read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// What a worker that is there has.
+fn counted(engine: &Engine, workers: usize) -> Count {
+    let (nodes, halo) = (&engine.nodes, &engine.halo);
+    let surface = &engine.contact.as_ref().unwrap().surface;
+    let mut lanes = vec![0; engine.settings.parts.len()];
+    for b in &engine.blocks.blocks {
+        lanes[engine.blocks.elements[b.first].record.part as usize] +=
+            b.count.next_multiple_of(4) as u64;
+    }
+    let sum = |of: fn(&crumple_worker::parallel::ghosts::Link) -> usize| {
+        halo.links.iter().map(of).sum::<usize>() as u64
+    };
+    assert_eq!(halo.links.len(), workers - 1);
+    Count {
+        elements: engine.blocks.elements.len() as u64,
+        lanes,
+        shared: engine.blocks.elements.iter().filter(|e| e.shared).count() as u64,
+        held: nodes.held as u64,
+        owned: (0..nodes.held).filter(|&i| nodes.is_own(i)).count() as u64,
+        slaves: surface.slaves.len() as u64,
+        segments: surface.segments.iter().filter(|s| s.own).count() as u64,
+        exterior_segments: surface.segments.iter().filter(|s| !s.own).count() as u64,
+        exterior_nodes: (nodes.len() - nodes.held) as u64,
+        neighbours: sum(|l| usize::from(!l.corners_out.is_empty())),
+        corners: sum(|l| l.corners_out.len()),
+        exports: sum(|l| l.export.len()),
+        near_workers: sum(|l| usize::from(!l.apart)),
+        meets: sum(|l| usize::from(l.meets)),
+        ..Count::default()
+    }
+}
+
+/// What the workers of one run have and send: side by side for some steps, membership renewed by
+/// `tree`, and one more step.
+struct Seen {
+    count: Count,
+    sent: Traffic,
+}
+
+fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> Vec<Seen> {
+    let centres = centres(model);
+    let first = bisect(&mut Centres(centres.clone()), workers).unwrap();
+    let run = |wire: &mut dyn Transport, share: Share| {
+        let mut engine = Engine::new(wire, model.settings.clone(), first.clone(), share).unwrap();
+        while engine.clock.cycle < cycles {
+            one_step(&mut engine, wire).unwrap();
+        }
+        engine.renew(wire, tree.clone()).unwrap();
+        let mut count = counted(&engine, workers);
+        let before = wire.traffic();
+        one_step(&mut engine, wire).unwrap();
+        let after = wire.traffic();
+        let contact = engine.contact.as_ref().unwrap();
+        count.near = contact.near().map(|(_, n)| n as u64).sum();
+        for pair in contact.own_table() {
+            let told: BTreeSet<u32> =
+                pair.touching().flat_map(|n| engine.halo.users_of(n)).copied().collect();
+            (count.pairs, count.told) = (count.pairs + 1, count.told + told.len() as u64);
+            count.told_words += (told.len() * pair.words()) as u64;
+        }
+        let own = |n: &u32| engine.nodes.is_own(*n as usize);
+        count.members = engine.bodies.acted_on(&engine.nodes).filter(own).count() as u64;
+        let sent = Traffic {
+            messages: after.messages - before.messages,
+            bytes: after.bytes - before.bytes,
+        };
+        Seen { count, sent }
+    };
+    on_threads(deal(model, &centres, &first, workers), run)
+}
+
+/// Compares, for some numbers of workers, what is counted with what is there; gives all pairs that
+/// were seen.
+fn compare(model: &Model, cycles: u64) -> u64 {
+    let mut pairs = 0;
+    for workers in [2, 4, 7] {
+        let mut census = None;
+        run_alone(model, |engine| {
+            if engine.clock.cycle == cycles {
+                let mut centres = Vec::new();
+                engine.for_each_load(1.0, 0.0, |c, _| centres.push(c));
+                let tree = bisect(&mut Centres(centres), workers).unwrap();
+                census = Some((Census::new(engine, &tree), tree));
+            } else if let Some((census, tree)) =
+                census.as_mut().filter(|_| engine.clock.cycle == cycles + 1)
+            {
+                // Pairs are those of the step from where membership was counted.
+                census.count_contact(engine);
+                let seen = side_by_side(model, workers, cycles, tree);
+                for (w, (mut counted, seen)) in census.counts.iter().cloned().zip(seen).enumerate()
+                {
+                    pairs += counted.pairs;
+                    let [messages, bytes] = counted.traffic(engine, workers);
+                    if counted.partners == 0 {
+                        let sent = [seen.sent.messages as f64, seen.sent.bytes as f64];
+                        assert_eq!([messages, bytes], sent, "worker {w} of {workers} sends");
+                    } else {
+                        assert!(
+                            (seen.sent.messages as f64) > messages,
+                            "worker {w} of {workers} has partners"
+                        );
+                    }
+                    (counted.partners, counted.quiet) = (0, 0); // known in the middle of a step only
+                    assert_eq!(counted, seen.count, "worker {w} of {workers}");
+                }
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert!(census.is_some());
+    }
+    pairs
+}
+
+/// Shells in flight towards each other: copies without pairs.
+#[test]
+fn counts_are_those_of_workers_side_by_side_before_anything_touches() {
+    assert_eq!(compare(&model("tumble", &["output.history_interval=100"]), 3), 0);
+}
+
+/// The same with a rigid body, of which everybody tells all others.
+#[test]
+fn counts_are_those_of_workers_side_by_side_with_a_rigid_body() {
+    let sets = ["output.history_interval=100", "rigid=[{name=\"plate\", parts=[5]}]"];
+    assert_eq!(compare(&model("tumble", &sets), 3), 0);
+}
+
+/// Bars that meet, with contact pairs and edges that reach across workers.
+#[test]
+fn counts_are_those_of_workers_side_by_side_in_contact() {
+    assert!(compare(&model("bars", &["scene.elements=60", "output.history_interval=100"]), 30) > 0);
+}
+
+/// The whole command on a small scene: what one worker does is measured and predicted alike, files
+/// are there, and a number of workers that loses most of its time says on what.
+#[test]
+fn predictions_are_written_and_name_their_limit() {
+    let model = model("bars", &["scene.elements=60"]);
+    let network = Network { latency: 1e-4, bandwidth: 1e9 };
+    let samples = samples(&model, &[2, 8], &[0.0, 0.01], network).unwrap();
+    assert_eq!(samples.len(), 2);
+    for s in &samples {
+        assert!(s.alone.total() > 0.0 && s.grows_by == s.whole.elements as f64 / 8.0);
+        assert_eq!(s.predictions.iter().map(|p| p.workers).collect::<Vec<_>>(), [2, 8]);
+        for p in &s.predictions {
+            assert_eq!(p.counts.iter().map(|c| c.elements).sum::<u64>(), s.whole.elements);
+            assert!(
+                p.step.efficiency() > 0.0 && p.step.efficiency() < 0.5,
+                "a message takes longer than the step"
+            );
+        }
+        assert!(
+            (s.predictions[1].scaled - s.predictions[1].step.efficiency()).abs() < 1e-12,
+            "8 is the typical number"
+        );
+        assert!(report::table(s, network).contains("what breaks first there is latency"));
+    }
+    let out = tempfile::tempdir().unwrap();
+    let said = report::write("bars", &samples, out.path()).unwrap();
+    for file in ["scale.csv", "scale.svg", "scale.png"] {
+        assert!(
+            said.contains(file) && out.path().join(file).metadata().unwrap().len() > 100,
+            "{file}"
+        );
+    }
+    assert_eq!(std::fs::read_to_string(out.path().join("scale.csv")).unwrap().lines().count(), 5);
+}

@@ -1,0 +1,350 @@
+//! `crumple check --step`: the largest stable step of the assembled system, from the engine's own
+//! forces.
+//!
+//! The run takes a step that is known to be enough for each element alone, and for what shares its
+//! nodes. What all together bear follows from the highest frequency of the assembled system. It is
+//! found by pushing the nodes of an engine aside by next to nothing, d, and back, at the time at
+//! which the run stands: with the accelerations a of the two steps
+//! ```text
+//! a(x + d, rate d/dt) - a(x, rate -d/dt) = -(A + 2 C/dt) d = -B d
+//! ```
+//! whatever acts at rest. A is stiffness over mass and C damping over mass, which the engine takes
+//! from the mid-step before. `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`.
+//! With masses and inertias as weights B is symmetric, and Lanczos' vectors give its largest
+//! eigenvalue from below; all of them are kept orthogonal to each other, and the estimate is taken
+//! when its residual says that an eigenvalue lies within [`CLOSE`] of it (Parlett 1998, theorem
+//! 4.5.1), or when it has stopped growing.
+//!
+//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty and
+//! mortar contact of what is in touch, and the law's tangent on the way from the present state. Not
+//! seen: contact that is not there yet; members of rigid bodies, which count as held; dampers where
+//! there is such contact too, whose dashpots limit nothing. Bulk viscosity counts by half, as it
+//! acts in compression only. Constraints of the Lagrange and kinematic laws and of rigid walls add
+//! no frequency.
+
+use crate::input::job::Model;
+use crate::run::embedded::Alone;
+use crumple_proto::ids::NodeId;
+use crumple_worker::nodes::Row;
+use crumple_worker::step::step;
+use crumple_worker::time::Clock;
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Largest part of the eigenvalue by which it may be off.
+const CLOSE: f64 = 0.01;
+/// Vectors kept; then it begins anew with the best mode so far.
+const VECTORS: usize = 40;
+/// How often it begins anew at most.
+const ROUNDS: usize = 8;
+/// A round that adds less than this part to the eigenvalue is the last.
+const GROWTH: f64 = 1e-3;
+/// Largest displacement, in shortest sides.
+const PUSH: f64 = 1e-7;
+
+/// What was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimate {
+    /// Time at which it holds [time].
+    pub time: f64,
+    /// Largest stable step of the assembled system, infinite where nothing resists [time].
+    pub limit: f64,
+    /// Step that the run takes, safety included [time].
+    pub taken: f64,
+    /// Node that moves most in the fastest mode.
+    pub node: NodeId,
+    /// How often the nodes were pushed.
+    pub pushes: usize,
+    /// Part of the eigenvalue by which it may be off.
+    pub residual: f64,
+}
+
+/// A degree of freedom: local node, component (0 to 2 of moving, 3 to 5 of turning), root of its
+/// mass or inertia.
+struct Free {
+    node: usize,
+    component: usize,
+    root: f64,
+}
+
+impl Free {
+    /// How far a weighted displacement moves it; turning counts as what it moves at a distance
+    /// `side` [length].
+    fn reach(&self, y: f64, side: f64) -> f64 {
+        y.abs() / self.root * if self.component < 3 { 1.0 } else { side }
+    }
+}
+
+struct Probe {
+    alone: Alone,
+    clock: Clock,
+    /// Where nodes stand, and where they stood at the force evaluation before.
+    place: Vec<Row>,
+    before: Vec<Row>,
+    angle: Vec<Row>,
+    free: Vec<Free>,
+    side: f64,
+    /// Whether contact has dashpots, which it takes at the end of the step: they limit nothing.
+    dashpots: bool,
+}
+
+/// The largest stable step at time `at`, to which the job runs first on one engine.
+///
+/// # Errors
+/// The job cannot be run that far, or its step is not one that this looks at.
+pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
+    if model.settings.subcycles > 1 {
+        return Err(
+            "a job with time.subcycles has two steps: check it with `--set time.subcycles=1`"
+                .into(),
+        );
+    }
+    let mut probe = Probe::start(model, at)?;
+    let mut seed = 7u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut start: Vec<f64> = probe.free.iter().map(|_| random()).collect();
+    let (mut eigenvalue, mut residual, mut pushes) = (0.0f64, f64::INFINITY, 0);
+    for _ in 0..ROUNDS {
+        let round = probe.lanczos(&start)?;
+        if !round.eigenvalue.is_finite() {
+            return Err(
+                "the forces of the model are no numbers when its nodes move: no step can be given"
+                    .into(),
+            );
+        }
+        pushes += round.pushes;
+        let grown = round.eigenvalue > eigenvalue * (1.0 + GROWTH);
+        (eigenvalue, residual) = (round.eigenvalue.max(eigenvalue), round.residual);
+        start = round.mode;
+        if !grown || residual < CLOSE {
+            break;
+        }
+    }
+    let strongest = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
+    let moved =
+        start.iter().zip(&probe.free).map(|(y, free)| free.reach(*y, probe.side)).enumerate();
+    let node = moved.max_by(strongest).map_or(0, |(i, _)| probe.free[i].node);
+    Ok(Estimate {
+        time: probe.clock.time,
+        limit: if eigenvalue > 0.0 { 2.0 / eigenvalue.sqrt() } else { f64::INFINITY },
+        taken: probe.clock.dt,
+        node: probe.alone.engine.nodes.id[node],
+        pushes,
+        residual,
+    })
+}
+
+/// What one set of vectors gives.
+struct Round {
+    eigenvalue: f64,
+    residual: f64,
+    mode: Vec<f64>,
+    pushes: usize,
+}
+
+impl Probe {
+    fn start(model: &Model, at: f64) -> Result<Self, String> {
+        let mut alone = Alone::new(model).map_err(|lost| lost.to_string())?;
+        let early = |engine: &crumple_worker::engine::Engine| {
+            engine.clock.time + 0.5 * engine.clock.dt < at
+        };
+        while early(&alone.engine) && !alone.engine.clock.is_over(&alone.engine.settings) {
+            alone.forward()?;
+        }
+        if early(&alone.engine) {
+            return Err(format!("the run is over at {}, before {at}", alone.engine.clock.time));
+        }
+        let engine = &mut alone.engine;
+        engine.blocks.compute_all();
+        engine.loads.damping = 0.0; // it is taken in the middle of the step and limits nothing
+        let held = engine.nodes.held;
+        let place = engine.nodes.x[..held].to_vec();
+        let mut clock = engine.clock.clone();
+        clock.dt = clock.whole_dt;
+        (clock.last_dt, clock.last_mid) = (clock.dt, clock.dt);
+        // Forces of the present time, so that from here on only what is pushed strains elements.
+        alone.forward()?;
+        let nodes = &alone.engine.nodes;
+        let mut free = Vec::new();
+        for node in 0..held {
+            let mut add = |component: usize, inverse: f64, mass: f64| {
+                if inverse > 0.0 && mass > 0.0 {
+                    free.push(Free { node, component, root: mass.sqrt() });
+                }
+            };
+            (0..3).for_each(|c| add(c, nodes.inv_mass[node][c], nodes.mass[node]));
+            if nodes.rotations {
+                (0..3).for_each(|c| add(3 + c, nodes.inv_inertia[node][c], nodes.inertia[node]));
+            }
+        }
+        if free.is_empty() {
+            return Err("no node is free to move".into());
+        }
+        let side = model.quality.min_side.value;
+        if side.is_nan() || side <= 0.0 {
+            return Err(
+                "no element has a length by which nodes could be moved: springs of no length have no step".into()
+            );
+        }
+        let angle = vec![[0.0; 4]; nodes.w.len()];
+        let dashpots = model
+            .job
+            .contact
+            .as_ref()
+            .is_some_and(|c| c.each().any(|c| ["penalty", "mortar"].contains(&c.law.as_str())));
+        Ok(Self { alone, clock, before: place.clone(), place, angle, free, side, dashpots })
+    }
+
+    /// Accelerations with the nodes at `by` from their places, as they get there in a step from
+    /// where they were.
+    fn accelerations(&mut self, by: Option<&[f64]>) -> Result<Vec<f64>, String> {
+        let lost = |lost: crumple_proto::transport::Lost| lost.to_string();
+        let (dt, held) = (self.clock.dt, self.place.len());
+        let Alone { engine, wire, .. } = &mut self.alone;
+        engine.clock = self.clock.clone();
+        let nodes = &mut engine.nodes;
+        nodes.x[..held].copy_from_slice(&self.place);
+        nodes.next_v[..held].fill([0.0; 4]);
+        nodes.next_w.fill([0.0; 4]);
+        for (y, free) in by.into_iter().flatten().zip(&self.free) {
+            let rate = y / dt;
+            match free.component {
+                c @ 0..3 => nodes.next_v[free.node][c] = rate,
+                c => nodes.next_w[free.node][c - 3] = rate,
+            }
+        }
+        engine.ties.follow(wire, nodes, dt).map_err(lost)?;
+        for i in 0..held {
+            for c in 0..3 {
+                nodes.x[i][c] += dt * nodes.next_v[i][c];
+                nodes.v[i][c] = (nodes.x[i][c] - self.before[i][c]) / dt;
+            }
+            self.before[i] = nodes.x[i];
+        }
+        for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.next_w.len()) {
+            let now = nodes.next_w[i].map(|w| dt * w);
+            nodes.w[i] = std::array::from_fn(|c| (now[c] - angle[c]) / dt);
+            *angle = now;
+        }
+        let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
+        if let Some(element) = step(engine, wire).map_err(lost)?.trouble {
+            let (push, time) = (PUSH * self.side, self.clock.time);
+            return Err(format!(
+                "element {element} cannot be computed at time {time:e} when its nodes move by {push:e}: it inverts or has no \
+                 size; mend it, or look at another time (`--step=T`)"
+            ));
+        }
+        let mid = self.clock.mid();
+        let gained = |free: &Free| match free.component {
+            c @ 0..3 => (engine.nodes.v[free.node][c] - v[free.node][c]) / mid,
+            c => (engine.nodes.w[free.node][c - 3] - w[free.node][c - 3]) / mid,
+        };
+        Ok(self.free.iter().map(gained).collect())
+    }
+
+    /// B on a vector that is weighted with the roots of the masses.
+    fn push(&mut self, y: &[f64]) -> Result<Vec<f64>, String> {
+        let apart = |(y, free): (&f64, &Free)| free.reach(*y, self.side);
+        let scale = PUSH * self.side / y.iter().zip(&self.free).map(apart).fold(0.0, f64::max);
+        let by: Vec<f64> =
+            y.iter().zip(&self.free).map(|(y, free)| scale * y / free.root).collect();
+        let there = self.accelerations(Some(&by))?;
+        let mut back = self.accelerations(None)?;
+        if self.dashpots {
+            // Rates there and back are opposite: without them it is twice that at rest, less the
+            // way back, less the way there.
+            let still = self.accelerations(None)?;
+            back.iter_mut().zip(still).for_each(|(back, still)| *back = 2.0 * still - *back);
+        }
+        let of = |((there, back), free): ((&f64, &f64), &Free)| (back - there) * free.root / scale;
+        Ok(there.iter().zip(&back).zip(&self.free).map(of).collect())
+    }
+
+    /// Up to [`VECTORS`] vectors of Lanczos from `start`.
+    fn lanczos(&mut self, start: &[f64]) -> Result<Round, String> {
+        let mut vectors = vec![scaled(start, 1.0 / dot(start, start).sqrt())];
+        let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        loop {
+            let last = vectors.last().expect("the first is there").clone();
+            let mut next = self.push(&last)?;
+            diagonal.push(dot(&next, &last));
+            // Twice is enough for round-off.
+            for _ in 0..2 {
+                for vector in &vectors {
+                    let along = dot(&next, vector);
+                    next.iter_mut().zip(vector).for_each(|(n, v)| *n -= along * v);
+                }
+            }
+            let rest = dot(&next, &next).sqrt();
+            let (eigenvalue, weights) = largest(&diagonal, &beside);
+            let residual =
+                rest * weights.last().expect("as many as vectors").abs() / eigenvalue.abs();
+            let pushes = diagonal.len();
+            // Without a rest, the vectors span all that resists; without an eigenvalue, nothing
+            // does.
+            let residual = if rest == 0.0 || eigenvalue == 0.0 { 0.0 } else { residual };
+            if residual < CLOSE || pushes == VECTORS.min(self.free.len()) || !eigenvalue.is_finite()
+            {
+                let mut mode = vec![0.0; start.len()];
+                for (vector, weight) in vectors.iter().zip(&weights) {
+                    mode.iter_mut().zip(vector).for_each(|(m, v)| *m += weight * v);
+                }
+                return Ok(Round { eigenvalue, residual, mode, pushes });
+            }
+            beside.push(rest);
+            vectors.push(scaled(&next, 1.0 / rest));
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn scaled(a: &[f64], by: f64) -> Vec<f64> {
+    a.iter().map(|a| by * a).collect()
+}
+
+/// Most iterations of the eigenvalues of a small matrix.
+const ITERATIONS: usize = 1000;
+
+/// The largest eigenvalue of a symmetric tridiagonal matrix, and its vector of unit length; NaN if
+/// there is none.
+fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
+    let entry = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => diagonal[i],
+        1 => beside[i.min(j)],
+        _ => 0.0,
+    };
+    let n = diagonal.len();
+    let Some(eigen) =
+        SymmetricEigen::try_new(DMatrix::from_fn(n, n, entry), f64::EPSILON, ITERATIONS)
+    else {
+        return (f64::NAN, vec![0.0; n]);
+    };
+    let (place, value) = eigen.eigenvalues.argmax();
+    (value, eigen.eigenvectors.column(place).iter().copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of n equal masses between walls: eigenvalues `2 - 2 cos(k pi/(n + 1))`.
+    #[test]
+    fn a_chain_has_its_highest_frequency() {
+        for n in [1, 2, 7, 40] {
+            let (value, vector) = largest(&vec![2.0; n], &vec![-1.0; n - 1]);
+            let theta = n as f64 * std::f64::consts::PI / (n + 1) as f64;
+            assert!((value - (2.0 - 2.0 * theta.cos())).abs() < 1e-9, "{n}: {value}");
+            let wanted = (theta * n as f64).sin() * (2.0 / (n + 1) as f64).sqrt();
+            assert!(
+                (vector[n - 1].abs() - wanted.abs()).abs() < 1e-6,
+                "{n}: {} for {wanted}",
+                vector[n - 1]
+            );
+        }
+    }
+}

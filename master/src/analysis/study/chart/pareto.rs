@@ -1,0 +1,89 @@
+//! Error against cost on logarithmic axes, with the points that no other beats in both: the Pareto
+//! front.
+
+use super::axis::Axis;
+use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
+use super::sheet::{Anchor, BLACK, Sheet, WHITE};
+use super::{View, dash};
+
+/// Draws the chart.
+///
+/// # Errors
+/// No point can be shown.
+pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
+    let m = view.measure_index();
+    let shown: Vec<_> =
+        view.rows().filter(|(_, r)| r.ended_well() && r.errors[m] > 0.0 && r.cost > 0.0).collect();
+    if shown.is_empty() {
+        return Err(format!(
+            "chart `{}`: no point has an error and a cost above 0",
+            view.chart.file
+        ));
+    }
+    let x = Axis::around(shown.iter().map(|(_, r)| r.cost), true, [LEFT, RIGHT]);
+    let y = Axis::around(shown.iter().map(|(_, r)| r.errors[m]), true, [BOTTOM, TOP]);
+    let mut frame = Frame::new(view.head(), x, y, true);
+    let front = view.table.front(m, |r| view.shows_series(r.series) && r.errors[m] > 0.0);
+    let place = |f: &Frame, i: usize| f.at(view.table.rows[i].cost, view.table.rows[i].errors[m]);
+    let corners: Vec<[f64; 2]> = front.iter().filter_map(|&i| place(&frame, i)).collect();
+    frame.sheet.dashed(&staircase(&corners), BLACK, 1.2);
+    for &(i, row) in &shown {
+        if let Some(at) = place(&frame, i) {
+            frame.sheet.marker(at, row.series, 6.5, WHITE);
+            frame.sheet.marker(at, row.series, 5.5, colour(row.series));
+        }
+    }
+    for (number, at) in corners.iter().enumerate() {
+        frame.sheet.ring(*at, 9.0, BLACK, 1.2);
+        frame.sheet.text(
+            [at[0] - 12.0, at[1] + 13.0],
+            &(number + 1).to_string(),
+            13.0,
+            Anchor::Middle,
+            BLACK,
+        );
+    }
+    for s in (0..view.study.series.len()).filter(|&s| view.shows_series(s)) {
+        frame.entry(&view.study.series[s].name, |sheet, at| sheet.marker(at, s, 5.5, colour(s)));
+    }
+    frame.entry("Pareto front: nothing is better at no more cost", |sheet, at| {
+        sheet.dashed(&[[at[0] - 14.0, at[1]], [at[0] + 14.0, at[1]]], BLACK, 1.2);
+        sheet.ring(at, 7.0, BLACK, 1.2);
+    });
+    frame.gap(8.0);
+    for (number, &i) in front.iter().enumerate() {
+        let digit = (number + 1).to_string();
+        frame.entry(&view.table.rows[i].label, |sheet, at| {
+            sheet.text(at, &digit, 13.0, Anchor::Middle, BLACK)
+        });
+    }
+    let all = view.rows().count();
+    let failed = view.rows().filter(|(_, r)| !r.ended_well()).count();
+    frame.gap(8.0);
+    if failed > 0 {
+        frame.note(&format!("{failed} of {all} points failed and are not shown"));
+    }
+    if all > failed + shown.len() {
+        frame.note(&format!("without error or cost, not shown: {}", all - failed - shown.len()));
+    }
+    let cost = &view.study.cost;
+    let x_title = view
+        .chart
+        .x_title
+        .clone()
+        .unwrap_or_else(|| format!("{} [{}]", cost.name, dash(&cost.unit)));
+    let y_title = view.chart.y_title.clone().unwrap_or_else(|| view.measure_title(true));
+    Ok(frame.close(&x_title, &y_title))
+}
+
+/// From point to point: first along x, then along y, as far as what is there already is the best.
+fn staircase(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut stairs = Vec::new();
+    for (i, p) in points.iter().enumerate() {
+        if i > 0 {
+            stairs.push([p[0], points[i - 1][1]]);
+        }
+        stairs.push(*p);
+    }
+    stairs
+}

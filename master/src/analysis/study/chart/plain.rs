@@ -1,0 +1,59 @@
+//! Curves that are given as numbers, for commands that measure without a study.
+
+use super::axis::Axis;
+use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
+use super::sheet::WHITE;
+use std::path::{Path, PathBuf};
+
+/// A named curve.
+pub struct Curve {
+    /// Name in the legend.
+    pub name: String,
+    /// Whether it is dashed and has no markers.
+    pub dashed: bool,
+    /// Number of its colour; curves may share one.
+    pub colour: usize,
+    /// Points, with x from 1 and y in percent.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Draws percentages over powers of two, and writes them as `PATH.svg` and `PATH.png`; gives both
+/// names.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn percent_over_doublings(
+    head: &str,
+    titles: [&str; 2],
+    curves: &[Curve],
+    path: &Path,
+) -> Result<[PathBuf; 2], String> {
+    let all = || curves.iter().flat_map(|c| &c.points);
+    let most = all().map(|p| p[0]).fold(1.0, f64::max);
+    let words = (0..=most.log2().ceil() as u32).map(|power| 2u64.pow(power).to_string()).collect();
+    let top = all().map(|p| p[1]).fold(100.0, f64::max);
+    let y = Axis::between(0.0, 1.04 * top, false, [BOTTOM, TOP]);
+    let mut frame = Frame::new(head, Axis::of_words(words, [LEFT, RIGHT]), y, true);
+    for curve in curves {
+        let places: Vec<[f64; 2]> =
+            curve.points.iter().filter_map(|p| frame.at(p[0].log2(), p[1])).collect();
+        let (tint, number) = (colour(curve.colour), curve.colour);
+        if curve.dashed {
+            frame.sheet.dashed(&places, tint, 1.4);
+            frame.entry(&curve.name, |sheet, at| {
+                sheet.dashed(&[[at[0] - 14.0, at[1]], [at[0] + 14.0, at[1]]], tint, 1.4)
+            });
+            continue;
+        }
+        frame.sheet.line(&places, tint, 1.4);
+        for at in &places {
+            frame.sheet.marker(*at, number, 6.5, WHITE);
+            frame.sheet.marker(*at, number, 5.5, tint);
+        }
+        frame.entry(&curve.name, |sheet, at| {
+            sheet.line(&[[at[0] - 14.0, at[1]], [at[0] + 14.0, at[1]]], tint, 1.4);
+            sheet.marker(at, number, 5.5, tint);
+        });
+    }
+    frame.close(titles[0], titles[1]).write(path)
+}

@@ -1,0 +1,75 @@
+//! `crumple study`: one job over a grid of settings, what it costs and how wrong it is, as a table
+//! and as charts.
+//!
+//! - [`spec`]: a study as it is written, and its mistakes
+//! - [`grid`]: the points that it asks for
+//! - [`runs`]: each point as a process of its own; what is done is not done again
+//! - [`quantity`], [`probe`]: numbers from what a run leaves behind
+//! - [`results`]: errors, costs, the Pareto front, `results.csv`
+//! - [`chart`]: the pictures
+
+pub mod chart;
+pub mod grid;
+pub mod probe;
+pub mod quantity;
+pub mod results;
+pub mod runs;
+pub mod spec;
+
+use crate::cli::StudyArgs;
+use crate::run::say::say;
+use crate::run::stop::StopFlag;
+use grid::Plan;
+use results::Table;
+use runs::Ending;
+use spec::Study;
+use std::path::PathBuf;
+
+/// Exit codes, as README.md lists them.
+const COMPLETED: u8 = 0;
+const BAD_INPUT: u8 = 2;
+const STOPPED: u8 = 130;
+
+/// Runs a study; returns the exit code.
+pub fn run(args: &StudyArgs) -> u8 {
+    match study(args) {
+        Ok(code) => code,
+        Err(why) => {
+            eprintln!("error: {why}");
+            BAD_INPUT
+        }
+    }
+}
+
+fn study(args: &StudyArgs) -> Result<u8, String> {
+    let study = Study::read(&args.study)?;
+    let plan = Plan::of(&study)?;
+    let out = args.out.clone().unwrap_or_else(|| {
+        let name = args.study.file_stem().unwrap_or("study".as_ref());
+        PathBuf::from("out").join("studies").join(name)
+    });
+    if args.fresh {
+        runs::forget(&plan, &out)?;
+    }
+    say!(
+        "{}: {} points, {} of them to run",
+        study.title,
+        plan.points.len(),
+        runs::open(&plan, &out)
+    );
+    if runs::run_all(&study, &plan, &out, args.jobs, &StopFlag::listen(false))? == Ending::Stopped {
+        eprintln!("stopped: the same command goes on where it stopped");
+        return Ok(STOPPED);
+    }
+    let table = Table::of(&study, &plan, &out)?;
+    let csv = out.join("results.csv");
+    table.write(&csv).map_err(|error| format!("{}: {error}", csv.display()))?;
+    say!("{}", csv.display());
+    for path in chart::draw_all(&study, &table, &out)? {
+        say!("{}", path.display());
+    }
+    for row in table.rows.iter().filter(|row| !row.ended_well()) {
+        say!("{}: exit code {}: {}", row.label, row.outcome.code, row.outcome.reason);
+    }
+    Ok(COMPLETED)
+}

@@ -1,0 +1,421 @@
+//! `crumple check`: what a job is, told without running it.
+
+use crate::analysis::spectrum::Estimate;
+use crate::input::job::subcycles::{self, Classes};
+use crate::input::job::{Model, Report};
+use crumple_proto::job::{Contact, Part};
+use crumple_proto::mesh::Shape;
+use crumple_worker::contact::beams;
+use std::fmt::Write;
+
+/// What `crumple check` prints of a job without running any of it.
+pub fn describe(model: &Model) -> String {
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    let _ = write(model, &mut out);
+    out
+}
+
+fn write(model: &Model, out: &mut String) -> std::fmt::Result {
+    let (job, mesh) = (&model.job, &model.mesh);
+    let or =
+        |text: &str, none: &str| if text.is_empty() { none.to_string() } else { text.to_string() };
+    writeln!(out, "job          {}", model.path.display())?;
+    writeln!(out, "title        {}", or(&job.title, "(none)"))?;
+    writeln!(out, "units        {}", or(&job.units, "(not stated)"))?;
+    let count = |shape: Shape| mesh.elements.iter().filter(|e| e.shape == shape).count();
+    let kinds = [
+        (Shape::Quad4, "quads"),
+        (Shape::Tri3, "triangles"),
+        (Shape::Hex8, "solids"),
+        (Shape::Beam2, "beams"),
+        (Shape::Line2, "springs"),
+    ];
+    let counts = kinds.map(|(shape, name)| (count(shape), name));
+    let counts: Vec<_> =
+        counts.iter().filter(|c| c.0 > 0).map(|c| format!("{} {}", c.0, c.1)).collect();
+    writeln!(out, "elements     {}", counts.join(", "))?;
+    writeln!(out, "nodes        {}", mesh.nodes.len())?;
+    if let Some(r) = model.renumbered {
+        let (before, after) = (figure(r.before), figure(r.after));
+        writeln!(
+            out,
+            "numbering    anew inside, since nodes of an element lie far apart ({before} cache lines fetched for it, now {after}); the mesh's ids \
+             stay in all that is written"
+        )?;
+    }
+    let bound = |pick: fn(f64, f64) -> f64, start: f64| {
+        mesh.nodes.iter().fold([start; 3], |b, n| [0, 1, 2].map(|c| pick(b[c], n.x[c])))
+    };
+    let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+    let range = |c: usize| format!("{} .. {}", figure(low[c]), figure(high[c]));
+    writeln!(out, "box          x {}, y {}, z {}", range(0), range(1), range(2))?;
+    parts(model, out)?;
+    masses(model, out)?;
+    steps(model, out)?;
+    shapes(model, out)?;
+    loads(model, out)?;
+    out.push_str(&mapping(model));
+    writeln!(out)?;
+    if model.warnings.is_empty() {
+        return writeln!(out, "no warnings");
+    }
+    for warning in model.warnings.iter().take(crate::input::job::report::SHOWN) {
+        writeln!(out, "{}", model.show(warning))?;
+    }
+    match model.warnings.len() {
+        1 => writeln!(out, "1 warning"),
+        n => writeln!(out, "{n} warnings"),
+    }
+}
+
+fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
+    let parts = &model.settings.parts;
+    let mut figures = vec![(0usize, 0.0f64); parts.len()];
+    let mut own = vec![(f64::INFINITY, 0.0f64); parts.len()];
+    for (i, &part) in model.elements.part.iter().enumerate() {
+        let figure = &mut figures[part as usize];
+        figure.0 += 1;
+        figure.1 += model.elements.mass_with_scaling(i);
+        let (of, element) = (&mut own[part as usize], &model.mesh.elements[i]);
+        let thickness = if element.thickness > 0.0 {
+            element.thickness
+        } else {
+            parts[part as usize].thickness
+        };
+        *of = (of.0.min(thickness), of.1.max(thickness));
+    }
+    let mut rows = vec![
+        ["part", "name", "element", "material", "thickness", "elements", "mass"].map(String::from),
+    ];
+    for (index, (part, (count, mass))) in parts.iter().zip(figures).enumerate() {
+        rows.push([
+            part.id.to_string(),
+            part.name.clone(),
+            model.blocks.names(part, index).join(", "),
+            part.material.clone(),
+            if own[index].0 < own[index].1 {
+                format!("{} to {}", figure(own[index].0), figure(own[index].1))
+            } else {
+                part.thickness.to_string()
+            },
+            count.to_string(),
+            figure(mass),
+        ]);
+    }
+    writeln!(out)?;
+    let width: Vec<usize> =
+        (0..7).map(|c| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0)).collect();
+    for row in rows {
+        let mut line = String::new();
+        for (c, cell) in row.iter().enumerate() {
+            let gap = " ".repeat(width[c] - cell.chars().count());
+            // Numbers to the right, names to the left.
+            if matches!(c, 0 | 4 | 5 | 6) {
+                write!(line, "{gap}{cell}  ")?
+            } else {
+                write!(line, "{cell}{gap}  ")?
+            }
+        }
+        writeln!(out, "  {}", line.trim_end())?;
+    }
+    writeln!(out)
+}
+
+/// What a deck asks for and what it gets, things with the same answer in one line.
+pub fn mapping(model: &Model) -> String {
+    let mut rows: Vec<(String, &str, &str)> = Vec::new();
+    for entry in &model.mapping {
+        match rows.iter_mut().find(|r| r.1 == entry.asked && r.2 == entry.used) {
+            Some(row) => row.0 += &format!(", {}", entry.of),
+            None => rows.push((entry.of.clone(), &entry.asked, &entry.used)),
+        }
+    }
+    if rows.is_empty() && model.unsupported.is_empty() {
+        return String::new();
+    }
+    let rows = rows.into_iter().map(|(of, asked, used)| format!("  {of}: {asked} -> {used}\n"));
+    let left_out = model.unsupported.iter().map(|what| format!("  left out: {what}\n"));
+    std::iter::once("\ndeck         asked -> used\n".to_string())
+        .chain(rows)
+        .chain(left_out)
+        .collect()
+}
+
+fn masses(model: &Model, out: &mut String) -> std::fmt::Result {
+    let (structure, scaled, lumped) =
+        (model.structure_mass(), model.scaled_mass(), model.lumped_mass());
+    let total = structure + scaled + lumped;
+    write!(
+        out,
+        "mass         {} = {} structure + {} lumped",
+        figure(total),
+        figure(structure),
+        figure(lumped)
+    )?;
+    if scaled > 0.0 {
+        let percent = 100.0 * scaled / structure;
+        write!(
+            out,
+            " + {} by mass scaling ({} % of the structure)",
+            figure(scaled),
+            figure(percent)
+        )?;
+    }
+    writeln!(out)
+}
+
+fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
+    let (dt, at) = model.first_dt();
+    let cycles = (model.settings.end_time / dt).ceil();
+    let limit = match model.settings.max_cycles {
+        0 => String::new(),
+        n => format!(", limited to {n}"),
+    };
+    writeln!(
+        out,
+        "time step    {} (safety {} x {}), set by element {}",
+        figure(dt),
+        model.settings.safety,
+        figure(dt / model.settings.safety),
+        model.mesh.elements[at].id
+    )?;
+    writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)?;
+    if model.settings.subcycles > 1 {
+        let (m, classes) = (model.settings.subcycles, Classes::of(&model.elements));
+        let work = figure(classes.work(m));
+        writeln!(
+            out,
+            "subcycles    {m}: {} elements in each cycle, {} in one of {m}; {work} of the computations without",
+            classes.fast, classes.slow
+        )?;
+    } else if let Some((m, work)) =
+        subcycles::best(&model.job.time, &model.mesh, &model.settings, &model.elements)
+    {
+        let work = figure(work);
+        writeln!(
+            out,
+            "subcycles    none; time.subcycles = {m} would leave {work} of the computations of elements"
+        )?;
+    }
+    Ok(())
+}
+
+fn shapes(model: &Model, out: &mut String) -> std::fmt::Result {
+    let q = &model.quality;
+    let (low, high) = (q.min_side, q.max_side);
+    writeln!(
+        out,
+        "sides        {} (element {}) to {} (element {}), median {}",
+        figure(low.value),
+        low.element,
+        figure(high.value),
+        high.element,
+        figure(q.median_side)
+    )?;
+    writeln!(
+        out,
+        "aspect       {} at most (element {})",
+        figure(q.max_aspect.value),
+        q.max_aspect.element
+    )?;
+    writeln!(
+        out,
+        "warpage      {} degrees at most (element {})",
+        figure(q.max_warpage_deg.value),
+        q.max_warpage_deg.element
+    )?;
+    let (worst, element) = (q.min_jacobian.value, q.min_jacobian.element);
+    writeln!(out, "jacobian     ratio {} at least (element {element})", figure(worst))
+}
+
+fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
+    let fixed = model.nodes.fixed.iter().filter(|&&bits| bits != 0).count();
+    let speed = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let fastest = model.nodes.velocity.iter().map(speed).fold(0.0, f64::max);
+    writeln!(
+        out,
+        "start        fastest node at {}, {fixed} nodes held or moved, {} rigid walls",
+        figure(fastest),
+        model.settings.walls.len()
+    )?;
+    let l = &model.settings.loads;
+    if l.act() {
+        let faces: usize = l.pressures.iter().map(|p| p.faces.len()).sum();
+        let (gravity, forces, motions) = (l.gravity.len(), l.forces.len(), l.motions.len());
+        writeln!(
+            out,
+            "loads        {gravity} gravity, {forces} nodal, pressure on {faces} faces, {motions} motions"
+        )?;
+    }
+    let ties = &model.settings.ties;
+    if !ties.is_empty() {
+        let turning = ties.iter().filter(|t| t.rotations).count();
+        let away = ties.iter().filter(|t| t.offset).count();
+        writeln!(
+            out,
+            "tied         {} nodes, {turning} with rotations, {away} at the end of arms",
+            ties.len()
+        )?;
+    }
+    let bodies = &model.settings.rigid;
+    if !bodies.is_empty() {
+        let members: usize = bodies.iter().map(|b| b.nodes.len()).sum();
+        writeln!(out, "rigid        {} bodies of {members} nodes", bodies.len())?;
+    }
+    match &model.settings.contact {
+        None => writeln!(out, "contact      none"),
+        Some(c) => writeln!(
+            out,
+            "contact      {}, search by {} with skin {}",
+            touching(c),
+            c.search,
+            figure(c.skin)
+        ),
+    }?;
+    for c in model.settings.contact.iter() {
+        let radius =
+            |p: &Part| Some(format!("part {} with radius {}", p.id, figure(beams::half(c, p)?)));
+        let beams: Vec<String> = model.settings.parts.iter().filter_map(radius).collect();
+        if !beams.is_empty() {
+            writeln!(out, "             beams meet as lines: {}", beams.join(", "))?;
+        }
+    }
+    for c in model.settings.contact.iter().flat_map(|c| c.each().skip(1)) {
+        writeln!(out, "  interface  {}", touching(&c))?;
+    }
+    let fields = model.settings.field_times.len();
+    writeln!(
+        out,
+        "output       a history row every {}, {fields} field files",
+        figure(model.settings.history_interval)
+    )
+}
+
+/// What a contact or one of its interfaces says of parts and how they touch.
+fn touching(c: &Contact) -> String {
+    let list = |parts: &[u32]| match parts {
+        [] => "all parts".to_string(),
+        some => format!("parts {}", some.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
+    };
+    let mut words = if c.name.is_empty() { String::new() } else { format!("{}: ", c.name) };
+    words += &list(&c.parts);
+    if !c.against.is_empty() {
+        words += &format!(" against {}", list(&c.against));
+    }
+    if !c.exclude.is_empty() {
+        words += &format!(" without {}", list(&c.exclude));
+    }
+    if c.law == Contact::NO_LAW {
+        return words + ", which do not touch";
+    }
+    words += &format!(", {} with friction {}", c.law, figure(c.friction));
+    if let Some(dynamic) = c.friction_dynamic.filter(|_| c.friction_decay > 0.0) {
+        words += &format!(" down to {} with the speed", figure(dynamic));
+    }
+    if let Some(limit) = c.friction_limit.filter(|&l| l > 0.0) {
+        words += &format!(", friction up to {}", figure(limit));
+    }
+    if let Some(thickness) = c.thickness {
+        words += &format!(", thickness {}", figure(thickness));
+    }
+    if c.thickness_scale != 1.0 {
+        words += &format!(", thickness times {}", figure(c.thickness_scale));
+    }
+    if c.birth > 0.0 {
+        words += &format!(", from time {}", figure(c.birth));
+    }
+    if let Some(death) = c.death.filter(|d| d.is_finite()) {
+        words += &format!(", to time {}", figure(death));
+    }
+    words
+}
+
+/// Five digits, without an exponent where a person would write none.
+fn figure(x: f64) -> String {
+    if x == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e7).contains(&x.abs()) {
+        return format!("{x:.4e}");
+    }
+    let digits = (4 - x.abs().log10().floor() as i32).max(0) as usize;
+    let text = format!("{x:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// Runs `crumple check`: prints to standard output, or everything that is wrong to standard error.
+/// Gives the exit code.
+pub fn run(args: &crate::cli::CheckArgs) -> u8 {
+    let read = || -> Result<(Model, String), Report> {
+        let model = crate::input::job::read(&args.job.job, &args.job.sets())?;
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let workers = model.workers(args.job.workers, cores)?;
+        let text = describe(&model) + &crate::analysis::cost::describe(&model, workers);
+        Ok((model, text))
+    };
+    let (model, text) = match read() {
+        Ok(read) => read,
+        Err(report) => {
+            eprint!("{report}");
+            return Report::EXIT_CODE;
+        }
+    };
+    crate::run::say::write(format_args!("{text}"));
+    let Some(time) = args.step else { return 0 };
+    match crate::analysis::spectrum::assembled(&model, time) {
+        Ok(found) => {
+            crate::run::say::write(format_args!("{}", stability(&found, model.settings.safety)));
+            if found.taken > found.limit { UNSTABLE } else { 0 }
+        }
+        Err(why) => {
+            eprintln!("error: the step of the assembled system was not found: {why}");
+            UNSTABLE
+        }
+    }
+}
+
+/// Exit code where the step is longer than what the assembled system bears.
+const UNSTABLE: u8 = 3;
+
+/// What the assembled system bears beside what the run takes.
+fn stability(found: &Estimate, safety: f64) -> String {
+    let share = found.taken / found.limit;
+    let mut text = format!(
+        "\nassembled    bears {} at time {} (from {} pushes, to {} %), most at node {}; the step taken is {} of it\n",
+        figure(found.limit),
+        figure(found.time),
+        found.pushes,
+        figure(50.0 * found.residual),
+        found.node,
+        figure(share)
+    );
+    if share > 1.0 {
+        let bearable = figure(safety / share);
+        text += &format!(
+            "warning: the run is not stable at this step: time.safety below {bearable} is\n"
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figure;
+
+    #[test]
+    fn figures_are_short() {
+        let cases = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (1234.5678, "1234.6"),
+            (0.0123456, "0.012346"),
+            (7.85e-6, "7.8500e-6"),
+            (-2.5, "-2.5"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(figure(x), text);
+        }
+        assert_eq!(figure(123_456.0), "123456");
+    }
+}

@@ -1,0 +1,229 @@
+//! `*ELEMENT_BEAM`, and the sections of its parts.
+
+use super::Build;
+use super::materials::Material;
+use super::sections::Section;
+use super::sets::id;
+use super::space::{cross, unit};
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::mesh::corner_nodes;
+use std::f64::consts::PI;
+
+/// Stands for a third node that is not given.
+const NONE: NodeId = NodeId(0);
+
+impl Build {
+    /// Elements. Those whose third node is not given get one by [`Build::orient_beams`].
+    pub(super) fn beams(&mut self) {
+        let mut shown = Vec::new();
+        for record in self.take("ELEMENT_BEAM") {
+            let number = record.integer("eid");
+            for field in ["rt1", "rr1", "rt2", "rr2"] {
+                if record.integer(field) != 0 {
+                    self.unsupported_value(
+                        &record,
+                        field,
+                        "ends that are not tied to their nodes in all directions",
+                    );
+                }
+            }
+            let ids = ["eid", "n1", "n2"].map(|field| id(record.integer(field)));
+            let part = u32::try_from(record.integer("pid")).ok();
+            let ([Some(own), Some(n1), Some(n2)], Some(part)) = (ids, part) else {
+                let message = format!("{}: beam {number} has an id that is none", record.name());
+                let help = "ids are whole numbers above 0, of parts up to 4294967295";
+                self.trouble.error(record.place("eid"), message, help);
+                continue;
+            };
+            let place = record.line("eid").map_or(record.head, |line| line.place);
+            let third =
+                id(record.integer("n3")).filter(|n3| *n3 != n1 && *n3 != n2).unwrap_or(NONE);
+            if let (Some(line), Some(from)) = (record.line("vx"), self.rows.at(n1)) {
+                let along = ["vx", "vy", "vz"].map(|c| line.real(c));
+                shown.push((
+                    self.rows.beams.len(),
+                    ([0, 1, 2].map(|c| from[c] + along[c]), line.place),
+                ));
+            }
+            self.rows.beam(ElemId(own.0), part, [n1, n2, third], place);
+        }
+        self.show(&shown);
+    }
+
+    /// Gives beams a third node at a point.
+    fn show(&mut self, shown: &[(usize, ([f64; 3], crate::input::job::tree::Place))]) {
+        let points: Vec<_> = shown.iter().map(|s| s.1).collect();
+        let nodes = self.rows.add_nodes(&points);
+        for ((index, _), third) in shown.iter().zip(nodes) {
+            let beam = &mut self.rows.beams[*index];
+            beam.nodes = corner_nodes(&[beam.nodes[0], beam.nodes[1], third]);
+        }
+    }
+
+    /// Gives beams without a third node one, if their section does not mind where; it is an error
+    /// otherwise.
+    pub(super) fn orient_beams(&mut self) {
+        let mut shown = Vec::new();
+        for index in 0..self.rows.beams.len() {
+            let beam = self.rows.beams[index];
+            if beam.nodes[2] != NONE || !self.parts.contains_key(&i64::from(beam.part)) {
+                continue;
+            }
+            let place = self.rows.beam_place(index);
+            if !self.round_parts.contains(&beam.part) {
+                let message =
+                    format!("beam {} has no third node, and its section is not round", beam.id);
+                let help = "n3 shows where its second axis points; it may not be n1 or n2";
+                self.trouble.error(place, message, help);
+            } else if let [Some(from), Some(to)] =
+                [beam.nodes[0], beam.nodes[1]].map(|n| self.rows.at(n))
+                && let Some(along) = unit([0, 1, 2].map(|c| to[c] - from[c]))
+            {
+                // Square to the beam, and to the axis of space to which it is most so itself.
+                let least =
+                    (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
+                let mut axis = [0.0; 3];
+                axis[least] = 1.0;
+                let across = cross(along, axis);
+                let length = (0..3).map(|c| (to[c] - from[c]).powi(2)).sum::<f64>().sqrt();
+                shown.push((index, ([0, 1, 2].map(|c| from[c] + length * across[c]), place)));
+            }
+        }
+        self.show(&shown);
+    }
+
+    /// A part of beams.
+    pub(super) fn beam_part(
+        &mut self,
+        record: &Record,
+        section: &Section,
+        material: &Material,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let (pid, elform) = (record.integer("pid"), card.integer("elform"));
+        let mut beam = Table::new(card.head);
+        if card.real("nsm") != 0.0 {
+            self.unsupported_value(card, "nsm", "mass beside that of the material");
+        }
+        let used = match elform {
+            0 | 1 | 4 | 5 | 9 => self.integrated(card, &mut beam),
+            2 | 3 | 13 => self.resultant(card, material, &mut beam),
+            _ => {
+                let why = "1, 4, 5 and 9 (integrated sections), 2 and 13 (resultants) and 3 (trusses) are the beams that there are";
+                self.unsupported_value(card, "elform", why);
+                None
+            }
+        };
+        let Some((used, round)) = used else { return };
+        if let (true, Ok(part)) = (round, u32::try_from(pid)) {
+            self.round_parts.insert(part);
+        }
+        let shear = if beam.has("shear_areas") {
+            "shear deforms it, elastically"
+        } else {
+            "no transverse shear"
+        };
+        let mut used = format!("corotating beam, section {used}; {shear}");
+        if let Some((limits, place)) = material.weld {
+            let mut weld = Table::new(place);
+            for (key, limit) in ["normal", "shear", "bending", "torsion"].into_iter().zip(limits) {
+                weld.put(key, place, limit);
+            }
+            beam.put("weld", place, weld);
+            used += "; breaks as a weld";
+        }
+        let name = match elform {
+            2 => "Belytschko-Schwer",
+            3 => "truss",
+            4 | 5 => "Belytschko-Schwer, integrated",
+            9 => "spot weld",
+            13 => "linear Timoshenko",
+            _ => "Hughes-Liu",
+        };
+        self.map(format!("part {pid}"), format!("beams, elform {elform} ({name})"), used);
+        table.put("beam", card.head, beam);
+    }
+
+    /// A section of which the fibres are integrated; gives its name and whether it is round.
+    fn integrated(&mut self, card: &Record, beam: &mut Table) -> Option<(&'static str, bool)> {
+        if card.real("qr") < 0.0 {
+            self.unsupported_value(card, "qr", "integration rules of *INTEGRATION_BEAM");
+            return None;
+        }
+        for (first, last) in [("ts1", "ts2"), ("tt1", "tt2")] {
+            if card.real(last) != 0.0 && card.real(last) != card.real(first) {
+                self.unsupported_value(card, last, "sections that change along a beam");
+            }
+        }
+        for field in ["nsloc", "ntloc"] {
+            if card.real(field) != 0.0 {
+                self.unsupported_value(card, field, "a reference line beside the middle");
+            }
+        }
+        let (along_s, along_t) = (card.real("ts1"), card.real("tt1"));
+        let tube = match (card.integer("elform"), card.real("cst")) {
+            (5 | 9, 0.0) => true,
+            (_, cst) if cst == 0.0 || cst == 1.0 => cst == 1.0,
+            _ => {
+                self.unsupported_value(card, "cst", "0 is a rectangle, 1 a tube");
+                return None;
+            }
+        };
+        if tube {
+            beam.put("section", card.place("cst"), "tube");
+            beam.put("radius", card.place("ts1"), 0.5 * along_s);
+            if along_t > 0.0 {
+                beam.put("wall", card.place("tt1"), 0.5 * (along_s - along_t));
+            }
+            shear(card, 0.25 * PI * (along_s.powi(2) - along_t.powi(2)), beam);
+            return Some(("tube", true));
+        }
+        beam.put("section", card.place("cst"), "rectangle");
+        beam.put("height", card.place("ts1"), along_s);
+        beam.put("width", card.place("tt1"), along_t);
+        shear(card, along_s * along_t, beam);
+        Some(("rectangle", false))
+    }
+
+    /// A section of which area and moments are given.
+    fn resultant(
+        &mut self,
+        card: &Record,
+        material: &Material,
+        beam: &mut Table,
+    ) -> Option<(&'static str, bool)> {
+        beam.put("section", card.head, "general");
+        beam.put("area", card.place("a"), card.real("a"));
+        if card.integer("elform") == 3 {
+            return Some(("general, without moments", true));
+        }
+        if !material.elastic {
+            let why = "resultants stay elastic here; give *MAT_ELASTIC, or elform 1 with a section";
+            self.unsupported_value(card, "elform", why);
+        }
+        if card.real("ist") != 0.0 {
+            self.unsupported_value(card, "ist", "axes that are not the principal ones");
+        }
+        let (about_s, about_t) = (card.real("iss"), card.real("itt"));
+        let torsion = if card.real("j") > 0.0 { card.real("j") } else { about_s + about_t };
+        beam.put("second_moments", card.place("iss"), [about_s, about_t]);
+        beam.put("torsion", card.place("j"), torsion);
+        let bears = card.real("sa");
+        if bears > 0.0 {
+            beam.put("shear_areas", card.place("sa"), [bears; 2]);
+        } else if card.integer("elform") == 13 {
+            self.unsupported_value(card, "sa", "Timoshenko beams need their shear area");
+        }
+        Some(("general", about_s == about_t))
+    }
+}
+
+/// Gives a section of the formulations that shear deforms its shear areas.
+fn shear(card: &Record, area: f64, beam: &mut Table) {
+    if matches!(card.integer("elform"), 0 | 1 | 9) {
+        beam.put("shear_areas", card.place("shrf"), [card.real("shrf") * area; 2]);
+    }
+}

@@ -1,0 +1,429 @@
+//! `*CONTACT_...`: contact and its interfaces, one for each card.
+
+use super::Build;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use crumple_proto::job::Contact;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Contacts that consider the thickness of beams (LS-DYNA support, contact types 13 and 26).
+const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
+
+const KEYWORDS: [(&str, bool); 11] = [
+    ("CONTACT_AUTOMATIC_SINGLE_SURFACE", true),
+    ("CONTACT_AUTOMATIC_GENERAL", true),
+    ("CONTACT_SINGLE_SURFACE", true),
+    ("CONTACT_ERODING_SINGLE_SURFACE", true),
+    ("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", false),
+    ("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", false),
+    ("CONTACT_AUTOMATIC_NODES_TO_SURFACE", false),
+    ("CONTACT_SURFACE_TO_SURFACE", false),
+    ("CONTACT_NODES_TO_SURFACE", false),
+    ("CONTACT_ERODING_SURFACE_TO_SURFACE", false),
+    ("CONTACT_ERODING_NODES_TO_SURFACE", false),
+];
+
+/// Fields with no bearing on a contact that needs no stiffness of its own, and what a blank stands
+/// for.
+const IGNORED: [&str; 20] = [
+    "vdc", "penchk", "sfsa", "sfsb", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth",
+    "bsort", "frcfrq", "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
+];
+
+/// Friction of a part, or of two that touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Friction {
+    /// Coefficient at rest.
+    fixed: f64,
+    /// Coefficient at high speed.
+    sliding: f64,
+    /// Decay of the one to the other with the speed [time/length].
+    decay: f64,
+    /// Largest shear stress, 0 without one [force/length^2].
+    limit: f64,
+}
+
+impl Friction {
+    /// Of a card.
+    pub(super) fn of(record: &Record) -> Self {
+        let [fixed, sliding, decay, limit] =
+            ["fs", "fd", "dc", "vc"].map(|field| record.real(field));
+        Self { fixed, sliding, decay, limit }
+    }
+
+    /// Of two parts: the mean of theirs, and the lower limit.
+    fn between(self, other: Self) -> Self {
+        let mean = |a: f64, b: f64| if a == b { a } else { 0.5 * (a + b) };
+        let limits = [self.limit, other.limit].into_iter().filter(|&limit| limit > 0.0);
+        Self {
+            fixed: mean(self.fixed, other.fixed),
+            sliding: mean(self.sliding, other.sliding),
+            decay: mean(self.decay, other.decay),
+            limit: limits.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    fn bits(self) -> [u64; 4] {
+        [self.fixed, self.sliding, self.decay, self.limit].map(f64::to_bits)
+    }
+}
+
+impl Build {
+    /// `[contact]` of the first contact, and interfaces of the others. Of several that name two
+    /// parts the last one holds: contacts of one surface come before those of two.
+    pub(super) fn contacts(&mut self) {
+        let mut found: Vec<(bool, Record)> = Vec::new();
+        for (keyword, single) in KEYWORDS {
+            found.extend(self.take(keyword).into_iter().map(|record| (single, record)));
+        }
+        found.sort_by_key(|(single, record)| (!single, written(record.head)));
+        let mut tables = Vec::new();
+        for (number, (single, record)) in (1..).zip(&found) {
+            let heading = record.word("heading").trim();
+            let name =
+                if heading.is_empty() { format!("contact {number}") } else { heading.to_string() };
+            tables.extend(self.contact(&name, *single, record));
+        }
+        let mut tables = tables.into_iter();
+        if let Some(mut first) = tables.next() {
+            let mut interfaces: Vec<Table> = tables.collect();
+            // An interface takes over what it does not say.
+            let default = Contact::default().law;
+            for table in interfaces.iter_mut().filter(|table| first.has("law") && !table.has("law"))
+            {
+                table.put("law", table.place(), default.as_str());
+            }
+            let neutral = [
+                ("friction", 0.0),
+                ("friction_limit", 0.0),
+                ("birth", 0.0),
+                ("death", f64::MAX),
+                ("thickness_scale", 1.0),
+            ];
+            for (key, value) in neutral {
+                let said = first.has(key) || key == "thickness_scale" && first.has("thickness");
+                for table in interfaces.iter_mut().filter(|table| said && !table.has(key)) {
+                    table.put(key, table.place(), value);
+                }
+            }
+            let place = found[0].1.head;
+            if !interfaces.is_empty() {
+                first.put("interface", place, interfaces);
+            }
+            self.tree.set("contact", place, first);
+        }
+    }
+
+    /// What a contact says, as a table of `[contact]` or of an interface, and of further ones where
+    /// its parts have frictions of their own; none if it has no surface.
+    fn contact(&mut self, name: &str, single: bool, record: &Record) -> Vec<Table> {
+        let mut table = Table::new(record.head).with("name", record.head, name);
+        let sides: &[(&str, &str, &str)] = match single {
+            true => &[("surfa", "surfatyp", "parts")],
+            false => &[("surfa", "surfatyp", "parts"), ("surfb", "surfbtyp", "against")],
+        };
+        for (side, kind, key) in sides {
+            let parts = match self.side(record, side, kind) {
+                // All parts; as `against` they have to be named.
+                None if *key == "parts" => continue,
+                None => self.parts.keys().copied().collect(),
+                Some(parts) => parts,
+            };
+            if parts.is_empty() {
+                let message = format!("{name} is left out: there are no parts in {side}");
+                self.trouble.warning(
+                    record.place(side),
+                    message,
+                    "name parts of shells or solids, or take it out",
+                );
+                return Vec::new();
+            }
+            table.put(key, record.place(side), parts);
+        }
+        if record.has("MORTAR") {
+            table.put("law", record.head, "mortar");
+            self.map(name, "MORTAR", "law mortar, its stiffness from masses and the step");
+        }
+        self.thickness(record, name, single, &mut table);
+        let (birth, death) = (record.real("bt"), record.real("dt"));
+        if birth > 0.0 {
+            table.put("birth", record.place("bt"), birth);
+        }
+        if death > 0.0 && death < self.end_time {
+            table.put("death", record.place("dt"), death);
+        }
+        let kind = record.row.keyword.name.replace("CONTACT_", "");
+        let said = ["AUTOMATIC_", "ERODING_"].iter().fold(kind, |n, w| n.replace(w, ""));
+        let used = match single {
+            true => "every part with every other and itself",
+            false => {
+                "the parts of both sides with each other, nodes of either on faces of the other"
+            }
+        };
+        self.map(name, said.to_lowercase().replace('_', " "), used);
+        self.with_beams(record, name, &mut table);
+        self.options(record, name);
+        self.friction(record, name, &mut table);
+        let mut tables = vec![table];
+        if record.real("fs") == -1.0 {
+            self.friction_of_parts(record, name, &mut tables);
+        }
+        tables
+    }
+
+    /// Whether beams take part, said if there are any.
+    fn with_beams(&mut self, record: &Record, name: &str, table: &mut Table) {
+        if self.rows.beams.is_empty() {
+            return;
+        }
+        let keyword = record.row.keyword.name;
+        let take_part = WITH_BEAMS.contains(&keyword);
+        table.put("beams", record.head, take_part);
+        let used = match take_part {
+            true if keyword.ends_with("GENERAL") => {
+                "they meet as lines, edges of shells and solids too"
+            }
+            true => "they meet as lines, edges of shells and solids too, as in AUTOMATIC_GENERAL",
+            false => {
+                "they take no part: AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL are those that have them"
+            }
+        };
+        self.map(name, "beams", used);
+    }
+
+    /// Parts of one side; `None` for all.
+    fn side(&mut self, record: &Record, side: &str, kind: &str) -> Option<Vec<i64>> {
+        let (id, place) = (record.integer(side), record.place(side));
+        match record.integer(kind) {
+            5 => None,
+            _ if id == 0 => None,
+            2 => Some(self.part_set(id, place)),
+            3 => Some(if self.has_part(id, place) { vec![id] } else { Vec::new() }),
+            6 => {
+                let out = self.part_set(id, place);
+                Some(self.parts.keys().copied().filter(|p| !out.contains(p)).collect())
+            }
+            0 => match self.segment_sets.get(&id) {
+                Some(set) => {
+                    let nodes: BTreeSet<_> =
+                        set.iter().flat_map(|s| s.nodes.iter().copied()).collect();
+                    Some(self.parts_with(record, side, "segments", &nodes))
+                }
+                None => {
+                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
+                    self.missing(place, "*SET_SEGMENT", id, &known);
+                    Some(Vec::new())
+                }
+            },
+            4 => {
+                self.node_set(id, place)?;
+                let nodes: BTreeSet<_> = self.node_sets[&id].0.iter().copied().collect();
+                Some(self.parts_with(record, side, "nodes", &nodes))
+            }
+            _ => {
+                self.unsupported_value(
+                    record,
+                    kind,
+                    "0 segments, 2 and 6 set of parts, 3 part, 4 nodes, 5 all",
+                );
+                Some(Vec::new())
+            }
+        }
+    }
+
+    /// Parts that have any of these nodes: contact goes by whole parts.
+    fn parts_with(
+        &mut self,
+        record: &Record,
+        side: &str,
+        what: &str,
+        nodes: &BTreeSet<crumple_proto::ids::NodeId>,
+    ) -> Vec<i64> {
+        let found: BTreeSet<i64> = self
+            .rows
+            .elements()
+            .filter(|e| {
+                !e.shape.faces().is_empty() && e.corners().iter().any(|n| nodes.contains(n))
+            })
+            .map(|e| i64::from(e.part))
+            .collect();
+        let list: Vec<String> = found.iter().map(i64::to_string).collect();
+        self.map(
+            "contact",
+            format!("{side}: {what} of set {}", record.integer(side)),
+            format!("the parts {}", list.join(", ")),
+        );
+        found.into_iter().collect()
+    }
+
+    /// Friction of the card, but for fs -1.
+    fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
+        let fs = record.real("fs");
+        if fs >= 0.0 {
+            self.put_friction(record, name, Friction::of(record), table);
+        } else if fs != -1.0 {
+            self.unsupported_value(
+                record,
+                "fs",
+                "-1 is the friction of the parts, other codes name tables",
+            );
+        }
+    }
+
+    fn put_friction(&mut self, record: &Record, name: &str, friction: Friction, table: &mut Table) {
+        let Friction { fixed, sliding, decay, limit } = friction;
+        table.put("friction", record.place("fs"), fixed);
+        if decay > 0.0 && fixed != sliding {
+            table.put("friction_dynamic", record.place("fd"), sliding);
+            table.put("friction_decay", record.place("dc"), decay);
+        } else if fixed != sliding {
+            self.map(
+                name,
+                format!("fs {fixed}, fd {sliding}, no decay"),
+                format!("friction {fixed}"),
+            );
+        }
+        if limit > 0.0 && limit.is_finite() {
+            table.put("friction_limit", record.place("vc"), limit);
+        }
+    }
+
+    /// Friction of `*PART_CONTACT`: parts of the same make a group, and of each two groups that
+    /// meet there is an interface. The first two are what the contact itself says.
+    fn friction_of_parts(&mut self, record: &Record, name: &str, tables: &mut Vec<Table>) {
+        let named = |table: &Table, key: &str| table.integers(key);
+        let everyone: Vec<i64> = self.parts.keys().copied().collect();
+        let ahead = named(&tables[0], "parts").unwrap_or_else(|| everyone.clone());
+        let behind = named(&tables[0], "against");
+        let groups = |parts: &[i64]| {
+            let mut groups: BTreeMap<[u64; 4], (Friction, Vec<i64>)> = BTreeMap::new();
+            for &part in parts {
+                let none = Friction { fixed: 0.0, sliding: 0.0, decay: 0.0, limit: 0.0 };
+                let of = self.part_friction.get(&part).copied().unwrap_or(none);
+                groups.entry(of.bits()).or_insert((of, Vec::new())).1.push(part);
+            }
+            groups.into_values().collect::<Vec<_>>()
+        };
+        let ones = groups(&ahead);
+        let others = behind.as_ref().map(|parts| groups(parts));
+        let mut frictions = Vec::new();
+        for (i, one) in ones.iter().enumerate() {
+            for other in others.as_deref().unwrap_or(&ones[i..]) {
+                let alone = others.is_none() && one.1 == other.1;
+                frictions.push((
+                    one.0.between(other.0),
+                    one.1.clone(),
+                    (!alone).then(|| other.1.clone()),
+                ));
+            }
+        }
+        let count = frictions.len();
+        let plain = tables[0].copy();
+        for (i, (friction, parts, against)) in frictions.into_iter().enumerate() {
+            let (of, mut table) = if i == 0 {
+                (name.to_string(), plain.copy())
+            } else {
+                let of = format!("{name}, {}", i + 1);
+                let table = plain.copy().with("name", record.head, of.as_str()).with(
+                    "parts",
+                    record.head,
+                    parts,
+                );
+                (
+                    of,
+                    match against {
+                        Some(against) => table.with("against", record.head, against),
+                        None => table,
+                    },
+                )
+            };
+            self.put_friction(record, &of, friction, &mut table);
+            match i {
+                0 => tables[0] = table,
+                _ => tables.push(table),
+            }
+        }
+        let used = match count {
+            1 => "that of all of them".to_string(),
+            _ => format!("{count} interfaces; of two parts the mean of theirs"),
+        };
+        self.map(name, "fs -1: friction of the parts", used);
+    }
+
+    /// Thickness in contact, given or by a factor: that of two surfaces counts as their mean.
+    fn thickness(&mut self, record: &Record, name: &str, single: bool, table: &mut Table) {
+        let [a, b] = ["sast", "sbst"].map(|field| record.real(field));
+        let b = if single { a } else { b };
+        if a > 0.0 && b > 0.0 {
+            table.put("thickness", record.place("sast"), 0.5 * (a + b));
+            if a != b {
+                self.map(
+                    name,
+                    format!("thicknesses {a} and {b}"),
+                    format!("thickness {}", 0.5 * (a + b)),
+                );
+            }
+        } else if a != 0.0 || b != 0.0 {
+            let field = if a != 0.0 { "sast" } else { "sbst" };
+            self.unsupported_value(
+                record,
+                field,
+                "a thickness above 0 of either side is used, and of both together",
+            );
+        }
+        let factor = |field| {
+            if record.is_blank(field) || record.real(field) == 0.0 {
+                1.0
+            } else {
+                record.real(field)
+            }
+        };
+        let [fa, fb] = ["sfsat", "sfsbt"].map(factor);
+        if !single && fa != fb {
+            self.unsupported_value(
+                record,
+                "sfsat",
+                "one factor of the thickness of both sides is used",
+            );
+        } else if fa != 1.0 {
+            table.put("thickness_scale", record.place("sfsat"), fa);
+        }
+    }
+
+    /// Options that are not used, in one line.
+    fn options(&mut self, record: &Record, name: &str) {
+        let given = |field: &&str| {
+            let default = record
+                .row
+                .cards
+                .iter()
+                .flat_map(|c| &c.0.fields)
+                .find(|f| f.name == **field)
+                .map_or(0.0, |f| f.default);
+            !record.is_blank(field) && record.real(field) != default && record.real(field) != 0.0
+        };
+        let ignored: Vec<String> = IGNORED
+            .iter()
+            .filter(|f| given(f))
+            .map(|f| format!("{f} {}", record.real(f)))
+            .collect();
+        if !ignored.is_empty() {
+            self.map(name, ignored.join(", "), "not used");
+        }
+        if given(&"sldthk") {
+            self.unsupported_value(record, "sldthk", "solids have no thickness in contact");
+        }
+        for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {
+            self.unsupported_value(record, field, "contact goes by parts");
+        }
+    }
+}
+
+/// Where in its file a card is written; one file's before another's.
+fn written(place: Place) -> (u32, u32) {
+    match place {
+        Place::Deck { file, start, .. } => (file, start),
+        _ => (0, 0),
+    }
+}

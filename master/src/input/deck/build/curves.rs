@@ -1,0 +1,88 @@
+//! `*DEFINE_CURVE`.
+
+use super::Build;
+use super::tree::Table;
+use crate::input::job::tree::Place;
+
+/// A curve with its scales and offsets applied.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Abscissa and ordinate.
+    pub points: Vec<[f64; 2]>,
+    /// Where it is written.
+    pub place: Place,
+    /// Places of its points.
+    pub lines: Vec<Place>,
+    /// Whether a load or motion has asked for it.
+    used: bool,
+}
+
+impl Build {
+    pub(super) fn curves(&mut self) {
+        for record in self.take("DEFINE_CURVE") {
+            let id = record.integer("lcid");
+            let place = record.place("lcid");
+            let (sfa, sfo) = (one(record.real("sfa")), one(record.real("sfo")));
+            let (offa, offo) = (record.real("offa"), record.real("offo"));
+            let point = |line: &crate::input::deck::record::Line| {
+                [sfa * (line.real("a") + offa), sfo * (line.real("o") + offo)]
+            };
+            let points: Vec<[f64; 2]> = record.lines("a").map(point).collect();
+            let lines = record.lines("a").map(|line| line.place).collect();
+            if points.is_empty() {
+                let help = "give abscissa and ordinate, twenty columns each, one point a line";
+                self.trouble.error(place, format!("*DEFINE_CURVE {id} has no points"), help);
+            }
+            let curve = Curve { points, place, lines, used: false };
+            if self.curves.insert(id, curve).is_some() {
+                self.trouble.error(
+                    place,
+                    format!("there are two *DEFINE_CURVE with the id {id}"),
+                    "give each its own",
+                );
+            }
+        }
+    }
+
+    /// A curve by its id; an error at `place` if there is none.
+    pub(super) fn curve(&mut self, id: i64, place: Place) -> Option<Curve> {
+        let found = self.curves.get(&id).cloned();
+        if found.is_none() {
+            let known: Vec<String> = self.curves.keys().map(i64::to_string).collect();
+            self.missing(place, "*DEFINE_CURVE", id, &known);
+        }
+        found
+    }
+
+    /// Name of a curve in the job for a load or a motion, which is added to the job at its first
+    /// use.
+    pub(super) fn time_curve(&mut self, id: i64, place: Place) -> Option<String> {
+        let curve = self.curve(id, place)?;
+        let name = format!("curve-{id}");
+        if !curve.used {
+            let mut table = Table::new(curve.place).with("name", curve.place, name.as_str());
+            table.put(
+                "points",
+                curve.place,
+                curve.points.iter().map(|p| p.to_vec()).collect::<Vec<_>>(),
+            );
+            self.add("curve", table);
+            self.curves.entry(id).and_modify(|c| c.used = true);
+            if curve.points.last().is_some_and(|p| p[0] < self.end_time) {
+                let last = curve.points.last().map_or(0.0, |p| p[0]);
+                let message = format!("*DEFINE_CURVE {id} ends at {last}, before the run does");
+                self.trouble.warning(
+                    curve.place,
+                    message,
+                    "it keeps its last value; add a point where it is to change",
+                );
+            }
+        }
+        Some(name)
+    }
+}
+
+/// Nought stands for one.
+fn one(scale: f64) -> f64 {
+    if scale == 0.0 { 1.0 } else { scale }
+}

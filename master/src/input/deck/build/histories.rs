@@ -1,0 +1,411 @@
+//! `*CONTACT_FORCE_TRANSDUCER_...`, `*DATABASE_CROSS_SECTION_...`, `*DATABASE_HISTORY_NODE...`:
+//! what is to be recorded. Nothing of it changes a run: what it lacks is a warning.
+
+use super::Build;
+use super::sets::{id, ids};
+use super::space::{cross, unit};
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::{MeshElement, Shape};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+/// Sets of elements: keywords, those with ranges, the field of a cross section that names one.
+const ELEMENT_SETS: [(&str, &str, &str); 3] = [
+    ("SET_SOLID", "SET_SOLID_GENERATE", "hsid"),
+    ("SET_SHELL_LIST", "SET_SHELL_LIST_GENERATE", "ssid"),
+    ("SET_DISCRETE", "SET_DISCRETE_GENERATE", "dsid"),
+];
+
+/// Elements of sets by id, first those listed, then ranges of ids.
+type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
+
+impl Build {
+    pub(super) fn histories(&mut self) {
+        self.transducers();
+        let mut sections = Vec::new();
+        let sets = ELEMENT_SETS.map(|(list, ranges, _)| self.element_sets(list, ranges));
+        let (of_sets, of_planes) =
+            (self.take("DATABASE_CROSS_SECTION_SET"), self.take("DATABASE_CROSS_SECTION_PLANE"));
+        let names = section_names(of_sets.iter().chain(&of_planes));
+        let (set_names, plane_names) = names.split_at(of_sets.len());
+        for (record, name) in of_sets.iter().zip(set_names) {
+            sections.extend(self.section_of_sets(record, name.clone(), &sets));
+        }
+        for (record, name) in of_planes.iter().zip(plane_names) {
+            sections.extend(self.section_of_plane(record, name.clone()));
+        }
+        self.put_list("section", sections);
+        self.node_histories();
+    }
+
+    fn put_list(&mut self, key: &str, list: Vec<(Place, Table)>) {
+        let Some(&(place, _)) = list.first() else { return };
+        let tables: Vec<Table> = list.into_iter().map(|entry| entry.1).collect();
+        self.tree.set_in("output", key, place, tables);
+    }
+
+    fn transducers(&mut self) {
+        let mut transducers = Vec::new();
+        for (record, number) in self.take("CONTACT_FORCE_TRANSDUCER_PENALTY").iter().zip(1..) {
+            let heading = record.word("heading");
+            let name = if heading.is_empty() {
+                format!("transducer {number}")
+            } else {
+                heading.to_string()
+            };
+            let mut table =
+                Table::new(record.head).with("name", record.place("heading"), name.as_str());
+            let surfaces = [
+                ("surfa", "surfatyp", ["parts", "nodes"]),
+                ("surfb", "surfbtyp", ["from_parts", "from_nodes"]),
+            ];
+            let mut all = [true; 2];
+            for ((side, kind, keys), all) in surfaces.into_iter().zip(&mut all) {
+                *all = !self.felt_surface(record, &name, (side, kind), keys, &mut table);
+            }
+            if all[0] {
+                let help = "name what it is to measure as surfa: what all exerts on all is nothing";
+                self.trouble.warning(
+                    record.place("surfa"),
+                    format!("{name} is left out: it has no surface"),
+                    help,
+                );
+                continue;
+            }
+            let from = if all[1] { "from all" } else { "from surfb" };
+            self.map(
+                &name,
+                "force transducer",
+                format!("transducers.csv: contact force on surfa {from}"),
+            );
+            transducers.push((record.head, table));
+        }
+        self.put_list("transducer", transducers);
+    }
+
+    /// Puts a surface of a transducer in; whether it is one, and not all there is.
+    fn felt_surface(
+        &mut self,
+        record: &Record,
+        name: &str,
+        (side, kind): (&str, &str),
+        [parts, nodes]: [&str; 2],
+        table: &mut Table,
+    ) -> bool {
+        let (number, place) = (record.integer(side), record.place(side));
+        if number == 0 {
+            return false;
+        }
+        match record.integer(kind) {
+            0 => {
+                let Some(set) = self.segment_sets.get(&number) else {
+                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
+                    self.missing(place, "*SET_SEGMENT", number, &known);
+                    return false;
+                };
+                let own: BTreeSet<NodeId> =
+                    set.iter().flat_map(|s| s.nodes.iter().copied()).collect();
+                let set = format!("segments-{number}");
+                self.rows.add_set(set.clone(), own.into_iter().collect(), place);
+                table.put(nodes, place, set);
+                self.map(
+                    name,
+                    format!("{side}: segments of set {number}"),
+                    "their nodes, and faces between these",
+                );
+            }
+            4 => {
+                let Some(set) = self.node_set(number, place) else { return false };
+                table.put(nodes, place, set);
+            }
+            5 => return false,
+            2 => table.put(parts, place, self.part_set(number, place)),
+            3 if self.has_part(number, place) => table.put(parts, place, vec![number]),
+            3 => return false,
+            6 => {
+                let out = self.part_set(number, place);
+                let rest: Vec<i64> =
+                    self.parts.keys().copied().filter(|p| !out.contains(p)).collect();
+                if rest.is_empty() {
+                    // Nothing is left of it, which is not the same as all there is.
+                    let message = format!("{name}: {side} leaves all parts out");
+                    self.trouble.error(
+                        place,
+                        message,
+                        "name the parts that are to be left, or take it out",
+                    );
+                    return false;
+                }
+                table.put(parts, place, rest);
+            }
+            _ => {
+                self.unsupported_value(
+                    record,
+                    kind,
+                    "0 segments, 2 and 6 set of parts, 3 part, 4 nodes, 5 all",
+                );
+                return false;
+            }
+        }
+        true
+    }
+
+    fn element_sets(&mut self, list: &str, ranges: &str) -> ElementSets {
+        let mut sets = ElementSets::new();
+        for record in self.take(list) {
+            let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
+            sets.entry(record.integer("sid")).or_default().extend(own);
+        }
+        for record in self.take(ranges) {
+            let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
+            let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+            sets.entry(record.integer("sid")).or_default().extend(own);
+        }
+        sets
+    }
+
+    fn section_of_sets(
+        &mut self,
+        record: &Record,
+        name: String,
+        sets: &[ElementSets; 3],
+    ) -> Option<(Place, Table)> {
+        let set = self.node_set(record.integer("nsid"), record.place("nsid"))?;
+        let mut elements: Vec<i64> = Vec::new();
+        for (kind, (_, _, field)) in ELEMENT_SETS.iter().enumerate() {
+            let (number, place) = (record.integer(field), record.place(field));
+            if number == 0 {
+                continue;
+            }
+            let Some(ranges) = sets[kind].get(&number) else {
+                let message = format!(
+                    "{name}: no list of elements has the number {number} that `{field}` names"
+                );
+                self.trouble.warning(
+                    place,
+                    message,
+                    "it counts for nothing: list its elements one by one or by ranges",
+                );
+                continue;
+            };
+            let raised = [self.rows.raised[0], 0, self.rows.raised[1]][kind];
+            let of_kind = match kind {
+                0 => &self.rows.solids,
+                1 => &self.rows.shells,
+                _ => &self.rows.springs,
+            };
+            let own = |e: &&MeshElement| {
+                let written = e.id.0.saturating_sub(raised) as i64;
+                ranges.iter().any(|r| r[0] <= written && written <= r[1])
+            };
+            elements.extend(of_kind.iter().filter(own).map(|e| e.id.0 as i64));
+        }
+        for field in ["bsid", "tsid"].into_iter().filter(|f| record.integer(f) != 0) {
+            let message = format!("{name}: elements of `{field}` do not count");
+            self.trouble.warning(record.place(field), message, "solids, shells and springs do");
+        }
+        let nodes: HashSet<NodeId> =
+            self.node_sets[&record.integer("nsid")].0.iter().copied().collect();
+        let ends = |e: &&MeshElement| e.corners().iter().any(|n| nodes.contains(n));
+        let there: HashSet<i64> =
+            self.rows.elements().filter(ends).map(|e| e.id.0 as i64).collect();
+        elements.retain(|e| there.contains(e));
+        self.section(record, name, set, elements)
+    }
+
+    fn section(
+        &mut self,
+        record: &Record,
+        name: String,
+        set: String,
+        elements: Vec<i64>,
+    ) -> Option<(Place, Table)> {
+        let rigid = |e: &&MeshElement| self.bodies.contains_key(&i64::from(e.part));
+        let without_forces: HashSet<u64> =
+            self.rows.elements().filter(rigid).map(|e| e.id.0).collect();
+        let elements: Vec<i64> =
+            elements.into_iter().filter(|&e| !without_forces.contains(&(e as u64))).collect();
+        if elements.is_empty() {
+            let help = "name elements that deform and end at its nodes, or a plane that cuts some";
+            self.trouble.warning(
+                record.head,
+                format!("{name} is left out: it has no elements"),
+                help,
+            );
+            return None;
+        }
+        if record.integer("id") != 0 {
+            self.map(&name, "forces in the axes of id", "in global axes");
+        }
+        self.map(&name, "cross section", format!("sections.csv: {} elements", elements.len()));
+        let table = Table::new(record.head).with("name", record.place("title"), name);
+        Some((
+            record.head,
+            table.with("nodes", record.head, set).with("elements", record.head, elements),
+        ))
+    }
+
+    fn section_of_plane(&mut self, record: &Record, name: String) -> Option<(Place, Table)> {
+        let place = record.place("psid");
+        let parts: Option<Vec<i64>> = match record.integer("psid") {
+            0 => None,
+            set => Some(self.part_set(set, place)),
+        };
+        let plane = Plane::of(record);
+        let Some(plane) = plane else {
+            let help = "let its head be another point than its tail";
+            self.trouble.warning(
+                record.place("xch"),
+                format!("{name} is left out: its normal has no direction"),
+                help,
+            );
+            return None;
+        };
+        let own = |e: &&MeshElement| parts.as_ref().is_none_or(|p| p.contains(&i64::from(e.part)));
+        let elements: Vec<MeshElement> = self.rows.elements().filter(own).copied().collect();
+        let (mut cut, mut nodes, mut beams) = (Vec::new(), BTreeSet::new(), 0);
+        for e in &elements {
+            let corners: Vec<(NodeId, [f64; 3])> =
+                e.corners().iter().filter_map(|&n| self.rows.at(n).map(|x| (n, x))).collect();
+            let behind = |x: &[f64; 3]| plane.height(x) <= 0.0;
+            let count = corners.iter().filter(|c| behind(&c.1)).count();
+            let middle = [0, 1, 2]
+                .map(|c| corners.iter().map(|n| n.1[c]).sum::<f64>() / corners.len().max(1) as f64);
+            if count == 0 || count == corners.len() || !plane.reaches(&middle) {
+                continue;
+            }
+            if e.shape == Shape::Beam2 {
+                beams += 1;
+                continue;
+            }
+            cut.push(e.id.0 as i64);
+            nodes.extend(corners.iter().filter(|c| behind(&c.1)).map(|c| c.0));
+        }
+        if beams > 0 {
+            let message = format!("{name}: {beams} beams that the plane cuts do not count");
+            self.trouble.warning(record.head, message, "shells, solids and springs do");
+        }
+        let set = format!("{name} nodes");
+        self.rows.add_set(set.clone(), nodes.into_iter().collect(), record.head);
+        self.section(record, name, set, cut)
+    }
+
+    fn node_histories(&mut self) {
+        let mut histories = Vec::new();
+        for record in self.take("DATABASE_HISTORY_NODE_SET") {
+            for (set, place) in ids(&record, "id") {
+                if let Some(name) = self.node_set(set, place) {
+                    histories.push((place, Table::new(record.head).with("nodes", place, name)));
+                }
+            }
+        }
+        let used: HashSet<NodeId> =
+            self.rows.elements().flat_map(|e| e.corners()).copied().collect();
+        let mut there = |(number, place): &(i64, Place)| {
+            let found = id(*number).is_some_and(|n| used.contains(&n));
+            if !found {
+                let message = format!("a history of node {number}, which no element has");
+                self.trouble.warning(*place, message, "it is left out");
+            }
+            found
+        };
+        let mut named = Vec::new();
+        for record in self.records.remove("DATABASE_HISTORY_NODE").unwrap_or_default() {
+            let own: Vec<(i64, Place)> =
+                ids(&record, "id").into_iter().filter(&mut there).collect();
+            let list: Vec<i64> = own.iter().map(|n| n.0).collect();
+            named
+                .extend((!list.is_empty()).then(|| {
+                    (record.head, Table::new(record.head).with("ids", record.head, list))
+                }));
+        }
+        for record in self.records.remove("DATABASE_HISTORY_NODE_ID").unwrap_or_default() {
+            for line in record.lines("id") {
+                if there(&(line.integer("id"), line.place("id"))) {
+                    let table = Table::new(line.place).with(
+                        "name",
+                        line.place("heading"),
+                        line.word("heading"),
+                    );
+                    named.push((
+                        line.place,
+                        table.with("ids", line.place("id"), vec![line.integer("id")]),
+                    ));
+                }
+            }
+        }
+        histories.extend(named);
+        self.put_list("node", histories);
+    }
+}
+
+/// A name for each section, none twice: its title, or by its id or its place.
+fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (record, number) in records.zip(1..) {
+        let mut name = match (record.word("title"), record.integer("csid")) {
+            ("", 0) => format!("cross section {number}"),
+            ("", id) => format!("cross section {id}"),
+            (title, _) => title.to_string(),
+        };
+        if names.contains(&name) {
+            name += &format!(" ({number})");
+        }
+        names.push(name);
+    }
+    names
+}
+
+/// A cutting plane, perhaps with an edge.
+struct Plane {
+    tail: [f64; 3],
+    /// Unit normal.
+    normal: [f64; 3],
+    /// Radius of a disc around the tail, 0 for none.
+    radius: f64,
+    /// Sides of a rectangle from the tail, as unit vectors with their lengths; 0 for one without
+    /// end.
+    sides: [([f64; 3], f64); 2],
+}
+
+impl Plane {
+    fn of(record: &Record) -> Option<Self> {
+        let tail = ["xct", "yct", "zct"].map(|c| record.real(c));
+        let head = ["xch", "ych", "zch"].map(|c| record.real(c));
+        let normal = unit([0, 1, 2].map(|c| head[c] - tail[c]))?;
+        let edge = ["xhev", "yhev", "zhev"].map(|c| record.real(c));
+        let along = [0, 1, 2].map(|c| edge[c] - tail[c]);
+        let lift = dot(&along, &normal);
+        let sides = match unit([0, 1, 2].map(|c| along[c] - lift * normal[c])) {
+            Some(first) => {
+                [(first, record.real("lenl")), (cross(normal, first), record.real("lenm"))]
+            }
+            None => [([0.0; 3], 0.0); 2],
+        };
+        Some(Self { tail, normal, radius: record.real("radius"), sides })
+    }
+
+    fn height(&self, x: &[f64; 3]) -> f64 {
+        dot(&self.offset(x), &self.normal)
+    }
+
+    fn offset(&self, x: &[f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|c| x[c] - self.tail[c])
+    }
+
+    /// Whether what is here lies within the edge of the plane, seen along its normal.
+    fn reaches(&self, x: &[f64; 3]) -> bool {
+        let (d, lift) = (self.offset(x), self.height(x));
+        let aside = (dot(&d, &d) - lift * lift).max(0.0).sqrt();
+        let within = |(side, length): &([f64; 3], f64)| {
+            *length <= 0.0 || (0.0..=*length).contains(&dot(&d, side))
+        };
+        if self.radius > 0.0 { aside <= self.radius } else { self.sides.iter().all(within) }
+    }
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

@@ -1,0 +1,230 @@
+//! `*INITIAL_VELOCITY...`.
+
+use super::Build;
+use super::sets::id;
+use super::space::unit;
+use super::tree::Table;
+use crate::input::deck::record::{Line, Record};
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::MeshElement;
+use std::collections::BTreeMap;
+
+/// Bits of a velocity, to find equal ones.
+type Bits = [u64; 3];
+
+impl Build {
+    pub(super) fn initial_velocities(&mut self) {
+        for record in self.take("INITIAL_VELOCITY") {
+            self.of_set(&record);
+        }
+        for record in self.take("INITIAL_VELOCITY_GENERATION") {
+            self.generation(&record);
+        }
+        for record in self.take("INITIAL_VELOCITY_NODE") {
+            let mut equal: BTreeMap<Bits, ([f64; 3], Vec<NodeId>, Place)> = BTreeMap::new();
+            let lines: Vec<Line> = record.lines("nid").cloned().collect();
+            for line in lines {
+                let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
+                self.no_spin(&record, &line, ["vxr", "vyr", "vzr"]);
+                let of =
+                    equal.entry(v.map(f64::to_bits)).or_insert_with(|| (v, Vec::new(), line.place));
+                of.1.extend(id(line.integer("nid")));
+            }
+            for (number, (v, nodes, place)) in equal.into_values().enumerate() {
+                let name = format!("velocity-{}", number + 1);
+                self.rows.add_set(name.clone(), nodes, place);
+                self.initial(place, Some(name), v, None);
+            }
+        }
+        for record in self.take("INITIAL_VELOCITY_RIGID_BODY") {
+            let lines: Vec<Line> = record.lines("pid").cloned().collect();
+            for line in lines {
+                let (part, place) = (line.integer("pid"), line.place("pid"));
+                if !self.has_part(part, place) {
+                    continue;
+                }
+                let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
+                let w = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid");
+                let set = self.nodes_of_parts(&[part]);
+                let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(part)));
+                self.initial(line.place, Some(set), v, spin);
+            }
+        }
+    }
+
+    fn of_set(&mut self, record: &Record) {
+        let Some(line) = record.line("vx").cloned() else { return };
+        let Some(head) = record.line("nsid").cloned() else { return };
+        let v = ["vx", "vy", "vz"].map(|c| line.real(c));
+        let v = self.turned(v, &head, "icid");
+        self.no_spin(record, &line, ["vxr", "vyr", "vzr"]);
+        let (nsid, boxid) = (record.integer("nsid"), record.integer("boxid"));
+        let set = match (nsid, boxid) {
+            (0, 0) => None,
+            (0, _) => {
+                let nodes = self.in_box(boxid, record.place("boxid"));
+                let name = format!("box-{boxid}");
+                self.rows.add_set(name.clone(), nodes, record.place("boxid"));
+                Some(name)
+            }
+            (_, 0) => match self.node_set(nsid, record.place("nsid")) {
+                Some(set) => Some(set),
+                None => return,
+            },
+            _ => return self.unsupported_value(record, "boxid", "a set and a box at once"),
+        };
+        self.initial(line.place, set, v, None);
+        if let Some(line) = record.line("vxe").cloned() {
+            let v = ["vxe", "vye", "vze"].map(|c| line.real(c));
+            self.no_spin(record, &line, ["vxre", "vyre", "vzre"]);
+            if let Some(set) = self.node_set(record.integer("nsidex"), record.place("nsidex")) {
+                self.initial(line.place, Some(set), v, None);
+            }
+        }
+    }
+
+    fn generation(&mut self, record: &Record) {
+        let (sid, place) = (record.integer("id"), record.place("id"));
+        let set = match (sid, record.integer("styp")) {
+            (0, _) => None,
+            (_, 1) => {
+                let parts = self.part_set(sid, place);
+                if parts.is_empty() {
+                    return;
+                }
+                Some(self.nodes_of_parts(&parts))
+            }
+            (_, 2) if self.has_part(sid, place) => Some(self.nodes_of_parts(&[sid])),
+            (_, 3) => match self.node_set(sid, place) {
+                Some(set) => Some(set),
+                None => return,
+            },
+            (_, 2) => return,
+            _ => {
+                return self.unsupported_value(
+                    record,
+                    "styp",
+                    "1 is a set of parts, 2 a part, 3 a set of nodes",
+                );
+            }
+        };
+        if record.integer("phase") != 0 {
+            self.unsupported_value(record, "phase", "velocities that set in later");
+        }
+        let (Some(head), Some(line)) = (record.line("omega").cloned(), record.line("xc").cloned())
+        else {
+            return;
+        };
+        let v = self.velocity(&head, ["vx", "vy", "vz"], "icid");
+        let omega = head.real("omega");
+        let mut spin = None;
+        if omega != 0.0 {
+            let mut along = ["nx", "ny", "nz"].map(|c| line.real(c));
+            if along[0] == -999.0 {
+                let [from, to] = [1, 2].map(|c| id(along[c] as i64).and_then(|n| self.rows.at(n)));
+                let (Some(from), Some(to)) = (from, to) else {
+                    let message = "the axis of the initial spin names nodes that there are not";
+                    return self.trouble.error(
+                        line.place("ny"),
+                        message,
+                        "with nx = -999, ny and nz are ids of nodes",
+                    );
+                };
+                along = [0, 1, 2].map(|c| to[c] - from[c]);
+            }
+            match unit(along) {
+                Some(n) => {
+                    spin = Some((n.map(|c| c * omega), ["xc", "yc", "zc"].map(|c| line.real(c))))
+                }
+                None => {
+                    let message = "the axis of the initial spin has no direction";
+                    self.trouble.error(
+                        line.place("nx"),
+                        message,
+                        "give nx, ny, nz: a vector along it",
+                    );
+                }
+            }
+        }
+        self.initial(place, set, v, spin);
+    }
+
+    fn initial(
+        &mut self,
+        place: Place,
+        set: Option<String>,
+        v: [f64; 3],
+        spin: Option<([f64; 3], [f64; 3])>,
+    ) {
+        let mut table = Table::new(place).with("velocity", place, v);
+        if let Some(set) = set {
+            table.put("nodes", place, set);
+        }
+        if let Some((spin, centre)) = spin {
+            table.put("spin", place, spin);
+            table.put("centre", place, centre);
+        }
+        self.add("initial_velocity", table);
+    }
+
+    fn velocity(&mut self, line: &Line, names: [&str; 3], system: &str) -> [f64; 3] {
+        let v = names.map(|c| line.real(c));
+        self.turned(v, line, system)
+    }
+
+    fn no_spin(&mut self, record: &Record, line: &Line, names: [&str; 3]) {
+        if let Some(name) = names.iter().find(|c| line.real(c) != 0.0) {
+            let message =
+                format!("{}: {name} = {} is not supported", record.name(), line.real(name));
+            self.unsupported(line.place(name), message, format!("{} {name}", record.name()));
+        }
+    }
+
+    /// Centre of a part's elements, each with its corners' mean and its area or volume.
+    fn centre_of(&mut self, part: i64) -> [f64; 3] {
+        let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
+        let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
+        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        for element in elements {
+            let x: Vec<[f64; 3]> =
+                element.corners().iter().filter_map(|&n| self.rows.at(n)).collect();
+            if x.len() < element.corners().len() {
+                continue;
+            }
+            let size = size(&x);
+            for c in 0..3 {
+                sum[c] += size * x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64;
+            }
+            total += size;
+        }
+        if total > 0.0 { sum.map(|s| s / total) } else { sum }
+    }
+}
+
+/// Area of three or four corners, volume of eight.
+fn size(x: &[[f64; 3]]) -> f64 {
+    let from = |a: usize, b: usize| [0, 1, 2].map(|c| x[b][c] - x[a][c]);
+    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    match x.len() {
+        3 => 0.5 * length(super::space::cross(from(0, 1), from(0, 2))),
+        4 => 0.5 * length(super::space::cross(from(0, 2), from(1, 3))),
+        _ => {
+            // Edges between the centres of opposite faces.
+            let middle = |corners: [usize; 4]| {
+                [0, 1, 2].map(|c| corners.iter().map(|&k| x[k][c]).sum::<f64>() / 4.0)
+            };
+            let edge = |a, b| {
+                let (a, b) = (middle(a), middle(b));
+                [0, 1, 2].map(|c| b[c] - a[c])
+            };
+            let (r, s, t) = (
+                edge([0, 3, 4, 7], [1, 2, 5, 6]),
+                edge([0, 1, 4, 5], [2, 3, 6, 7]),
+                edge([0, 1, 2, 3], [4, 5, 6, 7]),
+            );
+            let n = super::space::cross(r, s);
+            (0..3).map(|c| n[c] * t[c]).sum::<f64>().abs()
+        }
+    }
+}

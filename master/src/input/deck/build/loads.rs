@@ -1,0 +1,123 @@
+//! Masses, gravity, forces on nodes.
+
+use super::Build;
+use super::sets::id;
+use super::tree::Table;
+use crate::input::deck::record::Line;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use std::collections::{BTreeMap, HashSet};
+
+impl Build {
+    /// `*ELEMENT_MASS`.
+    pub(super) fn masses(&mut self) {
+        let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
+        for record in self.take("ELEMENT_MASS") {
+            for line in record.lines("nid") {
+                let mass = line.real("mass");
+                let of =
+                    equal.entry(mass.to_bits()).or_insert_with(|| (mass, Vec::new(), line.place));
+                of.1.extend(id(line.integer("nid")));
+            }
+        }
+        for (number, (mass, nodes, place)) in
+            equal.into_values().enumerate().filter(|(_, m)| m.0 != 0.0)
+        {
+            let name = format!("mass-{}", number + 1);
+            let total = mass * nodes.len() as f64;
+            self.rows.add_set(name.clone(), nodes, place);
+            self.add(
+                "mass",
+                Table::new(place).with("nodes", place, name).with("mass", place, total),
+            );
+        }
+        for record in self.take("ELEMENT_MASS_NODE_SET") {
+            for line in record.lines("nsid") {
+                let Some(set) = self.node_set(line.integer("nsid"), line.place("nsid")) else {
+                    continue;
+                };
+                let table = Table::new(line.place).with("nodes", line.place("nsid"), set);
+                self.add("mass", table.with("mass", line.place("mass"), line.real("mass")));
+            }
+        }
+    }
+
+    /// `*LOAD_BODY_...`: an acceleration of the frame of reference, so that bodies fall the other
+    /// way.
+    pub(super) fn body_loads(&mut self) {
+        for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate()
+        {
+            for record in self.take(keyword) {
+                if !self.is_plain(record.integer("cid")) {
+                    self.unsupported_value(
+                        &record,
+                        "cid",
+                        "directions other than the axes of space",
+                    );
+                }
+                let mut acceleration = [0.0; 3];
+                acceleration[axis] = -record.real("sf");
+                let place = record.place("lcid");
+                let Some(curve) = self.time_curve(record.integer("lcid"), place) else { continue };
+                let table =
+                    Table::new(record.head).with("acceleration", record.place("sf"), acceleration);
+                self.add("gravity", table.with("curve", place, curve));
+            }
+        }
+    }
+
+    /// `*LOAD_NODE_...`.
+    pub(super) fn nodal_loads(&mut self) {
+        for (keyword, field) in [("LOAD_NODE_SET", "nsid"), ("LOAD_NODE_POINT", "nid")] {
+            let mut used: Option<HashSet<NodeId>> = None;
+            for record in self.take(keyword) {
+                let lines: Vec<Line> = record.lines(field).cloned().collect();
+                for line in lines {
+                    let of = line.integer(field);
+                    let set = if field == "nsid" {
+                        self.node_set(of, line.place(field))
+                    } else {
+                        let name = format!("load-node-{of}");
+                        self.rows.add_set(
+                            name.clone(),
+                            id(of).into_iter().collect(),
+                            line.place(field),
+                        );
+                        Some(name)
+                    };
+                    let Some(set) = set else { continue };
+                    // A deck loads each node, a job shares a force among those that belong to
+                    // elements.
+                    let used = used
+                        .get_or_insert_with(|| self.rows.nodes_of(|_| true).into_iter().collect());
+                    let count = match field {
+                        "nsid" => self.node_sets[&of].0.iter().filter(|n| used.contains(n)).count(),
+                        _ => 1,
+                    };
+                    let force = line.real("sf") * count as f64;
+                    self.nodal_load(&line, set, force);
+                }
+            }
+        }
+    }
+
+    fn nodal_load(&mut self, line: &Line, set: String, force: f64) {
+        let dof = line.integer("dof");
+        if !self.is_plain(line.integer("cid")) || !matches!(dof, 1..=3 | 5..=7) {
+            let message = format!(
+                "a nodal load with dof {dof} and cid {} is not supported",
+                line.integer("cid")
+            );
+            return self.unsupported(line.place("dof"), message, format!("*LOAD_NODE dof={dof}"));
+        }
+        let Some(curve) = self.time_curve(line.integer("lcid"), line.place("lcid")) else { return };
+        let (key, axis) = if dof < 4 { ("force", dof - 1) } else { ("moment", dof - 5) };
+        let mut amount = [0.0; 3];
+        amount[axis as usize] = force;
+        let table = Table::new(line.place)
+            .with("nodes", line.place, set)
+            .with(key, line.place("dof"), amount)
+            .with("curve", line.place("lcid"), curve);
+        self.add("load", table);
+    }
+}

@@ -1,0 +1,340 @@
+//! `*MAT_...`: laws and their numbers.
+
+use super::Build;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use std::collections::HashMap;
+
+/// A material of the deck.
+#[derive(Debug)]
+pub struct Material {
+    /// Name in the job.
+    pub name: String,
+    /// Its table there, until a part takes it.
+    pub table: Option<Table>,
+    /// What a rigid part of it holds; `None` if it is not rigid.
+    pub rigid: Option<Vec<&'static str>>,
+    /// Whether it bears nothing.
+    pub skin: bool,
+    /// Whether it stays elastic.
+    pub elastic: bool,
+    /// Limits of beams that are welds: normal, shear, bending, torsion [force], [force length];
+    /// with their place.
+    pub weld: Option<([f64; 4], Place)>,
+    /// Density [mass/length^3].
+    pub density: f64,
+    /// Young's modulus [force/length^2].
+    pub youngs_modulus: f64,
+    /// Where it is written.
+    pub place: Place,
+}
+
+/// Young's modulus of what bears nothing and gives none: a law needs one.
+const NO_MODULUS: f64 = 1.0;
+
+const KEYWORDS: [&str; 7] = [
+    "MAT_ELASTIC",
+    "MAT_PLASTIC_KINEMATIC",
+    "MAT_PIECEWISE_LINEAR_PLASTICITY",
+    "MAT_JOHNSON_COOK",
+    "MAT_RIGID",
+    "MAT_SPOTWELD",
+    "MAT_NULL",
+];
+
+impl Build {
+    pub(super) fn materials(&mut self) -> HashMap<i64, Material> {
+        let mut materials: HashMap<i64, Material> = HashMap::new();
+        for keyword in KEYWORDS {
+            for record in self.take(keyword) {
+                let id = record.integer("mid");
+                let title = record.word("heading").to_string();
+                let taken = title.is_empty() || materials.values().any(|m| m.name == title);
+                let name = if taken { format!("mat-{id}") } else { title };
+                let place = record.place("mid");
+                let (mut table, mut e) = elastic(&record, &name);
+                let (mut rigid, mut weld) = (None, None);
+                let elastic = match keyword {
+                    "MAT_SPOTWELD" => record.real("sigy") == 0.0,
+                    _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID" | "MAT_NULL"),
+                };
+                match keyword {
+                    "MAT_PLASTIC_KINEMATIC" => self.plastic_kinematic(&record, &mut table),
+                    "MAT_PIECEWISE_LINEAR_PLASTICITY" => self.piecewise(&record, &mut table),
+                    "MAT_JOHNSON_COOK" => e = self.johnson_cook(&record, &mut table),
+                    "MAT_RIGID" => rigid = Some(self.rigid_material(&record)),
+                    "MAT_NULL" => {
+                        let given = record.real("ym");
+                        e = if given > 0.0 { given } else { NO_MODULUS };
+                        table.put("youngs_modulus", record.place("ym"), e);
+                    }
+                    "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    _ => {}
+                }
+                if elastic {
+                    table.put("law", record.head, "elastic");
+                }
+                let density = record.real("ro");
+                let (table, skin) = (Some(table), keyword == "MAT_NULL");
+                let material = Material {
+                    name,
+                    skin,
+                    table,
+                    rigid,
+                    elastic,
+                    weld,
+                    density,
+                    youngs_modulus: e,
+                    place,
+                };
+                if materials.insert(id, material).is_some() {
+                    self.trouble.error(
+                        place,
+                        format!("there are two materials with the id {id}"),
+                        "give each its own",
+                    );
+                }
+            }
+        }
+        materials
+    }
+
+    fn plastic_kinematic(&mut self, record: &Record, table: &mut Table) {
+        table.put("law", record.head, "j2");
+        let (e, tangent) = (record.real("e"), record.real("etan"));
+        table.put("yield_stress", record.place("sigy"), record.real("sigy"));
+        self.hardening_modulus(record, e, tangent, table);
+        if record.real("beta") < 1.0 && tangent > 0.0 {
+            let of = format!("material {}", record.integer("mid"));
+            let asked = format!("beta {}: kinematic hardening", record.real("beta"));
+            self.map(of, asked, "isotropic hardening: it differs where a load turns back");
+        }
+        rates(record, "src", "srp", table);
+        if record.real("fs") > 0.0 {
+            table.put("failure_strain", record.place("fs"), record.real("fs"));
+        }
+    }
+
+    fn hardening_modulus(&mut self, record: &Record, e: f64, tangent: f64, table: &mut Table) {
+        if tangent >= e {
+            let message = format!(
+                "{}: the tangent modulus {tangent} is not below Young's {e}",
+                record.name()
+            );
+            self.trouble.error(
+                record.place("etan"),
+                message,
+                "give the slope of stress over total strain past the yield",
+            );
+        } else if tangent != 0.0 {
+            table.put("hardening_modulus", record.place("etan"), e * tangent / (e - tangent));
+        }
+    }
+
+    fn piecewise(&mut self, record: &Record, table: &mut Table) {
+        table.put("law", record.head, "j2");
+        rates(record, "c", "p", table);
+        let fail = record.real("fail");
+        if fail < 0.0 {
+            self.unsupported_value(record, "fail", "failure by a user's routine");
+        } else if fail > 0.0 && fail < 1e20 {
+            table.put("failure_strain", record.place("fail"), fail);
+        }
+        if record.real("tdel") != 0.0 {
+            self.unsupported_value(record, "tdel", "failure by the time step");
+        }
+        if record.integer("lcsr") != 0 {
+            self.unsupported_value(
+                record,
+                "lcsr",
+                "a curve of the yield stress over the rate; give c and p",
+            );
+        }
+        let lcss = record.integer("lcss");
+        if lcss > 0 {
+            let place = record.place("lcss");
+            if let Some(curve) = self.curve(lcss, place) {
+                let points = from_nought(curve.points);
+                table.put(
+                    "hardening",
+                    curve.lines.first().copied().unwrap_or(place),
+                    rows(&points),
+                );
+            }
+            return;
+        }
+        if lcss < 0 {
+            self.unsupported_value(record, "lcss", "a negative id");
+        }
+        let list = |name| record.line(name).map(|l| l.reals(name)).unwrap_or_default();
+        let (strains, stresses) = (list("eps"), list("es"));
+        let mut points: Vec<[f64; 2]> =
+            strains.into_iter().zip(stresses).map(|(e, s)| [e, s]).collect();
+        // Blank pairs at the end are none; the first one may stand at strain nought.
+        while points.last() == Some(&[0.0, 0.0]) {
+            points.pop();
+        }
+        if points.is_empty() {
+            if record.real("sigy") == 0.0 {
+                let message = format!("{}: there is no yield stress", record.name());
+                self.trouble.error(
+                    record.place("sigy"),
+                    message,
+                    "give sigy, or lcss, or eps and es",
+                );
+            }
+            table.put("yield_stress", record.place("sigy"), record.real("sigy"));
+            self.hardening_modulus(record, record.real("e"), record.real("etan"), table);
+        } else {
+            table.put("hardening", record.place("es"), rows(&from_nought(points)));
+        }
+    }
+
+    /// Gives Young's modulus.
+    fn johnson_cook(&mut self, record: &Record, table: &mut Table) -> f64 {
+        table.put("law", record.head, "johnson_cook");
+        let (g, pr) = (record.real("g"), record.real("pr"));
+        let e = if record.real("e") > 0.0 { record.real("e") } else { 2.0 * g * (1.0 + pr) };
+        table.put("youngs_modulus", record.place("e"), e);
+        let number = |table: &mut Table, field: &str, key: &str| {
+            table.put(key, record.place(field), record.real(field));
+        };
+        number(table, "a", "a");
+        number(table, "b", "b");
+        // Without hardening n is of no account, but has to be one.
+        let n =
+            if record.real("n") > 0.0 || record.real("b") > 0.0 { record.real("n") } else { 1.0 };
+        table.put("n", record.place("n"), n);
+        let damage = ["d1", "d2", "d3", "d4", "d5"].map(|d| record.real(d));
+        let fails = damage[..3].iter().any(|d| *d != 0.0);
+        if record.real("c") > 0.0 || (fails && damage[3] != 0.0) {
+            number(table, "c", "c");
+            number(table, "epso", "reference_rate");
+        }
+        if record.real("cp") > 0.0 && record.real("tm") > 0.0 {
+            number(table, "m", "m");
+            number(table, "tm", "melting_temperature");
+            number(table, "tr", "reference_temperature");
+            number(table, "cp", "specific_heat");
+        }
+        if fails {
+            table.put("damage", record.place("d1"), damage);
+        }
+        for (field, why) in
+            [("dtf", "failure by the time step"), ("rateop", "another form of the rate")]
+        {
+            if record.real(field) != 0.0 {
+                self.unsupported_value(record, field, why);
+            }
+        }
+        e
+    }
+
+    /// `*MAT_SPOTWELD`; gives the limits of beams of it, noughts for none.
+    fn spot_weld(&mut self, record: &Record, table: &mut Table) -> Option<([f64; 4], Place)> {
+        if record.real("sigy") > 0.0 {
+            table.put("law", record.head, "j2");
+            table.put("yield_stress", record.place("sigy"), record.real("sigy"));
+            if record.real("eh") != 0.0 {
+                table.put("hardening_modulus", record.place("eh"), record.real("eh"));
+            }
+            if record.real("efail") > 0.0 {
+                table.put("failure_strain", record.place("efail"), record.real("efail"));
+            }
+        }
+        let tfail = record.real("tfail");
+        if tfail > 0.0 && tfail < self.end_time {
+            self.unsupported_value(record, "tfail", "welds that fail at a given time");
+        }
+        let unused: Vec<&str> =
+            ["dt", "nf"].into_iter().filter(|f| record.real(f) != 0.0).collect();
+        if !unused.is_empty() {
+            self.map(format!("material {}", record.integer("mid")), unused.join(", "), "not used");
+        }
+        for (one, other) in [("nrs", "nrt"), ("mss", "mtt")] {
+            if record.real(one) != record.real(other) {
+                self.unsupported_value(
+                    record,
+                    other,
+                    "limits of both directions across a weld have to be the same",
+                );
+            }
+        }
+        for field in ["nrr", "nrs", "mss", "mrr"].iter().filter(|f| record.real(f) < 0.0) {
+            self.unsupported_value(record, field, "limits by curves of the rate");
+        }
+        let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
+        limits.iter().any(|&limit| limit > 0.0).then_some((limits, record.place("nrr")))
+    }
+
+    /// What a rigid material holds.
+    fn rigid_material(&mut self, record: &Record) -> Vec<&'static str> {
+        if record.real("n") != 0.0 {
+            self.unsupported_value(record, "n", "coupling with another program");
+        }
+        match record.real("cmo") {
+            1.0 => {
+                let mut held = held(record.real("con1"), ["x", "y", "z"]);
+                held.extend(self::held(record.real("con2"), ["rx", "ry", "rz"]));
+                held
+            }
+            0.0 => Vec::new(),
+            _ if record.real("con1") == 0.0 && record.real("con2") == 0.0 => Vec::new(),
+            _ => {
+                self.unsupported_value(
+                    record,
+                    "cmo",
+                    "constraints in a system of the body; give cmo 1",
+                );
+                Vec::new()
+            }
+        }
+    }
+}
+
+/// Name, density and elastic constants; and Young's modulus.
+fn elastic(record: &Record, name: &str) -> (Table, f64) {
+    let e = record.real("e");
+    let table = Table::new(record.head)
+        .with("name", record.place("mid"), name)
+        .with("density", record.place("ro"), record.real("ro"))
+        .with("youngs_modulus", record.place("e"), e)
+        .with("poisson", record.place("pr"), record.real("pr"));
+    (table, e)
+}
+
+/// What the codes 0 to 7 of constraints hold.
+pub fn held(code: f64, dofs: [&'static str; 3]) -> Vec<&'static str> {
+    let [x, y, z] = dofs;
+    match code as i64 {
+        1 => vec![x],
+        2 => vec![y],
+        3 => vec![z],
+        4 => vec![x, y],
+        5 => vec![y, z],
+        6 => vec![z, x],
+        7 => vec![x, y, z],
+        _ => Vec::new(),
+    }
+}
+
+fn rates(record: &Record, c: &str, p: &str, table: &mut Table) {
+    if record.real(c) > 0.0 && record.real(p) > 0.0 {
+        table.put("cowper_symonds", record.place(c), [record.real(c), record.real(p)]);
+    }
+}
+
+fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
+    points.iter().map(|p| p.to_vec()).collect()
+}
+
+/// The points from plastic strain nought on: a table that begins later is level before.
+fn from_nought(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    if let Some(&[first, stress]) = points.first()
+        && first > 0.0
+    {
+        points.insert(0, [0.0, stress]);
+    }
+    points
+}

@@ -1,0 +1,429 @@
+//! Nodes and elements, line by line without anything in between: there may be millions.
+
+use crate::input::deck::Mapping;
+use crate::input::deck::fields::{Fields, split};
+use crate::input::deck::keywords::Row;
+use crate::input::deck::number;
+use crate::input::deck::parameters::{Parameter, reference};
+use crate::input::deck::record::{Cards, layout};
+use crate::input::deck::table::Card;
+use crate::input::deck::text::Block;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// A line of a file: the file's number, first byte and one past the last.
+type Line = (u32, u32, u32);
+
+/// Nodes and elements as they are written, and where.
+#[derive(Debug, Default)]
+pub struct Rows {
+    pub nodes: Vec<MeshNode>,
+    pub shells: Vec<MeshElement>,
+    pub solids: Vec<MeshElement>,
+    pub springs: Vec<MeshElement>,
+    pub beams: Vec<MeshElement>,
+    node_lines: Vec<Line>,
+    shell_lines: Vec<Line>,
+    solid_lines: Vec<Line>,
+    spring_lines: Vec<Line>,
+    beam_lines: Vec<Line>,
+    sets: BTreeMap<String, (Vec<NodeId>, Place)>,
+    /// Codes of what is held, `tc` and `rc`, with a line that says so.
+    pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
+    /// Thicknesses of single shells at their corners, by their place in `shells`.
+    pub thickness: Vec<(usize, [f64; 4])>,
+    index: HashMap<NodeId, usize>,
+    /// Largest id of a node, once somebody has asked.
+    top: u64,
+    /// By how much ids of solids, springs and beams were raised.
+    pub raised: [u64; 3],
+}
+
+/// Codes `tc` and `rc` of a node that does not move.
+const HELD_IN_PLACE: (i64, i64) = (7, 0);
+
+/// One line of a bulk keyword being read.
+struct Numbers<'a, 'c> {
+    cards: &'a mut Cards<'c>,
+    block: &'a Block,
+    card: &'a Card,
+    line: (u32, u32),
+    fields: Fields,
+    whole: bool,
+}
+
+impl Numbers<'_, '_> {
+    fn text(&self, index: usize) -> &[u8] {
+        self.fields.text(self.cards.texts.line(self.block, self.line), index)
+    }
+
+    fn integer(&mut self, index: usize) -> i64 {
+        let text = self.text(index);
+        if text.is_empty() {
+            return 0;
+        }
+        let plain = plain_integer(text).or_else(|| number::integer(text));
+        plain.unwrap_or_else(|| self.odd(index, "a whole number") as i64)
+    }
+
+    fn real(&mut self, index: usize) -> f64 {
+        let text = self.text(index);
+        if text.is_empty() {
+            return 0.0;
+        }
+        number::real(text).unwrap_or_else(|| self.odd(index, "a number"))
+    }
+
+    /// An id, which has to be above nought.
+    fn id(&mut self, index: usize) -> u64 {
+        let id = self.integer(index);
+        if id < 1 && self.whole {
+            self.wrong(index, "an id above 0");
+        }
+        u64::try_from(id).unwrap_or(0)
+    }
+
+    /// A parameter, or nothing that can be read.
+    fn odd(&mut self, index: usize, wanted: &str) -> f64 {
+        let text = String::from_utf8_lossy(self.text(index)).into_owned();
+        let value = reference(&text).and_then(|(minus, name)| {
+            let value = match self.cards.parameters.get(name)? {
+                Parameter::Integer(i) => *i as f64,
+                Parameter::Real(x) => *x,
+                Parameter::Text(_) => return None,
+            };
+            Some(if minus { -value } else { value })
+        });
+        value.filter(|x| wanted == "a number" || x.fract() == 0.0).unwrap_or_else(|| {
+            self.wrong(index, wanted);
+            0.0
+        })
+    }
+
+    fn wrong(&mut self, index: usize, wanted: &str) {
+        let (from, to) = self.fields.span(index);
+        let text = String::from_utf8_lossy(self.text(index)).into_owned();
+        let given = match (text.as_str(), reference(&text)) {
+            ("", _) => "blank".into(),
+            (_, Some((_, name))) if self.cards.parameters.get(name).is_none() => {
+                format!("`{text}`: there is no parameter `{name}` yet")
+            }
+            _ => format!("`{text}`"),
+        };
+        let name = self.card.fields.get(index).map_or("", |f| f.name.as_str());
+        let message = format!("*{}: `{name}` has to be {wanted}, not {given}", self.block.name);
+        let place = self.block.span(self.line, from, to);
+        self.cards.trouble.error(place, message, layout(self.card, self.block.format));
+        self.cards.trouble.unsure();
+        self.whole = false;
+    }
+}
+
+/// A whole number in digits alone.
+fn plain_integer(text: &[u8]) -> Option<i64> {
+    if text.len() > 17 {
+        return None;
+    }
+    text.iter().try_fold(0i64, |n, b| b.is_ascii_digit().then(|| n * 10 + i64::from(b - b'0')))
+}
+
+impl Rows {
+    /// `*NODE`.
+    pub fn nodes(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
+        self.nodes.reserve(block.lines.len());
+        self.node_lines.reserve(block.lines.len());
+        let card = &row.cards[0].0;
+        for &line in block.lines.iter().filter(|l| l.0 < l.1) {
+            let mut numbers = start(cards, card, block, line);
+            let id = NodeId(numbers.id(0));
+            let x = [numbers.real(1), numbers.real(2), numbers.real(3)];
+            let held = if numbers.fields.count() > 4 {
+                (numbers.integer(4), numbers.integer(5))
+            } else {
+                (0, 0)
+            };
+            if !numbers.whole {
+                continue;
+            }
+            if held != (0, 0) {
+                let entry = self.held.entry(held).or_insert_with(|| {
+                    (Vec::new(), block.span(line, 0, (line.1 - line.0) as usize))
+                });
+                entry.0.push(id);
+            }
+            self.nodes.push(MeshNode { id, x });
+            self.node_lines.push((block.file, line.0, line.1));
+        }
+    }
+
+    /// `*ELEMENT_SHELL`.
+    pub fn shells(&mut self, cards: &mut Cards<'_>, row: &Row, options: &[&str], block: &Block) {
+        let card = &row.cards[0].0;
+        let lines: Vec<_> = block.lines.iter().copied().filter(|l| l.0 < l.1).collect();
+        self.shells.reserve(lines.len());
+        self.shell_lines.reserve(lines.len());
+        let step = if options.is_empty() { 1 } else { 2 };
+        for pair in lines.chunks(step) {
+            let line = pair[0];
+            let mut numbers = start(cards, card, block, line);
+            let (id, part) = (ElemId(numbers.id(0)), numbers.id(1));
+            let mut n: [u64; 4] =
+                std::array::from_fn(|c| if c < 3 { numbers.id(2 + c) } else { 0 });
+            n[3] = u64::try_from(numbers.integer(5)).unwrap_or(0);
+            if !numbers.whole {
+                continue;
+            }
+            let n = n.map(NodeId);
+            let triangle = n[3] == NodeId(0) || n[3] == n[2];
+            let (shape, corners) =
+                if triangle { (Shape::Tri3, &n[..3]) } else { (Shape::Quad4, &n[..]) };
+            let Some(part) = narrow(part, &mut numbers) else { continue };
+            if let (Some(&second), true) = (pair.get(1), step == 2) {
+                let mut numbers = start(cards, &row.cards[1].0, block, second);
+                let t = std::array::from_fn(|c| numbers.real(c));
+                if options.contains(&"THICKNESS") && t.iter().any(|&t| t != 0.0) {
+                    self.thickness.push((self.shells.len(), t));
+                }
+            }
+            self.shells.push(MeshElement::new(id, part, shape, corners));
+            self.shell_lines.push((block.file, line.0, line.1));
+        }
+    }
+
+    /// `*ELEMENT_SOLID`, on one line or on two.
+    pub fn solids(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
+        let mut lines = block.lines.iter().copied().filter(|l| l.0 < l.1);
+        while let Some(line) = lines.next() {
+            let mut numbers = start(cards, &row.cards[0].0, block, line);
+            let (id, part) = (ElemId(numbers.id(0)), numbers.id(1));
+            let Some(part) = narrow(part, &mut numbers) else { continue };
+            let mut whole = numbers.whole;
+            let mut n = [0u64; 8];
+            if numbers.fields.count() > 2 {
+                (0..8).for_each(|c| {
+                    n[c] =
+                        if c < 4 { numbers.id(2 + c) } else { numbers.integer(2 + c).max(0) as u64 }
+                });
+                whole = numbers.whole;
+            } else if let Some(second) = lines.next() {
+                let mut numbers = start(cards, &row.cards[1].0, block, second);
+                (0..8).for_each(|c| {
+                    n[c] = if c < 4 { numbers.id(c) } else { numbers.integer(c).max(0) as u64 }
+                });
+                whole &= numbers.whole;
+            } else {
+                let message = format!("*{} ends before the nodes of element {id}", block.name);
+                cards.trouble.error(
+                    block.span(line, 0, (line.1 - line.0) as usize),
+                    message,
+                    "give its nodes on this line or on the next one",
+                );
+                return;
+            }
+            if !whole {
+                continue;
+            }
+            for c in 4..8 {
+                n[c] = if n[c] == 0 { n[c - 1] } else { n[c] };
+            }
+            self.solids.push(MeshElement::new(id, part, Shape::Hex8, &n.map(NodeId)));
+            self.solid_lines.push((block.file, line.0, line.1));
+        }
+    }
+
+    /// Ids of solids, shells, springs and beams may be the same in a deck, not here: those of the
+    /// later kinds are raised then.
+    pub fn number_apart(&mut self, mapping: &mut Vec<Mapping>) {
+        if self.solids.is_empty() && self.springs.is_empty() && self.beams.is_empty() {
+            return;
+        }
+        let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
+        let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
+        let lists = [
+            ("solids", &mut self.solids),
+            ("springs", &mut self.springs),
+            ("beams", &mut self.beams),
+        ];
+        for ((kind, list), raised) in lists.into_iter().zip(&mut self.raised) {
+            most = list.iter().map(|e| e.id.0).fold(most, u64::max);
+            if list.iter().any(|e| seen.contains(&e.id)) {
+                let mut raise = 10u64;
+                while raise <= most && raise < 1_000_000_000_000_000 {
+                    raise *= 10;
+                }
+                list.iter_mut().for_each(|e| e.id.0 = e.id.0.saturating_add(raise));
+                most = most.saturating_add(raise);
+                *raised = raise;
+                mapping.push(Mapping {
+                    of: kind.into(),
+                    asked: "ids that other elements have too".into(),
+                    used: format!("ids raised by {raise}"),
+                });
+            }
+            seen.extend(list.iter().map(|e| e.id));
+        }
+    }
+
+    /// Adds a spring, which is written at `place`.
+    pub fn spring(&mut self, id: ElemId, part: u32, ends: [NodeId; 2], place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.springs.push(MeshElement::new(id, part, Shape::Line2, &ends));
+        self.spring_lines.push((file, start, end));
+    }
+
+    /// Adds a beam, which is written at `place`; its third corner shows where its second axis
+    /// points.
+    pub fn beam(&mut self, id: ElemId, part: u32, corners: [NodeId; 3], place: Place) {
+        let Place::Deck { file, start, end } = place else { return };
+        self.beams.push(MeshElement::new(id, part, Shape::Beam2, &corners));
+        self.beam_lines.push((file, start, end));
+    }
+
+    /// Where the `index`-th beam is written.
+    pub fn beam_place(&self, index: usize) -> Place {
+        self.beam_lines.get(index).map_or(Place::Whole, |&(file, start, end)| Place::Deck {
+            file,
+            start,
+            end,
+        })
+    }
+
+    /// Adds nodes that the deck does not have, at the places of the beams that they show the way;
+    /// gives their ids.
+    pub fn add_nodes(&mut self, at: &[([f64; 3], Place)]) -> Vec<NodeId> {
+        at.iter().filter_map(|&(x, place)| self.add_node(x, place)).collect()
+    }
+
+    fn add_node(&mut self, x: [f64; 3], place: Place) -> Option<NodeId> {
+        let Place::Deck { file, start, end } = place else { return None };
+        if self.top == 0 {
+            self.top = self.nodes.iter().map(|n| n.id.0).max().unwrap_or(0);
+        }
+        self.top = self.top.saturating_add(1);
+        let id = NodeId(self.top);
+        self.index.insert(id, self.nodes.len());
+        self.nodes.push(MeshNode { id, x });
+        self.node_lines.push((file, start, end));
+        Some(id)
+    }
+
+    /// Adds a node that is held in the place of another one, for what is written at `place`; `None`
+    /// if there is no such node.
+    pub fn ground(&mut self, at: NodeId, place: Place) -> Option<NodeId> {
+        let x = self.at(at)?;
+        let id = self.add_node(x, place)?;
+        self.held.entry(HELD_IN_PLACE).or_insert_with(|| (Vec::new(), place)).0.push(id);
+        Some(id)
+    }
+
+    /// Adds a node set.
+    pub fn add_set(&mut self, name: String, nodes: Vec<NodeId>, place: Place) {
+        self.sets.insert(name, (nodes, place));
+    }
+
+    /// Whether there is a set of this name.
+    pub fn has_set(&self, name: &str) -> bool {
+        self.sets.contains_key(name)
+    }
+
+    /// Shells, then solids, then springs, then beams.
+    pub fn elements(&self) -> impl Iterator<Item = &MeshElement> {
+        self.shells.iter().chain(&self.solids).chain(&self.springs).chain(&self.beams)
+    }
+
+    /// Nodes of all elements of the parts that `of` accepts, ascending.
+    pub fn nodes_of(&self, of: impl Fn(u32) -> bool) -> Vec<NodeId> {
+        let mut nodes: Vec<NodeId> =
+            self.elements().filter(|e| of(e.part)).flat_map(|e| e.corners()).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Coordinates of a node.
+    pub fn at(&mut self, id: NodeId) -> Option<[f64; 3]> {
+        if self.index.len() != self.nodes.len() {
+            self.index = self.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
+        }
+        self.index.get(&id).map(|&i| self.nodes[i].x)
+    }
+
+    /// How many elements there are of each kind, as [`Rows::finish`] puts them one after the other.
+    pub fn lists(&self) -> Lists {
+        let [shells, solids, springs, beams] =
+            [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
+        [("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
+    }
+
+    /// The mesh and where everything in it is written.
+    pub fn finish(self) -> (Mesh, Places) {
+        let mut elements = self.shells;
+        elements.extend(self.solids);
+        elements.extend(self.springs);
+        elements.extend(self.beams);
+        let places = Places {
+            nodes: self.node_lines,
+            shells: self.shell_lines,
+            solids: self.solid_lines,
+            springs: self.spring_lines,
+            beams: self.beam_lines,
+            sets: self.sets.iter().map(|(name, (_, place))| (name.clone(), *place)).collect(),
+        };
+        let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
+        (Mesh { nodes: self.nodes, elements, node_sets }, places)
+    }
+}
+
+fn start<'a, 'c>(
+    cards: &'a mut Cards<'c>,
+    card: &'a Card,
+    block: &'a Block,
+    line: (u32, u32),
+) -> Numbers<'a, 'c> {
+    let fields = split(cards.texts.line(block, line), card, block.format);
+    Numbers { cards, block, card, line, fields, whole: true }
+}
+
+/// Id of a part, which has 32 bits.
+fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
+    let narrow = u32::try_from(part).ok();
+    if narrow.is_none() {
+        numbers.wrong(1, "an id of a part, up to 4294967295");
+    }
+    narrow.filter(|_| numbers.whole)
+}
+
+/// Names of the lists of elements in a job's `[mesh]`, with their lengths.
+pub type Lists = [(&'static str, usize); 4];
+
+/// Where the mesh is written.
+#[derive(Debug, Default)]
+pub struct Places {
+    nodes: Vec<Line>,
+    shells: Vec<Line>,
+    solids: Vec<Line>,
+    springs: Vec<Line>,
+    beams: Vec<Line>,
+    sets: BTreeMap<String, Place>,
+}
+
+impl Places {
+    /// The line that a path such as `mesh.shells.17` means.
+    pub fn of(&self, path: &str) -> Option<Place> {
+        let rest = path.strip_prefix("mesh.")?;
+        let (list, rest) = rest.split_once('.')?;
+        let lines = match list {
+            "nodes" => &self.nodes,
+            "shells" => &self.shells,
+            "solids" => &self.solids,
+            "springs" => &self.springs,
+            "beams" => &self.beams,
+            "node_sets" => return self.sets.get(rest).copied(),
+            _ => return None,
+        };
+        let index = rest.split('.').next()?.parse::<usize>().ok()?;
+        lines.get(index).map(|&(file, start, end)| Place::Deck { file, start, end })
+    }
+}

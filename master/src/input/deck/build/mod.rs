@@ -1,0 +1,309 @@
+//! From the cards of a deck to a job: the same tree of values that a job file gives, and a mesh.
+
+mod beams;
+mod contact;
+mod control;
+mod curves;
+mod histories;
+mod initial;
+mod loads;
+mod materials;
+pub mod mesh;
+mod motion;
+mod parts;
+mod rigid;
+mod sections;
+mod segments;
+mod sets;
+mod space;
+mod springs;
+mod ties;
+pub mod tree;
+mod units;
+mod walls;
+mod welds;
+
+use super::keywords::{self, Row};
+use super::parameters::Parameters;
+use super::record::{Cards, Record};
+use super::table::Effect;
+use super::text::{Block, Texts};
+use super::trouble::Trouble;
+use super::{Mapping, Unsupported};
+use crate::input::job::tree::{Node, Place};
+use crumple_proto::ids::NodeId;
+use mesh::Rows;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use tree::{Table, Tree};
+
+/// What is built so far, and what the rest needs of it.
+pub struct Build {
+    /// Cards by keyword; each family takes its own.
+    records: HashMap<&'static str, Vec<Record>>,
+    /// Nodes and elements.
+    pub rows: Rows,
+    /// What is wrong.
+    pub trouble: Trouble,
+    /// What was mapped to what.
+    pub mapping: Vec<Mapping>,
+    /// What the engine cannot do.
+    pub unsupported: Vec<Unsupported>,
+    tree: Tree,
+    curves: BTreeMap<i64, curves::Curve>,
+    boxes: HashMap<i64, [[f64; 2]; 3]>,
+    axes: HashMap<i64, [[f64; 3]; 3]>,
+    node_sets: BTreeMap<i64, (Vec<NodeId>, Place)>,
+    part_sets: BTreeMap<i64, Vec<(i64, Place)>>,
+    segment_sets: BTreeMap<i64, Vec<segments::Segment>>,
+    parts: BTreeMap<i64, parts::Part>,
+    used_materials: Vec<i64>,
+    /// Scales of the forces of springs by part, with where they are written.
+    spring_scales: BTreeMap<i64, (f64, Place)>,
+    spring_laws: BTreeMap<i64, Record>,
+    /// Parts of beams that need no orientation.
+    round_parts: BTreeSet<u32>,
+    /// Directions of springs by part, with where they are written; `None` along the line between
+    /// their nodes.
+    spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
+    /// Friction of parts that have one of their own.
+    part_friction: BTreeMap<i64, contact::Friction>,
+    /// Names of rigid bodies by part.
+    bodies: BTreeMap<i64, String>,
+    end_time: f64,
+}
+
+/// What came out: the job, and all else is in the `Build`.
+pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Build) {
+    let mut b = Build {
+        records: HashMap::new(),
+        rows: Rows::default(),
+        trouble,
+        mapping: Vec::new(),
+        unsupported: Vec::new(),
+        tree: Tree::default(),
+        curves: BTreeMap::new(),
+        boxes: HashMap::new(),
+        axes: HashMap::new(),
+        node_sets: BTreeMap::new(),
+        part_sets: BTreeMap::new(),
+        segment_sets: BTreeMap::new(),
+        parts: BTreeMap::new(),
+        used_materials: Vec::new(),
+        spring_scales: BTreeMap::new(),
+        spring_laws: BTreeMap::new(),
+        round_parts: BTreeSet::new(),
+        spring_directions: BTreeMap::new(),
+        part_friction: BTreeMap::new(),
+        bodies: BTreeMap::new(),
+        end_time: 0.0,
+    };
+    b.collect(texts, leave_out);
+    b.springs();
+    b.beams();
+    b.rows.number_apart(&mut b.mapping);
+    b.control();
+    b.curves();
+    b.space();
+    let mut materials = b.materials();
+    let sections = b.sections();
+    b.parts(&materials, &sections);
+    b.sets();
+    b.welds();
+    b.orient_beams();
+    b.segment_sets();
+    b.units(&mut materials);
+    b.rigid();
+    b.spc();
+    b.motions();
+    b.initial_velocities();
+    b.masses();
+    b.body_loads();
+    b.nodal_loads();
+    b.pressures();
+    b.walls();
+    b.contacts();
+    b.ties();
+    b.node_sets_as_one();
+    b.histories();
+    b.left_over();
+    let sets = std::mem::take(&mut b.node_sets);
+    for (id, (nodes, place)) in sets {
+        b.rows.add_set(format!("set-{id}"), nodes, place);
+    }
+    (std::mem::take(&mut b.tree).into_node(), b)
+}
+
+impl Build {
+    /// Reads all blocks by the table.
+    fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
+        let mut parameters = Parameters::default();
+        let left_out = |name: &str| {
+            leave_out.iter().any(|l| l.trim_start_matches('*').eq_ignore_ascii_case(name))
+        };
+        for block in &texts.blocks {
+            if left_out(&block.name) {
+                continue;
+            }
+            match keywords::find(&block.name) {
+                Some((row, _)) if left_out(row.keyword.name) => {}
+                Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
+                None if keywords::is_output(&block.name) => {
+                    let message = format!("*{} is not read", block.name);
+                    let help =
+                        "what a run writes is told in README.md; [output] of a job sets how often";
+                    self.trouble.warn_once(&block.name, block.place(), message, help);
+                }
+                None => {
+                    let near = match keywords::near(&block.name) {
+                        Some(near) => format!("; the nearest that is: *{near}"),
+                        None => String::new(),
+                    };
+                    let message = format!("*{} is not supported{near}", block.name);
+                    self.unsupported(block.place(), message, format!("*{}", block.name));
+                }
+            }
+        }
+    }
+
+    fn block(
+        &mut self,
+        texts: &Texts,
+        block: &Block,
+        row: &'static Row,
+        options: &[&'static str],
+        parameters: &mut Parameters,
+    ) {
+        let name = row.keyword.name;
+        match row.keyword.effect {
+            Effect::Harmless => {
+                let message = format!("*{} is not read", block.name);
+                self.trouble.warn_once(name, block.place(), message, row.keyword.note);
+                return;
+            }
+            Effect::NotYet => {
+                let message = format!("*{} is not supported yet: {}", block.name, row.keyword.note);
+                self.unsupported(block.place(), message, format!("*{}", block.name));
+            }
+            Effect::Model => {}
+        }
+        if name.starts_with("PARAMETER") {
+            return parameters.read(block, texts, &mut self.trouble);
+        }
+        let mut cards = Cards { texts, parameters, trouble: &mut self.trouble };
+        match name {
+            "NODE" => self.rows.nodes(&mut cards, row, block),
+            "ELEMENT_SHELL" => self.rows.shells(&mut cards, row, options, block),
+            "ELEMENT_SOLID" => self.rows.solids(&mut cards, row, block),
+            _ => {
+                let records = cards.records(row, options, block);
+                if row.keyword.effect == Effect::Model {
+                    self.records.entry(name).or_default().extend(records);
+                }
+            }
+        }
+    }
+
+    /// All records of a keyword, which nobody else needs.
+    fn take(&mut self, name: &str) -> Vec<Record> {
+        self.records.remove(name).unwrap_or_default()
+    }
+
+    /// Notes that something in the deck cannot be done; `what` names it in the summary.
+    fn unsupported(&mut self, place: Place, message: String, what: String) {
+        self.unsupported.push(Unsupported { place, message, what });
+    }
+
+    /// Notes a value that the engine cannot serve.
+    fn unsupported_value(&mut self, record: &Record, field: &str, why: &str) {
+        let value = record.line(field).map_or(String::new(), |l| l.real(field).to_string());
+        let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
+        let what = format!("{} {field}={value}", record.name());
+        self.unsupported(record.place(field), message, what);
+    }
+
+    /// Notes what the deck asks for and what it gets.
+    fn map(&mut self, of: impl Into<String>, asked: impl Into<String>, used: impl Into<String>) {
+        let entry = Mapping { of: of.into(), asked: asked.into(), used: used.into() };
+        if !self.mapping.contains(&entry) {
+            self.mapping.push(entry);
+        }
+    }
+
+    /// Name of the node set with this id; an error at `place` if there is none.
+    fn node_set(&mut self, id: i64, place: Place) -> Option<String> {
+        if self.node_sets.contains_key(&id) {
+            return Some(format!("set-{id}"));
+        }
+        let known: Vec<String> = self.node_sets.keys().map(i64::to_string).collect();
+        self.missing(place, "*SET_NODE_...", id, &known);
+        None
+    }
+
+    /// The parts of a set, as far as they exist; an error at `place` if there is no such set.
+    fn part_set(&mut self, id: i64, place: Place) -> Vec<i64> {
+        let Some(parts) = self.part_sets.get(&id).cloned() else {
+            let known: Vec<String> = self.part_sets.keys().map(i64::to_string).collect();
+            self.missing(place, "*SET_PART_...", id, &known);
+            return Vec::new();
+        };
+        parts.into_iter().filter(|&(pid, place)| self.has_part(pid, place)).map(|p| p.0).collect()
+    }
+
+    /// Whether there is a part with this id; an error at `place` if not.
+    fn has_part(&mut self, id: i64, place: Place) -> bool {
+        if self.parts.contains_key(&id) {
+            return true;
+        }
+        let known: Vec<String> = self.parts.keys().map(i64::to_string).collect();
+        self.missing(place, "*PART", id, &known);
+        false
+    }
+
+    /// Name of a node set with all nodes of these parts.
+    fn nodes_of_parts(&mut self, parts: &[i64]) -> String {
+        let mut parts = parts.to_vec();
+        parts.sort_unstable();
+        parts.dedup();
+        let names: Vec<String> = parts.iter().map(i64::to_string).collect();
+        let word = if parts.len() == 1 { "part" } else { "parts" };
+        let name = format!("{word}-{}", names.join("-"));
+        if !self.rows.has_set(&name) {
+            let nodes = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
+            self.rows.add_set(name.clone(), nodes, Place::Whole);
+        }
+        name
+    }
+
+    /// Notes that a record refers to something that there is not.
+    fn missing(&mut self, place: Place, what: &str, id: i64, known: &[String]) {
+        if self.trouble.is_unsure() {
+            return;
+        }
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        let help = match known.is_empty() {
+            true => format!("add a {what} with this id"),
+            false => format!(
+                "add it, or correct the id; {}",
+                crate::input::job::nearest(&id.to_string(), &known)
+            ),
+        };
+        self.trouble.error(place, format!("there is no {what} with the id {id}"), help);
+    }
+
+    /// What the table knows and nobody took.
+    fn left_over(&mut self) {
+        for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
+            self.take(name);
+        }
+        let left: Vec<Record> = std::mem::take(&mut self.records).into_values().flatten().collect();
+        for record in left {
+            let message = format!("{} is not supported", record.name());
+            self.unsupported(record.head, message, record.name());
+        }
+    }
+
+    /// Adds an entry to a list of the job.
+    fn add(&mut self, list: &str, entry: Table) {
+        self.tree.add(list, entry);
+    }
+}

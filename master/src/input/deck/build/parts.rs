@@ -1,0 +1,434 @@
+//! `*PART`: material, section and hourglass control of elements.
+
+use super::Build;
+use super::contact::Friction;
+use super::materials::Material;
+use super::sections::{self, Hourglass, Kind, Section, Sections};
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use crumple_proto::mesh::Shape;
+use std::collections::{BTreeMap, HashMap};
+
+/// Coefficient of shells where a deck leaves it open: LS-DYNA's QM.
+const DEFAULT_HOURGLASS: f64 = 0.1;
+
+/// A part of the deck.
+#[derive(Debug)]
+pub struct Part {
+    /// What a rigid one holds; `None` if it deforms.
+    pub rigid: Option<Vec<&'static str>>,
+    /// Name of its material.
+    pub material: Option<String>,
+    /// Where it is written.
+    pub place: Place,
+}
+
+/// What a part's elements are.
+#[derive(Clone, Copy, Default)]
+struct Shapes {
+    quads: bool,
+    triangles: bool,
+    solids: bool,
+}
+
+impl Build {
+    pub(super) fn parts(&mut self, materials: &HashMap<i64, Material>, sections: &Sections) {
+        let mut shapes: HashMap<i64, Shapes> = HashMap::new();
+        for element in self.rows.elements() {
+            let of = shapes.entry(i64::from(element.part)).or_default();
+            match element.shape {
+                Shape::Quad4 => of.quads = true,
+                Shape::Tri3 => of.triangles = true,
+                Shape::Hex8 => of.solids = true,
+                Shape::Line2 | Shape::Beam2 => {} // their sections ask nothing
+            }
+        }
+        let own_thickness = self.thickness_of_elements();
+        let mut names: Vec<String> = Vec::new();
+        let mut taken: Vec<i64> = Vec::new();
+        for record in self.take("PART") {
+            let (id, place) = (record.integer("pid"), record.place("pid"));
+            if self.parts.contains_key(&id) {
+                self.trouble.error(
+                    place,
+                    format!("there are two *PART with the id {id}"),
+                    "give each its own",
+                );
+                continue;
+            }
+            let heading = record.word("heading").to_string();
+            let name = match heading.is_empty() {
+                true => format!("part-{id}"),
+                false if names.contains(&heading) => format!("{heading} ({id})"),
+                false => heading,
+            };
+            names.push(name.clone());
+            let (mid, secid) = (record.integer("mid"), record.integer("secid"));
+            let section = sections.by_id.get(&secid);
+            if let Some(section) = section.filter(|s| s.kind == Kind::Discrete) {
+                self.parts.insert(id, Part { rigid: None, material: None, place });
+                self.spring_part(&record, section, &name);
+                continue;
+            }
+            let material = materials.get(&mid);
+            if material.is_none() {
+                let mut known: Vec<i64> = materials.keys().copied().collect();
+                known.sort_unstable();
+                let known: Vec<String> = known.iter().map(i64::to_string).collect();
+                if self.spring_laws.contains_key(&mid) {
+                    let message = format!(
+                        "part {id} is no part of springs, and material {mid} is for these only"
+                    );
+                    self.trouble.error(
+                        record.place("mid"),
+                        message,
+                        "give it another *MAT_..., or a *SECTION_DISCRETE",
+                    );
+                } else {
+                    self.missing(record.place("mid"), "*MAT_...", mid, &known);
+                }
+            }
+            if section.is_none() {
+                let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
+                known.sort_unstable();
+                let known: Vec<String> = known.iter().map(i64::to_string).collect();
+                self.missing(record.place("secid"), "*SECTION_...", secid, &known);
+            }
+            let (Some(material), Some(section)) = (material, section) else {
+                let part = Part { rigid: None, material: None, place };
+                self.parts.insert(id, part);
+                continue;
+            };
+            if record.integer("eosid") != 0 {
+                self.unsupported_value(&record, "eosid", "equations of state");
+            }
+            let mut table = Table::new(record.head)
+                .with("id", place, id)
+                .with("name", record.place("heading"), name)
+                .with("material", record.place("mid"), material.name.as_str());
+            self.contact_card(&record, id, section.kind, &mut table);
+            let shapes = shapes.get(&id).copied().unwrap_or_default();
+            match section.kind {
+                Kind::Shell => self.shell(
+                    &record,
+                    section,
+                    sections,
+                    shapes,
+                    own_thickness.get(&id),
+                    &mut table,
+                ),
+                Kind::Solid => self.solid(&record, section, sections, shapes, &mut table),
+                Kind::Beam => self.beam_part(&record, section, material, &mut table),
+                Kind::Discrete => {}
+            }
+            match (material.skin, section.kind) {
+                (false, _) => {}
+                (true, Kind::Shell) => {
+                    table.put("skin", record.place("mid"), true);
+                    self.map(
+                        format!("part {id}"),
+                        "*MAT_NULL",
+                        "a skin: it touches and has mass, and bears nothing",
+                    );
+                }
+                (true, _) => {
+                    let message = format!(
+                        "part {id}: *MAT_NULL is for shells alone here, which is not supported otherwise"
+                    );
+                    self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
+                }
+            }
+            if let (Some((_, at)), true) = (material.weld, section.kind != Kind::Beam) {
+                let message = format!(
+                    "part {id}: limits of welds hold for beams alone, which is not supported otherwise"
+                );
+                self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+            }
+            let part = Part {
+                rigid: material.rigid.clone(),
+                material: Some(material.name.clone()),
+                place,
+            };
+            self.parts.insert(id, part);
+            if !taken.contains(&mid) {
+                taken.push(mid);
+            }
+            self.add("part", table);
+        }
+        self.used_materials = taken;
+    }
+
+    /// The card of `*PART_CONTACT`: a friction and a thickness in contact of its own.
+    fn contact_card(&mut self, record: &Record, id: i64, kind: Kind, table: &mut Table) {
+        if !record.has("CONTACT") {
+            return;
+        }
+        self.part_friction.insert(id, Friction::of(record));
+        for (field, key) in [("optt", "contact_thickness"), ("sft", "contact_thickness_scale")] {
+            let value = record.real(field);
+            if value > 0.0 && kind == Kind::Shell {
+                table.put(key, record.place(field), value);
+            } else if value > 0.0 {
+                self.map(
+                    format!("part {id}"),
+                    format!("{field} {value}"),
+                    "not used: it is for shells",
+                );
+            }
+        }
+    }
+
+    /// What a part of shells has.
+    fn shell(
+        &mut self,
+        record: &Record,
+        section: &Section,
+        sections: &Sections,
+        shapes: Shapes,
+        own: Option<&Vec<(usize, [f64; 4])>>,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let id = record.integer("pid");
+        let of = format!("part {id}");
+        if shapes.solids {
+            let message =
+                format!("part {id} has solids and *SECTION_SHELL {}", card.integer("secid"));
+            self.trouble.error(
+                record.place("secid"),
+                message,
+                "give solids a part of their own with a *SECTION_SOLID",
+            );
+        }
+        let elform = match card.integer("elform") {
+            0 => sections.defaults.theory,
+            given => given,
+        };
+        let corners = ["t1", "t2", "t3", "t4"].map(|t| card.real(t));
+        let given = if corners[1..].iter().all(|&t| t == 0.0) { [corners[0]; 4] } else { corners };
+        let mean = if given[1..].iter().all(|&t| t == given[0]) {
+            given[0]
+        } else {
+            given.iter().sum::<f64>() / 4.0
+        };
+        let mut thickness = mean;
+        if given.iter().any(|&t| t != mean) {
+            self.map(
+                &of,
+                format!("thicknesses {given:?} at the corners"),
+                format!("their mean {mean}"),
+            );
+        }
+        if let Some(own) = own {
+            thickness = self.own_thickness(id, own, given, mean);
+        }
+        table.put("thickness", card.place("t1"), thickness);
+        match card.integer("nip") {
+            0 => table.put("points", card.place("nip"), 2),
+            n => table.put("points", card.place("nip"), n),
+        }
+        // LS-DYNA's nloc says where the nodes are in the section, `offset` where the middle is from
+        // them.
+        if card.real("nloc") != 0.0 {
+            table.put("offset", card.place("nloc"), -card.real("nloc"));
+            if let Some(place) = sections.defaults.shifted {
+                let message = format!(
+                    "part {id} has an nloc, and cntco asks for contact at the offset surface, which is not supported: set cntco to 0, \
+                     contact is then at the nodes, or nloc to 0"
+                );
+                self.unsupported(place, message, "*CONTROL_SHELL cntco".into());
+            }
+        }
+        let Some(form) = sections::shell(elform) else {
+            self.unsupported_value(
+                card,
+                "elform",
+                "no formulation of shells is near to it; 2 and 16 are the usual ones",
+            );
+            return;
+        };
+        table.put("element", card.place("elform"), form.element);
+        let bt = form.element == "belytschko_tsay";
+        let warping = form.warping || (matches!(elform, 2) && sections.defaults.warping.is_some());
+        if bt && warping {
+            table.put("warping", sections.defaults.warping.unwrap_or(card.place("elform")), true);
+        }
+        if let Some(place) = sections.defaults.thinning {
+            table.put("thinning", place, true);
+        }
+        let mut used = if shapes.quads || !shapes.triangles {
+            form.element.to_string()
+        } else {
+            String::new()
+        };
+        if bt && warping && !used.is_empty() {
+            used += " with warping terms";
+        }
+        if shapes.triangles {
+            let and = if used.is_empty() { "" } else { ", " };
+            used += &format!("{and}c0_triangle");
+        }
+        if bt {
+            let (form, told) = self.hourglass(record, sections, table, false);
+            used += &format!("; hourglass {form}{told}");
+        }
+        let asked = match card.integer("elform") {
+            0 => format!("shells, theory {elform}"),
+            _ => format!("shells, elform {elform}"),
+        };
+        self.map(&of, asked, used);
+        let shear = card.real("shrf");
+        if (shear - 5.0 / 6.0).abs() > 1e-3 {
+            self.map(&of, format!("shear factor {shear}"), "5/6");
+        }
+        if !matches!(card.real("qr"), 0.0) {
+            self.map(&of, format!("qr {}: rule of the points", card.real("qr")), "Gauss points");
+        }
+    }
+
+    fn solid(
+        &mut self,
+        record: &Record,
+        section: &Section,
+        sections: &Sections,
+        shapes: Shapes,
+        table: &mut Table,
+    ) {
+        let card = &section.record;
+        let (id, elform) = (record.integer("pid"), card.integer("elform"));
+        if shapes.quads || shapes.triangles {
+            let message =
+                format!("part {id} has shells and *SECTION_SOLID {}", card.integer("secid"));
+            self.trouble.error(
+                record.place("secid"),
+                message,
+                "give shells a part of their own with a *SECTION_SHELL",
+            );
+        }
+        let Some(wanted) = sections::solid(elform) else {
+            self.unsupported_value(
+                card,
+                "elform",
+                "hexahedra with one point (1) are the only solids; 2 is taken as such",
+            );
+            return;
+        };
+        table.put("element", card.place("elform"), "hexahedron");
+        let (form, told) = match wanted {
+            Some(form) => {
+                table.put("hourglass", card.place("elform"), form);
+                (form, "")
+            }
+            None => self.hourglass(record, sections, table, true),
+        };
+        let own = sections
+            .hourglass
+            .get(&record.integer("hgid"))
+            .and_then(|h| h.1.map(|bulk| (bulk, h.2)));
+        if let Some((bulk, place)) = own.or(sections.defaults.bulk) {
+            table.put("bulk_viscosity", place, bulk);
+        }
+        self.map(
+            format!("part {id}"),
+            format!("solids, elform {elform}"),
+            format!("hexahedron; hourglass {form}{told}"),
+        );
+    }
+
+    /// Hourglass control of a part; gives the form's name and where it comes from.
+    fn hourglass(
+        &mut self,
+        record: &Record,
+        sections: &Sections,
+        table: &mut Table,
+        solids: bool,
+    ) -> (&'static str, &'static str) {
+        // What LS-DYNA's explicit solver takes for shells where a deck names none.
+        let default = if solids { "assumed_strain" } else { "viscous" };
+        let hgid = record.integer("hgid");
+        let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
+        if hgid != 0 && own.is_none() {
+            let known: Vec<String> = sections.hourglass.keys().map(i64::to_string).collect();
+            self.missing(record.place("hgid"), "*HOURGLASS", hgid, &known);
+        }
+        let Some((Hourglass { form, coefficient }, place)) = own.or(sections.defaults.hourglass)
+        else {
+            if !solids {
+                table.put("hourglass", record.place("hgid"), default);
+                table.put("hourglass_coefficient", record.place("hgid"), DEFAULT_HOURGLASS);
+            }
+            return (default, " (the deck names none)");
+        };
+        let name = match (form, solids) {
+            (0, _) => default,
+            (1..=3, _) => "viscous",
+            (4 | 5, _) => "stiffness",
+            (6 | 7 | 9 | 10, true) => "assumed_strain",
+            _ => default,
+        };
+        table.put("hourglass", place, name);
+        if name != "assumed_strain" && (coefficient > 0.0 || !solids) {
+            let coefficient = if coefficient > 0.0 { coefficient } else { DEFAULT_HOURGLASS };
+            table.put("hourglass_coefficient", place, coefficient);
+        }
+        let told = match form {
+            0 => " (ihq blank)",
+            1..=5 => "",
+            6 | 7 | 9 | 10 if solids => "",
+            _ => " (ihq of another kind)",
+        };
+        (name, told)
+    }
+
+    /// Shells of each part that have thicknesses of their own at the corners, by their places.
+    fn thickness_of_elements(&self) -> BTreeMap<i64, Vec<(usize, [f64; 4])>> {
+        let mut all: BTreeMap<i64, Vec<(usize, [f64; 4])>> = BTreeMap::new();
+        for &(at, corners) in &self.rows.thickness {
+            if let Some(shell) = self.rows.shells.get(at) {
+                all.entry(i64::from(shell.part)).or_default().push((at, corners));
+            }
+        }
+        all
+    }
+
+    /// Gives shells the means of their corners, of which those without a thickness have the
+    /// section's. One point in the plane sees no more of it. Gives the thickness of the part: that
+    /// of its section, or of all its shells.
+    fn own_thickness(
+        &mut self,
+        id: i64,
+        own: &[(usize, [f64; 4])],
+        corners: [f64; 4],
+        mean: f64,
+    ) -> f64 {
+        let mean_of = |&(at, own): &(usize, [f64; 4])| {
+            let shell = self.rows.shells.get(at)?;
+            let n = shell.shape.corners();
+            let all: [f64; 4] =
+                std::array::from_fn(|c| if own[c] > 0.0 { own[c] } else { corners[c] });
+            let even = all[1..n].iter().all(|&t| t == all[0]);
+            Some((at, if even { all[0] } else { all[..n].iter().sum::<f64>() / n as f64 }))
+        };
+        let means: Vec<(usize, f64)> = own.iter().filter_map(mean_of).collect();
+        let (least, most) =
+            means.iter().fold((f64::INFINITY, 0.0_f64), |m, t| (m.0.min(t.1), m.1.max(t.1)));
+        let covers =
+            means.len() == self.rows.shells.iter().filter(|s| i64::from(s.part) == id).count();
+        if covers && least == most {
+            self.map(
+                format!("part {id}"),
+                format!("thickness {most} of all its shells"),
+                "that of the part",
+            );
+            return most;
+        }
+        for &(at, thickness) in &means {
+            self.rows.shells[at].thickness = thickness;
+        }
+        let asked = format!("thickness of {} of its shells, {least} to {most}", means.len());
+        self.map(format!("part {id}"), asked, "each its own, the mean of its corners");
+        let average = means.iter().map(|t| t.1).sum::<f64>() / means.len() as f64;
+        if mean == 0.0 && covers { average } else { mean }
+    }
+}

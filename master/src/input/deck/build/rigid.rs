@@ -1,0 +1,195 @@
+//! Rigid bodies: parts of `*MAT_RIGID`, parts switched rigid, sets of nodes, and what joins them.
+
+use super::Build;
+use super::sets::id;
+use super::tree::Table;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// A body in the making, by its leading part.
+#[derive(Debug, Default)]
+struct Body {
+    parts: BTreeSet<i64>,
+    nodes: BTreeSet<NodeId>,
+    fixed: BTreeSet<&'static str>,
+    place: Option<Place>,
+}
+
+impl Build {
+    pub(super) fn rigid(&mut self) {
+        let mut lead: BTreeMap<i64, i64> = BTreeMap::new();
+        for (&id, part) in &self.parts {
+            if part.rigid.is_some() {
+                lead.insert(id, id);
+            }
+        }
+        self.switched(&mut lead);
+        for record in self.take("CONSTRAINED_RIGID_BODIES") {
+            for line in record.lines("pidl") {
+                let (l, c) = (line.integer("pidl"), line.integer("pidc"));
+                if self.is_rigid(l, line.place("pidl"), &lead)
+                    && self.is_rigid(c, line.place("pidc"), &lead)
+                {
+                    join(&mut lead, l, c);
+                }
+            }
+        }
+        self.join_touching(&mut lead);
+        let mut bodies: BTreeMap<i64, Body> = BTreeMap::new();
+        for &part in lead.keys() {
+            let body = bodies.entry(root(&lead, part)).or_default();
+            body.parts.insert(part);
+            let of = &self.parts[&part];
+            body.fixed.extend(of.rigid.iter().flatten());
+            body.place = body.place.or(Some(of.place));
+        }
+        self.extra_nodes(&lead, &mut bodies);
+        for (id, body) in bodies {
+            let place = body.place.unwrap_or(Place::Whole);
+            let name = format!("part-{id}");
+            let mut table = Table::new(place).with("name", place, name.as_str());
+            table.put("parts", place, body.parts.into_iter().collect::<Vec<_>>());
+            if !body.nodes.is_empty() {
+                let set = format!("body-{id}-nodes");
+                self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
+                table.put("nodes", place, set);
+            }
+            if !body.fixed.is_empty() {
+                table.put("fixed", place, body.fixed.into_iter().collect::<Vec<_>>());
+            }
+            self.add("rigid", table);
+        }
+        for &part in lead.keys() {
+            self.bodies.insert(part, format!("part-{}", root(&lead, part)));
+        }
+        self.nodal_bodies();
+    }
+
+    /// `*DEFORMABLE_TO_RIGID`.
+    fn switched(&mut self, lead: &mut BTreeMap<i64, i64>) {
+        for record in self.take("DEFORMABLE_TO_RIGID") {
+            for line in record.lines("pid") {
+                let (pid, place) = (line.integer("pid"), line.place("pid"));
+                let parts = match line.word("ptype").to_ascii_uppercase().as_str() {
+                    "PSET" => self.part_set(pid, place),
+                    _ if self.has_part(pid, place) => vec![pid],
+                    _ => Vec::new(),
+                };
+                for part in parts {
+                    if let Entry::Vacant(free) = lead.entry(part) {
+                        free.insert(part);
+                        self.map(
+                            format!("part {part}"),
+                            "switched to rigid",
+                            "a rigid body from the start to the end",
+                        );
+                    }
+                    let other = line.integer("lrb");
+                    if other != 0 && self.is_rigid(other, line.place("lrb"), lead) {
+                        join(lead, other, part);
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_rigid(&mut self, part: i64, place: Place, lead: &BTreeMap<i64, i64>) -> bool {
+        if lead.contains_key(&part) {
+            return true;
+        }
+        if self.has_part(part, place) {
+            let message = format!("part {part} is not rigid");
+            self.trouble.error(place, message, "give it a *MAT_RIGID, or name a part that has one");
+        }
+        false
+    }
+
+    /// Rigid parts with nodes in common are one body: nothing else can be meant.
+    fn join_touching(&mut self, lead: &mut BTreeMap<i64, i64>) {
+        let mut owner: HashMap<NodeId, i64> = HashMap::new();
+        let mut found: BTreeMap<(i64, i64), usize> = BTreeMap::new();
+        for element in self.rows.elements() {
+            let part = i64::from(element.part);
+            if !lead.contains_key(&part) {
+                continue;
+            }
+            for &node in element.corners() {
+                let first = *owner.entry(node).or_insert(part);
+                if root(lead, first) != root(lead, part) {
+                    join(lead, first.min(part), first.max(part));
+                    found.insert((first.min(part), first.max(part)), 1);
+                }
+            }
+        }
+        for (a, b) in found.into_keys() {
+            self.map(format!("parts {a} and {b}"), "rigid, with nodes in common", "one rigid body");
+        }
+    }
+
+    fn extra_nodes(&mut self, lead: &BTreeMap<i64, i64>, bodies: &mut BTreeMap<i64, Body>) {
+        for (keyword, field) in
+            [("CONSTRAINED_EXTRA_NODES_NODE", "nid"), ("CONSTRAINED_EXTRA_NODES_SET", "nsid")]
+        {
+            for record in self.take(keyword) {
+                for line in record.lines("pid") {
+                    let part = line.integer("pid");
+                    if !self.is_rigid(part, line.place("pid"), lead) {
+                        continue;
+                    }
+                    let Some(body) = bodies.get_mut(&root(lead, part)) else { continue };
+                    let of = line.integer(field);
+                    if field == "nid" {
+                        body.nodes.extend(id(of));
+                    } else if self.node_set(of, line.place(field)).is_some() {
+                        body.nodes.extend(&self.node_sets[&of].0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// `*CONSTRAINED_NODAL_RIGID_BODY`.
+    fn nodal_bodies(&mut self) {
+        for record in self.take("CONSTRAINED_NODAL_RIGID_BODY") {
+            let pid = record.integer("pid");
+            // Without a set of its own it is the set with the body's id.
+            let (nsid, field) = match record.integer("nsid") {
+                0 => (pid, "pid"),
+                given => (given, "nsid"),
+            };
+            for field in ["drflag", "rrflag"] {
+                if record.integer(field) != 0 {
+                    self.unsupported_value(&record, field, "degrees of freedom that are let go");
+                }
+            }
+            let place = record.place("pid");
+            let Some(set) = self.node_set(nsid, record.place(field)) else { continue };
+            let name = format!("body-{pid}");
+            self.add(
+                "rigid",
+                Table::new(place).with("name", place, name.as_str()).with(
+                    "nodes",
+                    record.place(field),
+                    set,
+                ),
+            );
+            self.bodies.entry(pid).or_insert(name);
+        }
+    }
+}
+
+fn root(lead: &BTreeMap<i64, i64>, mut part: i64) -> i64 {
+    while let Some(&up) = lead.get(&part).filter(|&&up| up != part) {
+        part = up;
+    }
+    part
+}
+
+fn join(lead: &mut BTreeMap<i64, i64>, a: i64, b: i64) {
+    let (a, b) = (root(lead, a), root(lead, b));
+    if a != b {
+        lead.insert(b, a);
+    }
+}

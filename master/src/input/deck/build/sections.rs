@@ -1,0 +1,153 @@
+//! `*SECTION_...` and `*HOURGLASS`: which formulation, with which numbers.
+
+use super::Build;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use std::collections::HashMap;
+
+/// A section.
+#[derive(Debug)]
+pub struct Section {
+    /// What it is of.
+    pub kind: Kind,
+    /// Its card.
+    pub record: Record,
+}
+
+/// What a section is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Shells.
+    Shell,
+    /// Solids.
+    Solid,
+    /// Springs and dampers.
+    Discrete,
+    /// Beams.
+    Beam,
+}
+
+/// What `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and `*CONTROL_BULK_VISCOSITY` say for all parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Defaults {
+    pub theory: i64,
+    pub warping: Option<Place>,
+    pub thinning: Option<Place>,
+    /// Where contact is said to go by the offset of shells, if it is.
+    pub shifted: Option<Place>,
+    pub hourglass: Option<(Hourglass, Place)>,
+    pub bulk: Option<([f64; 2], Place)>,
+}
+
+/// An hourglass form: its number and coefficient, nought where not given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hourglass {
+    pub form: i64,
+    pub coefficient: f64,
+}
+
+/// All of them.
+#[derive(Debug)]
+pub struct Sections {
+    pub by_id: HashMap<i64, Section>,
+    pub defaults: Defaults,
+    pub hourglass: HashMap<i64, (Hourglass, Option<[f64; 2]>, Place)>,
+}
+
+/// A formulation of shells: name in the job, and what has to be told.
+pub struct Formulation {
+    pub element: &'static str,
+    pub warping: bool,
+}
+
+/// The formulation of the engine that is nearest to one of the deck; `None` if none is near.
+pub fn shell(elform: i64) -> Option<Formulation> {
+    let (element, warping) = match elform {
+        1 | 2 | 3 | 4 | 11 | 17 => ("belytschko_tsay", false),
+        10 => ("belytschko_tsay", true),
+        6 | 7 | 8 | 16 | -16 | 18 | 20 | 21 | 25 | 26 => ("stabilised_quad", false),
+        _ => return None,
+    };
+    Some(Formulation { element, warping })
+}
+
+/// Whether a formulation of solids is a hexahedron that ours can stand for, and with which
+/// hourglass form.
+pub fn solid(elform: i64) -> Option<Option<&'static str>> {
+    match elform {
+        0 | 1 => Some(None),
+        // Fully integrated ones: the form that bends right and does not lock.
+        2 | 3 | -1 | -2 => Some(Some("assumed_strain")),
+        _ => None,
+    }
+}
+
+impl Build {
+    pub(super) fn sections(&mut self) -> Sections {
+        let mut by_id = HashMap::new();
+        let kinds = [
+            ("SECTION_SHELL", Kind::Shell),
+            ("SECTION_SOLID", Kind::Solid),
+            ("SECTION_BEAM", Kind::Beam),
+            ("SECTION_DISCRETE", Kind::Discrete),
+        ];
+        for (keyword, kind) in kinds {
+            for record in self.take(keyword) {
+                let (id, place) = (record.integer("secid"), record.place("secid"));
+                if by_id.insert(id, Section { kind, record }).is_some() {
+                    self.trouble.error(
+                        place,
+                        format!("there are two sections with the id {id}"),
+                        "give each its own",
+                    );
+                }
+            }
+        }
+        let mut hourglass = HashMap::new();
+        for record in self.take("HOURGLASS") {
+            let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qm") };
+            let given = record.real("q1") != 0.0 || record.real("q2") != 0.0;
+            let bulk = given.then(|| [record.real("q2"), record.real("q1")]);
+            hourglass.insert(record.integer("hgid"), (form, bulk, record.place("ihq")));
+        }
+        Sections { by_id, defaults: self.defaults(), hourglass }
+    }
+
+    fn defaults(&mut self) -> Defaults {
+        let mut d = Defaults {
+            theory: 2,
+            warping: None,
+            thinning: None,
+            shifted: None,
+            hourglass: None,
+            bulk: None,
+        };
+        for record in self.take("CONTROL_SHELL") {
+            if record.integer("theory") != 0 {
+                d.theory = record.integer("theory");
+            }
+            if record.integer("bwc") == 1 {
+                d.warping = Some(record.place("bwc"));
+            }
+            if matches!(record.integer("istupd"), 1 | 4) {
+                d.thinning = Some(record.place("istupd"));
+            }
+            if record.integer("cntco") != 0 {
+                d.shifted = Some(record.place("cntco"));
+            }
+        }
+        for record in self.take("CONTROL_HOURGLASS") {
+            let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qh") };
+            d.hourglass =
+                (form.form != 0 || form.coefficient != 0.0).then(|| (form, record.place("ihq")));
+        }
+        for record in self.take("CONTROL_BULK_VISCOSITY") {
+            let or = |x: f64, default: f64| if x == 0.0 { default } else { x };
+            d.bulk = Some((
+                [or(record.real("q2"), 0.06), or(record.real("q1"), 1.5)],
+                record.place("q1"),
+            ));
+        }
+        d
+    }
+}

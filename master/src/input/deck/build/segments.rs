@@ -1,0 +1,174 @@
+//! Segments: faces by their nodes, for pressure.
+
+use super::Build;
+use super::sets::id;
+use super::tree::Table;
+use crate::input::deck::record::Line;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::NodeId;
+use std::collections::{BTreeSet, HashMap};
+
+/// A face by its nodes in order.
+#[derive(Clone, Debug)]
+pub struct Segment {
+    /// Three or four nodes.
+    pub nodes: Vec<NodeId>,
+    /// Where it is written.
+    pub place: Place,
+}
+
+fn segment(line: &Line) -> Segment {
+    let mut nodes: Vec<NodeId> = line.integers("n").filter_map(|n| id(n.0)).collect();
+    nodes.dedup();
+    Segment { nodes, place: line.place }
+}
+
+/// A face's nodes, whatever their order.
+fn key(nodes: &[NodeId]) -> Vec<NodeId> {
+    let mut key = nodes.to_vec();
+    key.sort_unstable();
+    key.dedup();
+    key
+}
+
+impl Build {
+    pub(super) fn segment_sets(&mut self) {
+        for record in self.take("SET_SEGMENT") {
+            let segments = record.lines("n").map(segment).collect();
+            self.segment_sets.insert(record.integer("sid"), segments);
+        }
+    }
+
+    pub(super) fn pressures(&mut self) {
+        // Loads of one curve and scale: the faces of each belong together.
+        let mut loads: Vec<(i64, f64, Place, Vec<Segment>)> = Vec::new();
+        for record in self.take("LOAD_SEGMENT") {
+            for line in record.lines("lcid") {
+                self.arrival(line);
+                let (curve, scale) = (line.integer("lcid"), line.real("sf"));
+                match loads.iter_mut().find(|l| l.0 == curve && l.1 == scale) {
+                    Some(load) => load.3.push(segment(line)),
+                    None => loads.push((curve, scale, line.place, vec![segment(line)])),
+                }
+            }
+        }
+        for record in self.take("LOAD_SEGMENT_SET") {
+            for line in record.lines("lcid") {
+                self.arrival(line);
+                let ssid = line.integer("ssid");
+                match self.segment_sets.get(&ssid).cloned() {
+                    Some(set) => {
+                        loads.push((line.integer("lcid"), line.real("sf"), line.place, set))
+                    }
+                    None => {
+                        let known: Vec<String> =
+                            self.segment_sets.keys().map(i64::to_string).collect();
+                        self.missing(line.place("ssid"), "*SET_SEGMENT", ssid, &known);
+                    }
+                }
+            }
+        }
+        if loads.is_empty() {
+            return;
+        }
+        let faces = self.faces();
+        for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
+            let name = self.time_curve(curve, place);
+            for (along, sign) in [(true, 1.0), (false, -1.0)] {
+                let loaded = self.of_sense(&segments, &faces, along);
+                for (part, (group, nodes)) in whole_groups(&loaded, &faces).into_iter().enumerate()
+                {
+                    let set = format!(
+                        "pressure-{}-{}{}",
+                        number + 1,
+                        if along { "" } else { "back-" },
+                        part + 1
+                    );
+                    self.rows.add_set(set.clone(), nodes, group);
+                    let mut table = Table::new(place).with("nodes", place, set).with(
+                        "pressure",
+                        place,
+                        sign * scale,
+                    );
+                    name.iter().for_each(|n| table.put("curve", place, n.as_str()));
+                    self.add("pressure", table);
+                }
+            }
+        }
+    }
+
+    fn arrival(&mut self, line: &Line) {
+        if line.real("at") != 0.0 {
+            let message = format!("`at` = {}: arrival times are not supported", line.real("at"));
+            self.unsupported(line.place("at"), message, "*LOAD_SEGMENT at".into());
+        }
+    }
+
+    /// Faces of all shells, with their nodes in order, and of all solids.
+    fn faces(&self) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
+        let mut faces = HashMap::new();
+        for element in self.rows.elements() {
+            for face in element.shape.faces() {
+                let corners: Vec<NodeId> = face.iter().map(|&c| element.nodes[c]).collect();
+                let order = element.shape.is_shell().then(|| element.corners().to_vec());
+                faces.entry(key(&corners)).or_insert(order);
+            }
+        }
+        faces
+    }
+
+    /// Segments whose normal is that of the shell they lie on (or of any solid), or those whose
+    /// normal is not.
+    fn of_sense(
+        &mut self,
+        segments: &[Segment],
+        faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,
+        along: bool,
+    ) -> Vec<Segment> {
+        let mut found = Vec::new();
+        for segment in segments {
+            match faces.get(&key(&segment.nodes)) {
+                None if along => {
+                    let ids: Vec<String> = segment.nodes.iter().map(NodeId::to_string).collect();
+                    let message = format!("the segment {} is no face of an element", ids.join(" "));
+                    self.trouble.error(
+                        segment.place,
+                        message,
+                        "give the nodes of a shell, or of one face of a solid",
+                    );
+                }
+                Some(order) => {
+                    let same = order.as_ref().is_none_or(|order| same_sense(order, &segment.nodes));
+                    found.extend((same == along).then(|| segment.clone()));
+                }
+                None => {}
+            }
+        }
+        found
+    }
+}
+
+/// Whether two cycles of the same nodes go round alike.
+fn same_sense(order: &[NodeId], nodes: &[NodeId]) -> bool {
+    let next = |cycle: &[NodeId], n: NodeId| {
+        let at = cycle.iter().position(|&m| m == n)?;
+        cycle.get((at + 1) % cycle.len()).copied()
+    };
+    nodes.first().is_some_and(|&n| next(order, n) == next(nodes, n))
+}
+
+/// The segments in groups whose nodes hold no other face: all in one if that is so, else each for
+/// itself.
+fn whole_groups(
+    segments: &[Segment],
+    faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,
+) -> Vec<(Place, Vec<NodeId>)> {
+    let Some(first) = segments.first() else { return Vec::new() };
+    let nodes: BTreeSet<NodeId> = segments.iter().flat_map(|s| s.nodes.iter().copied()).collect();
+    let wanted: BTreeSet<Vec<NodeId>> = segments.iter().map(|s| key(&s.nodes)).collect();
+    let held = faces.keys().filter(|face| face.iter().all(|n| nodes.contains(n))).count();
+    if held == wanted.len() && wanted.len() == segments.len() {
+        return vec![(first.place, nodes.into_iter().collect())];
+    }
+    segments.iter().map(|s| (s.place, key(&s.nodes))).collect()
+}

@@ -1,0 +1,114 @@
+//! Boxes and coordinate systems.
+
+use super::Build;
+use crate::input::deck::record::Record;
+use crumple_proto::ids::NodeId;
+
+impl Build {
+    pub(super) fn space(&mut self) {
+        for record in self.take("DEFINE_BOX") {
+            let range = |low: &str, high: &str| [record.real(low), record.real(high)];
+            let sides = [range("xmn", "xmx"), range("ymn", "ymx"), range("zmn", "zmx")];
+            self.boxes.insert(record.integer("boxid"), sides);
+        }
+        for record in self.take("DEFINE_COORDINATE_SYSTEM") {
+            let point = |names: [&str; 3]| names.map(|n| record.real(n));
+            if record.integer("cidl") != 0 {
+                self.unsupported_value(&record, "cidl", "points in another system");
+            }
+            let (o, l, p) =
+                (point(["xo", "yo", "zo"]), point(["xl", "yl", "zl"]), point(["xp", "yp", "zp"]));
+            self.system(&record, o, l, p);
+        }
+        for record in self.take("DEFINE_COORDINATE_NODES") {
+            let dir = record.word("dir");
+            if !(dir.is_empty() || dir.eq_ignore_ascii_case("x")) {
+                let message = format!("*DEFINE_COORDINATE_NODES: dir = {dir} is not supported");
+                self.unsupported(
+                    record.place("dir"),
+                    message,
+                    "*DEFINE_COORDINATE_NODES dir".into(),
+                );
+            }
+            if record.integer("flag") != 0 {
+                self.map(
+                    "coordinate system",
+                    "flag 1: it turns with its nodes",
+                    "as its nodes are at the start",
+                );
+            }
+            let mut points = [[0.0; 3]; 3];
+            for (point, name) in points.iter_mut().zip(["n1", "n2", "n3"]) {
+                let id = record.integer(name);
+                match self.rows.at(NodeId(u64::try_from(id).unwrap_or(0))) {
+                    Some(x) => *point = x,
+                    None => self.missing(record.place(name), "node", id, &[]),
+                }
+            }
+            let [o, l, p] = points;
+            self.system(&record, o, l, p);
+        }
+    }
+
+    /// Axes from an origin, a point on the x axis and one in the x-y plane.
+    fn system(&mut self, record: &Record, o: [f64; 3], l: [f64; 3], p: [f64; 3]) {
+        let from = |a: [f64; 3]| [0, 1, 2].map(|c| a[c] - o[c]);
+        let axes = unit(from(l)).and_then(|x| {
+            let z = unit(cross(x, from(p)))?;
+            Some([x, cross(z, x), z])
+        });
+        match axes {
+            Some(axes) => {
+                self.axes.insert(record.integer("cid"), axes);
+            }
+            None => {
+                let message = format!(
+                    "{} {}: its points stand on one line",
+                    record.name(),
+                    record.integer("cid")
+                );
+                let help =
+                    "give an origin, a point on the x axis, and one in the x-y plane beside it";
+                self.trouble.error(record.place("cid"), message, help);
+            }
+        }
+    }
+
+    /// A vector given in system `field` of a record, in the axes of space; as it is without one.
+    pub(super) fn turned(
+        &mut self,
+        v: [f64; 3],
+        record: &crate::input::deck::record::Line,
+        field: &str,
+    ) -> [f64; 3] {
+        match record.integer(field) {
+            0 => v,
+            id => match self.axes.get(&id) {
+                Some(axes) => [0, 1, 2].map(|c| (0..3).map(|a| v[a] * axes[a][c]).sum()),
+                None => {
+                    let known: Vec<String> = self.axes.keys().map(i64::to_string).collect();
+                    self.missing(record.place(field), "*DEFINE_COORDINATE_...", id, &known);
+                    v
+                }
+            },
+        }
+    }
+
+    /// Whether the axes of a system are those of space.
+    pub(super) fn is_plain(&self, id: i64) -> bool {
+        let plain = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        id == 0 || self.axes.get(&id) == Some(&plain)
+    }
+}
+
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The unit vector; `None` if it has no direction.
+pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let scaled = v.map(|c| c / largest);
+    let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+    (largest > 0.0 && largest.is_finite()).then(|| scaled.map(|c| c / length))
+}

@@ -1,0 +1,194 @@
+//! `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
+
+use super::Build;
+use super::sections::Section;
+use super::sets::id;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crumple_proto::ids::ElemId;
+use std::collections::BTreeMap;
+
+const LAWS: [&str; 4] = [
+    "MAT_SPRING_ELASTIC",
+    "MAT_DAMPER_VISCOUS",
+    "MAT_SPRING_NONLINEAR_ELASTIC",
+    "MAT_DAMPER_NONLINEAR_VISCOUS",
+];
+
+/// Fields of sections for which there is nothing, and what they ask for.
+const UNSERVED: [(&str, &str); 6] = [
+    ("dro", "springs and dampers of rotations"),
+    ("kd", "stiffnesses that grow with the rate"),
+    ("cl", "a clearance"),
+    ("fd", "springs that break"),
+    ("cdl", "a limit of compression"),
+    ("tdl", "a limit of tension"),
+];
+
+impl Build {
+    /// Elements and laws.
+    pub(super) fn springs(&mut self) {
+        for record in LAWS.iter().flat_map(|law| self.take(law)).collect::<Vec<_>>() {
+            let (mid, place) = (record.integer("mid"), record.place("mid"));
+            if self.spring_laws.insert(mid, record).is_some() {
+                self.trouble.error(
+                    place,
+                    format!("there are two materials with the id {mid}"),
+                    "give each its own",
+                );
+            }
+        }
+        let orientations = self.orientations();
+        for record in self.take("ELEMENT_DISCRETE") {
+            for line in record.lines("eid") {
+                let number = line.integer("eid");
+                let mut missing = |field: &str, why: &str| {
+                    let message = format!(
+                        "{}: spring {number} has {why}, which is not supported yet",
+                        record.name()
+                    );
+                    self.unsupported(
+                        line.place(field),
+                        message,
+                        format!("{} {field}", record.name()),
+                    );
+                };
+                let (vid, grounded) = (line.integer("vid"), line.integer("n2") == 0);
+                if grounded && vid == 0 {
+                    missing("n2", "the ground for its second node and no direction (vid)");
+                    continue;
+                }
+                if line.real("offset") != 0.0 {
+                    missing("offset", "an elongation at the start");
+                }
+                if vid != 0 && !orientations.contains_key(&vid) {
+                    let known: Vec<String> = orientations.keys().map(i64::to_string).collect();
+                    self.missing(line.place("vid"), "*DEFINE_SD_ORIENTATION", vid, &known);
+                    continue;
+                }
+                let first = id(line.integer("n1"));
+                let second = match first.filter(|_| grounded) {
+                    Some(node) => self.rows.ground(node, line.place),
+                    None => id(line.integer("n2")),
+                };
+                let ids = [id(number), first, second];
+                let part = u32::try_from(line.integer("pid")).ok();
+                let ([Some(own), Some(n1), Some(n2)], Some(part)) = (ids, part) else {
+                    let message =
+                        format!("{}: spring {number} has an id that is none", record.name());
+                    self.trouble.error(
+                        line.place,
+                        message,
+                        "ids are whole numbers above 0, of parts up to 4294967295",
+                    );
+                    continue;
+                };
+                let scale = (line.real("s"), line.place("s"));
+                let first = self.spring_scales.entry(i64::from(part)).or_insert(scale).0;
+                if first != scale.0 {
+                    let message = format!(
+                        "{}: part {part} has springs with s {first} and {}",
+                        record.name(),
+                        scale.0
+                    );
+                    self.unsupported(scale.1, message, format!("{} s", record.name()));
+                }
+                let along = (orientations.get(&vid).copied(), line.place("vid"));
+                if self.spring_directions.entry(i64::from(part)).or_insert(along).0 != along.0 {
+                    let message = format!(
+                        "{}: part {part} has springs with different directions",
+                        record.name()
+                    );
+                    self.unsupported(along.1, message, format!("{} vid", record.name()));
+                }
+                self.rows.spring(ElemId(own.0), part, [n1, n2], line.place);
+            }
+        }
+    }
+
+    /// Directions that stay.
+    fn orientations(&mut self) -> BTreeMap<i64, [f64; 3]> {
+        let mut found = BTreeMap::new();
+        for record in self.take("DEFINE_SD_ORIENTATION") {
+            for line in record.lines("vid") {
+                let (vid, along) = (line.integer("vid"), ["xt", "yt", "zt"].map(|c| line.real(c)));
+                if line.integer("iop") != 0 {
+                    let message = format!(
+                        "{}: vid {vid} turns with the model or leaves a plane free",
+                        record.name()
+                    );
+                    self.unsupported(line.place("iop"), message, format!("{} iop", record.name()));
+                }
+                if along == [0.0; 3] && line.integer("iop") == 0 {
+                    let message = format!("{}: vid {vid} has no direction", record.name());
+                    self.trouble.error(
+                        line.place("xt"),
+                        message,
+                        "give xt, yt, zt: a vector along it",
+                    );
+                }
+                found.insert(vid, along);
+            }
+        }
+        found
+    }
+
+    /// A part of springs.
+    pub(super) fn spring_part(&mut self, record: &Record, section: &Section, name: &str) {
+        let (pid, mid) = (record.integer("pid"), record.integer("mid"));
+        for (field, why) in UNSERVED {
+            if section.record.real(field) != 0.0 {
+                self.unsupported_value(&section.record, field, why);
+            }
+        }
+        let Some(law) = self.spring_laws.get(&mid).cloned() else {
+            let known: Vec<String> = self.spring_laws.keys().map(i64::to_string).collect();
+            return self.missing(
+                record.place("mid"),
+                "*MAT_SPRING_... or *MAT_DAMPER_...",
+                mid,
+                &known,
+            );
+        };
+        let scale = self.spring_scales.get(&pid).map_or(1.0, |s| s.0);
+        let mut spring = Table::new(law.head);
+        let (key, field, below) = match law.row.keyword.name {
+            "MAT_SPRING_ELASTIC" => ("stiffness", "k", None),
+            "MAT_DAMPER_VISCOUS" => ("damping", "dc", None),
+            "MAT_SPRING_NONLINEAR_ELASTIC" => {
+                ("force_elongation", "lcd", Some("negative elongations"))
+            }
+            _ => ("force_rate", "lcdr", Some("negative rates")),
+        };
+        let at = law.place(field);
+        match below {
+            None => spring.put(key, at, scale * law.real(field)),
+            Some(below) => {
+                if law.integer("lcr") != 0 {
+                    self.unsupported_value(&law, "lcr", "a curve over the rate");
+                }
+                let Some(curve) = self.curve(law.integer(field), at) else { return };
+                if curve.points.first().is_some_and(|p| p[0] >= 0.0) {
+                    let asked = format!("curve {} says nothing of {below}", law.integer(field));
+                    self.map(format!("part {pid}"), asked, "its first slope goes on there");
+                }
+                let points: Vec<Vec<f64>> =
+                    curve.points.iter().map(|p| vec![p[0], scale * p[1]]).collect();
+                spring.put(key, curve.place, points);
+            }
+        }
+        if let Some(&(Some(direction), at)) = self.spring_directions.get(&pid) {
+            spring.put("direction", at, direction);
+        }
+        let asked = match scale == 1.0 {
+            true => law.name(),
+            false => format!("{} scaled by {scale}", law.name()),
+        };
+        self.map(format!("part {pid}"), asked, format!("springs with {key}"));
+        let table = Table::new(record.head)
+            .with("id", record.place("pid"), pid)
+            .with("name", record.place("heading"), name)
+            .with("spring", law.head, spring);
+        self.add("part", table);
+    }
+}

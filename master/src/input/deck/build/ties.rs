@@ -1,0 +1,150 @@
+//! `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
+
+use super::Build;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crumple_proto::ids::NodeId;
+
+/// Keywords, and whether they tie rotations too.
+const KEYWORDS: [(&str, bool); 4] = [
+    ("CONTACT_TIED_NODES_TO_SURFACE", false),
+    ("CONTACT_TIED_SURFACE_TO_SURFACE", false),
+    ("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", true),
+    ("CONTACT_SPOTWELD", true),
+];
+const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
+
+impl Build {
+    pub(super) fn ties(&mut self) {
+        let mut number = 0;
+        for (keyword, rotations) in KEYWORDS {
+            for record in self.take(keyword) {
+                number += 1;
+                self.tie(&record, number, rotations);
+            }
+        }
+    }
+
+    fn tie(&mut self, record: &Record, number: usize, rotations: bool) {
+        let of = format!("tie {number}");
+        let (Some(nodes), Some(surface)) =
+            (self.tied_nodes(record, number), self.surface(record, number))
+        else {
+            return;
+        };
+        let name = match record.word("heading").trim() {
+            "" => format!("tie-{number}"),
+            heading => heading.to_string(),
+        };
+        let offset = OFFSETS.iter().find(|o| record.has(o));
+        let mut table = Table::new(record.head)
+            .with("name", record.head, name)
+            .with("nodes", record.place("surfa"), nodes)
+            .with("rotations", record.head, rotations)
+            .with("offset", record.head, offset.is_some());
+        match surface {
+            Surface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
+            Surface::Faces(set) => table.put("faces", record.place("surfb"), set),
+        }
+        // Minus the distance itself, or thicknesses that take the place of the parts' own.
+        let off = ["sast", "sbst"].map(|side| record.real(side));
+        let place = record.place("sast");
+        match off[0].min(off[1]) {
+            least if least < 0.0 => table.put("tolerance", place, least.abs()),
+            _ if off != [0.0; 2] => table.put("thicknesses", place, off),
+            _ => {}
+        }
+        for field in ["saboxid", "sbboxid"] {
+            if record.integer(field) != 0 {
+                self.unsupported_value(record, field, "give the nodes by a set of their own");
+            }
+        }
+        let (birth, death) = (record.real("bt"), record.real("dt"));
+        if birth > 0.0 || (death > 0.0 && death < self.end_time) {
+            let field = if birth > 0.0 { "bt" } else { "dt" };
+            self.unsupported_value(record, field, "ties that come or go within the run");
+        }
+        let asked =
+            record.row.keyword.name.replace("CONTACT_", "").to_lowercase().replace('_', " ");
+        let asked = offset
+            .map_or(asked.clone(), |o| format!("{asked}, {}", o.to_lowercase().replace('_', " ")));
+        let used = match (offset, rotations) {
+            (None, false) => "displacements tied, nodes moved onto the surface",
+            (None, true) => "displacements and rotations tied, nodes moved onto the surface",
+            (Some(_), false) => {
+                "displacements tied at the end of arms that turn with the surface, by a constraint"
+            }
+            (Some(_), true) => {
+                "displacements, at the end of arms, and rotations tied, by a constraint"
+            }
+        };
+        self.map(of, asked, used);
+        self.add("tie", table);
+    }
+
+    /// Name of a set with the nodes of the first side.
+    fn tied_nodes(&mut self, record: &Record, number: usize) -> Option<String> {
+        let (id, place) = (record.integer("surfa"), record.place("surfa"));
+        match record.integer("surfatyp") {
+            4 => self.node_set(id, place),
+            2 => {
+                let parts = self.part_set(id, place);
+                (!parts.is_empty()).then(|| self.nodes_of_parts(&parts))
+            }
+            3 => self.has_part(id, place).then(|| self.nodes_of_parts(&[id])),
+            0 => self.nodes_of_segments(record, "surfa", format!("tie-{number}-nodes")),
+            _ => {
+                self.unsupported_value(
+                    record,
+                    "surfatyp",
+                    "nodes are tied by 0 segments, 2 set of parts, 3 part or 4 nodes",
+                );
+                None
+            }
+        }
+    }
+
+    /// What the second side is.
+    fn surface(&mut self, record: &Record, number: usize) -> Option<Surface> {
+        let (id, place) = (record.integer("surfb"), record.place("surfb"));
+        match record.integer("surfbtyp") {
+            2 => Some(Surface::Parts(self.part_set(id, place)))
+                .filter(|s| !matches!(s, Surface::Parts(p) if p.is_empty())),
+            3 => self.has_part(id, place).then(|| Surface::Parts(vec![id])),
+            0 => self
+                .nodes_of_segments(record, "surfb", format!("tie-{number}-faces"))
+                .map(Surface::Faces),
+            _ => {
+                self.unsupported_value(
+                    record,
+                    "surfbtyp",
+                    "they are tied to 0 segments, 2 set of parts or 3 part",
+                );
+                None
+            }
+        }
+    }
+
+    /// Adds a set with the nodes of a set of segments.
+    fn nodes_of_segments(&mut self, record: &Record, side: &str, name: String) -> Option<String> {
+        let (id, place) = (record.integer(side), record.place(side));
+        let Some(set) = self.segment_sets.get(&id) else {
+            let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
+            self.missing(place, "*SET_SEGMENT", id, &known);
+            return None;
+        };
+        let mut nodes: Vec<NodeId> = set.iter().flat_map(|s| s.nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        self.rows.add_set(name.clone(), nodes, place);
+        Some(name)
+    }
+}
+
+/// A surface that nodes are tied to.
+enum Surface {
+    /// All faces of parts.
+    Parts(Vec<i64>),
+    /// The faces within a node set.
+    Faces(String),
+}

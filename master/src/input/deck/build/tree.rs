@@ -1,0 +1,161 @@
+//! The job's tree of values in the making.
+
+use crate::input::job::tree::{Entry, Kind, Node, Place};
+use std::collections::BTreeMap;
+
+/// A table of the job: keys with values and their places in the deck.
+#[derive(Debug)]
+pub struct Table {
+    entries: BTreeMap<String, Entry>,
+    place: Place,
+}
+
+impl Table {
+    /// An empty table; `place` is that of the keyword.
+    pub fn new(place: Place) -> Self {
+        Self { entries: BTreeMap::new(), place }
+    }
+
+    /// Puts a value in.
+    pub fn put(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
+        let node = Node { kind: located(value.into(), place), place };
+        self.entries.insert(key.into(), Entry { key: place, node });
+    }
+
+    /// The same, to be chained.
+    pub fn with(mut self, key: &str, place: Place, value: impl Into<Kind>) -> Self {
+        self.put(key, place, value);
+        self
+    }
+
+    /// The same keys and values once more.
+    pub fn copy(&self) -> Self {
+        Self { entries: self.entries.clone(), place: self.place }
+    }
+
+    /// Where the keyword is.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+
+    /// The whole numbers of a list; `None` without it.
+    pub fn integers(&self, key: &str) -> Option<Vec<i64>> {
+        let Kind::Array(items) = &self.entries.get(key)?.node.kind else { return None };
+        let number = |node: &Node| if let Kind::Integer(i) = node.kind { Some(i) } else { None };
+        Some(items.iter().filter_map(number).collect())
+    }
+
+    /// Whether a key is there.
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
+    fn into_node(self) -> Node {
+        Node { kind: Kind::Table(self.entries), place: self.place }
+    }
+}
+
+/// Gives items without a place that of their list.
+fn located(kind: Kind, place: Place) -> Kind {
+    match kind {
+        Kind::Array(items) => {
+            let item = |node: Node| match node.place {
+                Place::Whole => Node { kind: located(node.kind, place), place },
+                _ => node,
+            };
+            Kind::Array(items.into_iter().map(item).collect())
+        }
+        other => other,
+    }
+}
+
+impl From<f64> for Kind {
+    fn from(x: f64) -> Self {
+        Kind::Float(x)
+    }
+}
+
+impl From<i64> for Kind {
+    fn from(i: i64) -> Self {
+        Kind::Integer(i)
+    }
+}
+
+impl From<bool> for Kind {
+    fn from(b: bool) -> Self {
+        Kind::Boolean(b)
+    }
+}
+
+impl From<&str> for Kind {
+    fn from(text: &str) -> Self {
+        Kind::String(text.into())
+    }
+}
+
+impl From<String> for Kind {
+    fn from(text: String) -> Self {
+        Kind::String(text)
+    }
+}
+
+impl From<Table> for Kind {
+    fn from(table: Table) -> Self {
+        Kind::Table(table.entries)
+    }
+}
+
+impl<T: Into<Kind>> From<Vec<T>> for Kind {
+    fn from(items: Vec<T>) -> Self {
+        Kind::Array(
+            items.into_iter().map(|item| Node { kind: item.into(), place: Place::Whole }).collect(),
+        )
+    }
+}
+
+impl<T: Into<Kind>, const N: usize> From<[T; N]> for Kind {
+    fn from(items: [T; N]) -> Self {
+        Vec::from(items).into()
+    }
+}
+
+/// The whole job.
+#[derive(Debug, Default)]
+pub struct Tree {
+    root: BTreeMap<String, Entry>,
+}
+
+impl Tree {
+    /// Adds an entry to a list such as `part`.
+    pub fn add(&mut self, list: &str, entry: Table) {
+        let empty = || Entry {
+            key: Place::Whole,
+            node: Node { kind: Kind::Array(Vec::new()), place: Place::Whole },
+        };
+        let found = self.root.entry(list.into()).or_insert_with(empty);
+        if let Kind::Array(items) = &mut found.node.kind {
+            items.push(entry.into_node());
+        }
+    }
+
+    /// Sets a key at the top.
+    pub fn set(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
+        let node = Node { kind: located(value.into(), place), place };
+        self.root.insert(key.into(), Entry { key: place, node });
+    }
+
+    /// Sets a key of a table such as `time`.
+    pub fn set_in(&mut self, table: &str, key: &str, place: Place, value: impl Into<Kind>) {
+        let fresh = || Entry { key: place, node: Node::table(place) };
+        let found = self.root.entry(table.into()).or_insert_with(fresh);
+        if let Kind::Table(entries) = &mut found.node.kind {
+            let node = Node { kind: located(value.into(), place), place };
+            entries.insert(key.into(), Entry { key: place, node });
+        }
+    }
+
+    /// The tree.
+    pub fn into_node(self) -> Node {
+        Node { kind: Kind::Table(self.root), place: Place::Whole }
+    }
+}

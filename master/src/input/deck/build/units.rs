@@ -1,0 +1,63 @@
+//! Which units a deck is written in, by what its materials would be in them.
+
+use super::Build;
+use super::materials::Material;
+use crate::input::job::tree::Place;
+use crate::input::job::units_fit;
+use std::collections::HashMap;
+
+/// Consistent sets, the most usual first.
+const SETS: [&str; 8] = [
+    "mm, ms, kg",
+    "mm, s, tonne",
+    "m, s, kg",
+    "mm, ms, g",
+    "cm, us, g",
+    "m, ms, kg",
+    "cm, ms, g",
+    "mm, us, g",
+];
+
+impl Build {
+    /// Puts the materials that parts use into the job, and the units in which they are real.
+    pub(super) fn units(&mut self, materials: &mut HashMap<i64, Material>) {
+        let mut used = Vec::new();
+        let mut first = None;
+        for id in std::mem::take(&mut self.used_materials) {
+            let Some(material) = materials.get_mut(&id) else { continue };
+            first = first.or(Some(material.place));
+            if !material.skin {
+                used.push((material.density, material.youngs_modulus));
+            }
+            if let Some(table) = material.table.take() {
+                self.add("material", table);
+            }
+        }
+        let Some(first) = first.filter(|_| !used.is_empty()) else { return };
+        let fits = |units: &&&str| used.iter().all(|&(density, e)| units_fit(units, density, e));
+        match SETS.iter().find(fits) {
+            Some(units) => {
+                self.map(
+                    "units",
+                    "a deck names none",
+                    format!("{units}: there its densities and wave speeds are real"),
+                );
+                self.tree.set("units", Place::Whole, format!("{units} (guessed)"));
+            }
+            None => {
+                let figures: Vec<String> = used
+                    .iter()
+                    .map(|(density, e)| {
+                        format!(
+                            "density {density:.4e} with sqrt(E/rho) {:.4e}",
+                            (e / density).sqrt()
+                        )
+                    })
+                    .collect();
+                let message =
+                    format!("in no usual units are these real materials: {}", figures.join("; "));
+                self.trouble.warning(first, message, format!("usual are {}", SETS.join("; ")));
+            }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! `*RIGIDWALL_...`.
+
+use super::Build;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crumple_proto::ids::NodeId;
+use std::collections::HashSet;
+
+const KEYWORDS: [&str; 3] =
+    ["RIGIDWALL_PLANAR", "RIGIDWALL_GEOMETRIC_FLAT", "RIGIDWALL_GEOMETRIC_CYLINDER"];
+
+impl Build {
+    pub(super) fn walls(&mut self) {
+        let records: Vec<Record> = KEYWORDS.iter().flat_map(|keyword| self.take(keyword)).collect();
+        for (record, number) in records.iter().zip(1..) {
+            let heading = record.word("heading");
+            let name =
+                if heading.is_empty() { format!("wall-{number}") } else { heading.to_string() };
+            self.wall(record, name, number);
+        }
+    }
+
+    fn wall(&mut self, record: &Record, name: String, number: usize) {
+        let tail = ["xt", "yt", "zt"].map(|c| record.real(c));
+        let normal = difference(record, ["xh", "yh", "zh"], tail);
+        let friction = record.real("fric");
+        if friction == 1.0 {
+            self.map(&name, "fric 1: no sliding", "friction 1");
+        } else if !(0.0..=1.0).contains(&friction) {
+            self.unsupported_value(
+                record,
+                "fric",
+                "codes of sliding; give a coefficient from 0 to 1",
+            );
+        }
+        let (birth, death) = (record.real("birth"), record.real("death"));
+        if birth > 0.0 || (death > 0.0 && death < self.end_time) {
+            let field = if birth > 0.0 { "birth" } else { "death" };
+            self.unsupported_value(record, field, "walls that come or go within the run");
+        }
+        if record.real("soft") != 0.0 {
+            let asked =
+                format!("soft {}: nodes are stopped within some cycles", record.real("soft"));
+            self.map(&name, asked, "nodes are stopped at once");
+        }
+        let round = record.line("radcyl").is_some();
+        let direction = if round { "axis" } else { "normal" };
+        let mut table = Table::new(record.head)
+            .with("name", record.place("heading"), name.as_str())
+            .with("point", record.place("xt"), tail)
+            .with(direction, record.place("xh"), normal)
+            .with("friction", record.place("fric"), friction);
+        if round {
+            table.put("radius", record.place("radcyl"), record.real("radcyl"));
+            if record.real("lencyl") > 0.0 {
+                table.put("length", record.place("lencyl"), record.real("lencyl"));
+                self.map(
+                    &name,
+                    format!("a cylinder of length {}", record.real("lencyl")),
+                    "its ends are open",
+                );
+            }
+        }
+        if record.line("lenl").is_some() {
+            table.put(
+                "edge",
+                record.place("xhev"),
+                difference(record, ["xhev", "yhev", "zhev"], tail),
+            );
+            table.put("lengths", record.place("lenl"), [record.real("lenl"), record.real("lenm")]);
+        }
+        if record.line("mass").is_some() {
+            table.put("mass", record.place("mass"), record.real("mass"));
+            table.put("speed", record.place("v0"), record.real("v0"));
+        }
+        if record.line("lcid").is_some() {
+            self.led(record, &name, &mut table);
+        }
+        self.stopped(record, &name, number, (tail, normal), &mut table);
+        self.add("wall", table);
+    }
+
+    /// Where a curve leads a wall.
+    fn led(&mut self, record: &Record, name: &str, table: &mut Table) {
+        let way = ["vx", "vy", "vz"].map(|c| record.real(c));
+        let length = way.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if length == 0.0 {
+            let help = "give vx, vy and vz, the direction cosines of its motion";
+            return self.trouble.error(
+                record.place("vx"),
+                format!("{name} moves in no direction"),
+                help,
+            );
+        }
+        let Some(curve) = self.time_curve(record.integer("lcid"), record.place("lcid")) else {
+            return;
+        };
+        let form = match record.integer("opt") {
+            0 => "velocity",
+            1 => "displacement",
+            _ => {
+                return self.unsupported_value(
+                    record,
+                    "opt",
+                    "give 0 for velocities or 1 for displacements",
+                );
+            }
+        };
+        // Cosines are of few digits in fixed columns: they make a direction, not a factor.
+        table.put(form, record.place("vx"), way.map(|c| c / length));
+        table.put("curve", record.place("lcid"), curve);
+        if (length - 1.0).abs() > 1e-3 {
+            self.map(name, format!("a direction of motion of length {length}"), "a unit vector");
+        }
+    }
+
+    /// Which nodes the wall stops: all, if the deck does not choose.
+    fn stopped(
+        &mut self,
+        record: &Record,
+        name: &str,
+        number: usize,
+        (tail, normal): ([f64; 3], [f64; 3]),
+        table: &mut Table,
+    ) {
+        let (nsid, boxid, offset) =
+            (record.integer("nsid"), record.integer("boxid"), record.real("offset"));
+        let set = if nsid == 0 { None } else { self.node_set(nsid, record.place("nsid")) };
+        if boxid != 0 || offset != 0.0 {
+            let field = if boxid != 0 { "boxid" } else { "offset" };
+            let mut nodes: Vec<NodeId> = match (&set, boxid) {
+                (Some(_), _) => self.node_sets[&nsid].0.clone(),
+                (None, 0) => self.rows.nodes_of(|_| true),
+                (None, _) => self.in_box(boxid, record.place("boxid")),
+            };
+            if set.is_some() && boxid != 0 {
+                let inside: HashSet<NodeId> =
+                    self.in_box(boxid, record.place("boxid")).into_iter().collect();
+                nodes.retain(|n| inside.contains(n));
+            }
+            if offset != 0.0 {
+                let size = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+                let away = |x: [f64; 3]| {
+                    (0..3).map(|c| normal[c] * (x[c] - tail[c])).sum::<f64>().abs() / size
+                };
+                nodes.retain(|&n| self.rows.at(n).is_some_and(|x| away(x) <= offset));
+            }
+            let chosen = format!("wall-{number}-nodes");
+            let asked = format!("stops nodes by nsid {nsid}, boxid {boxid}, offset {offset:?}");
+            self.map(name, asked, format!("the {} nodes of {chosen}", nodes.len()));
+            nodes.sort_unstable();
+            self.rows.add_set(chosen.clone(), nodes, record.place(field));
+            table.put("nodes", record.place(field), chosen);
+        } else if let Some(set) = set {
+            table.put("nodes", record.place("nsid"), set);
+        }
+        let nsidex = record.integer("nsidex");
+        if nsidex != 0
+            && let Some(set) = self.node_set(nsidex, record.place("nsidex"))
+        {
+            table.put("except", record.place("nsidex"), set);
+        }
+    }
+}
+
+/// From the tail of a vector to its head.
+fn difference(record: &Record, head: [&str; 3], tail: [f64; 3]) -> [f64; 3] {
+    let head = head.map(|c| record.real(c));
+    [0, 1, 2].map(|c| head[c] - tail[c])
+}

@@ -1,0 +1,213 @@
+//! `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`: nodes that move as one, or a
+//! beam that breaks; `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
+
+use super::Build;
+use super::parts::Part;
+use super::sets::id;
+use super::tree::Table;
+use crate::input::deck::record::Record;
+use crate::input::job::tree::Place;
+use crumple_proto::ids::{ElemId, NodeId};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Limits and exponents by their bits, and the material: welds that have them in common are one
+/// part.
+type Kind = ([u64; 4], String);
+
+/// Welds of one kind: ids and lengths later.
+struct Breaking {
+    limits: [f64; 4],
+    links: Vec<([NodeId; 2], Place)>,
+}
+
+/// No failure strain or time of a deck is above this.
+const NEVER: f64 = 1e19;
+/// Exponents that a deck leaves blank.
+const SQUARE: f64 = 2.0;
+
+impl Build {
+    pub(super) fn welds(&mut self) {
+        let mut bodies: Vec<(BTreeSet<NodeId>, Place)> = Vec::new();
+        let mut breaking: BTreeMap<Kind, Breaking> = BTreeMap::new();
+        for record in self.take("CONSTRAINED_SPOTWELD") {
+            let place = record.place("n1");
+            let [Some(n1), Some(n2)] = ["n1", "n2"].map(|field| id(record.integer(field))) else {
+                let message = format!("{}: a node has an id that is none", record.name());
+                self.trouble.error(place, message, "ids are whole numbers above 0");
+                continue;
+            };
+            self.never_fails(&record, "tf", "ep");
+            self.weld(&record, vec![n1, n2], place, &mut bodies, &mut breaking);
+        }
+        for record in self.take("CONSTRAINED_GENERALIZED_WELD_SPOT") {
+            let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
+            self.never_fails(&record, "tfail", "epsf");
+            if self.node_set(nsid, place).is_some() {
+                let nodes = self.node_sets[&nsid].0.clone();
+                self.weld(&record, nodes, place, &mut bodies, &mut breaking);
+            }
+        }
+        self.rigid_welds(bodies);
+        self.breaking_welds(breaking);
+    }
+
+    /// Nodes that have the displacements of the first one of their set.
+    pub(super) fn node_sets_as_one(&mut self) {
+        for record in self.take("CONSTRAINED_NODE_SET") {
+            let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
+            if record.integer("dof") != 7 {
+                self.unsupported_value(&record, "dof", "only all displacements (7) are shared");
+                continue;
+            }
+            if record.real("tf") > 0.0 && record.real("tf") < self.end_time {
+                self.unsupported_value(&record, "tf", "constraints that fail at a given time");
+            }
+            if self.node_set(nsid, place).is_none() {
+                continue;
+            }
+            let mut nodes = self.node_sets[&nsid].0.clone();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let Some((first, others)) = nodes.split_first() else { continue };
+            let set = format!("set-{nsid}-but-one");
+            let count = others.len();
+            self.rows.add_set(set.clone(), others.to_vec(), place);
+            let carrier = i64::try_from(first.0).unwrap_or(i64::MAX);
+            let table = Table::new(place).with("nodes", place, set).with("node", place, carrier);
+            self.add("tie", table);
+            self.map(
+                format!("set {nsid}"),
+                "nodes that share displacements",
+                format!("{count} tied to node {carrier}"),
+            );
+        }
+    }
+
+    /// Failure at a time or by a strain is not there.
+    fn never_fails(&mut self, record: &Record, time: &str, strain: &str) {
+        if record.real(time) > 0.0 && record.real(time) < self.end_time {
+            self.unsupported_value(record, time, "welds that fail at a given time");
+        }
+        if record.real(strain) > 0.0 && record.real(strain) < NEVER {
+            self.unsupported_value(
+                record,
+                strain,
+                "welds that fail by the strain of what they join",
+            );
+        }
+    }
+
+    fn weld(
+        &mut self,
+        record: &Record,
+        nodes: Vec<NodeId>,
+        place: Place,
+        bodies: &mut Vec<(BTreeSet<NodeId>, Place)>,
+        breaking: &mut BTreeMap<Kind, Breaking>,
+    ) {
+        let limits = ["sn", "ss"].map(|field| record.real(field));
+        if limits.iter().all(|&limit| limit <= 0.0 || limit > NEVER) {
+            return bodies.push((nodes.into_iter().collect(), place));
+        }
+        let &[n1, n2] = nodes.as_slice() else {
+            return self.unsupported_value(record, "sn", "only welds of two nodes break");
+        };
+        let element = self.rows.elements().find(|e| e.corners().contains(&n1));
+        let part = element.and_then(|e| self.parts.get(&i64::from(e.part)));
+        let Some(material) = part.and_then(|p| p.material.clone()) else {
+            let message = format!("{}: no part with a material has node {n1}", record.name());
+            return self.trouble.error(
+                place,
+                message,
+                "a weld that breaks has the material of its first node's part",
+            );
+        };
+        let exponents = ["n", "m"]
+            .map(|field| if record.real(field) > 0.0 { record.real(field) } else { SQUARE });
+        let limits = [limits[0].max(0.0), limits[1].max(0.0), exponents[0], exponents[1]];
+        let of = breaking
+            .entry((limits.map(f64::to_bits), material))
+            .or_insert_with(|| Breaking { limits, links: Vec::new() });
+        of.links.push(([n1, n2], place));
+    }
+
+    /// Bodies of the nodes of welds; those with nodes in common are one.
+    fn rigid_welds(&mut self, welds: Vec<(BTreeSet<NodeId>, Place)>) {
+        let mut whole: Vec<(BTreeSet<NodeId>, Place)> = Vec::new();
+        for (mut nodes, place) in welds {
+            whole.retain(|(other, _)| {
+                let apart = other.is_disjoint(&nodes);
+                if !apart {
+                    nodes.extend(other);
+                }
+                apart
+            });
+            whole.push((nodes, place));
+        }
+        if !whole.is_empty() {
+            self.map(
+                "welds",
+                "rigid links between nodes",
+                format!("{} rigid bodies of their nodes", whole.len()),
+            );
+        }
+        for (number, (nodes, place)) in whole.into_iter().enumerate() {
+            let name = format!("weld-{}", number + 1);
+            self.rows.add_set(name.clone(), nodes.into_iter().collect(), place);
+            self.add(
+                "rigid",
+                Table::new(place).with("name", place, name.as_str()).with(
+                    "nodes",
+                    place,
+                    name.as_str(),
+                ),
+            );
+        }
+    }
+
+    /// A part of beams for each kind.
+    fn breaking_welds(&mut self, kinds: BTreeMap<Kind, Breaking>) {
+        let mut next = self.rows.elements().map(|e| e.id.0).max().unwrap_or(0);
+        for ((_, material), Breaking { limits, links }) in kinds {
+            let place = links[0].1;
+            let pid = self.parts.keys().next_back().copied().unwrap_or(0).saturating_add(1);
+            let Ok(part) = u32::try_from(pid) else {
+                let help =
+                    "a weld that breaks takes a part of its own: number parts below 4294967295";
+                self.trouble.error(place, "there is no id left for a part", help);
+                continue;
+            };
+            let mut lengths = 0.0;
+            for (ends, at) in &links {
+                next += 1;
+                self.rows.beam(ElemId(next), part, [ends[0], ends[1], NodeId(0)], *at);
+                let [from, to] = ends.map(|n| self.rows.at(n).unwrap_or_default());
+                lengths += (0..3).map(|c| (to[c] - from[c]).powi(2)).sum::<f64>().sqrt();
+            }
+            let diameter = lengths / links.len() as f64;
+            let [normal, shear, n, m] = limits;
+            let weld = Table::new(place)
+                .with("normal", place, normal)
+                .with("shear", place, shear)
+                .with("exponents", place, [n, m]);
+            let beam = Table::new(place)
+                .with("section", place, "tube")
+                .with("radius", place, 0.5 * diameter)
+                .with("weld", place, weld);
+            let name = format!("welds-{pid}");
+            let table = Table::new(place)
+                .with("id", place, pid)
+                .with("name", place, name)
+                .with("material", place, material.as_str())
+                .with("beam", place, beam);
+            self.parts.insert(pid, Part { rigid: None, material: Some(material), place });
+            self.round_parts.insert(part);
+            self.map(
+                format!("part {pid}"),
+                format!("{} spot welds, sn {normal}, ss {shear}", links.len()),
+                format!("beams of diameter {diameter:.4}, as thick as long, that break"),
+            );
+            self.add("part", table);
+        }
+    }
+}

@@ -1,0 +1,619 @@
+//! `crumple export-deck`: a job as a keyword deck, in the long format, so that reading it back
+//! gives the same bits.
+//!
+//! Numbers whose digits do not fit into a field are parameters. Keys of the job that have no card
+//! stand behind `$crumple:`, where other programs do not see them.
+
+mod bodies;
+mod contact;
+mod curves;
+mod loads;
+mod springs;
+mod walls;
+
+use super::number::shortest;
+use crate::input::job::{Model, Report};
+use crumple_proto::job::{HourglassForm, Inverted, Job, Output, Parallel, Part, Time};
+use crumple_proto::mesh::{MeshElement, Shape};
+use crumple_proto::partition::{Material, Param};
+use curves::TimeCurves;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
+use toml::{Table, Value};
+
+/// Hourglass coefficient of shells where a job gives none.
+const HOURGLASS_COEFFICIENT: f64 = 0.03;
+/// Columns of a field.
+const WIDTH: usize = 20;
+
+/// A deck in the making.
+#[derive(Default)]
+struct Deck {
+    body: String,
+    /// Numbers that fill more than a field.
+    parameters: Vec<f64>,
+    /// Keys without a card.
+    rest: Table,
+    /// Number of curves so far.
+    curves: u64,
+}
+
+impl Deck {
+    fn keyword(&mut self, name: &str) {
+        self.body += &format!("*{name}\n");
+    }
+
+    fn text(&mut self, line: &str) {
+        self.body += line;
+        self.body.push('\n');
+    }
+
+    fn card(&mut self, fields: &[Field]) {
+        for field in fields {
+            let text = match field {
+                Field::Blank => String::new(),
+                Field::Id(id) => id.to_string(),
+                Field::Number(x) => self.number(*x),
+            };
+            self.body += &format!("{text:>WIDTH$}");
+        }
+        self.body.truncate(self.body.trim_end_matches(' ').len());
+        self.body.push('\n');
+    }
+
+    /// A number in a field, with all its digits.
+    fn number(&mut self, x: f64) -> String {
+        shortest(x, WIDTH).unwrap_or_else(|| {
+            let known = self.parameters.iter().position(|p| p.to_bits() == x.to_bits());
+            let at = known.unwrap_or_else(|| {
+                self.parameters.push(x);
+                self.parameters.len() - 1
+            });
+            format!("&x{}", at + 1)
+        })
+    }
+
+    fn entry(&mut self, list: &str, entry: Table) {
+        let lists = self.rest.entry(list).or_insert_with(|| Value::Array(Vec::new()));
+        if let Value::Array(items) = lists {
+            items.push(Value::Table(entry));
+        }
+    }
+
+    /// A card of an id and a name.
+    fn named_card(&mut self, id: u64, name: &str) {
+        self.body += &format!("{id:>WIDTH$}{name}\n");
+    }
+
+    fn finish(self, job: &str) -> String {
+        let mut head = format!(
+            "*KEYWORD LONG=Y\n$ {} as a deck, by crumple {}\n",
+            line(job),
+            env!("CARGO_PKG_VERSION")
+        );
+        if !self.rest.is_empty() {
+            head += "$ what has no card, for crumple alone:\n";
+            let text = toml::to_string(&self.rest).unwrap_or_default();
+            text.lines().for_each(|l| head += &format!("$crumple: {l}\n"));
+        }
+        if !self.parameters.is_empty() {
+            head += "*PARAMETER_EXPRESSION\n";
+            self.parameters
+                .iter()
+                .enumerate()
+                .for_each(|(i, x)| head += &format!("R x{},{x:e}\n", i + 1));
+        }
+        head + &self.body + "*END\n"
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Field {
+    Blank,
+    Id(u64),
+    Number(f64),
+}
+
+use Field::{Blank, Id, Number};
+
+/// The text on one line.
+fn line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect::<String>()
+        .trim()
+        .to_string()
+}
+
+/// A model as a deck.
+pub fn export(model: &Model) -> Result<String, String> {
+    let beams = model.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).count();
+    if beams > 0 {
+        return Err(format!(
+            "{beams} beams cannot be written as a deck yet: take them out of the mesh"
+        ));
+    }
+    let job = &model.job;
+    let mut deck = Deck {
+        curves: most("curve-", job.curve.iter().map(|c| c.name.as_str())),
+        ..Deck::default()
+    };
+    deck.keyword("TITLE");
+    deck.text(&line(&job.title));
+    control(&mut deck, job);
+    let mut next = 1 + model.settings.materials.len() as u64;
+    let bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
+    next += bodies.materials.len() as u64;
+    materials(&mut deck, model, &bodies.materials);
+    parts(&mut deck, model, &bodies.materials, next)?;
+    let sets = node_sets(&mut deck, model);
+    let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
+    let mut curves = TimeCurves::of(job);
+    initial(&mut deck, job, set);
+    loads::gravity(&mut deck, model, &mut curves);
+    loads::on_nodes(&mut deck, model, set, &mut curves);
+    bodies::write(&mut deck, job, &bodies, set, &mut curves);
+    walls::write(&mut deck, job, set, &mut curves);
+    contact::write(&mut deck, job);
+    mesh(&mut deck, model);
+    left_over(&mut deck, job, &mut curves);
+    Ok(deck.finish(&model.path.display().to_string()))
+}
+
+/// Largest number behind `start` among names: a reader calls curves and sets by their ids, and what
+/// a job calls so is not to be mistaken for them.
+fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
+    names.filter_map(|name| name.strip_prefix(start)?.parse().ok()).max().unwrap_or(0)
+}
+
+fn control(deck: &mut Deck, job: &Job) {
+    deck.keyword("CONTROL_TERMINATION");
+    deck.card(&[Number(job.end_time), Id(job.time.max_cycles), Number(job.time.dt_min_ratio)]);
+    deck.keyword("CONTROL_TIMESTEP");
+    deck.card(&[Blank, Number(job.time.safety), Blank, Blank, Number(-job.time.mass_scaling_dt)]);
+    if job.time.damping > 0.0 {
+        deck.keyword("DAMPING_GLOBAL");
+        deck.card(&[Blank, Number(job.time.damping)]);
+    }
+    let output = &job.output;
+    if output.history_interval > 0.0 {
+        deck.keyword("DATABASE_GLSTAT");
+        deck.card(&[Number(output.history_interval)]);
+    }
+    if output.field_interval > 0.0 {
+        deck.keyword("DATABASE_BINARY_D3PLOT");
+        deck.card(&[Number(output.field_interval)]);
+    }
+}
+
+fn materials(deck: &mut Deck, model: &Model, rigid: &BTreeMap<u32, u64>) {
+    let deforms = |m: &Material| {
+        model.job.part.iter().any(|p| p.material == m.name && !rigid.contains_key(&p.id))
+    };
+    for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
+        let number = |key: &str| match material.parameters.get(key) {
+            Some(Param::Number(x)) => *x,
+            _ => 0.0,
+        };
+        let pair = |key: &str| match material.parameters.get(key) {
+            Some(Param::List(list)) if list.len() == 2 => [list[0], list[1]],
+            _ => [0.0; 2],
+        };
+        let first = [
+            Id(mid),
+            Number(material.density),
+            Number(number("youngs_modulus")),
+            Number(number("poisson")),
+        ];
+        let title = line(&material.name);
+        match material.law.as_str() {
+            "elastic" => {
+                deck.keyword("MAT_ELASTIC_TITLE");
+                deck.text(&title);
+                deck.card(&first);
+            }
+            "j2" => {
+                let [c, p] = pair("cowper_symonds");
+                let table = curve(deck, material);
+                deck.keyword("MAT_PIECEWISE_LINEAR_PLASTICITY_TITLE");
+                deck.text(&title);
+                let (yield_stress, fail) =
+                    (Number(number("yield_stress")), Number(number("failure_strain")));
+                let (e, h) = (number("youngs_modulus"), number("hardening_modulus"));
+                deck.card(&[
+                    first[0],
+                    first[1],
+                    first[2],
+                    first[3],
+                    yield_stress,
+                    Number(e * h / (e + h)),
+                    fail,
+                ]);
+                deck.card(&[Number(c), Number(p), table.map_or(Blank, Id)]);
+                deck.card(&[]);
+                deck.card(&[]);
+                if h > 0.0 {
+                    // The tangent modulus alone does not give it back to the last bit.
+                    deck.entry(
+                        "material",
+                        Table::from_iter([
+                            named(&material.name),
+                            ("hardening_modulus".into(), h.into()),
+                        ]),
+                    );
+                }
+            }
+            "johnson_cook" => johnson_cook(deck, material, mid, &title, number),
+            law => {
+                deck.text(&format!("$ material {title}: law {} has no keyword", line(law)));
+            }
+        }
+    }
+}
+
+fn named(name: &str) -> (String, Value) {
+    ("name".into(), name.into())
+}
+
+fn johnson_cook(
+    deck: &mut Deck,
+    material: &Material,
+    mid: u64,
+    title: &str,
+    number: impl Fn(&str) -> f64,
+) {
+    let (e, nu) = (number("youngs_modulus"), number("poisson"));
+    deck.keyword("MAT_JOHNSON_COOK_TITLE");
+    deck.text(title);
+    deck.card(&[
+        Id(mid),
+        Number(material.density),
+        Number(e / (2.0 * (1.0 + nu))),
+        Number(e),
+        Number(nu),
+    ]);
+    let keys =
+        ["a", "b", "n", "c", "m", "melting_temperature", "reference_temperature", "reference_rate"];
+    deck.card(&keys.map(|key| Number(number(key))));
+    let d = match material.parameters.get("damage") {
+        Some(Param::List(d)) if d.len() == 5 => [d[0], d[1], d[2], d[3], d[4]],
+        _ => [0.0; 5],
+    };
+    deck.card(&[
+        Number(number("specific_heat")),
+        Blank,
+        Blank,
+        Blank,
+        Number(d[0]),
+        Number(d[1]),
+        Number(d[2]),
+        Number(d[3]),
+    ]);
+    deck.card(&[Number(d[4])]);
+    if let Some(Param::Number(share)) = material.parameters.get("taylor_quinney") {
+        deck.entry(
+            "material",
+            Table::from_iter([named(&material.name), ("taylor_quinney".into(), (*share).into())]),
+        );
+    }
+}
+
+/// The hardening table of a material as a curve; its id.
+fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
+    let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
+    let pairs: Vec<[f64; 2]> =
+        rows.iter().filter(|row| row.len() == 2).map(|row| [row[0], row[1]]).collect();
+    Some(points(deck, &pairs))
+}
+
+/// A curve through these points; its id.
+fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
+    deck.curves += 1;
+    let id = deck.curves;
+    deck.keyword("DEFINE_CURVE");
+    deck.card(&[Id(id)]);
+    pairs.iter().for_each(|p| deck.card(&p.map(Number)));
+    id
+}
+
+/// Parts; those of springs get materials of their own, with ids from `next` on.
+fn parts(
+    deck: &mut Deck,
+    model: &Model,
+    rigid: &BTreeMap<u32, u64>,
+    mut next: u64,
+) -> Result<(), String> {
+    let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
+    for element in &model.mesh.elements {
+        shapes.entry(element.part).or_default().insert(element.shape.is_shell());
+    }
+    let materials = &model.settings.materials;
+    for part in &model.settings.parts {
+        if let Some(spring) = &part.spring {
+            springs::part(deck, part, spring, next);
+            next += 1;
+            continue;
+        }
+        let of = shapes.get(&part.id).cloned().unwrap_or_default();
+        if of.len() > 1 {
+            return Err(format!(
+                "part {} has shells and solids: a deck needs a part for each",
+                part.id
+            ));
+        }
+        let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
+        let plain =
+            materials.iter().position(|m| m.name == part.material).map_or(0, |i| i as u64 + 1);
+        let mid = rigid.get(&part.id).copied().unwrap_or(plain);
+        let id = u64::from(part.id);
+        section(deck, part, shells);
+        let hourglass = hourglass(deck, part, shells);
+        deck.keyword("PART");
+        deck.text(&line(&part.name));
+        deck.card(&[Id(id), Id(id), Id(mid), Blank, if hourglass { Id(id) } else { Blank }]);
+    }
+    Ok(())
+}
+
+fn section(deck: &mut Deck, part: &Part, shells: bool) {
+    let id = u64::from(part.id);
+    if !shells {
+        deck.keyword("SECTION_SOLID");
+        return deck.card(&[Id(id), Id(1)]);
+    }
+    let elform = match (part.element.as_deref(), part.warping) {
+        (Some("belytschko_tsay"), true) => 10,
+        (Some("belytschko_tsay"), false) => 2,
+        _ => 16,
+    };
+    deck.keyword("SECTION_SHELL");
+    deck.card(&[Id(id), Id(elform), Number(1.0), Id(part.points as u64)]);
+    let t = Number(part.thickness);
+    if part.offset == 0.0 {
+        return deck.card(&[t]);
+    }
+    deck.card(&[t, t, t, t, Number(-part.offset)]);
+}
+
+/// Writes what a part says of hourglass control and viscosity; gives whether that is anything.
+fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
+    let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
+    let form = match part.hourglass {
+        // A deck that names none means the viscous form.
+        None if shells && by_card => 4,
+        None => 0,
+        Some(HourglassForm::Viscous) => 1,
+        Some(HourglassForm::Stiffness) => 4,
+        Some(HourglassForm::AssumedStrain) => 6,
+    };
+    let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
+    // A coefficient without a form, or with one that has none, is not what a card says.
+    let given = part.hourglass_coefficient.or((shells && by_card).then_some(HOURGLASS_COEFFICIENT));
+    let coefficient = given.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
+    if let (Some(given), None) = (part.hourglass_coefficient, coefficient) {
+        own.insert("hourglass_coefficient".into(), given.into());
+    }
+    let default = Part { drilling: 0.01, ..part.clone() };
+    if part.drilling != default.drilling {
+        own.insert("drilling".into(), part.drilling.into());
+    }
+    if part.element.as_deref() == Some("fully_integrated_quad") {
+        own.insert("element".into(), "fully_integrated_quad".into());
+    }
+    if part.skin {
+        own.insert("skin".into(), true.into());
+    }
+    if part.thinning {
+        own.insert("thinning".into(), true.into());
+    }
+    if let Some(thickness) = part.contact_thickness {
+        own.insert("contact_thickness".into(), thickness.into());
+    }
+    if part.contact_thickness_scale != default.contact_thickness_scale {
+        own.insert("contact_thickness_scale".into(), part.contact_thickness_scale.into());
+    }
+    if part.inverted == Inverted::Delete {
+        own.insert("inverted".into(), "delete".into());
+    }
+    if !by_card && part.warping {
+        own.insert("warping".into(), true.into());
+    }
+    if part.bulk_viscosity == Some([0.0; 2]) {
+        own.insert("bulk_viscosity".into(), Value::from(vec![0.0, 0.0]));
+    }
+    if own.len() > 1 {
+        deck.entry("part", own);
+    }
+    // Noughts on a card stand for the defaults.
+    let viscosity = part.bulk_viscosity.filter(|v| *v != [0.0; 2]);
+    let any = (by_card && (form != 0 || coefficient.is_some())) || viscosity.is_some();
+    if any {
+        let [linear, quadratic] = viscosity.unwrap_or_default();
+        deck.keyword("HOURGLASS");
+        let (q1, q2) = (Number(quadratic), Number(linear));
+        deck.card(&[
+            Id(u64::from(part.id)),
+            Id(form),
+            Number(coefficient.unwrap_or(0.0)),
+            Blank,
+            q1,
+            q2,
+        ]);
+    }
+    any
+}
+
+/// Writes all sets; gives their ids by name.
+fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
+    let mut ids = BTreeMap::new();
+    let first = 1 + most("set-", model.mesh.node_sets.keys().map(String::as_str));
+    for ((name, nodes), id) in model.mesh.node_sets.iter().zip(first..) {
+        deck.keyword("SET_NODE_LIST_TITLE");
+        deck.text(&line(name));
+        deck.card(&[Id(id)]);
+        let there = |n: &&crumple_proto::ids::NodeId| {
+            model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok()
+        };
+        let nodes: Vec<Field> = nodes.iter().filter(there).map(|n| Id(n.label())).collect();
+        nodes.chunks(8).for_each(|eight| deck.card(eight));
+        ids.insert(name.as_str(), id);
+    }
+    ids
+}
+
+/// What the model starts with: masses, what is held, velocities.
+fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
+    for (mass, id) in job.mass.iter().zip(1..) {
+        deck.keyword("ELEMENT_MASS_NODE_SET");
+        deck.card(&[Id(id), set(&mass.nodes), Number(mass.mass)]);
+    }
+    for fix in &job.fix {
+        deck.keyword("BOUNDARY_SPC_SET");
+        let held = ["x", "y", "z", "rx", "ry", "rz"]
+            .map(|d| Id(u64::from(fix.dofs.iter().any(|f| f == d))));
+        deck.card(&[&[set(&fix.nodes), Blank], held.as_slice()].concat());
+    }
+    // Spins come as vectors, cards have a unit vector and a speed: not the same to the last bit.
+    let plain = job.initial_velocity.iter().all(|v| v.spin == [0.0; 3]);
+    for initial in job.initial_velocity.iter().filter(|_| plain) {
+        deck.keyword("INITIAL_VELOCITY");
+        deck.card(&[initial.nodes.as_deref().map_or(Blank, &set)]);
+        deck.card(&initial.velocity.map(Number));
+    }
+    if !plain {
+        list(deck, "initial_velocity", &job.initial_velocity);
+    }
+}
+
+fn mesh(deck: &mut Deck, model: &Model) {
+    deck.keyword("NODE");
+    for node in &model.mesh.nodes {
+        deck.card(&[Id(node.id.label()), Number(node.x[0]), Number(node.x[1]), Number(node.x[2])]);
+    }
+    springs::elements(deck, model.mesh.elements.iter());
+    for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
+        let of = |shape: Shape| if shells { shape.is_shell() } else { shape == Shape::Hex8 };
+        if !model.mesh.elements.iter().any(|e| of(e.shape)) {
+            continue;
+        }
+        let (own, plain): (Vec<_>, Vec<_>) =
+            model.mesh.elements.iter().filter(|e| of(e.shape)).partition(|e| e.thickness > 0.0);
+        for (option, elements) in
+            [("", plain), ("_THICKNESS", own)].into_iter().filter(|list| !list.1.is_empty())
+        {
+            deck.keyword(&format!("{keyword}{option}"));
+            for element in elements {
+                write_element(deck, element);
+            }
+        }
+    }
+}
+
+fn write_element(deck: &mut Deck, element: &MeshElement) {
+    let mut fields = vec![Id(element.id.label()), Id(u64::from(element.part))];
+    fields.extend(element.corners().iter().map(|n| Id(n.label())));
+    if element.shape == Shape::Tri3 {
+        fields.extend(element.corners().last().map(|n| Id(n.label())));
+    }
+    deck.card(&fields);
+    if element.thickness > 0.0 {
+        deck.card(&[element.thickness; 4].map(Number));
+    }
+}
+
+/// What no card has said: settings beside their defaults, and lists of which nothing is written as
+/// cards.
+fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
+    if !job.units.is_empty() {
+        deck.rest.insert("units".into(), job.units.clone().into());
+    }
+    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping"];
+    differing(deck, "time", &job.time, &Time::default(), &carried);
+    // Cards have intervals above nought only.
+    let intervals = [
+        ("history_interval", job.output.history_interval),
+        ("field_interval", job.output.field_interval),
+    ];
+    let carried: Vec<&str> = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
+    differing(deck, "output", &job.output, &Output::default(), &carried);
+    differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
+    // The reader of cards lifts the limit where a deck asks for mass scaling.
+    if job.time.mass_scaling_dt > 0.0 {
+        let limit = Table::from_iter([(
+            "mass_scaling_limit".to_string(),
+            Value::from(job.time.mass_scaling_limit),
+        )]);
+        let time = deck.rest.entry("time").or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(time) = time {
+            time.extend(limit);
+        }
+    }
+    list(deck, "symmetry", &job.symmetry);
+    list(deck, "pressure", &job.pressure);
+    list(deck, "tie", &job.tie);
+    // What stands there refers to curves by their names.
+    let referring = ["pressure", "load", "motion", "wall"];
+    if referring.iter().any(|key| deck.rest.contains_key(*key)) {
+        for curve in &job.curve {
+            curves.beside(deck, Some(&curve.name));
+        }
+    }
+}
+
+fn list(deck: &mut Deck, name: &str, entries: &[impl serde::Serialize]) {
+    if let Ok(value @ Value::Array(_)) = Value::try_from(entries)
+        && !entries.is_empty()
+    {
+        deck.rest.insert(name.into(), value);
+    }
+}
+
+/// Keys of a table that are not as by default, without those that cards have.
+fn differing<T: serde::Serialize>(
+    deck: &mut Deck,
+    name: &str,
+    own: &T,
+    default: &T,
+    carried: &[&str],
+) {
+    let (Ok(Value::Table(own)), Ok(Value::Table(default))) =
+        (Value::try_from(own), Value::try_from(default))
+    else {
+        return;
+    };
+    let keys = own
+        .into_iter()
+        .filter(|(key, value)| default.get(key) != Some(value) && !carried.contains(&key.as_str()));
+    let keys: Table = keys.collect();
+    if !keys.is_empty() {
+        deck.rest.insert(name.into(), Value::Table(keys));
+    }
+}
+
+/// Runs `crumple export-deck`; gives the exit code.
+pub fn run(args: &crate::cli::ExportArgs) -> u8 {
+    let refuse = |what: &dyn Display| {
+        eprintln!("error: {what}");
+        Report::EXIT_CODE
+    };
+    let model = match crate::input::job::read(&args.job, &args.set) {
+        Ok(model) => model,
+        Err(report) => {
+            eprint!("{report}");
+            return Report::EXIT_CODE;
+        }
+    };
+    let text = match export(&model) {
+        Ok(text) => text,
+        Err(what) => return refuse(&what),
+    };
+    match &args.out {
+        None => crate::run::say::write(format_args!("{text}")),
+        Some(path) => {
+            if let Err(error) = std::fs::write(path, text) {
+                return refuse(&format_args!("{} cannot be written: {error}", path.display()));
+            }
+        }
+    }
+    0
+}

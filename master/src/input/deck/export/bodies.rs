@@ -1,0 +1,180 @@
+//! Rigid bodies and prescribed motion as cards.
+
+use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
+use crumple_proto::job::{Job, Motion, Rigid};
+use crumple_proto::partition::Material;
+use std::collections::{BTreeMap, BTreeSet};
+use toml::{Table, Value};
+
+/// Bodies as a deck calls them.
+#[derive(Default)]
+pub struct Bodies {
+    /// Material id by rigid part.
+    pub materials: BTreeMap<u32, u64>,
+    /// Part that motions name, by the name of the body in the job; none if bodies are not written
+    /// as cards.
+    parts: BTreeMap<String, u64>,
+    /// Names of the deck by those of the job.
+    names: BTreeMap<String, String>,
+}
+
+/// Writes the materials of rigid parts, with ids from `next` on.
+pub fn materials(deck: &mut Deck, job: &Job, materials: &[Material], mut next: u64) -> Bodies {
+    let mut bodies = Bodies::default();
+    let leads: Vec<Option<u32>> =
+        job.rigid.iter().map(|body| body.parts.first().copied()).collect();
+    // Decks have bodies of parts in ascending ids, then those of nodes alone.
+    let in_order = leads.is_sorted_by_key(|lead| lead.map_or(u64::MAX, u64::from));
+    let known = job.rigid.iter().all(|b| b.fixed.iter().all(|d| DOFS.contains(&d.as_str())));
+    if !in_order || !known {
+        return bodies;
+    }
+    let mut free = 1 + job.part.iter().map(|p| u64::from(p.id)).max().unwrap_or(0);
+    for body in &job.rigid {
+        let mut own: BTreeMap<&str, u64> = BTreeMap::new();
+        for id in &body.parts {
+            let of = job.part.iter().find(|p| p.id == *id).map_or("", |p| p.material.as_str());
+            let Some(material) = materials.iter().find(|m| m.name == of) else { continue };
+            let mid = *own.entry(of).or_insert_with(|| {
+                rigid_material(deck, material, body, next);
+                next += 1;
+                next - 1
+            });
+            bodies.materials.insert(*id, mid);
+        }
+        let (part, name) = match body.parts.first() {
+            Some(&lead) => (u64::from(lead), format!("part-{lead}")),
+            None => {
+                free += 1;
+                (free - 1, format!("body-{}", free - 1))
+            }
+        };
+        bodies.parts.insert(body.name.clone(), part);
+        bodies.names.insert(body.name.clone(), name);
+    }
+    bodies
+}
+
+const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+fn rigid_material(deck: &mut Deck, material: &Material, body: &Rigid, mid: u64) {
+    let number = |key: &str| match material.parameters.get(key) {
+        Some(crumple_proto::partition::Param::Number(x)) => Number(*x),
+        _ => Blank,
+    };
+    // 1 x, 2 y, 3 z, 4 xy, 5 yz, 6 zx, 7 all.
+    let code = |first: usize| {
+        let held = [0, 1, 2].map(|c| body.fixed.iter().any(|d| d == DOFS[first + c]));
+        [0, 1, 2, 4, 3, 6, 5, 7]
+            [usize::from(held[0]) + 2 * usize::from(held[1]) + 4 * usize::from(held[2])]
+    };
+    deck.keyword("MAT_RIGID_TITLE");
+    deck.text(&format!("{}, {}", line(&material.name), line(&body.name)));
+    deck.card(&[Id(mid), Number(material.density), number("youngs_modulus"), number("poisson")]);
+    let codes = [code(0), code(3)];
+    deck.card(&[Id(u64::from(codes != [0, 0])), Id(codes[0]), Id(codes[1])]);
+    deck.card(&[]);
+}
+
+/// Writes what joins bodies, and motions; what has no card behind `$crumple:`.
+pub fn write(
+    deck: &mut Deck,
+    job: &Job,
+    bodies: &Bodies,
+    set: impl Fn(&str) -> Field,
+    curves: &mut TimeCurves<'_>,
+) {
+    if bodies.names.is_empty() {
+        list(deck, "rigid", &job.rigid);
+    } else {
+        job.rigid.iter().for_each(|body| join(deck, body, bodies, &set));
+    }
+    let cards: Option<Vec<Card>> = job.motion.iter().map(|motion| card(motion, bodies)).collect();
+    let Some(cards) = cards.filter(|cards| cards.is_sorted_by_key(|c| c.of_body)) else {
+        let renamed = |motion: &Motion| {
+            let rigid =
+                motion.rigid.as_ref().map(|name| bodies.names.get(name).unwrap_or(name).clone());
+            Motion { rigid, ..motion.clone() }
+        };
+        return list(deck, "motion", &job.motion.iter().map(renamed).collect::<Vec<_>>());
+    };
+    for (motion, card) in job.motion.iter().zip(cards) {
+        let curve = curves.id(deck, motion.curve.as_deref());
+        let of = motion.nodes.as_deref().map(&set);
+        deck.keyword(if card.of_body {
+            "BOUNDARY_PRESCRIBED_MOTION_RIGID"
+        } else {
+            "BOUNDARY_PRESCRIBED_MOTION_SET"
+        });
+        let of = of.unwrap_or(Id(motion
+            .rigid
+            .as_ref()
+            .and_then(|r| bodies.parts.get(r))
+            .copied()
+            .unwrap_or(0)));
+        deck.card(&[of, Id(card.dof), Id(card.vad), Id(curve), Number(card.amount)]);
+    }
+}
+
+fn join(deck: &mut Deck, body: &Rigid, bodies: &Bodies, set: impl Fn(&str) -> Field) {
+    let (part, name) = (bodies.parts[&body.name], &bodies.names[&body.name]);
+    let nodes = body.nodes.as_deref().map(set);
+    let mut own = Table::from_iter([named(name)]);
+    if body.parts.is_empty() {
+        deck.keyword("CONSTRAINED_NODAL_RIGID_BODY_TITLE");
+        deck.text(&line(&body.name));
+        deck.card(&[Id(part), Blank, nodes.unwrap_or(Blank)]);
+        if !body.fixed.is_empty() {
+            own.insert("fixed".into(), Value::from(body.fixed.clone()));
+        }
+    } else {
+        let others: BTreeSet<u32> =
+            body.parts.iter().copied().filter(|&p| u64::from(p) != part).collect();
+        if !others.is_empty() {
+            deck.keyword("CONSTRAINED_RIGID_BODIES");
+            others.into_iter().for_each(|other| deck.card(&[Id(part), Id(u64::from(other))]));
+        }
+        if let Some(nodes) = nodes {
+            deck.keyword("CONSTRAINED_EXTRA_NODES_SET");
+            deck.card(&[Id(part), nodes]);
+        }
+    }
+    if let Some(mass) = body.mass {
+        own.insert("mass".into(), mass.into());
+    }
+    if let Some(inertia) = body.inertia {
+        own.insert("inertia".into(), Value::from(inertia.to_vec()));
+    }
+    if own.len() > 1 {
+        deck.entry("rigid", own);
+    }
+}
+
+/// A motion of one degree of freedom.
+struct Card {
+    of_body: bool,
+    dof: u64,
+    vad: u64,
+    amount: f64,
+}
+
+fn card(motion: &Motion, bodies: &Bodies) -> Option<Card> {
+    let of_body = motion.rigid.is_some();
+    if motion.rigid.as_ref().is_some_and(|name| !bodies.parts.contains_key(name)) {
+        return None;
+    }
+    let [dof] = motion.dofs.as_slice() else { return None };
+    let axis = DOFS.iter().position(|d| d == dof)?;
+    let (vad, v, first) =
+        match (motion.velocity, motion.acceleration, motion.displacement, motion.spin) {
+            (Some(v), None, None, None) => (0, v, 0),
+            (None, Some(a), None, None) => (1, a, 0),
+            (None, None, Some(u), None) => (2, u, 0),
+            (None, None, None, Some(w)) if of_body => (0, w, 3),
+            _ => return None,
+        };
+    let along = axis.checked_sub(first).filter(|&c| c < 3)?;
+    let alone = v[along] != 0.0 && (0..3).all(|c| c == along || v[c] == 0.0);
+    let dof = (along + if first == 0 { 1 } else { 5 }) as u64;
+    alone.then_some(Card { of_body, dof, vad, amount: v[along] })
+}

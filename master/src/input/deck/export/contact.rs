@@ -1,0 +1,145 @@
+//! Contact and its interfaces, each as a card with sets of its parts. What cards do not say, such
+//! as laws, stands behind `$crumple:` under the name of the interface.
+
+use super::{Blank, Deck, Field, Id, Number, differing, line, named};
+use crumple_proto::job::{Contact, Interface, Job};
+use std::collections::BTreeSet;
+use toml::{Table, Value};
+
+/// Keys of `[contact]` and of interfaces that cards carry.
+const CARRIED: [&str; 12] = [
+    "name",
+    "parts",
+    "against",
+    "exclude",
+    "friction",
+    "friction_dynamic",
+    "friction_decay",
+    "friction_limit",
+    "birth",
+    "death",
+    "thickness",
+    "thickness_scale",
+];
+
+/// The contact of a job. Interfaces become cards if those of one surface come before those of two,
+/// which a reader of cards takes for granted, and something touches in all of them.
+pub fn write(deck: &mut Deck, job: &Job) {
+    let Some(contact) = &job.contact else { return };
+    let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let all: Vec<Contact> = contact.each().collect();
+    let touches =
+        |c: &Contact| c.law != Contact::NO_LAW && c.sides(&ids).iter().all(|side| !side.is_empty());
+    let in_order = all.iter().map(|c| !c.against.is_empty()).is_sorted();
+    let mut sets = 0;
+    if !(in_order && all.iter().all(touches)) {
+        let plain = Contact {
+            friction: contact.friction,
+            parts: contact.parts.clone(),
+            ..Contact::default()
+        };
+        card(deck, &plain, (&ids, job.end_time), None, &mut sets);
+        return differing(deck, "contact", contact, &Contact::default(), &["friction", "parts"]);
+    }
+    let names = names(&all);
+    for (number, (one, name)) in (1..).zip(all.iter().zip(&names)) {
+        let heading =
+            (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
+        card(deck, one, (&ids, job.end_time), heading, &mut sets);
+    }
+    let beside: Vec<&str> = CARRIED.into_iter().chain(["interface"]).collect();
+    differing(deck, "contact", contact, &Contact::default(), &beside);
+    let entries: Vec<Value> =
+        contact.interface.iter().zip(&names[1..]).filter_map(|(i, name)| rest(i, name)).collect();
+    if !entries.is_empty()
+        && let Value::Table(of) =
+            deck.rest.entry("contact").or_insert_with(|| Value::Table(Table::new()))
+    {
+        of.insert("interface".into(), Value::Array(entries));
+    }
+}
+
+/// What each is called, all differently.
+fn names(all: &[Contact]) -> Vec<String> {
+    let numbered = |number: usize| format!("contact {number}");
+    let name =
+        |(number, c): (usize, &Contact)| match line(&c.name).chars().take(70).collect::<String>() {
+            name if name.is_empty() => numbered(number),
+            name => name,
+        };
+    let names: Vec<String> = (1..).zip(all).map(name).collect();
+    let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    if told_apart { names } else { (1..=all.len()).map(numbered).collect() }
+}
+
+/// What no card says of an interface; `None` if nothing.
+fn rest(interface: &Interface, name: &str) -> Option<Value> {
+    let Ok(Value::Table(said)) = Value::try_from(interface) else { return None };
+    let Ok(Value::Table(silent)) = Value::try_from(Interface::default()) else { return None };
+    let more = |(key, value): &(String, Value)| {
+        !CARRIED.contains(&key.as_str()) && silent.get(key) != Some(value)
+    };
+    let mut said: Table = said.into_iter().filter(more).collect();
+    if said.is_empty() {
+        return None;
+    }
+    said.extend([named(name)]);
+    Some(Value::Table(said))
+}
+
+/// One card, with its heading and the sets that it names, of a job that ends at `end` [time].
+fn card(
+    deck: &mut Deck,
+    c: &Contact,
+    (ids, end): (&[u32], f64),
+    heading: Option<(u64, &str)>,
+    sets: &mut u64,
+) {
+    let single = c.against.is_empty();
+    let keyword = if single {
+        "CONTACT_AUTOMATIC_SINGLE_SURFACE"
+    } else {
+        "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
+    };
+    // Sets go before: the card is the last thing that its numbers are in.
+    let resolved =
+        c.sides(ids).map(|side| side.into_iter().map(|place| ids[place]).collect::<Vec<u32>>());
+    let [ahead, behind] = resolved;
+    let all = c.parts.is_empty() && c.exclude.is_empty();
+    let side = |deck: &mut Deck, sets: &mut u64, parts: &[u32]| {
+        *sets += 1;
+        deck.keyword("SET_PART_LIST");
+        deck.card(&[Id(*sets)]);
+        let parts: Vec<Field> = parts.iter().map(|&p| Id(u64::from(p))).collect();
+        parts.chunks(8).for_each(|eight| deck.card(eight));
+        [Id(*sets), Id(2)]
+    };
+    let [surfa, typea] = if all { [Id(0), Id(5)] } else { side(deck, sets, &ahead) };
+    let [surfb, typeb] = if single { [Blank, Blank] } else { side(deck, sets, &behind) };
+    match heading {
+        Some((number, name)) => {
+            deck.keyword(&format!("{keyword}_ID"));
+            deck.named_card(number, name);
+        }
+        None => deck.keyword(keyword),
+    }
+    deck.card(&[surfa, surfb, typea, typeb]);
+    let dynamic = c.friction_dynamic.unwrap_or(c.friction);
+    let or_blank = |x: f64| if x > 0.0 && x.is_finite() { Number(x) } else { Blank };
+    let limit = or_blank(c.friction_limit.unwrap_or(0.0));
+    let (birth, death) = (or_blank(c.birth), or_blank(c.death.filter(|&t| t < end).unwrap_or(0.0)));
+    deck.card(&[
+        Number(c.friction),
+        Number(dynamic),
+        or_blank(c.friction_decay),
+        limit,
+        Blank,
+        Blank,
+        birth,
+        death,
+    ]);
+    let thickness = or_blank(c.thickness.unwrap_or(0.0));
+    let scale = if c.thickness_scale == 1.0 { Blank } else { Number(c.thickness_scale) };
+    let of_other = |field: Field| if single { Blank } else { field };
+    deck.card(&[Blank, Blank, thickness, of_other(thickness), scale, of_other(scale)]);
+}

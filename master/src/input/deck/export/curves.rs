@@ -1,0 +1,63 @@
+//! Factors over time as curves. Where a job names none, its factor is 1, for which a deck needs a
+//! curve too.
+
+use super::{Deck, named, points};
+use crumple_proto::job::Job;
+use std::collections::BTreeMap;
+use toml::{Table, Value};
+
+/// Name of the factor 1 where it needs one.
+const CONSTANT: &str = "constant factor of 1";
+
+/// Curves of a job that a deck has so far.
+pub struct TimeCurves<'j> {
+    job: &'j Job,
+    ids: BTreeMap<Option<String>, u64>,
+    beside: Vec<String>,
+}
+
+impl<'j> TimeCurves<'j> {
+    /// None so far.
+    pub fn of(job: &'j Job) -> Self {
+        Self { job, ids: BTreeMap::new(), beside: Vec::new() }
+    }
+
+    fn points(&self, name: Option<&str>) -> Vec<[f64; 2]> {
+        let found = name.and_then(|name| self.job.curve.iter().find(|c| c.name == name));
+        // Beyond the run, so that what it says is all that is ever asked.
+        found.map_or(vec![[0.0, 1.0], [2.0 * self.job.end_time, 1.0]], |c| c.points.clone())
+    }
+
+    /// Id of a curve, which is written at its first use: not between a keyword and its cards.
+    pub fn id(&mut self, deck: &mut Deck, name: Option<&str>) -> u64 {
+        let key = name.map(String::from);
+        if let Some(&id) = self.ids.get(&key) {
+            return id;
+        }
+        let id = points(deck, &self.points(name));
+        self.ids.insert(key, id);
+        id
+    }
+
+    /// Id of the curve times a number, which is written.
+    pub fn scaled(&self, deck: &mut Deck, name: Option<&str>, scale: f64) -> u64 {
+        let points_of: Vec<[f64; 2]> =
+            self.points(name).iter().map(|p| [p[0], scale * p[1]]).collect();
+        points(deck, &points_of)
+    }
+
+    /// Puts the curve behind `$crumple:` too; its name there.
+    pub fn beside(&mut self, deck: &mut Deck, name: Option<&str>) -> String {
+        let known = name.unwrap_or(CONSTANT).to_string();
+        if !self.beside.contains(&known) {
+            let rows =
+                self.points(name).into_iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
+            deck.entry(
+                "curve",
+                Table::from_iter([named(&known), ("points".into(), Value::from(rows))]),
+            );
+            self.beside.push(known.clone());
+        }
+        known
+    }
+}

@@ -1,0 +1,50 @@
+//! Gravity and forces on nodes as cards.
+
+use super::{Deck, Field, Id, Number, TimeCurves, list};
+use crate::input::job::Model;
+use crumple_proto::job::Load;
+
+/// Gravity, along one axis after the other: decks accelerate the frame of reference, so that bodies
+/// fall the other way.
+pub fn gravity(deck: &mut Deck, model: &Model, curves: &mut TimeCurves<'_>) {
+    for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate() {
+        for gravity in model.job.gravity.iter().filter(|g| g.acceleration[axis] != 0.0) {
+            let curve = curves.id(deck, gravity.curve.as_deref());
+            deck.keyword(keyword);
+            deck.card(&[Id(curve), Number(-gravity.acceleration[axis])]);
+        }
+    }
+}
+
+/// Forces and moments on node sets. A deck loads each node, a job a set: where that many of the one
+/// are not the other to the last bit, all of them stand behind `$crumple:`.
+pub fn on_nodes(
+    deck: &mut Deck,
+    model: &Model,
+    set: impl Fn(&str) -> Field,
+    curves: &mut TimeCurves<'_>,
+) {
+    let each = |load: &Load| -> Option<Vec<(u64, f64)>> {
+        let count = model.mesh.node_sets.get(&load.nodes).map_or(0, |nodes| {
+            nodes
+                .iter()
+                .filter(|n| model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok())
+                .count()
+        }) as f64;
+        let amounts = (1..).zip(load.force).chain((5..).zip(load.moment)).filter(|a| a.1 != 0.0);
+        let exact = |(dof, amount): (u64, f64)| {
+            let one = amount / count;
+            (count > 0.0 && one * count == amount).then_some((dof, one))
+        };
+        amounts.map(exact).collect()
+    };
+    let cards: Option<Vec<Vec<(u64, f64)>>> = model.job.load.iter().map(each).collect();
+    let Some(cards) = cards else { return list(deck, "load", &model.job.load) };
+    for (load, cards) in model.job.load.iter().zip(cards).filter(|(_, cards)| !cards.is_empty()) {
+        let curve = curves.id(deck, load.curve.as_deref());
+        deck.keyword("LOAD_NODE_SET");
+        for (dof, amount) in cards {
+            deck.card(&[set(&load.nodes), Id(dof), Id(curve), Number(amount)]);
+        }
+    }
+}

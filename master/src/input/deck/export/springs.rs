@@ -1,0 +1,62 @@
+//! Springs and dampers as cards.
+
+use super::{Blank, Deck, Id, Number, line, points};
+use crumple_proto::job::{Part, Spring};
+use crumple_proto::mesh::{MeshElement, Shape};
+use toml::{Table, Value};
+
+/// A part of springs with a section and a material `mid` of its own. A card has one law: what else
+/// the part has stands behind `$crumple:`.
+pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
+    let id = u64::from(part.id);
+    let mut rest = Spring { direction: spring.direction, ..Spring::default() };
+    let tables = [&spring.force_elongation, &spring.force_rate];
+    let [elongation, rate] = tables.map(|table| (!table.is_empty()).then(|| points(deck, table)));
+    let law = match (elongation, spring.stiffness, rate) {
+        (Some(curve), _, _) => ("MAT_SPRING_NONLINEAR_ELASTIC_TITLE", Id(curve)),
+        (None, stiffness, _) if stiffness != 0.0 => ("MAT_SPRING_ELASTIC_TITLE", Number(stiffness)),
+        (None, _, Some(curve)) => ("MAT_DAMPER_NONLINEAR_VISCOUS_TITLE", Id(curve)),
+        (None, _, None) => ("MAT_DAMPER_VISCOUS_TITLE", Number(spring.damping)),
+    };
+    if law.0.contains("SPRING") {
+        (rest.damping, rest.force_rate) = (spring.damping, spring.force_rate.clone());
+    }
+    deck.keyword(law.0);
+    deck.text(&format!("{}, {id}", line(&part.name)));
+    deck.card(&[Id(mid), law.1]);
+    deck.keyword("SECTION_DISCRETE");
+    deck.card(&[Id(id)]);
+    deck.card(&[]);
+    deck.keyword("PART");
+    deck.text(&line(&part.name));
+    deck.card(&[Id(id), Id(id), Id(mid)]);
+    let own: Table = match Value::try_from(&rest) {
+        Ok(Value::Table(own)) => own,
+        _ => return,
+    };
+    let none = Value::try_from(Spring::default()).unwrap_or(Value::Boolean(false));
+    let own: Table = own.into_iter().filter(|(key, value)| none.get(key) != Some(value)).collect();
+    if !own.is_empty() {
+        deck.entry(
+            "part",
+            Table::from_iter([("id".into(), Value::from(part.id)), ("spring".into(), own.into())]),
+        );
+    }
+}
+
+/// Their elements.
+pub fn elements<'m>(deck: &mut Deck, elements: impl Iterator<Item = &'m MeshElement>) {
+    let mut springs = elements.filter(|e| e.shape == Shape::Line2).peekable();
+    if springs.peek().is_some() {
+        deck.keyword("ELEMENT_DISCRETE");
+    }
+    for e in springs {
+        deck.card(&[
+            Id(e.id.label()),
+            Id(u64::from(e.part)),
+            Id(e.nodes[0].label()),
+            Id(e.nodes[1].label()),
+            Blank,
+        ]);
+    }
+}

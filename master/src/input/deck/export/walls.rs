@@ -1,0 +1,137 @@
+//! Rigid walls as cards. What digits of a card do not give back to the last bit stands behind
+//! `$crumple:` under the wall's name.
+
+use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
+use crumple_proto::job::{Job, Wall};
+use std::collections::BTreeSet;
+use toml::{Table, Value};
+
+/// What keyword a wall is written as, in the order in which decks have them.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Plane,
+    LedRectangle,
+    Cylinder,
+}
+
+fn kind(wall: &Wall) -> Option<Kind> {
+    let led = wall.velocity.or(wall.displacement);
+    let stands = led.is_some_and(|v| v == [0.0; 3]);
+    match (wall.axis, wall.normal) {
+        _ if stands => None,
+        (Some(_), None) => Some(Kind::Cylinder),
+        (None, Some(_)) if led.is_none() => Some(Kind::Plane),
+        (None, Some(_)) if wall.edge.is_some() => Some(Kind::LedRectangle),
+        _ => None,
+    }
+}
+
+/// All walls; none as cards where one has no card, or where cards would bring them into another
+/// order.
+pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &mut TimeCurves<'_>) {
+    let kinds: Option<Vec<Kind>> = job.wall.iter().map(kind).collect();
+    let names: Vec<String> =
+        (1..).zip(&job.wall).map(|(number, wall)| name(wall, number)).collect();
+    let told_apart = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    let Some(kinds) = kinds.filter(|kinds| kinds.is_sorted() && told_apart) else {
+        return list(deck, "wall", &job.wall);
+    };
+    for (((wall, kind), name), number) in job.wall.iter().zip(kinds).zip(&names).zip(1..) {
+        one(deck, wall, kind, (name, number), &set, curves);
+    }
+}
+
+fn name(wall: &Wall, number: u64) -> String {
+    if wall.name.is_empty() { format!("wall-{number}") } else { line(&wall.name) }
+}
+
+fn one(
+    deck: &mut Deck,
+    wall: &Wall,
+    kind: Kind,
+    (name, number): (&str, u64),
+    set: impl Fn(&str) -> Field,
+    curves: &mut TimeCurves<'_>,
+) {
+    let mut exact = Table::from_iter([named(name)]);
+    let mut head = |key: &str, v: [f64; 3]| {
+        let head = [0, 1, 2].map(|c| wall.point[c] + v[c]);
+        if [0, 1, 2].map(|c| head[c] - wall.point[c]) != v {
+            exact.insert(key.into(), Value::from(v.to_vec()));
+        }
+        head.map(Number)
+    };
+    let direction = match kind {
+        Kind::Cylinder => head("axis", wall.axis.unwrap_or_default()),
+        _ => head("normal", wall.normal.unwrap_or_default()),
+    };
+    let edge = wall.edge.map(|e| head("edge", e));
+    let led = led(deck, wall, curves, &mut exact);
+    let options: Vec<&str> = [
+        (wall.edge.is_some() && kind == Kind::Plane, "_FINITE"),
+        (wall.mass.is_some(), "_MOVING"),
+        (led.is_some(), "_MOTION"),
+    ]
+    .iter()
+    .filter_map(|(has, option)| has.then_some(*option))
+    .collect();
+    let keyword = match kind {
+        Kind::Plane => "RIGIDWALL_PLANAR",
+        Kind::LedRectangle => "RIGIDWALL_GEOMETRIC_FLAT",
+        Kind::Cylinder => "RIGIDWALL_GEOMETRIC_CYLINDER",
+    };
+    deck.keyword(&format!("{keyword}{}_ID", options.concat()));
+    deck.named_card(number, name);
+    let chosen = |of: &Option<String>| of.as_deref().map_or(Blank, &set);
+    deck.card(&[chosen(&wall.nodes), chosen(&wall.except)]);
+    deck.card(&[wall.point.map(Number).as_slice(), &direction, &[Number(wall.friction)]].concat());
+    if kind == Kind::Cylinder {
+        deck.card(&[Number(wall.radius.unwrap_or(0.0)), Number(wall.length)]);
+    }
+    if let Some(edge) = edge {
+        deck.card(&[edge.as_slice(), &wall.lengths.unwrap_or_default().map(Number)].concat());
+    }
+    if let Some(mass) = wall.mass {
+        deck.card(&[Number(mass), Number(wall.speed)]);
+    }
+    if let Some(motion) = led {
+        deck.card(&motion);
+    }
+    if exact.len() > 1 {
+        deck.entry("wall", exact);
+    }
+}
+
+/// Card of a motion: a curve of lengths along a direction of length 1.
+fn led(
+    deck: &mut Deck,
+    wall: &Wall,
+    curves: &mut TimeCurves<'_>,
+    exact: &mut Table,
+) -> Option<[Field; 5]> {
+    let (key, form, v) = match (wall.velocity, wall.displacement) {
+        (Some(v), _) => ("velocity", 0, v),
+        (None, Some(u)) => ("displacement", 1, u),
+        (None, None) => return None,
+    };
+    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let way = v.map(|c| c / length);
+    let of = wall.curve.as_deref();
+    let curve = match length == 1.0 {
+        true => curves.id(deck, of),
+        false => {
+            // A curve times the speed is another one in its last digits.
+            let name = curves.beside(deck, of);
+            exact.insert(key.into(), Value::from(v.to_vec()));
+            exact.insert("curve".into(), name.into());
+            curves.scaled(deck, of, length)
+        }
+    };
+    // The reader makes the direction a unit vector once more.
+    let again = way.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if way.map(|c| c / again) != v {
+        exact.insert(key.into(), Value::from(v.to_vec()));
+    }
+    let [x, y, z] = way.map(Number);
+    Some([Id(curve), Id(form), x, y, z])
+}

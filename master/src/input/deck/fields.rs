@@ -1,0 +1,219 @@
+//! A card cut into its fields: by columns, by commas, or, where tabs have upset the columns, by
+//! blanks.
+
+use super::number;
+use super::table::{Card, Kind};
+
+/// Fields of one card, at most; the widest has sixteen of five columns.
+pub const MOST: usize = 20;
+/// Columns that a tab goes on to a multiple of.
+const TAB: usize = 8;
+/// Columns of a field in the long format.
+const LONG: usize = 20;
+
+/// How wide the fields of a card are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// As the keyword's table says.
+    Standard,
+    /// Eight columns become ten.
+    I10,
+    /// All fields have twenty.
+    Long,
+}
+
+impl Format {
+    fn width(self, standard: u16) -> usize {
+        match self {
+            // Headings behind an id go on to the end of the line.
+            Format::Long => LONG.max(usize::from(standard)),
+            Format::I10 if standard == 8 => 10,
+            _ => usize::from(standard),
+        }
+    }
+}
+
+/// The fields of a card, as bytes of its line, without blanks around them.
+#[derive(Clone, Copy, Debug)]
+pub struct Fields {
+    count: usize,
+    spans: [(u32, u32); MOST],
+}
+
+impl Fields {
+    /// How many fields the card has, blank ones at its end left out.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// First byte of field `index` and one past its last; equal if it is blank.
+    pub fn span(&self, index: usize) -> (usize, usize) {
+        let (start, end) = self.spans.get(index).copied().unwrap_or_default();
+        (start as usize, end as usize)
+    }
+
+    /// The text of field `index`, empty if it is blank.
+    pub fn text<'l>(&self, line: &'l [u8], index: usize) -> &'l [u8] {
+        let (start, end) = self.span(index);
+        line.get(start..end).unwrap_or_default()
+    }
+
+    fn push(&mut self, line: &[u8], from: usize, to: usize) {
+        if self.count == MOST {
+            return;
+        }
+        let to = to.min(line.len());
+        let mut start = from.min(to);
+        let mut end = to;
+        while start < end && line[start].is_ascii_whitespace() {
+            start += 1;
+        }
+        while end > start && line[end - 1].is_ascii_whitespace() {
+            end -= 1;
+        }
+        self.spans[self.count] = (start as u32, end as u32);
+        self.count += 1;
+    }
+
+    fn drop_blanks(mut self) -> Self {
+        while self.count > 0 && self.spans[self.count - 1].0 == self.spans[self.count - 1].1 {
+            self.count -= 1;
+        }
+        self
+    }
+}
+
+/// Cuts a line into the fields of a card.
+pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
+    let mut fields = Fields { count: 0, spans: [(0, 0); MOST] };
+    if card.fields.first().is_some_and(|f| f.kind == Kind::Line) {
+        fields.push(line, 0, line.len());
+        return fields.drop_blanks();
+    }
+    if line.contains(&b',') {
+        let mut from = 0;
+        for part in line.split(|&b| b == b',') {
+            fields.push(line, from, from + part.len());
+            from += part.len() + 1;
+        }
+        return fields.drop_blanks();
+    }
+    if line.contains(&b'\t') {
+        return tabbed(line, card, format, fields);
+    }
+    let mut from = 0;
+    for field in &card.fields {
+        if from >= line.len() {
+            break;
+        }
+        let width = format.width(field.width);
+        fields.push(line, from, from + width);
+        from += width;
+    }
+    fields.drop_blanks()
+}
+
+/// A line with tabs: by columns, with a tab going on to the next multiple of eight, if that gives
+/// numbers where numbers are wanted; else word by word.
+fn tabbed(line: &[u8], card: &Card, format: Format, fields: Fields) -> Fields {
+    // The byte that stands in each column; a tab stands in several.
+    let mut columns: Vec<usize> = Vec::with_capacity(2 * line.len());
+    for (at, &b) in line.iter().enumerate() {
+        let end = if b == b'\t' { (columns.len() / TAB + 1) * TAB } else { columns.len() + 1 };
+        columns.resize(end, at);
+    }
+    let byte = |column: usize| columns.get(column).copied().unwrap_or(line.len());
+    let (mut fixed, mut from) = (fields, 0);
+    let mut fits = true;
+    for (index, field) in card.fields.iter().enumerate().take_while(|f| f.0 < MOST) {
+        let to = from + format.width(field.width);
+        fixed.push(line, byte(from), byte(to));
+        let text = fixed.text(line, index);
+        fits &= match field.kind {
+            _ if text.is_empty() || text.contains(&b'&') => true,
+            Kind::Integer => number::integer(text).is_some(),
+            Kind::Real => number::real(text).is_some(),
+            Kind::Word | Kind::Line => true,
+        };
+        from = to;
+    }
+    if fits {
+        return fixed.drop_blanks();
+    }
+    let mut words = fields;
+    let mut at = 0;
+    for word in line.split(|b| b.is_ascii_whitespace()) {
+        if !word.is_empty() {
+            words.push(line, at, at + word.len());
+        }
+        at += word.len() + 1;
+    }
+    words
+}
+
+/// The line with blanks for its tabs.
+pub fn expand(line: &str) -> String {
+    let mut out = String::with_capacity(line.len());
+    let mut column = 0;
+    for c in line.chars() {
+        let width = if c == '\t' { TAB - column % TAB } else { 1 };
+        match c {
+            '\t' => out.extend(std::iter::repeat_n(' ', width)),
+            _ => out.push(c),
+        }
+        column += width;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cut(spec: &str, line: &str, format: Format) -> Vec<String> {
+        let card = Card::parse(spec);
+        let fields = split(line.as_bytes(), &card, format);
+        let text = |i| String::from_utf8_lossy(fields.text(line.as_bytes(), i)).into_owned();
+        (0..fields.count()).map(text).collect()
+    }
+
+    #[test]
+    fn fields_that_touch_are_cut_by_columns() {
+        let card = "mid:i ro:r e:r";
+        assert_eq!(
+            cut(card, "         17.83000E-6     207.0", Format::Standard),
+            ["1", "7.83000E-6", "207.0"]
+        );
+        assert_eq!(cut("a:r b:r", "       0.01.00000E20", Format::Standard), ["0.0", "1.00000E20"]);
+        assert_eq!(
+            cut("n:i8 x:r16 y:r16", "       1             1.0-2.0", Format::Standard),
+            ["1", "1.0", "-2.0"]
+        );
+    }
+
+    #[test]
+    fn all_formats_give_the_same_fields() {
+        let card = "eid:i8 pid:i8 n1:i8 n2:i8";
+        let fixed = format!("{:>8}{:>8}{:>8}{:>8}", 1, 2, "", 4);
+        let long = format!("{:>20}{:>20}{:>20}{:>20}", 1, 2, "", 4);
+        let i10 = format!("{:>10}{:>10}{:>10}{:>10}", 1, 2, "", 4);
+        assert_eq!(cut(card, &fixed, Format::Standard), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, &long, Format::Long), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, &i10, Format::I10), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, "1, 2,,4", Format::Standard), ["1", "2", "", "4"]);
+        assert_eq!(cut(card, "1,2,,4", Format::Long), ["1", "2", "", "4"]);
+    }
+
+    #[test]
+    fn tabs_are_columns_where_they_fit_and_blanks_where_not() {
+        let card = "eid:i8 pid:i8 n1:i8 n2:i8";
+        assert_eq!(cut(card, "1\t2\t\t4", Format::Standard), ["1", "2", "", "4"]);
+        assert_eq!(cut("a:r b:r c:r", "1.0\t2.0\t3.0", Format::Standard), ["1.0", "2.0", "3.0"]);
+        assert_eq!(cut("a:i b:a", "\t 7name", Format::Standard), ["7", "name"]);
+    }
+
+    #[test]
+    fn lines_of_text_are_whole() {
+        assert_eq!(cut("title:l", "  a, b\tc  ", Format::Standard), ["a, b\tc"]);
+    }
+}

@@ -1,0 +1,150 @@
+//! Contact and rigid walls.
+
+use super::id;
+use crate::input::deck::record::Record;
+use crate::input::deck::table::{
+    Keyword,
+    Times::{self, *},
+};
+
+const CARDS: &[(&str, Times)] = &[
+    ("cid:i heading:a70", Count(id)),
+    ("ignore_mpp:i bckt:r lcbckt:r ns2trk:r inititr:r parmax:r unused:r cparm8:r", Count(mpp)),
+    ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
+    ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Once),
+    ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Once),
+    ("isym:i erosop:i iadj:i", Count(eroding)),
+    ("soft:i sofscl:r lcidab:i maxpar:r sbopt:r depth:i bsort:i frcfrq:i", Maybe),
+    ("penmax:r thkopt:i shlthk:i snlog:i isym_b:i i2d3d:i sldthk:r sldstf:r", Maybe),
+    ("igap:i ignore:i dprfac:r dtstif:r edgek:r unused:r flangl:r cid_rcf:i", Maybe),
+    ("q2tri:i dtpchk:r sfnbr:r fnlscl:r dnlscl:r tcso:i tiedid:i shledg:i", Maybe),
+    ("sharec:i cparm8:r ipback:i srnde:i fricsf:r icor:i ftorq:i region:i", Maybe),
+    ("pstiff:i ignroff:i unused:r fstol:r 2dbinr:r ssftyp:i swtpr:i tetfac:r", Maybe),
+];
+
+const SINGLE: &str = "`[contact]`, from the second one on a `[[contact.interface]]`: its parts touch each other and themselves. fs, fd and dc are the friction, \
+     vc its limit, sast or sfsat the thickness, bt and dt birth and death; of several that name two parts the last one holds. \
+     With MORTAR, where it may be, the `law` is `mortar`. AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL have beams";
+const PAIR: &str = "the same of the parts of surfa `against` those of surfb, after all contacts of single surfaces; a thickness is the mean of both \
+    sides";
+
+const WITH_MORTAR: &[&str] = &["ID", "TITLE", "MPP", "MORTAR"];
+
+const TRANSDUCER: &str = "`[[output.transducer]]`: the contact force on surfa, from surfb or, if that is blank, from all. Segments count by \
+                          their nodes";
+
+const fn contact(name: &'static str, note: &'static str) -> Keyword {
+    Keyword::new(name, CARDS, note).options(&["ID", "TITLE", "MPP"])
+}
+
+const TIED: &str = "`[[tie]]` of the nodes of surfa to the faces of surfb, which are moved onto them; with one of the OFFSET options they stay where \
+    they are, at the end of arms, by a constraint in all three. A negative sast or sbst is the tolerance, positive ones are the thicknesses that it goes \
+    by (0.6 of both, or a twentieth of the face's diagonal). When the element of its face fails a node is let go";
+const TURNED: &str = "the same with `rotations`";
+
+const fn tied(name: &'static str, note: &'static str) -> Keyword {
+    Keyword::new(name, CARDS, note).options(&[
+        "ID",
+        "TITLE",
+        "MPP",
+        "OFFSET",
+        "BEAM_OFFSET",
+        "CONSTRAINED_OFFSET",
+    ])
+}
+
+const WALL: &[(&str, Times)] = &[
+    WALL_ID,
+    ("nsid:i nsidex:i boxid:i offset:r birth:r death:r=1e20 rwksf:r=1", Once),
+    ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r wvel:r", Once),
+    ("xhev:r yhev:r zhev:r lenl:r lenm:r", Count(finite)),
+    ("mass:r v0:r", Count(moving)),
+    ("soft:i ssid:i n1:i n2:i n3:i n4:i", Count(forces)),
+];
+
+const CYLINDER: &[(&str, Times)] =
+    &[WALL_ID, SHAPE_NODES, SHAPE_PLACE, ("radcyl:r lencyl:r", Once), MOTION, DISPLAY];
+const FLAT: &[(&str, Times)] = &[
+    WALL_ID,
+    SHAPE_NODES,
+    SHAPE_PLACE,
+    ("xhev:r yhev:r zhev:r lenl:r lenm:r", Once),
+    MOTION,
+    DISPLAY,
+];
+const WALL_ID: (&str, Times) = ("wid:i heading:a70", Count(id));
+const SHAPE_NODES: (&str, Times) = ("nsid:i nsidex:i boxid:i birth:r death:r=1e20", Once);
+const SHAPE_PLACE: (&str, Times) = ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once);
+const MOTION: (&str, Times) = ("lcid:i! opt:i vx:r vy:r vz:r", Count(motion));
+const DISPLAY: (&str, Times) = ("pid:i ro:r e:r pr:r", Count(display));
+
+/// A rigid wall of a shape, which a curve may lead.
+const fn geometric(
+    name: &'static str,
+    cards: &'static [(&'static str, Times)],
+    note: &'static str,
+) -> Keyword {
+    Keyword::new(name, cards, note).options(&["ID", "MOTION", "DISPLAY"]).repeats()
+}
+
+pub const KEYWORDS: &[Keyword] = &[
+    contact("CONTACT_AUTOMATIC_SINGLE_SURFACE", SINGLE).options(WITH_MORTAR),
+    contact("CONTACT_AUTOMATIC_GENERAL", SINGLE),
+    contact("CONTACT_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE", PAIR).options(WITH_MORTAR),
+    contact("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_AUTOMATIC_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_ERODING_SINGLE_SURFACE", SINGLE),
+    contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_FORCE_TRANSDUCER_PENALTY", TRANSDUCER).aliases(&["CONTACT_FORCE_TRANSDUCER"]),
+    tied("CONTACT_TIED_NODES_TO_SURFACE", TIED),
+    tied("CONTACT_TIED_SURFACE_TO_SURFACE", TIED),
+    tied("CONTACT_TIED_SHELL_EDGE_TO_SURFACE", TURNED),
+    tied("CONTACT_SPOTWELD", TURNED),
+    Keyword::new(
+        "RIGIDWALL_PLANAR",
+        WALL,
+        "`[[wall]]` through the tail, its normal to the head; fric is the friction. nsid, boxid and offset choose its `nodes`, nsidex \
+         its `except`; FINITE is a rectangle with `edge` and `lengths`, MOVING a `mass` and its `speed`; soft is not used",
+    )
+    .options(&["ID", "FINITE", "MOVING", "FORCES"])
+    .repeats(),
+    geometric(
+        "RIGIDWALL_GEOMETRIC_CYLINDER",
+        CYLINDER,
+        "`[[wall]]` with `axis` from the tail to the head, `radius` and `length`, its ends open; MOTION leads it by a curve of \
+         velocities (opt 0) or displacements (1) along vx, vy, vz",
+    ),
+    geometric("RIGIDWALL_GEOMETRIC_FLAT", FLAT, "the same of a rectangle, as RIGIDWALL_PLANAR_FINITE"),
+];
+
+fn mpp(record: &Record) -> usize {
+    usize::from(record.has("MPP"))
+}
+
+fn eroding(record: &Record) -> usize {
+    usize::from(record.row.keyword.name.contains("ERODING"))
+}
+
+fn finite(record: &Record) -> usize {
+    usize::from(record.has("FINITE"))
+}
+
+fn moving(record: &Record) -> usize {
+    usize::from(record.has("MOVING"))
+}
+
+fn forces(record: &Record) -> usize {
+    usize::from(record.has("FORCES"))
+}
+
+fn motion(record: &Record) -> usize {
+    usize::from(record.has("MOTION"))
+}
+
+fn display(record: &Record) -> usize {
+    usize::from(record.has("DISPLAY"))
+}

@@ -1,0 +1,58 @@
+//! What decks ask to be recorded over time.
+
+use super::id;
+use crate::input::deck::table::{Effect::Harmless, Keyword, Times, Times::*};
+
+const CROSS_SECTION: (&str, Times) = ("csid:i title:a70", Count(id));
+const LIST: &[(&str, Times)] = &[("id:i*8", Rest)];
+const NAMED: &[(&str, Times)] = &[("id:i! heading:a70", Rest)];
+const ELEMENTS: &[(&str, Times)] = &[
+    ("heading:l", Count(super::title)),
+    ("sid:i! da1:r da2:r da3:r da4:r", Once),
+    ("id:i*8", Rest),
+];
+
+const fn elements(name: &'static str, aliases: &'static [&'static str]) -> Keyword {
+    Keyword::new(name, ELEMENTS, "elements for DATABASE_CROSS_SECTION_SET")
+        .aliases(aliases)
+        .options(&["TITLE"])
+}
+
+const fn ranges(name: &'static str, aliases: &'static [&'static str]) -> Keyword {
+    Keyword::new(name, ELEMENTS, "the same by ranges").aliases(aliases).options(&["TITLE"])
+}
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "DATABASE_CROSS_SECTION_SET",
+        &[CROSS_SECTION, ("nsid:i! hsid:i bsid:i ssid:i tsid:i dsid:i id:i itype:i", Once)],
+        "`[[output.section]]` of the nodes of nsid: what the elements of hsid, ssid and dsid put on them, in global axes",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "DATABASE_CROSS_SECTION_PLANE",
+        &[
+            CROSS_SECTION,
+            ("psid:i xct:r yct:r zct:r xch:r ych:r zch:r radius:r", Once),
+            ("xhev:r yhev:r zhev:r lenl:r lenm:r id:i itype:i", Once),
+        ],
+        "the same through the elements that the plane cuts: what they put on their nodes on the side of the tail, so that tension \
+         points to the head",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new("DATABASE_HISTORY_NODE", LIST, "`[[output.node]]`"),
+    Keyword::new("DATABASE_HISTORY_NODE_ID", NAMED, "the same, one node a line, with its heading as name"),
+    Keyword::new("DATABASE_HISTORY_NODE_SET", LIST, "the same by node sets"),
+    elements("SET_SHELL_LIST", &["SET_SHELL"]),
+    ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),
+    elements("SET_SOLID", &["SET_SOLID_LIST"]),
+    ranges("SET_SOLID_GENERATE", &["SET_SOLID_LIST_GENERATE"]),
+    elements("SET_DISCRETE", &["SET_DISCRETE_LIST"]),
+    ranges("SET_DISCRETE_GENERATE", &["SET_DISCRETE_LIST_GENERATE"]),
+    Keyword::new("SET_SHELL_GENERAL", &[("card:l", Rest)], "read; nothing refers to it")
+        .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM"])
+        .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
+        .effect(Harmless),
+];

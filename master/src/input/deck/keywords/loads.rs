@@ -1,0 +1,116 @@
+//! What holds, moves and loads the model.
+
+use super::id;
+use crate::input::deck::record::Record;
+use crate::input::deck::table::{Keyword, Times::*};
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "BOUNDARY_SPC_SET",
+        &[("id:i heading:a70", Count(id)), ("nsid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once)],
+        "`[[fix]]`",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "BOUNDARY_SPC_NODE",
+        &[("id:i heading:a70", Count(id)), ("nid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once)],
+        "`[[fix]]`, nodes with the same degrees of freedom in one",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "BOUNDARY_PRESCRIBED_MOTION_SET",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nsid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
+            ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
+        ],
+        "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or rotation (5 to 7) by velocity",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "BOUNDARY_PRESCRIBED_MOTION_NODE",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
+            ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
+        ],
+        "the same of one node",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "BOUNDARY_PRESCRIBED_MOTION_RIGID",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("pid:i! dof:i! vad:i lcid:i! sf:r=1 vid:i death:r=1e28 birth:r", Once),
+            ("offset1:r offset2:r lrb:i node1:i node2:i", Count(offsets)),
+        ],
+        "the same of a rigid body",
+    )
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "INITIAL_VELOCITY",
+        &[
+            ("nsid:i nsidex:i boxid:i irigid:i icid:i", Once),
+            ("vx:r vy:r vz:r vxr:r vyr:r vzr:r", Once),
+            ("vxe:r vye:r vze:r vxre:r vyre:r vzre:r", Count(exempted)),
+        ],
+        "`[[initial_velocity]]` of a set, of a box or of all nodes, and another one for the exempted set",
+    ),
+    Keyword::new(
+        "INITIAL_VELOCITY_NODE",
+        &[("nid:i! vx:r vy:r vz:r vxr:r vyr:r vzr:r icid:i", Rest)],
+        "`[[initial_velocity]]`, nodes of equal velocity in one",
+    ),
+    Keyword::new(
+        "INITIAL_VELOCITY_GENERATION",
+        &[
+            ("id:i styp:i omega:r vx:r vy:r vz:r ivatn:i icid:i", Once),
+            ("xc:r yc:r zc:r nx:r ny:r nz:r phase:i irigid:i", Once),
+        ],
+        "`[[initial_velocity]]` with spin omega about an axis through a point",
+    )
+    .repeats(),
+    Keyword::new(
+        "INITIAL_VELOCITY_RIGID_BODY",
+        &[("pid:i! vx:r vy:r vz:r vxr:r vyr:r vzr:r icid:i", Rest)],
+        "`[[initial_velocity]]` of the body's nodes, spin about its centre",
+    ),
+    Keyword::new("LOAD_BODY_X", GRAVITY, "`[[gravity]]` along -x: the load accelerates the frame of reference"),
+    Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y"),
+    Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z"),
+    Keyword::new(
+        "LOAD_NODE_SET",
+        &[("nsid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
+        "`[[load]]` on each node of the set: dof 1 to 3 force, 5 to 7 moment",
+    ),
+    Keyword::new(
+        "LOAD_NODE_POINT",
+        &[("nid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
+        "the same on one node",
+    ),
+    Keyword::new(
+        "LOAD_SEGMENT",
+        &[("lcid:i! sf:r=1 at:r n:i*4", Rest)],
+        "`[[pressure]]`, positive against the segment's normal, and into solids",
+    ),
+    Keyword::new("LOAD_SEGMENT_SET", &[("ssid:i! lcid:i! sf:r=1 at:r", Rest)], "the same on a set of segments"),
+];
+
+const GRAVITY: &[(&str, crate::input::deck::table::Times)] =
+    &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
+
+/// A second line of prescribed motion, where its degree of freedom has an offset or it is relative.
+fn offsets(record: &Record) -> usize {
+    usize::from(
+        matches!(record.integer("dof").unsigned_abs(), 9..=11) || record.integer("vad") == 4,
+    )
+}
+
+fn exempted(record: &Record) -> usize {
+    usize::from(record.integer("nsidex") > 0)
+}

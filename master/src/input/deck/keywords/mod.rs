@@ -1,0 +1,153 @@
+//! THE TABLE of keywords. A keyword is an entry of one of the lists beside this file; what builds
+//! the model from it is in `build`.
+
+mod constraints;
+mod contact;
+mod control;
+mod histories;
+mod loads;
+mod materials;
+mod mesh;
+mod parts;
+mod sets;
+
+use super::record::Record;
+use super::table::{Card, Effect, Keyword, Times};
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// All keywords, family by family.
+pub const FAMILIES: &[(&str, &[Keyword])] = &[
+    ("Mesh", mesh::KEYWORDS),
+    ("Parts and sections", parts::KEYWORDS),
+    ("Materials", materials::KEYWORDS),
+    ("Sets, curves, boxes", sets::KEYWORDS),
+    ("Boundary conditions and loads", loads::KEYWORDS),
+    ("Rigid bodies and constraints", constraints::KEYWORDS),
+    ("Contact and rigid walls", contact::KEYWORDS),
+    ("Control", control::KEYWORDS),
+    ("Histories", histories::KEYWORDS),
+];
+
+/// Keywords that ask for output, by the start of their names: what there is to tell of them is told
+/// once for each.
+pub const OUTPUT: &[&str] = &["DATABASE_", "INTERFACE_SPRINGBACK", "CONTROL_OUTPUT"];
+
+/// A row of the table, its cards read.
+pub struct Row {
+    /// The entry.
+    pub keyword: &'static Keyword,
+    /// Its cards.
+    pub cards: Vec<(Card, Times)>,
+}
+
+impl std::fmt::Debug for Row {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.keyword.name)
+    }
+}
+
+static TABLE: LazyLock<HashMap<&'static str, Row>> = LazyLock::new(|| {
+    let row = |keyword: &'static Keyword| Row {
+        keyword,
+        cards: keyword.cards.iter().map(|(card, times)| (Card::parse(card), *times)).collect(),
+    };
+    let all = FAMILIES.iter().flat_map(|(_, keywords)| keywords.iter());
+    all.flat_map(|k| std::iter::once(&k.name).chain(k.aliases).map(move |name| (*name, row(k))))
+        .collect()
+});
+
+/// The row of a keyword by its name with options, and these options; `None` if the table has none.
+pub fn find(name: &str) -> Option<(&'static Row, Vec<&'static str>)> {
+    let ends = name.match_indices('_').map(|(at, _)| at).chain([name.len()]);
+    // The longest name first: SET_NODE_LIST before SET_NODE.
+    ends.rev().find_map(|end| {
+        let row = TABLE.get(&name[..end])?;
+        let mut rest = name[end..].strip_prefix('_').unwrap_or(&name[end..]);
+        let mut options = Vec::new();
+        while !rest.is_empty() {
+            let fits = |o: &&&str| {
+                rest.strip_prefix(**o).is_some_and(|r| r.is_empty() || r.starts_with('_'))
+            };
+            let option = row.keyword.options.iter().filter(fits).max_by_key(|o| o.len())?;
+            options.push(*option);
+            rest = rest[option.len()..].strip_prefix('_').unwrap_or(&rest[option.len()..]);
+        }
+        Some((row, options))
+    })
+}
+
+/// The keyword of the table that a name differs from by a slip only.
+pub fn near(name: &str) -> Option<&'static str> {
+    /// Of the letters; one of ten may be wrong.
+    const ALIKE: f64 = 0.88;
+    let base =
+        ["_TITLE", "_ID"].iter().find_map(|option| name.strip_suffix(option)).unwrap_or(name);
+    let scores =
+        TABLE.keys().map(|&known| (strsim::normalized_damerau_levenshtein(base, known), known));
+    let (best, known) = scores.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))?;
+    (best >= ALIKE).then_some(known)
+}
+
+/// Whether a keyword that is not in the table asks for output only.
+pub fn is_output(name: &str) -> bool {
+    OUTPUT.iter().any(|start| name.starts_with(start))
+}
+
+/// One heading line under the option `TITLE`.
+fn title(record: &Record) -> usize {
+    usize::from(record.has("TITLE"))
+}
+
+/// One line with an id and a heading under the options `ID` and `TITLE`.
+fn id(record: &Record) -> usize {
+    usize::from(record.has("ID") || record.has("TITLE"))
+}
+
+/// A keyword that the engine cannot serve yet.
+const fn not_yet(
+    name: &'static str,
+    cards: &'static [(&'static str, Times)],
+    note: &'static str,
+) -> Keyword {
+    Keyword::new(name, cards, note).effect(Effect::NotYet)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_well_written() {
+        let count: usize = FAMILIES.iter().map(|(_, k)| k.len()).sum();
+        let names: usize =
+            FAMILIES.iter().flat_map(|(_, k)| k.iter()).map(|k| 1 + k.aliases.len()).sum();
+        assert_eq!(TABLE.len(), names, "a name stands twice");
+        assert!(count >= 40, "{count}");
+        for row in TABLE.values() {
+            assert!(!row.keyword.note.is_empty(), "{}", row.keyword.name);
+            for (card, _) in &row.cards {
+                assert!(
+                    !card.fields.is_empty() && card.fields.len() <= super::super::fields::MOST,
+                    "{}",
+                    row.keyword.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_found_with_their_options() {
+        let found = |name| find(name).map(|(row, options)| (row.keyword.name, options));
+        assert_eq!(found("MAT_RIGID_TITLE"), Some(("MAT_RIGID", vec!["TITLE"])));
+        assert_eq!(found("MAT_020"), Some(("MAT_RIGID", vec![])));
+        assert_eq!(found("SET_NODE_LIST_TITLE"), Some(("SET_NODE_LIST", vec!["TITLE"])));
+        assert_eq!(
+            found("CONTACT_AUTOMATIC_SINGLE_SURFACE_ID"),
+            Some(("CONTACT_AUTOMATIC_SINGLE_SURFACE", vec!["ID"]))
+        );
+        assert_eq!(found("MAT_RIGID_DISCRETE"), None);
+        assert_eq!(found("MAT_"), None);
+        assert_eq!(found(""), None);
+    }
+}

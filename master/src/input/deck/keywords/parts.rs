@@ -1,0 +1,100 @@
+//! Parts, sections, hourglass control.
+
+use super::title;
+use crate::input::deck::record::Record;
+use crate::input::deck::table::{Keyword, Times::*};
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new(
+        "PART",
+        &[
+            ("heading:l", Once),
+            ("pid:i! secid:i! mid:i! eosid:i hgid:i grav:i adpopt:i tmid:i", Once),
+            ("fs:r fd:r dc:r vc:r optt:r sft:r ssf:r cparm8:r", Count(contact)),
+        ],
+        "`[[part]]`; the heading is its name, `part-PID` without one. Of the contact card of _CONTACT fs, fd, dc and vc are the friction where a contact has fs -1, of \
+         two parts the mean of theirs; optt and sft are `contact_thickness` and its scale",
+    )
+    .options(&["CONTACT"])
+    .repeats(),
+    Keyword::new(
+        "SECTION_SHELL",
+        &[
+            ("heading:l", Count(title)),
+            ("secid:i! elform:i shrf:r=1 nip:i propt:r qr:r icomp:i setyp:i=1", Once),
+            ("t1:r t2:r t3:r t4:r nloc:r marea:r idof:r edgset:i", Once),
+            ("angle:r*8", Count(angles)),
+        ],
+        "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts that name it; nip 0 is 2",
+    )
+    .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
+        "SECTION_SOLID",
+        &[("heading:l", Count(title)), ("secid:i! elform:i=1 aet:i unused:r*3 cohoff:r gaskeit:r", Once)],
+        "formulation of the parts that name it",
+    )
+    .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
+        "SECTION_BEAM",
+        &[
+            ("heading:l", Count(title)),
+            ("secid:i! elform:i=1 shrf:r=1 qr:r=2 cst:r scoor:r nsm:r", Once),
+            ("ts1:r ts2:r tt1:r tt2:r nsloc:r ntloc:r", Count(integrated)),
+            ("a:r! iss:r itt:r j:r sa:r ist:r", Count(resultant)),
+            ("field:r*8", Count(of_another_kind)),
+        ],
+        "`[part.beam]`: elform 1, 4, 5 and 9 with cst 0 `rectangle` (ts1 by tt1) or 1 `tube` (diameters ts1 and tt1), of 1 and 9 \
+         shear deforms shrf of the area; elform 2 and 13 `general` with a, iss, itt and j, elastic, and shear by sa; elform 3 the same \
+         without moments",
+    )
+    .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
+        "SECTION_DISCRETE",
+        &[
+            ("heading:l", Count(title)),
+            ("secid:i! dro:i kd:r v0:r cl:r fd:r", Once),
+            ("cdl:r tdl:r", Once),
+        ],
+        "makes the parts that name it `[part.spring]`; dro has to be 0, and so have kd, cl, fd, cdl and tdl",
+    )
+    .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
+        "HOURGLASS",
+        &[
+            ("heading:l", Count(title)),
+            ("hgid:i! ihq:i qm:r ibq:i q1:r q2:r qb:r qw:r", Once),
+        ],
+        "`hourglass` of the parts that name it: ihq 1 to 3 viscous, 4 and 5 stiffness, 6, 7, 9 and 10 assumed_strain (stiffness of \
+         shells); qm the coefficient; q2 and q1 `bulk_viscosity`",
+    )
+    .options(&["TITLE"])
+    .repeats(),
+];
+
+fn integrated(record: &Record) -> usize {
+    usize::from(matches!(record.integer("elform"), 0 | 1 | 4 | 5 | 9 | 11))
+}
+
+fn resultant(record: &Record) -> usize {
+    usize::from(matches!(record.integer("elform"), 2 | 3 | 12 | 13))
+}
+
+fn of_another_kind(record: &Record) -> usize {
+    usize::from(integrated(record) + resultant(record) == 0)
+}
+
+fn contact(record: &Record) -> usize {
+    usize::from(record.has("CONTACT"))
+}
+
+/// Lines with material angles: eight a line, one angle for each point.
+fn angles(record: &Record) -> usize {
+    match record.integer("icomp") {
+        1 => usize::try_from(record.integer("nip")).unwrap_or(0).min(100).div_ceil(8),
+        _ => 0,
+    }
+}

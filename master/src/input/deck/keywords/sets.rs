@@ -1,0 +1,105 @@
+//! Sets, curves, boxes, coordinate systems, and what holds no model by itself.
+
+use super::title;
+use crate::input::deck::table::{Keyword, Times::*};
+
+const LIST: &[(&str, crate::input::deck::table::Times)] = &[
+    ("heading:l", Count(title)),
+    ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
+    ("id:i*8", Rest),
+];
+
+pub const KEYWORDS: &[Keyword] = &[
+    Keyword::new("TITLE", &[("text:l", Maybe)], "`title`"),
+    Keyword::new("COMMENT", &[("text:l", Rest)], "nothing"),
+    Keyword::new(
+        "PARAMETER",
+        &[("prmr:a*8", Rest)],
+        "names for numbers, to which fields refer as &name; R, I and C",
+    )
+    .aliases(&["PARAMETER_LOCAL"]),
+    Keyword::new(
+        "PARAMETER_EXPRESSION",
+        &[("prmr:a expression:a70", Rest)],
+        "the same by formulas; whole numbers stay whole, so that 2/5 is 0",
+    )
+    .aliases(&["PARAMETER_EXPRESSION_LOCAL"]),
+    Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and by its title")
+        .aliases(&["SET_NODE"])
+        .options(&["TITLE"]),
+    Keyword::new("SET_NODE_LIST_GENERATE", LIST, "the same by ranges: first and last id of each")
+        .options(&["TITLE"]),
+    Keyword::new(
+        "SET_NODE_COLUMN",
+        &[
+            ("heading:l", Count(title)),
+            ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
+            ("nid:i a:r*4", Rest),
+        ],
+        "the same, one node a line",
+    )
+    .options(&["TITLE"]),
+    Keyword::new("SET_NODE_ADD", LIST, "the same of other node sets").options(&["TITLE"]),
+    Keyword::new(
+        "SET_NODE_GENERAL",
+        &[
+            ("heading:l", Count(title)),
+            ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
+            ("option:a! e:i*7", Rest),
+        ],
+        "the same by ALL, NODE, PART, BOX, SET_NODE, SET_PART, and with a D before to take away",
+    )
+    .options(&["TITLE"]),
+    Keyword::new("SET_PART_LIST", LIST, "a set of parts")
+        .aliases(&["SET_PART"])
+        .options(&["TITLE"]),
+    Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges").options(&["TITLE"]),
+    Keyword::new("SET_PART_ADD", LIST, "the same of other sets of parts").options(&["TITLE"]),
+    Keyword::new(
+        "SET_SEGMENT",
+        &[
+            ("heading:l", Count(title)),
+            ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
+            ("n:i*4 a:r*4", Rest),
+        ],
+        "faces for LOAD_SEGMENT_SET, and parts for contact",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_CURVE",
+        &[
+            ("heading:l", Count(title)),
+            ("lcid:i! sidr:i sfa:r=1 sfo:r=1 offa:r offo:r dattyp:i lcint:i", Once),
+            ("a:r20 o:r20", Rest),
+        ],
+        "`[[curve]]`, or a table of a material; constant beyond its points",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_BOX",
+        &[("heading:l", Count(title)), ("boxid:i! xmn:r xmx:r ymn:r ymx:r zmn:r zmx:r", Once)],
+        "for sets and initial velocities",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_SD_ORIENTATION",
+        &[("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
+        "`spring.direction`; iop has to be 0",
+    ),
+    Keyword::new(
+        "DEFINE_COORDINATE_SYSTEM",
+        &[
+            ("heading:l", Count(title)),
+            ("cid:i! xo:r yo:r zo:r xl:r yl:r zl:r cidl:i", Once),
+            ("xp:r yp:r zp:r", Once),
+        ],
+        "axes for initial velocities and constraints",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_COORDINATE_NODES",
+        &[("heading:l", Count(title)), ("cid:i! n1:i! n2:i! n3:i! flag:i dir:a", Once)],
+        "the same by three nodes, as they are at the start",
+    )
+    .options(&["TITLE"]),
+];

@@ -1,0 +1,81 @@
+//! A job's own keys over those of its deck.
+
+use crate::input::job::tree::{Entry, Kind, Node};
+use std::collections::BTreeMap;
+
+/// `over` on top of `base`: its values win; tables are merged key by key; entries of lists such as
+/// `[[part]]` are merged with the entry of the same id or name if there is one, and added if not.
+pub fn merge(base: Node, over: Node) -> Node {
+    match (base.kind, over.kind) {
+        (Kind::Table(base), Kind::Table(own)) => {
+            Node { kind: Kind::Table(tables(base, own)), place: over.place }
+        }
+        (Kind::Array(base), Kind::Array(own))
+            if own.iter().all(is_table) && base.iter().all(is_table) =>
+        {
+            Node { kind: Kind::Array(lists(base, own)), place: over.place }
+        }
+        (_, kind) => Node { kind, place: over.place },
+    }
+}
+
+fn is_table(node: &Node) -> bool {
+    matches!(node.kind, Kind::Table(_))
+}
+
+fn tables(
+    mut base: BTreeMap<String, Entry>,
+    over: BTreeMap<String, Entry>,
+) -> BTreeMap<String, Entry> {
+    for (key, entry) in over {
+        let merged = match base.remove(&key) {
+            Some(old) => Entry { key: entry.key, node: merge(old.node, entry.node) },
+            None => entry,
+        };
+        base.insert(key, merged);
+    }
+    base
+}
+
+fn lists(mut base: Vec<Node>, over: Vec<Node>) -> Vec<Node> {
+    for entry in over {
+        let same = |node: &Node| {
+            ["id", "name"].iter().any(|key| {
+                match (node.get(key).map(|n| &n.kind), entry.get(key).map(|n| &n.kind)) {
+                    (Some(Kind::Integer(a)), Some(Kind::Integer(b))) => a == b,
+                    (Some(Kind::String(a)), Some(Kind::String(b))) => a == b && !a.is_empty(),
+                    _ => false,
+                }
+            })
+        };
+        match base.iter().position(same) {
+            Some(at) => {
+                let old = std::mem::replace(&mut base[at], Node::table(entry.place));
+                base[at] = merge(old, entry);
+            }
+            None => base.push(entry),
+        }
+    }
+    base
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_jobs_own_keys_win_and_add() {
+        let base = "end_time = 1.0\n[time]\nsafety = 0.8\ndamping = 2.0\n[[part]]\nid = 1\nname = \"a\"\nthickness = 1.0\n\
+                    [[fix]]\nnodes = \"x\"\n[contact]\nparts = [1, 2]\n";
+        let over = "[time]\nsafety = 0.5\n[[part]]\nid = 1\nthickness = 3.0\n[[part]]\nid = 2\n[[fix]]\nnodes = \"y\"\n\
+                    [contact]\nparts = []\n";
+        let merged = merge(Node::parse(base).unwrap(), Node::parse(over).unwrap()).to_value();
+        assert_eq!(merged["time"]["safety"].as_float(), Some(0.5));
+        assert_eq!(merged["time"]["damping"].as_float(), Some(2.0));
+        assert_eq!(merged["part"][0]["thickness"].as_float(), Some(3.0));
+        assert_eq!(merged["part"][0]["name"].as_str(), Some("a"));
+        assert_eq!(merged["part"].as_array().map(Vec::len), Some(2));
+        assert_eq!(merged["fix"].as_array().map(Vec::len), Some(2));
+        assert_eq!(merged["contact"]["parts"].as_array().map(Vec::len), Some(0));
+    }
+}

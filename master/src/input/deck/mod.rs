@@ -1,0 +1,203 @@
+//! LS-DYNA keyword decks: read as they are, and made into a job.
+//!
+//! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: a line cut into
+//!    fields
+//! 2. `table.rs`, `keywords`: THE TABLE, which says what the cards of each keyword are; `record.rs`
+//!    reads cards by it; `parameters.rs`, `expression.rs`: `&name`
+//! 3. `build`: a job's tree of values, and a mesh; `merge.rs` puts a job file over it
+//! 4. `export.rs`: the other way round
+//!
+//! The reader of cards knows nothing of models. Nothing here panics on any input.
+
+mod build;
+pub mod export;
+mod expression;
+mod fields;
+mod keywords;
+mod merge;
+mod number;
+mod parameters;
+mod record;
+pub mod reference;
+mod table;
+mod text;
+mod trouble;
+
+pub use build::mesh::{Lists, Places};
+pub use merge::merge;
+pub use text::Text;
+
+use crate::input::job::report::{Finding, deck_path};
+use crate::input::job::tree::{Node, Place};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::problem::Problem;
+use std::collections::BTreeMap;
+use std::path::Path;
+use trouble::Trouble;
+
+/// What a deck asks for, and what it gets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mapping {
+    /// Of what, such as `part 3`.
+    pub of: String,
+    /// What the deck says.
+    pub asked: String,
+    /// What is done.
+    pub used: String,
+}
+
+/// Something in a deck that the engine cannot do.
+#[derive(Debug)]
+pub struct Unsupported {
+    /// Where.
+    pub place: Place,
+    /// What, in a sentence.
+    pub message: String,
+    /// What, in a word or two.
+    pub what: String,
+}
+
+/// A deck, read.
+#[derive(Debug)]
+pub struct Deck {
+    /// The job that it describes, without its mesh.
+    pub tree: Node,
+    /// The mesh, elements list by list as they are written.
+    pub mesh: Mesh,
+    /// How many elements there are of each kind, in the order of the mesh.
+    pub lists: Lists,
+    /// Its files.
+    pub files: Vec<Text>,
+    /// Where the mesh is written.
+    pub places: Places,
+    /// What is wrong with it.
+    pub(crate) findings: Vec<Finding>,
+    /// Whether all its cards could be read.
+    pub whole: bool,
+    /// What was mapped to what.
+    pub mapping: Vec<Mapping>,
+    /// What is left out, with file and line; empty unless that is allowed.
+    pub unsupported: Vec<String>,
+}
+
+/// Whether a file is a deck, by its name.
+pub fn is_deck(path: &Path) -> bool {
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    matches!(extension.as_str(), "k" | "key" | "dyn")
+}
+
+/// Reads a deck without the keywords in `leave_out`; what the engine cannot do is left out too if
+/// that is allowed, else it is an error.
+pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck {
+    let mut trouble = Trouble::default();
+    let mut texts = text::Texts::read(path, &mut trouble);
+    let (tree, mut built) = build::build(&texts, leave_out, trouble);
+    let unsupported = told(
+        std::mem::take(&mut built.unsupported),
+        allow_unsupported,
+        &texts.files,
+        &mut built.trouble,
+    );
+    let mut whole = tree;
+    for (number, file) in texts.files.iter().enumerate() {
+        if let Some(own) = fragment(number, file, &mut built.trouble) {
+            whole = merge(whole, own);
+        }
+    }
+    let whole_cards = !built.trouble.is_unsure();
+    let lists = built.rows.lists();
+    let (mesh, places) = built.rows.finish();
+    Deck {
+        tree: whole,
+        mesh,
+        lists,
+        files: std::mem::take(&mut texts.files),
+        places,
+        findings: built.trouble.into_findings(),
+        whole: whole_cards,
+        mapping: built.mapping,
+        unsupported,
+    }
+}
+
+/// Tells of everything unsupported, once for each kind; gives the list for the summary.
+fn told(
+    all: Vec<Unsupported>,
+    allowed: bool,
+    files: &[Text],
+    trouble: &mut Trouble,
+) -> Vec<String> {
+    let mut kinds: BTreeMap<String, (Unsupported, usize)> = BTreeMap::new();
+    let mut order: Vec<String> = Vec::new();
+    for one in all {
+        let key = one.what.clone();
+        match kinds.get_mut(&key) {
+            Some(found) => found.1 += 1,
+            None => {
+                order.push(key.clone());
+                kinds.insert(key, (one, 1));
+            }
+        }
+    }
+    let mut list = Vec::new();
+    for (one, count) in order.iter().filter_map(|key| kinds.remove(key)) {
+        let message = match count {
+            1 => one.message,
+            n => format!("{}; and {} more of this kind", one.message, n - 1),
+        };
+        if allowed {
+            list.push(format!("{} ({})", one.what, at(one.place, files)));
+            trouble.warning(
+                one.place,
+                message,
+                "the run goes on without it, as --allow-unsupported says",
+            );
+        } else {
+            let help = "it would change the answer: take it out, or go on without it by --allow-unsupported";
+            trouble.error(one.place, message, help);
+        }
+    }
+    list
+}
+
+/// File and line of a place.
+fn at(place: Place, files: &[Text]) -> String {
+    match place {
+        Place::Deck { file, start, .. } => match files.get(file as usize) {
+            Some(text) => {
+                let before = &text.text.as_bytes()[..(start as usize).min(text.text.len())];
+                format!("{}:{}", text.file, 1 + before.iter().filter(|&&b| b == b'\n').count())
+            }
+            None => String::new(),
+        },
+        _ => files.first().map_or(String::new(), |f| f.file.clone()),
+    }
+}
+
+/// Keys of a job in the comments of a file.
+fn fragment(number: usize, file: &Text, trouble: &mut Trouble) -> Option<Node> {
+    let text = file.fragment.as_ref()?;
+    let file = number as u32;
+    match Node::parse(text) {
+        Ok(mut node) => {
+            node.move_to(file);
+            Some(node)
+        }
+        Err(errors) => {
+            for (message, help, place) in errors {
+                let place = match place {
+                    Place::File { start, end } => Place::Deck { file, start, end },
+                    other => other,
+                };
+                trouble.error(place, format!("behind $crumple: {message}"), help);
+            }
+            None
+        }
+    }
+}
+
+/// A problem at a place of a deck.
+pub(crate) fn placed(problem: Problem, place: Place) -> Finding {
+    Finding::from(Problem { path: deck_path(place), ..problem })
+}

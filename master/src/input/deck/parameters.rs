@@ -1,0 +1,183 @@
+//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names for values, which fields refer to as `&name`.
+
+use super::expression;
+use super::fields::{Format, expand};
+use super::number;
+use super::text::{Block, Texts};
+use super::trouble::Trouble;
+use crate::input::job::tree::Place;
+use std::collections::BTreeMap;
+
+/// The value of a name.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Parameter {
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Real(f64),
+    /// Text.
+    Text(String),
+}
+
+/// All names so far, in lower case.
+#[derive(Debug, Default)]
+pub struct Parameters {
+    known: BTreeMap<String, Parameter>,
+}
+
+/// The name that a field refers to, and whether a minus stands before it.
+pub fn reference(text: &str) -> Option<(bool, &str)> {
+    match text.strip_prefix('&') {
+        Some(name) => Some((false, name)),
+        None => text.strip_prefix("-&").map(|name| (true, name)),
+    }
+}
+
+impl Parameters {
+    /// The value of a name.
+    pub fn get(&self, name: &str) -> Option<&Parameter> {
+        self.known.get(&name.to_ascii_lowercase())
+    }
+
+    /// What to do about a name that there is not.
+    pub fn nearest(&self, name: &str) -> String {
+        let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
+        match known.is_empty() {
+            true => format!(
+                "define it above this line: *PARAMETER, and a line `R {name}` with its value"
+            ),
+            false => format!(
+                "define it above this line by *PARAMETER; {}",
+                crate::input::job::nearest(name, &known)
+            ),
+        }
+    }
+
+    /// Reads a block of `*PARAMETER` (pairs of name and value) or `*PARAMETER_EXPRESSION` (a name
+    /// and a formula a line).
+    pub fn read(&mut self, block: &Block, texts: &Texts, trouble: &mut Trouble) {
+        let expressions = block.name.contains("EXPRESSION");
+        let width = if block.format == Format::Long { 20 } else { 10 };
+        let mut formula: Option<(String, String, Place)> = None;
+        for &span in &block.lines {
+            let text = expand(&String::from_utf8_lossy(texts.line(block, span)));
+            let place = block.span(span, 0, (span.1 - span.0) as usize);
+            if text.trim().is_empty() {
+                continue;
+            }
+            if !expressions {
+                self.pairs(&text, width, place, trouble);
+                continue;
+            }
+            let (name, rest) = head(&text, width);
+            match &mut formula {
+                Some(open) if name.trim().is_empty() => open.1 += rest.trim(),
+                _ => {
+                    let done =
+                        formula.replace((name.trim().to_string(), rest.trim().to_string(), place));
+                    self.formula(done, trouble);
+                }
+            }
+        }
+        self.formula(formula, trouble);
+    }
+
+    fn pairs(&mut self, text: &str, width: usize, place: Place, trouble: &mut Trouble) {
+        let fields: Vec<&str> = match text.contains(',') {
+            true => text.split(',').map(str::trim).collect(),
+            false => columns(text, width),
+        };
+        for pair in fields.chunks(2) {
+            let (name, value) = (pair[0], pair.get(1).copied().unwrap_or_default());
+            if name.is_empty() && value.is_empty() {
+                continue;
+            }
+            let Some((kind, name)) = declared(name, place, trouble) else { continue };
+            let given = match (kind, reference(value)) {
+                ('C', _) => Some(Parameter::Text(value.into())),
+                (_, Some((minus, other))) => self.get(other).and_then(|p| match (kind, p) {
+                    ('I', Parameter::Integer(i)) => {
+                        Some(Parameter::Integer(if minus { -i } else { *i }))
+                    }
+                    ('R', Parameter::Integer(i)) => {
+                        Some(Parameter::Real(if minus { -*i as f64 } else { *i as f64 }))
+                    }
+                    ('R', Parameter::Real(x)) => Some(Parameter::Real(if minus { -x } else { *x })),
+                    _ => None,
+                }),
+                ('I', _) => number::integer(value.as_bytes()).map(Parameter::Integer),
+                _ => number::real(value.as_bytes()).map(Parameter::Real),
+            };
+            match given {
+                Some(given) => self.set(&name, given),
+                None => {
+                    let message = format!("the value of parameter `{name}` cannot be `{value}`");
+                    trouble.error(
+                        place,
+                        message,
+                        "R takes a number, I a whole number, C text; ten columns each, or commas",
+                    );
+                    self.set(&name, Parameter::Integer(0));
+                }
+            }
+        }
+    }
+
+    fn formula(&mut self, formula: Option<(String, String, Place)>, trouble: &mut Trouble) {
+        let Some((name, text, place)) = formula else { return };
+        let Some((kind, name)) = declared(&name, place, trouble) else { return };
+        let value = match (kind, expression::evaluate(&text, &|n| self.get(n).cloned())) {
+            ('C', _) => Parameter::Text(text),
+            ('I', Ok(Parameter::Real(x))) if x.abs() < 9.0e15 => Parameter::Integer(x as i64),
+            ('R', Ok(Parameter::Integer(i))) => Parameter::Real(i as f64),
+            (_, Ok(value)) => value,
+            (_, Err(why)) => {
+                let help =
+                    "write numbers, &names, + - * / ** and functions such as sqrt() and min()";
+                trouble.error(place, format!("parameter `{name}`: {why}"), help);
+                Parameter::Integer(0)
+            }
+        };
+        self.set(&name, value);
+    }
+
+    fn set(&mut self, name: &str, value: Parameter) {
+        self.known.insert(name.to_ascii_lowercase(), value);
+    }
+}
+
+/// Kind and name of `R name`.
+fn declared(text: &str, place: Place, trouble: &mut Trouble) -> Option<(char, String)> {
+    let mut letters = text.trim().chars();
+    let kind = letters.next().unwrap_or(' ').to_ascii_uppercase();
+    let name = letters.as_str().trim();
+    let sound = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    if !matches!(kind, 'R' | 'I' | 'C') || !sound {
+        let help = "write R, I or C and then the name, such as `R dt`";
+        trouble.error(place, format!("`{}` is no name of a parameter", text.trim()), help);
+        return None;
+    }
+    Some((kind, name.to_string()))
+}
+
+/// The first columns, or what stands before the first comma, and the rest.
+fn head(text: &str, width: usize) -> (String, String) {
+    match text.split_once(',') {
+        Some((name, rest)) if name.len() <= width => (name.into(), rest.into()),
+        _ => {
+            let rest: String = text.chars().skip(width).collect();
+            (text.chars().take(width).collect(), rest)
+        }
+    }
+}
+
+fn columns(text: &str, width: usize) -> Vec<&str> {
+    let mut fields = Vec::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let cut = rest.char_indices().nth(width).map_or(rest.len(), |(at, _)| at);
+        fields.push(rest[..cut].trim());
+        rest = &rest[cut..];
+    }
+    fields
+}

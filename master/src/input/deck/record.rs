@@ -1,0 +1,402 @@
+//! Cards read by the table: values that know where they stand.
+
+use super::fields::{Format, split};
+use super::keywords::Row;
+use super::number;
+use super::parameters::{Parameter, Parameters};
+use super::table::{Card, Field, Kind, Times};
+use super::text::{Block, Texts};
+use super::trouble::Trouble;
+use crate::input::job::tree::Place;
+
+/// What stands in a field.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    /// Nothing.
+    Blank,
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Real(f64),
+    /// Text.
+    Word(String),
+    /// What cannot be read, and has been told.
+    Wrong,
+}
+
+/// A field with its place.
+#[derive(Clone, Debug)]
+pub struct Value {
+    /// What stands there.
+    pub given: Given,
+    /// Where.
+    pub place: Place,
+}
+
+/// A line, read.
+#[derive(Clone, Debug)]
+pub struct Line {
+    card: &'static Card,
+    /// One for each field of the card.
+    values: Vec<Value>,
+    /// The whole line.
+    pub place: Place,
+}
+
+impl Line {
+    /// A field by its name; of a list the first one.
+    pub fn value(&self, name: &str) -> Option<&Value> {
+        self.values.get(self.card.index(name)?)
+    }
+
+    /// A whole number; the default if it is blank.
+    pub fn integer(&self, name: &str) -> i64 {
+        match self.value(name).map(|v| &v.given) {
+            Some(Given::Integer(i)) => *i,
+            _ => self.default(name) as i64,
+        }
+    }
+
+    /// A number; the default if it is blank.
+    pub fn real(&self, name: &str) -> f64 {
+        match self.value(name).map(|v| &v.given) {
+            Some(Given::Real(x)) => *x,
+            Some(Given::Integer(i)) => *i as f64,
+            _ => self.default(name),
+        }
+    }
+
+    /// A word, empty if it is blank.
+    pub fn word(&self, name: &str) -> &str {
+        match self.value(name).map(|v| &v.given) {
+            Some(Given::Word(word)) => word,
+            _ => "",
+        }
+    }
+
+    /// Where a field stands; the line if it is blank.
+    pub fn place(&self, name: &str) -> Place {
+        self.value(name).map_or(self.place, |v| v.place)
+    }
+
+    /// All whole numbers of a list that are not blank or nought, with their places.
+    pub fn integers(&self, name: &str) -> impl Iterator<Item = (i64, Place)> + '_ {
+        let fields = self.card.fields.iter().zip(&self.values);
+        let name = name.to_string();
+        fields.filter(move |(f, _)| f.name == name).filter_map(|(_, v)| match v.given {
+            Given::Integer(i) if i != 0 => Some((i, v.place)),
+            _ => None,
+        })
+    }
+
+    /// All numbers of a list, with the default for blanks.
+    pub fn reals(&self, name: &str) -> Vec<f64> {
+        let fields = self.card.fields.iter().zip(&self.values).filter(|(f, _)| f.name == name);
+        let number = |(field, value): (&Field, &Value)| match value.given {
+            Given::Real(x) => x,
+            Given::Integer(i) => i as f64,
+            _ => field.default,
+        };
+        fields.map(number).collect()
+    }
+
+    /// Whether a field is blank.
+    pub fn is_blank(&self, name: &str) -> bool {
+        self.value(name).is_none_or(|v| v.given == Given::Blank)
+    }
+
+    fn default(&self, name: &str) -> f64 {
+        self.card.index(name).map_or(0.0, |i| self.card.fields[i].default)
+    }
+}
+
+/// The cards of one thing: a material, a section, a set.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Its keyword's row.
+    pub row: &'static Row,
+    /// What follows the name.
+    pub options: Vec<&'static str>,
+    /// The keyword's own line.
+    pub head: Place,
+    /// Its lines.
+    lines: Vec<Line>,
+}
+
+impl Record {
+    /// Whether the keyword's name has this option.
+    pub fn has(&self, option: &str) -> bool {
+        self.options.contains(&option)
+    }
+
+    /// The keyword as it is called in messages.
+    pub fn name(&self) -> String {
+        format!("*{}", self.row.keyword.name)
+    }
+
+    /// The line that has a field of this name.
+    pub fn line(&self, name: &str) -> Option<&Line> {
+        self.lines.iter().find(|l| l.card.index(name).is_some())
+    }
+
+    /// The lines that have a field of this name.
+    pub fn lines<'r>(&'r self, name: &'r str) -> impl Iterator<Item = &'r Line> + 'r {
+        self.lines.iter().filter(move |l| l.card.index(name).is_some())
+    }
+
+    /// A whole number by the name of its field; the default if it is blank.
+    pub fn integer(&self, name: &str) -> i64 {
+        self.line(name).map_or_else(|| self.default(name) as i64, |l| l.integer(name))
+    }
+
+    /// A number by the name of its field; the default if it is blank.
+    pub fn real(&self, name: &str) -> f64 {
+        self.line(name).map_or_else(|| self.default(name), |l| l.real(name))
+    }
+
+    /// A word by the name of its field, empty if it is blank.
+    pub fn word(&self, name: &str) -> &str {
+        self.line(name).map_or("", |l| l.word(name))
+    }
+
+    /// Where a field stands.
+    pub fn place(&self, name: &str) -> Place {
+        self.line(name).map_or(self.head, |l| l.place(name))
+    }
+
+    /// Whether a field is blank, or its card not there.
+    pub fn is_blank(&self, name: &str) -> bool {
+        self.line(name).is_none_or(|l| l.is_blank(name))
+    }
+
+    fn default(&self, name: &str) -> f64 {
+        let fields = self.row.cards.iter().flat_map(|c| &c.0.fields);
+        fields.filter(|f| f.name == name).map(|f| f.default).next().unwrap_or(0.0)
+    }
+}
+
+/// What reading cards takes.
+pub struct Cards<'c> {
+    /// The files.
+    pub texts: &'c Texts,
+    /// Parameters so far.
+    pub parameters: &'c Parameters,
+    /// What is wrong.
+    pub trouble: &'c mut Trouble,
+}
+
+impl Cards<'_> {
+    /// Reads all records of a block.
+    pub fn records(
+        &mut self,
+        row: &'static Row,
+        options: &[&'static str],
+        block: &Block,
+    ) -> Vec<Record> {
+        let mut records = Vec::new();
+        let mut at = 0;
+        let filled =
+            |from: usize| block.lines[from.min(block.lines.len())..].iter().any(|l| l.0 < l.1);
+        while at == 0 || (row.keyword.repeats && filled(at)) {
+            let before = at;
+            let mut record =
+                Record { row, options: options.to_vec(), head: block.place(), lines: Vec::new() };
+            let mut whole = true;
+            for (card, times) in &row.cards {
+                let left = block.lines.len() - at;
+                let count = match times {
+                    Times::Once => 1,
+                    Times::Maybe => left.min(1),
+                    Times::Rest => left,
+                    Times::Count(count) => count(&record),
+                };
+                if count > left && whole {
+                    let names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
+                    let message = format!(
+                        "*{} ends before its card {}: {}",
+                        block.name,
+                        record.lines.len() + 1,
+                        names.join(" ")
+                    );
+                    let place = block
+                        .lines
+                        .last()
+                        .map_or(block.place(), |&l| block.span(l, 0, (l.1 - l.0) as usize));
+                    let headed = row.cards.first().is_some_and(|(card, times)| {
+                        matches!(times, Times::Once)
+                            && card.fields.iter().all(|f| f.kind == Kind::Line)
+                    });
+                    let help = match headed {
+                        true => {
+                            "add the line; its first one is a heading, which has to be there even if it is blank"
+                        }
+                        false => "add the line; a blank one stands for its defaults",
+                    };
+                    self.trouble.error(place, message, help);
+                    self.trouble.unsure();
+                    whole = false;
+                }
+                for _ in 0..count.min(left) {
+                    let span = block.lines[at];
+                    at += 1;
+                    if matches!(times, Times::Rest) && span.0 == span.1 {
+                        continue;
+                    }
+                    let number = record.lines.len();
+                    record.lines.push(self.line(card, block, span, number));
+                }
+            }
+            if whole {
+                records.push(record);
+            }
+            if at == before {
+                break;
+            }
+        }
+        if !row.keyword.repeats && filled(at) {
+            let span = block.lines[at..].iter().find(|l| l.0 < l.1).copied().unwrap_or(block.head);
+            let message = format!(
+                "*{} has more lines than its {} cards: this one is not read",
+                block.name, at
+            );
+            let place = block.span(span, 0, (span.1 - span.0) as usize);
+            self.trouble.warning(place, message, "take it out, or check the keyword above it");
+        }
+        records
+    }
+
+    /// Reads one line.
+    fn line(
+        &mut self,
+        card: &'static Card,
+        block: &Block,
+        span: (u32, u32),
+        number: usize,
+    ) -> Line {
+        let text = self.texts.line(block, span);
+        let fields = split(text, card, block.format);
+        if fields.count() > card.fields.len() {
+            let (from, to) = fields.span(card.fields.len());
+            let message = format!(
+                "*{}: card {} has {} fields, not {}",
+                block.name,
+                number + 1,
+                fields.count(),
+                card.fields.len()
+            );
+            self.trouble.error(block.span(span, from, to), message, layout(card, block.format));
+        }
+        let (place, line) = (block.span(span, 0, text.len()), block.span(span, 0, text.len()));
+        let mut values = Vec::with_capacity(card.fields.len());
+        for (index, field) in card.fields.iter().enumerate() {
+            let (from, to) = fields.span(index);
+            let text = &text[from..to];
+            let place = if from == to { place } else { block.span(span, from, to) };
+            let given = self.given(field, text, place, (block, card, number, line));
+            if given == Given::Blank && field.needed {
+                let message =
+                    format!("*{}: `{}` of card {} is blank", block.name, field.name, number + 1);
+                self.trouble.error(place, message, layout(card, block.format));
+                self.trouble.unsure();
+            }
+            values.push(Value { given, place });
+        }
+        Line { card, values, place }
+    }
+
+    fn given(
+        &mut self,
+        field: &Field,
+        text: &[u8],
+        place: Place,
+        of: (&Block, &Card, usize, Place),
+    ) -> Given {
+        if text.is_empty() {
+            return Given::Blank;
+        }
+        let word = String::from_utf8_lossy(text);
+        if field.kind == Kind::Line {
+            return Given::Word(word.into_owned());
+        }
+        let (block, card, number, line) = of;
+        if let Some((minus, name)) = super::parameters::reference(&word) {
+            return match self.parameters.get(name) {
+                Some(parameter) => match (field.kind, parameter.clone()) {
+                    (Kind::Word, Parameter::Text(text)) => Given::Word(text),
+                    (Kind::Integer, Parameter::Integer(i)) => {
+                        Given::Integer(if minus { -i } else { i })
+                    }
+                    (Kind::Integer, Parameter::Real(x)) if x.fract() == 0.0 && x.abs() < 9.0e15 => {
+                        Given::Integer(if minus { -x as i64 } else { x as i64 })
+                    }
+                    (Kind::Real, Parameter::Integer(i)) => {
+                        Given::Real(if minus { -(i as f64) } else { i as f64 })
+                    }
+                    (Kind::Real, Parameter::Real(x)) => Given::Real(if minus { -x } else { x }),
+                    _ => {
+                        let message = format!(
+                            "*{}: parameter `{name}` does not suit `{}`",
+                            block.name, field.name
+                        );
+                        let help = format!("it has to be {}", wanted(field.kind));
+                        self.trouble.misread(line, None, place, message, help);
+                        Given::Wrong
+                    }
+                },
+                None => {
+                    let help = self.parameters.nearest(name);
+                    let message = format!("there is no parameter `{name}` yet");
+                    self.trouble.misread(line, Some(&message), place, message.clone(), help);
+                    Given::Wrong
+                }
+            };
+        }
+        let given = match field.kind {
+            Kind::Integer => number::integer(text).map(Given::Integer),
+            Kind::Real => number::real(text).map(Given::Real),
+            Kind::Word | Kind::Line => Some(Given::Word(word.to_string())),
+        };
+        given.unwrap_or_else(|| {
+            let what = match word.split_whitespace().count() {
+                0 | 1 => format!("not `{word}`"),
+                n => format!("not `{word}`, which is {n} words: are the columns right?"),
+            };
+            let message = format!(
+                "*{}: `{}` has to be {}, {what}",
+                block.name,
+                field.name,
+                wanted(field.kind)
+            );
+            let help = format!("card {}: {}", number + 1, layout(card, block.format));
+            self.trouble.misread(line, None, place, message, help);
+            Given::Wrong
+        })
+    }
+}
+
+fn wanted(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Integer => "a whole number",
+        Kind::Real => "a number",
+        Kind::Word | Kind::Line => "text",
+    }
+}
+
+/// The fields of a card as a message tells them.
+pub fn layout(card: &Card, format: Format) -> String {
+    let mut names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
+    names.dedup();
+    let width = |f: &Field| if format == Format::Long { 20 } else { f.width };
+    let widths: Vec<u16> = card.fields.iter().map(width).collect();
+    let even = widths.windows(2).all(|w| w[0] == w[1]);
+    let columns = match (even, widths.first()) {
+        (true, Some(width)) => format!("{width} columns each"),
+        _ => format!(
+            "columns of {}",
+            widths.iter().map(u16::to_string).collect::<Vec<_>>().join(", ")
+        ),
+    };
+    let ids =
+        if widths.first() == Some(&8) { "; longer ids take *KEYWORD I10=Y, or commas" } else { "" };
+    format!("the fields are {}, {columns} or with commas between them{ids}", names.join(" "))
+}

@@ -1,0 +1,79 @@
+//! The table of keywords as a page for people; a test keeps `cases/DECKS.md` equal to it.
+
+use super::keywords::{FAMILIES, OUTPUT};
+use super::table::{Card, Effect, Field, Kind, Times};
+use std::fmt::Write;
+
+/// What stands above the table.
+const HEAD: &str = include_str!("reference_head.md");
+
+/// The page.
+pub fn page() -> String {
+    let mut page = String::from(HEAD);
+    // Writing to a string cannot fail.
+    let _ = write(&mut page);
+    page
+}
+
+fn write(page: &mut String) -> std::fmt::Result {
+    for (family, keywords) in FAMILIES {
+        writeln!(
+            page,
+            "\n### {family}\n\n| keyword | what becomes of it | fields that are read |\n|---|---|---|"
+        )?;
+        for keyword in *keywords {
+            let mut names: Vec<String> = vec![format!("`{}`", keyword.name)];
+            names.extend(keyword.aliases.iter().map(|a| format!("`{a}`")));
+            let mut name = names.join(" ");
+            let options: Vec<String> = keyword.options.iter().map(|o| format!("_{o}")).collect();
+            if !options.is_empty() {
+                name += &format!(" ({})", options.join(" "));
+            }
+            let note = match keyword.effect {
+                Effect::Model => keyword.note.to_string(),
+                Effect::Harmless => format!("warning: {}", keyword.note),
+                Effect::NotYet => format!("**not supported yet**: {}", keyword.note),
+            };
+            let cards: Vec<String> =
+                keyword.cards.iter().map(|(card, times)| fields(card, *times)).collect();
+            writeln!(
+                page,
+                "| {name} | {} | {} |",
+                note.replace("         ", ""),
+                cards.join(" / ")
+            )?;
+        }
+    }
+    let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
+    writeln!(
+        page,
+        "\nOther keywords that begin with {} ask for output and give a warning each.",
+        output.join(", ")
+    )?;
+    writeln!(
+        page,
+        "Every other keyword is an error that names its line, or is left out with `--allow-unsupported`."
+    )
+}
+
+/// A card's fields, with columns that are not ten and defaults that are not nought; in brackets
+/// where the card is not always there.
+fn fields(card: &str, times: Times) -> String {
+    let name = |f: &Field| {
+        let width = if f.width == 10 || f.kind == Kind::Line {
+            String::new()
+        } else {
+            format!(":{}", f.width)
+        };
+        let default = if f.default == 0.0 { String::new() } else { format!("={:?}", f.default) };
+        format!("{}{width}{}", f.name, default.trim_end_matches(".0"))
+    };
+    let mut names: Vec<String> = Card::parse(card).fields.iter().map(name).collect();
+    names.dedup();
+    let text = names.join(" ");
+    match times {
+        Times::Once => text,
+        Times::Maybe | Times::Count(_) => format!("[{text}]"),
+        Times::Rest => format!("{text} ..."),
+    }
+}

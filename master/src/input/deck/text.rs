@@ -1,0 +1,378 @@
+//! The files of a deck and the blocks of lines in them: one block for each keyword, in the order in
+//! which they count.
+//!
+//! A `*INCLUDE` is replaced by what it names. What stands before `*KEYWORD`, comments (`$`), and
+//! what follows `*END` in its file is left out. Nothing here knows any other keyword.
+
+use super::fields::Format;
+use super::trouble::Trouble;
+use crate::input::job::tree::Place;
+use std::path::{Path, PathBuf};
+
+/// Largest file [byte]: places in it are kept in 32 bits.
+const LARGEST_FILE: u64 = u32::MAX as u64;
+/// Files of one deck, at most.
+const MOST_FILES: usize = 1000;
+/// Comments that hold keys of a job, see [`Text::fragment`].
+const FRAGMENT: &[u8] = b"$crumple:";
+
+/// A file of a deck.
+#[derive(Debug)]
+pub struct Text {
+    /// Its name as the user or the deck gave it.
+    pub file: String,
+    /// Its text; bytes that are no UTF-8 are replaced by question marks.
+    pub text: String,
+    /// The text behind `$crumple:` in its comments, blanks elsewhere so that places stay: keys of a
+    /// job in TOML.
+    pub fragment: Option<String>,
+}
+
+/// A keyword and its lines.
+#[derive(Debug)]
+pub struct Block {
+    /// Number of its file.
+    pub file: u32,
+    /// Bytes of the keyword's own line.
+    pub head: (u32, u32),
+    /// Name in capitals, without asterisk.
+    pub name: String,
+    /// How its cards are cut.
+    pub format: Format,
+    /// First byte of each line and one past its last; without comments.
+    pub lines: Vec<(u32, u32)>,
+}
+
+impl Block {
+    /// The keyword's own line.
+    pub fn place(&self) -> Place {
+        Place::Deck { file: self.file, start: self.head.0, end: self.head.1 }
+    }
+
+    /// Bytes of a line.
+    pub fn span(&self, line: (u32, u32), from: usize, to: usize) -> Place {
+        let end = if to > from { line.0 + to as u32 } else { line.1 };
+        Place::Deck {
+            file: self.file,
+            start: if to > from { line.0 + from as u32 } else { line.0 },
+            end,
+        }
+    }
+}
+
+/// All files of a deck, and its blocks.
+#[derive(Debug, Default)]
+pub struct Texts {
+    /// The files, the main one first.
+    pub files: Vec<Text>,
+    /// The blocks in the order of the deck.
+    pub blocks: Vec<Block>,
+}
+
+impl Texts {
+    /// A line of a block.
+    pub fn line(&self, block: &Block, line: (u32, u32)) -> &[u8] {
+        self.files[block.file as usize]
+            .text
+            .as_bytes()
+            .get(line.0 as usize..line.1 as usize)
+            .unwrap_or_default()
+    }
+
+    /// Reads a deck and all that it includes; what is wrong is noted.
+    pub fn read(path: &Path, trouble: &mut Trouble) -> Self {
+        let mut reader = Reader {
+            texts: Texts::default(),
+            open: Vec::new(),
+            folders: vec![path.parent().unwrap_or(Path::new("")).to_path_buf()],
+            trouble,
+        };
+        reader.file(path, path.display().to_string(), None, Format::Standard);
+        reader.texts
+    }
+}
+
+struct Reader<'t> {
+    texts: Texts,
+    /// Files that are being read, the innermost last, to notice those that include themselves.
+    open: Vec<PathBuf>,
+    /// Where included files are looked for.
+    folders: Vec<PathBuf>,
+    trouble: &'t mut Trouble,
+}
+
+impl Reader<'_> {
+    /// Reads one file; `from` is where it is named.
+    fn file(&mut self, path: &Path, shown: String, from: Option<Place>, format: Format) {
+        let place = from.unwrap_or(Place::Whole);
+        if self.texts.files.len() >= MOST_FILES {
+            let message = format!("the deck includes more than {MOST_FILES} files");
+            return self.trouble.error(place, message, "join some of them");
+        }
+        let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if self.open.contains(&whole) {
+            let message = format!("{shown} includes itself, directly or through another file");
+            return self.trouble.error(place, message, "take one *INCLUDE of the circle out");
+        }
+        let text = match load(path) {
+            Ok(text) => text,
+            Err(what) => {
+                let alike = self.folders.iter().find_map(|folder| alike(folder, &shown));
+                let near = alike.map_or(String::new(), |name| format!("there is {name}; "));
+                let help = format!(
+                    "{near}check its name and rights; names are relative to the main deck's folder, the including file's, or an \
+                     *INCLUDE_PATH"
+                );
+                return self.trouble.error(place, format!("{shown} {what}"), help);
+            }
+        };
+        let file = self.texts.files.len() as u32;
+        self.texts.files.push(Text { file: shown, text, fragment: None });
+        self.open.push(whole);
+        self.blocks(file, path, format);
+        self.open.pop();
+    }
+
+    /// Cuts a file into blocks.
+    fn blocks(&mut self, file: u32, path: &Path, mut format: Format) {
+        let text = std::mem::take(&mut self.texts.files[file as usize].text);
+        let bytes = text.as_bytes();
+        let main = file == 0;
+        let mut at = match first_keyword(bytes) {
+            Some(at) => at,
+            None => {
+                if main && !bytes.is_empty() {
+                    let help = "a deck begins with *KEYWORD; what stands before it is not read";
+                    self.trouble.warning(
+                        Place::Deck { file, start: 0, end: 0 },
+                        "the deck has no *KEYWORD",
+                        help,
+                    );
+                }
+                0
+            }
+        };
+        let mut block: Option<Block> = None;
+        let mut fragment: Option<Vec<u8>> = None;
+        let mut stray = None;
+        let mut ended = false;
+        while at < bytes.len() {
+            let stop = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |n| at + n);
+            let mut end = stop;
+            while end > at && bytes[end - 1].is_ascii_whitespace() {
+                end -= 1;
+            }
+            let line = &bytes[at..end];
+            let span = (at as u32, end as u32);
+            at = stop + 1;
+            match line.first() {
+                Some(b'$') => {
+                    if line.len() >= FRAGMENT.len()
+                        && line[..FRAGMENT.len()].eq_ignore_ascii_case(FRAGMENT)
+                    {
+                        let own = fragment.get_or_insert_with(|| blank(bytes));
+                        let from = span.0 as usize + FRAGMENT.len();
+                        own[from..end].copy_from_slice(&bytes[from..end]);
+                    }
+                }
+                Some(b'*') => {
+                    if let Some(block) = block.take() {
+                        self.close(block, &text, path, format);
+                    }
+                    let head = Head::read(line, format);
+                    match head.name.as_str() {
+                        "END" => {
+                            ended = true;
+                            break;
+                        }
+                        "KEYWORD" => format = head.format,
+                        _ => {
+                            block = Some(Block {
+                                file,
+                                head: span,
+                                name: head.name,
+                                format: head.format,
+                                lines: Vec::new(),
+                            });
+                        }
+                    }
+                }
+                first => match &mut block {
+                    Some(block) => block.lines.push(span),
+                    None if first.is_some() && stray.is_none() => stray = Some(span),
+                    None => {}
+                },
+            }
+        }
+        if let Some(block) = block.take() {
+            self.close(block, &text, path, format);
+        }
+        if main && !ended && !bytes.is_empty() {
+            let last = Place::Deck { file, start: bytes.len() as u32, end: bytes.len() as u32 };
+            self.trouble.warning(
+                last,
+                "the deck has no *END",
+                "add it as the last line, if the file is whole",
+            );
+        }
+        if let Some((start, end)) = stray {
+            let help = "a card belongs to the keyword above it, a line that begins with *";
+            self.trouble.error(
+                Place::Deck { file, start, end },
+                "a card stands before the first keyword",
+                help,
+            );
+        }
+        // Blanks were put in for all that is no ASCII outside of the fragment, so that it is UTF-8
+        // as the text is.
+        let fragment = fragment.and_then(|f| String::from_utf8(f).ok());
+        let own = &mut self.texts.files[file as usize];
+        (own.text, own.fragment) = (text, fragment);
+    }
+
+    /// Keeps a block, or reads what it includes.
+    fn close(&mut self, mut block: Block, text: &str, path: &Path, format: Format) {
+        let bytes = text.as_bytes();
+        let line = |span: (u32, u32)| {
+            String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()
+        };
+        let beside = path.parent().unwrap_or(Path::new(""));
+        match block.name.as_str() {
+            "INCLUDE" => {
+                for (name, span) in names(&block.lines, line) {
+                    let found = self.find(&name, beside);
+                    let place = block.span(span, 0, (span.1 - span.0) as usize);
+                    self.file(&found, name, Some(place), format);
+                }
+            }
+            "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE" => {
+                let root = if block.name == "INCLUDE_PATH" {
+                    PathBuf::new()
+                } else {
+                    beside.to_path_buf()
+                };
+                let folders =
+                    names(&block.lines, line).into_iter().map(|(name, _)| root.join(name));
+                self.folders.extend(folders);
+            }
+            _ => {
+                while block.lines.last().is_some_and(|l| l.0 == l.1) && block.lines.len() > 64 {
+                    block.lines.pop();
+                }
+                self.texts.blocks.push(block);
+            }
+        }
+    }
+
+    /// The file of a name: as it stands, or as other systems write it, in quotes or with
+    /// backslashes.
+    fn find(&self, name: &str, beside: &Path) -> PathBuf {
+        let bare = name.trim_matches(['"', '\'']);
+        let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
+        let places = || self.folders.iter().map(PathBuf::as_path).chain([beside]);
+        let all = names.iter().flat_map(|name| places().map(move |folder| folder.join(name)));
+        all.into_iter().find(|p| p.is_file()).unwrap_or_else(|| beside.join(name))
+    }
+}
+
+/// What a name stands for when capitals are not told apart.
+fn alike(folder: &Path, name: &str) -> Option<String> {
+    let mut found = folder.to_path_buf();
+    for part in Path::new(name).components() {
+        let part = part.as_os_str();
+        let same = |entry: &std::fs::DirEntry| entry.file_name().eq_ignore_ascii_case(part);
+        let here = if found.as_os_str().is_empty() { Path::new(".") } else { &found };
+        found = match found.join(part).exists() {
+            true => found.join(part),
+            false => found.join(std::fs::read_dir(here).ok()?.flatten().find(same)?.file_name()),
+        };
+    }
+    Some(found.strip_prefix(folder).unwrap_or(&found).display().to_string())
+}
+
+/// Names of files, one a line; a name goes on in the next line behind ` +`.
+fn names(lines: &[(u32, u32)], text: impl Fn((u32, u32)) -> String) -> Vec<(String, (u32, u32))> {
+    let mut names: Vec<(String, (u32, u32))> = Vec::new();
+    let mut open = false;
+    for &span in lines {
+        let line = text(span);
+        let part = line.trim();
+        let (part, goes_on) = match part.strip_suffix(" +") {
+            Some(part) => (part.trim_end(), true),
+            None => (part, false),
+        };
+        match names.last_mut().filter(|_| open) {
+            Some(last) => last.0 += part,
+            None if part.is_empty() => {}
+            None => names.push((part.into(), span)),
+        }
+        open = goes_on;
+    }
+    names
+}
+
+/// A keyword's own line.
+struct Head {
+    name: String,
+    format: Format,
+}
+
+impl Head {
+    /// Reads the name, and the format that stands behind it: `+` long, `-` standard, `%` with ids
+    /// of ten columns, and on `*KEYWORD` also `LONG=Y` and `I10=Y`.
+    fn read(line: &[u8], format: Format) -> Self {
+        let text = String::from_utf8_lossy(&line[1..]).to_ascii_uppercase();
+        let mut words = text.split(|c: char| c.is_ascii_whitespace() || c == ',' || c == '(');
+        let first = words.next().unwrap_or_default();
+        let name = first.trim_end_matches(['+', '-', '%']);
+        let mut head = Head { name: name.to_string(), format };
+        let signs = first[name.len()..].chars().map(String::from).chain(words.map(String::from));
+        for word in signs {
+            match (word.as_str(), name) {
+                ("+", _) | ("LONG=Y" | "LONG=YES", "KEYWORD") => head.format = Format::Long,
+                ("-", _) | ("LONG=S" | "LONG=N" | "LONG=NO", "KEYWORD") => {
+                    head.format = Format::Standard
+                }
+                ("%", _) | ("I10=Y" | "I10=YES", "KEYWORD") => head.format = Format::I10,
+                _ => {}
+            }
+        }
+        head
+    }
+}
+
+/// First byte of the line `*KEYWORD`.
+fn first_keyword(bytes: &[u8]) -> Option<usize> {
+    let mut at = 0;
+    for line in bytes.split(|&b| b == b'\n') {
+        let name = line.get(..8).unwrap_or_default();
+        if name.eq_ignore_ascii_case(b"*KEYWORD")
+            && !line.get(8).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_')
+        {
+            return Some(at);
+        }
+        at += line.len() + 1;
+    }
+    None
+}
+
+fn blank(bytes: &[u8]) -> Vec<u8> {
+    bytes.iter().map(|&b| if b == b'\n' { b'\n' } else { b' ' }).collect()
+}
+
+fn load(path: &Path) -> Result<String, String> {
+    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    let about = std::fs::metadata(path).map_err(cannot)?;
+    if !about.is_file() {
+        return Err("is no file".into());
+    }
+    if about.len() > LARGEST_FILE {
+        return Err("is larger than 4 GiB".into());
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    // Titles in other encodings are common; a byte for a byte keeps the columns.
+    Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
+        let bytes = error.as_bytes().iter().map(|&b| if b.is_ascii() { b } else { b'?' });
+        bytes.map(char::from).collect()
+    }))
+}

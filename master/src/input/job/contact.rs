@@ -1,0 +1,166 @@
+//! `[contact]` and its interfaces: the list form of it, and checks.
+
+use super::laws;
+use super::resolve::Numbers;
+use super::tree::{Entry, Kind, Node};
+use super::validate::nearest;
+use crumple_proto::job::{Contact, Interface, Job};
+use crumple_proto::problem::Problem;
+
+/// Turns `[[contact]]`, a list, into `[contact]` with the rest of the list as its interfaces.
+/// Values keep their places.
+pub fn from_list(tree: &mut Node) {
+    let Kind::Table(keys) = &mut tree.kind else { return };
+    let Some(entry) = keys.get_mut("contact") else { return };
+    let Kind::Array(list) = &mut entry.node.kind else { return };
+    if !list.iter().all(|node| matches!(node.kind, Kind::Table(_))) {
+        return; // the check against the schema tells
+    }
+    let mut list = std::mem::take(list).into_iter();
+    let Some(mut first) = list.next() else {
+        keys.remove("contact");
+        return;
+    };
+    let Kind::Table(own) = &mut first.kind else { return };
+    let interfaces: Vec<Node> = list.collect();
+    if !interfaces.is_empty() {
+        let at = interfaces[0].place;
+        let all = own.entry("interface".into()).or_insert_with(|| Entry {
+            key: at,
+            node: Node { kind: Kind::Array(Vec::new()), place: at },
+        });
+        if let Kind::Array(all) = &mut all.node.kind {
+            all.extend(interfaces);
+        }
+    }
+    entry.node = first;
+}
+
+/// Ranges, and words that are in tables of the worker.
+pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
+    numbers.word("contact.search", &contact.search, &laws::searches());
+    numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
+    let limit = contact.thickness_limit;
+    numbers.need(
+        limit >= 0.0,
+        "contact.thickness_limit",
+        limit,
+        "0 (for none) or above; 1 is usual",
+    );
+    numbers.need(contact.skin >= 0.0, "contact.skin", contact.skin, "0 (for the default) or above");
+    let said: Vec<String> = std::iter::once("contact".to_string())
+        .chain((0..contact.interface.len()).map(|i| format!("contact.interface.{i}")))
+        .collect();
+    for (i, (path, one)) in said.iter().zip(contact.each()).enumerate() {
+        // What an interface takes over is told where it is written.
+        let own = i.checked_sub(1).and_then(|i| toml::Table::try_from(&contact.interface[i]).ok());
+        check_one(path, &one, |key| own.as_ref().is_none_or(|own| own.contains_key(key)), numbers);
+    }
+    if contact.each().any(|c| ["penalty", "mortar"].contains(&c.law.as_str()) && c.penalty_cap)
+        && job.time.safety >= 1.0
+    {
+        let message =
+            format!("safety = {} leaves springs no room below the stable step", job.time.safety);
+        let help = "0.9 is usual; or take contact.law lagrange or kinematic, which need none";
+        numbers.findings.add(Problem::error("time.safety", message, help));
+    }
+    if contact.interface.len() >= usize::from(u16::MAX) {
+        let message = format!("{} interfaces", contact.interface.len());
+        numbers.findings.add(Problem::error("contact.interface", message, "65534 are the most"));
+    }
+    if numbers.findings.any_faulty_below("part") {
+        return;
+    }
+    let lists = |path: &str, parts: &[u32], against: &[u32], exclude: &[u32]| {
+        [("parts", parts), ("against", against), ("exclude", exclude)]
+            .into_iter()
+            .flat_map(|(key, list)| {
+                list.iter().enumerate().map(move |(i, id)| (format!("{key}.{i}"), *id))
+            })
+            .map(|(key, id)| (format!("{path}.{key}"), id))
+            .collect::<Vec<_>>()
+    };
+    let mut named = lists("contact", &contact.parts, &contact.against, &contact.exclude);
+    for (path, i) in said[1..].iter().zip(&contact.interface) {
+        let Interface { parts, against, exclude, .. } = i;
+        named.extend(lists(path, parts, against, exclude));
+    }
+    for (path, id) in named {
+        if !job.part.iter().any(|p| p.id == id) {
+            let known: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let message = format!("contact: there is no part {id}");
+            numbers.findings.add(Problem::error(path, message, nearest(&id.to_string(), &known)));
+        }
+    }
+    hidden(contact, job, &said, numbers);
+}
+
+/// A warning for each interface that no two parts are in: later ones name them all, or nothing has
+/// been named.
+fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'_>) {
+    let all: Vec<Contact> = contact.each().collect();
+    let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let mut last = vec![0; ids.len() * ids.len()];
+    for (i, c) in all.iter().enumerate().skip(1) {
+        let [ahead, behind] = c.sides(&ids);
+        for (&a, &b) in ahead.iter().flat_map(|a| behind.iter().map(move |b| (a, b))) {
+            last[a * ids.len() + b] = i;
+            last[b * ids.len() + a] = i;
+        }
+    }
+    for (i, path) in said.iter().enumerate().skip(1) {
+        if !last.contains(&i) {
+            let what =
+                if all[i].name.is_empty() { String::new() } else { format!(" `{}`", all[i].name) };
+            let message = format!("no two parts are in the interface{what}");
+            let help = "of several interfaces that name two parts the last one holds: put it after the others, or take it out";
+            numbers.findings.add(Problem::warning(path.clone(), message, help));
+        }
+    }
+}
+
+/// `is_own` tells which keys are written for this interface.
+fn check_one(
+    path: &str,
+    contact: &Contact,
+    is_own: impl Fn(&str) -> bool,
+    numbers: &mut Numbers<'_>,
+) {
+    let at = |key: &str| format!("{path}.{key}");
+    let laws: Vec<&str> = laws::contact_laws().into_iter().chain([Contact::NO_LAW]).collect();
+    let words: [(&str, &str, &[&str]); 3] = [
+        ("law", &contact.law, &laws),
+        ("iteration", &contact.iteration, &laws::iterations()),
+        ("penalty_form", &contact.penalty_form, laws::penalty_forms()),
+    ];
+    for (key, word, known) in words.into_iter().filter(|w| is_own(w.0)) {
+        numbers.word(&at(key), word, known);
+    }
+    let mut need = |right: bool, key: &str, value: f64, wanted: &str| {
+        numbers.need(right || !is_own(key), &at(key), value, wanted);
+    };
+    let (beta, wanted) = (contact.partition, "between 0 and 1; 0.5 treats both surfaces alike");
+    need((0.0..=1.0).contains(&beta), "partition", beta, wanted);
+    let is_some = |x: f64| x >= 0.0 && x.is_finite();
+    need(is_some(contact.friction), "friction", contact.friction, "0 or above");
+    let dynamic = contact.friction_dynamic.unwrap_or(0.0);
+    need(is_some(dynamic), "friction_dynamic", dynamic, "0 or above");
+    need(is_some(contact.friction_decay), "friction_decay", contact.friction_decay, "0 or above");
+    let limit = contact.friction_limit.unwrap_or(0.0);
+    need(is_some(limit), "friction_limit", limit, "above 0, or 0 for none");
+    let given = contact.thickness.unwrap_or(1.0);
+    need(given > 0.0 && given.is_finite(), "thickness", given, "above 0");
+    let factor = contact.thickness_scale;
+    need(factor > 0.0 && factor.is_finite(), "thickness_scale", factor, "above 0; 1 is usual");
+    need(!contact.birth.is_nan(), "birth", contact.birth, "a time");
+    let death = contact.death.unwrap_or(f64::INFINITY);
+    need(death > contact.birth, "death", death, "later than `birth`");
+    need(death > contact.birth || is_own("death"), "birth", contact.birth, "before `death`");
+    need(contact.sweeps >= 1, "sweeps", contact.sweeps as f64, "at least 1");
+    need(contact.tolerance > 0.0, "tolerance", contact.tolerance, "above 0; 1e-6 is usual");
+    let scale = contact.penalty_scale;
+    need(scale > 0.0, "penalty_scale", scale, "above 0; 0.1 to 0.4 is usual for the soft form");
+    let damping = contact.penalty_damping;
+    need((0.0..=1.0).contains(&damping), "penalty_damping", damping, "from 0 to 1");
+}

@@ -1,0 +1,147 @@
+//! The master's way to the worker's tables: which laws and elements there are, and what they make
+//! of a job.
+//!
+//! Nothing here knows what a law computes; the worker checks its own parameters.
+
+use super::validate::Findings;
+use crumple_proto::job::Part;
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
+use crumple_worker::contact::initial::{Initial, Penetration};
+use crumple_worker::contact::search::SEARCHES;
+use crumple_worker::fem::elements::{Element, build_block, formulation};
+use crumple_worker::fem::materials;
+
+/// Names of the contact laws.
+pub fn contact_laws() -> Vec<&'static str> {
+    CONTACT_LAWS.iter().map(|law| law.name).collect()
+}
+
+/// Names of the ways in which the Lagrange law iterates.
+pub fn iterations() -> Vec<&'static str> {
+    ITERATIONS.iter().map(|iteration| iteration.0).collect()
+}
+
+/// Names of the forms of the penalty stiffness.
+pub fn penalty_forms() -> &'static [&'static str] {
+    PENALTY_FORMS
+}
+
+/// Names of the global searches.
+pub fn searches() -> Vec<&'static str> {
+    SEARCHES.iter().map(|search| search.name).collect()
+}
+
+/// Which shapes a part has elements of, by [`Shape`].
+pub type Used = [bool; Shape::ALL.len()];
+
+/// The elements of every part, as the worker will build them.
+pub struct Blocks {
+    parts: Vec<[Option<Box<dyn Element>>; Shape::ALL.len()]>,
+}
+
+impl Blocks {
+    /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]), and
+    /// of parts without elements for what they could have, so that their numbers are checked too.
+    /// `order[i]` is the place in the job of the part that is the i-th of `settings`.
+    pub fn build(
+        settings: &Settings,
+        order: &[usize],
+        used: &[Used],
+        findings: &mut Findings,
+    ) -> Self {
+        let mut problems: Vec<Problem> = Vec::new();
+        let mut parts = Vec::with_capacity(order.len());
+        for (index, &place) in order.iter().enumerate() {
+            let mut build = |shape: Shape| match build_block(settings, index, shape) {
+                Ok(element) => Some(element),
+                Err(found) => {
+                    for mut problem in found {
+                        if let Some(rest) = problem.path.strip_prefix(&format!("part.{index}.")) {
+                            problem.path = format!("part.{place}.{rest}");
+                        }
+                        problems.push(problem);
+                    }
+                    None
+                }
+            };
+            let idle = match &settings.parts[index] {
+                Part { spring: Some(_), .. } => Shape::Line2,
+                Part { beam: Some(_), .. } => Shape::Beam2,
+                Part { element: Some(name), .. } if name == "hexahedron" => Shape::Hex8,
+                Part { thickness: 0.0, element: None, .. } => Shape::Hex8,
+                _ => Shape::Quad4,
+            };
+            let none = !used[index].contains(&true);
+            parts.push(Shape::ALL.map(|shape| {
+                let wanted = used[index][shape as usize] || none && shape == idle;
+                if wanted { build(shape) } else { None }
+            }));
+        }
+        for (index, material) in settings.materials.iter().enumerate() {
+            for mut problem in materials::build(material).err().unwrap_or_default() {
+                problem.path = format!("material.{index}.{}", problem.path);
+                problems.push(problem);
+            }
+        }
+        // A material is looked at once for each part that has it.
+        let mut told: Vec<(String, String)> = Vec::new();
+        for problem in problems {
+            let key = (problem.path.clone(), problem.message.clone());
+            if !told.contains(&key) {
+                told.push(key);
+                findings.add(problem);
+            }
+        }
+        Blocks { parts }
+    }
+
+    /// Names of the formulations of a part, which is the `index`-th of the settings.
+    pub fn names(&self, part: &Part, index: usize) -> Vec<&'static str> {
+        let shapes = Shape::ALL.into_iter();
+        shapes
+            .filter(|&s| self.element(index, s).is_some())
+            .filter_map(|s| formulation(part, s))
+            .collect()
+    }
+
+    /// The element of a part and shape, if the job has such.
+    pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
+        self.parts[part][shape as usize].as_deref()
+    }
+}
+
+/// A warning if contact meets shells or beams with less than their thickness.
+pub fn thinned(settings: &Settings, initial: &Initial) -> Option<Problem> {
+    let (count, least) = initial.thinned?;
+    let limit = settings.contact.as_ref()?.thickness_limit;
+    let message = format!(
+        "{count} shells or beams are thicker than {limit} times their shortest side: contact takes them for thinner, the worst for \
+         {:.0} % of it",
+        100.0 * least
+    );
+    let help = "mesh no finer than the sheet or beam is thick, or set contact.thickness_limit (0 for no limit)";
+    Some(Problem::warning("contact.thickness_limit", message, help))
+}
+
+/// Warnings if nodes start inside the thickness of shells, or solids, that they can touch.
+pub fn penetrations(initial: &Initial) -> Vec<Problem> {
+    let (unseen, seen): (Vec<_>, Vec<_>) =
+        initial.penetrations.iter().copied().partition(|p| p.unseen);
+    let tell = |found: &[Penetration], what: &str, help: &str| {
+        let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
+        let Penetration { node, depth, elem, .. } = deepest;
+        let count = found.len();
+        let message = format!(
+            "{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into element {elem}"
+        );
+        Some(Problem::warning("contact", message, help))
+    };
+    let kept = "they are let be, without force, and are met at that depth from there on; move the parts apart to be rid of them";
+    let never = "parts pass through each other there; move them apart";
+    let seen = tell(&seen, "the thickness of shells, beams, or other solids", kept);
+    let unseen = tell(&unseen, "other solids, too deep for contact to see", never);
+    seen.into_iter().chain(unseen).collect()
+}

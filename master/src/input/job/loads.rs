@@ -1,0 +1,374 @@
+//! Loads, prescribed motion and planes of symmetry: what is wrong with them, and what they are in
+//! numbers and ids.
+
+use super::state::{NodeSets, NodeStart};
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::{Job, Motion as MotionSpec, Pressure as PressureSpec};
+use crumple_proto::loads::{Gravity, Loads, Motion, MotionForm, NodalForce, Pressure};
+use crumple_proto::mesh::{Mesh, free_faces};
+use crumple_proto::problem::Problem;
+use std::collections::HashSet;
+
+/// Names of the degrees of freedom, in the order of their bits.
+pub const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+
+/// A direction counts as that of an axis if its other components are below this fraction of it.
+const ALONG: f64 = 1e-9;
+/// Nodes count as on a plane of symmetry within this fraction of the smallest side.
+const ON_PLANE: f64 = 1e-3;
+
+/// Bits of named degrees of freedom; every name that is none is a problem.
+pub fn dof_bits(dofs: &[String], path: &str, findings: &mut Findings) -> u64 {
+    let mut bits = 0;
+    for (place, dof) in dofs.iter().enumerate() {
+        match DOFS.iter().position(|known| known == dof) {
+            Some(bit) => bits |= 1 << bit,
+            None => {
+                let message = format!("`{dof}` is no degree of freedom");
+                findings.add(Problem::error(
+                    format!("{path}.{place}"),
+                    message,
+                    nearest(dof, &DOFS),
+                ));
+            }
+        }
+    }
+    bits
+}
+
+/// Resolves all loads and motions of a job. Degrees of freedom that are prescribed or lie in planes
+/// of symmetry are marked as not free in `start`. `smallest` is the shortest side of an element.
+pub fn resolve(
+    job: &Job,
+    mesh: &Mesh,
+    sets: &NodeSets<'_>,
+    smallest: f64,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) -> Loads {
+    symmetry(job, mesh, smallest, start, findings);
+    let curves = Curves::of(job, findings);
+    let mut loads = Loads {
+        curves: job.curve.iter().map(|c| c.points.clone()).collect(),
+        damping: job.time.damping,
+        ..Loads::default()
+    };
+    if loads.damping < 0.0 {
+        let message = format!("`damping` is {:?}", loads.damping);
+        findings.add(Problem::error("time.damping", message, "it has to be 0 (none) or above"));
+    }
+    for (i, g) in job.gravity.iter().enumerate() {
+        let curve = curves.find(&g.curve, &format!("gravity.{i}.curve"), findings);
+        loads.gravity.push(Gravity { acceleration: g.acceleration, curve });
+    }
+    for (i, load) in job.load.iter().enumerate() {
+        let curve = curves.find(&load.curve, &format!("load.{i}.curve"), findings);
+        if load.force == [0.0; 3] && load.moment == [0.0; 3] {
+            let help = "give it a force, a moment or both";
+            findings.add(Problem::error(
+                format!("load.{i}"),
+                "a load has neither force nor moment",
+                help,
+            ));
+        }
+        let Some(nodes) = sets.ids(&load.nodes, format!("load.{i}.nodes"), findings) else {
+            continue;
+        };
+        let each = |all: [f64; 3]| all.map(|c| c / nodes.len() as f64);
+        loads.forces.push(NodalForce {
+            force: each(load.force),
+            moment: each(load.moment),
+            nodes,
+            curve,
+        });
+    }
+    for (i, p) in job.pressure.iter().enumerate() {
+        let curve = curves.find(&p.curve, &format!("pressure.{i}.curve"), findings);
+        if let Some(faces) = loaded_faces(p, i, job, mesh, sets, findings) {
+            loads.pressures.push(Pressure { faces, pressure: p.pressure, curve });
+        }
+    }
+    for (i, m) in job.motion.iter().enumerate().filter(|(_, m)| m.rigid.is_none()) {
+        loads.motions.extend(motion(m, i, &curves, mesh, sets, start, findings));
+    }
+    loads
+}
+
+/// Names of curves, and where their factors start.
+pub struct Curves<'j> {
+    names: Vec<&'j str>,
+    starts: Vec<Option<f64>>,
+}
+
+impl<'j> Curves<'j> {
+    fn of(job: &'j Job, findings: &mut Findings) -> Self {
+        let mut seen = HashSet::new();
+        for (i, curve) in job.curve.iter().enumerate() {
+            if curve.name.is_empty() {
+                let path = format!("curve.{i}.name");
+                findings.add(Problem::error(
+                    path,
+                    "a curve has no name",
+                    "loads refer to it by name",
+                ));
+            } else if !seen.insert(&curve.name) {
+                let message = format!("two entries of [[curve]] have the name `{}`", curve.name);
+                findings.add(Problem::error(
+                    format!("curve.{i}.name"),
+                    message,
+                    "give each its own name",
+                ));
+            }
+            let path = format!("curve.{i}.points");
+            if curve.points.is_empty() {
+                let message = format!("curve `{}` has no points", curve.name);
+                findings.add(Problem::error(path, message, "give points = [[time, factor], ...]"));
+            } else if let Some(k) = curve.points.windows(2).position(|p| p[1][0] <= p[0][0]) {
+                let (from, to) = (curve.points[k][0], curve.points[k + 1][0]);
+                let message = format!("curve `{}`: time {to:?} comes after {from:?}", curve.name);
+                let help =
+                    "give times in ascending order; a jump takes two points a short time apart";
+                findings.add(Problem::error(format!("{path}.{}", k + 1), message, help));
+            }
+        }
+        Self::quietly(job)
+    }
+
+    /// The same without looking for faults.
+    pub fn quietly(job: &'j Job) -> Self {
+        let start = |points: &[[f64; 2]]| {
+            let after = points.partition_point(|p| p[0] <= 0.0);
+            match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+                (Some([t0, y0]), Some([t1, y1])) => Some(y0 - t0 * (y1 - y0) / (t1 - t0)),
+                (Some([_, y]), None) => Some(y),
+                (None, first) => first.map(|p| p[1]),
+            }
+        };
+        Self {
+            names: job.curve.iter().map(|c| c.name.as_str()).collect(),
+            starts: job.curve.iter().map(|c| start(&c.points)).collect(),
+        }
+    }
+
+    /// Index of a curve that may be left out.
+    pub fn find(
+        &self,
+        name: &Option<String>,
+        path: &str,
+        findings: &mut Findings,
+    ) -> Option<usize> {
+        let name = name.as_ref()?;
+        let found = self.names.iter().position(|n| n == name);
+        if found.is_none() {
+            findings.add(Problem::error(
+                path,
+                format!("there is no curve `{name}`"),
+                nearest(name, &self.names),
+            ));
+        }
+        found
+    }
+}
+
+/// The faces that a pressure acts on, ascending; `None`, and why, if there are none.
+fn loaded_faces(
+    p: &PressureSpec,
+    i: usize,
+    job: &Job,
+    mesh: &Mesh,
+    sets: &NodeSets<'_>,
+    findings: &mut Findings,
+) -> Option<Vec<(ElemId, u8)>> {
+    if p.parts.is_empty() && p.nodes.is_none() {
+        let help = "name `parts`, a node set as `nodes`, or both";
+        findings.add(Problem::error(format!("pressure.{i}"), "a pressure acts on nothing", help));
+        return None;
+    }
+    let mut known = true;
+    for (place, id) in
+        p.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|part| part.id == **id))
+    {
+        let ids: Vec<String> = job.part.iter().map(|part| part.id.to_string()).collect();
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        let message = format!("pressure: there is no part {id}");
+        findings.add(Problem::error(
+            format!("pressure.{i}.parts.{place}"),
+            message,
+            nearest(&id.to_string(), &ids),
+        ));
+        known = false;
+    }
+    let within = match &p.nodes {
+        None => None,
+        Some(name) => Some(sets.ids(name, format!("pressure.{i}.nodes"), findings)?),
+    };
+    if !known {
+        return None;
+    }
+    let of_part = |part: u32| p.parts.is_empty() || p.parts.contains(&part);
+    let faces: Vec<(ElemId, u8)> = faces(mesh, of_part, within.as_deref())
+        .into_iter()
+        .map(|(e, f)| (mesh.elements[e].id, f as u8))
+        .collect();
+    if faces.is_empty() {
+        let message = "a pressure acts on no face: no element has all nodes of a face there";
+        let help = "name a part that has elements, or a set that holds all nodes of each face";
+        findings.add(Problem::error(format!("pressure.{i}"), message, help));
+        return None;
+    }
+    Some(faces)
+}
+
+/// Faces of shells and outer faces of solids of some parts, all of whose nodes are in a set if one
+/// is given: elements by their place in the mesh, with the number of the face.
+pub fn faces(
+    mesh: &Mesh,
+    of_part: impl Fn(u32) -> bool,
+    within: Option<&[NodeId]>,
+) -> Vec<(usize, usize)> {
+    outer_faces(mesh, &free_faces(&mesh.elements), of_part, within)
+}
+
+/// The same where the free faces of the mesh are known.
+pub fn outer_faces(
+    mesh: &Mesh,
+    free: &[u8],
+    of_part: impl Fn(u32) -> bool,
+    within: Option<&[NodeId]>,
+) -> Vec<(usize, usize)> {
+    let inside = |id: NodeId| within.is_none_or(|set| set.binary_search(&id).is_ok());
+    let mut faces = Vec::new();
+    for (at, (e, free)) in
+        mesh.elements.iter().zip(free).enumerate().filter(|(_, (e, _))| of_part(e.part))
+    {
+        for (f, corners) in e.shape.faces().iter().enumerate() {
+            let outer = e.shape.is_shell() || free >> f & 1 == 1;
+            if outer && corners.iter().all(|&c| inside(e.nodes[c])) {
+                faces.push((at, f));
+            }
+        }
+    }
+    faces
+}
+
+/// A motion in numbers, without nodes and degrees of freedom, and the latter as far as they are
+/// given.
+pub fn motion_form(
+    m: &MotionSpec,
+    i: usize,
+    curves: &Curves<'_>,
+    findings: &mut Findings,
+) -> Option<(Motion, Option<u64>)> {
+    let path = format!("motion.{i}");
+    let curve = curves.find(&m.curve, &format!("{path}.curve"), findings);
+    let forms = [
+        m.velocity.map(|a| (MotionForm::Velocity, a)),
+        m.displacement.map(|a| (MotionForm::Displacement, a)),
+        m.acceleration.map(|a| (MotionForm::Acceleration, a)),
+        m.spin.map(|a| (MotionForm::Spin { centre: m.centre }, a)),
+    ];
+    let mut given = forms.into_iter().flatten();
+    let (Some((form, amount)), None) = (given.next(), given.next()) else {
+        let help = "give exactly one of velocity, displacement, acceleration and spin";
+        findings.add(Problem::error(path, "a motion has none or more than one form", help));
+        return None;
+    };
+    if starts_with_jump(form, curves, &m.curve, curve) {
+        let message = "a prescribed displacement starts with a jump";
+        findings.add(Problem::error(&path, message, "give it a curve that is 0 at time 0"));
+    }
+    let dofs = (!m.dofs.is_empty()).then(|| dof_bits(&m.dofs, &format!("{path}.dofs"), findings));
+    Some((Motion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
+}
+
+/// Whether a motion is a displacement that is not 0 at time 0; `index` is that of the curve it
+/// names.
+pub fn starts_with_jump(
+    form: MotionForm,
+    curves: &Curves<'_>,
+    name: &Option<String>,
+    index: Option<usize>,
+) -> bool {
+    let first = if name.is_none() { Some(1.0) } else { index.and_then(|c| curves.starts[c]) };
+    form == MotionForm::Displacement && first.is_some_and(|y| y != 0.0)
+}
+
+/// A motion of nodes in numbers; its degrees of freedom are marked as not free, and none may be so
+/// already.
+fn motion(
+    m: &MotionSpec,
+    i: usize,
+    curves: &Curves<'_>,
+    mesh: &Mesh,
+    sets: &NodeSets<'_>,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) -> Option<Motion> {
+    let path = format!("motion.{i}");
+    let form = motion_form(m, i, curves, findings);
+    let Some(name) = &m.nodes else {
+        let help = "name a node set as `nodes`, or a `rigid` body";
+        findings.add(Problem::error(&path, "a motion moves nothing", help));
+        return None;
+    };
+    let nodes = sets.indices(name, format!("{path}.nodes"), findings)?;
+    let (motion, dofs) = form?;
+    let all = if matches!(motion.form, MotionForm::Spin { .. }) { 0b11_1111 } else { 0b111 };
+    let dofs = dofs.unwrap_or(all);
+    let clashes: Vec<usize> =
+        nodes.iter().copied().filter(|&n| start.fixed[n] & dofs != 0).collect();
+    if let Some(&first) = clashes.first() {
+        let twice =
+            DOFS.iter().enumerate().filter(|(bit, _)| start.fixed[first] & dofs & (1 << bit) != 0);
+        let twice: Vec<&str> = twice.map(|(_, name)| *name).collect();
+        let message = format!(
+            "motion of {} nodes that are not free to follow it; the first is node {} in {}",
+            clashes.len(),
+            mesh.nodes[first].id,
+            twice.join(", ")
+        );
+        let help = "another motion, a [[fix]] or a [[symmetry]] holds them: take them out there, or name other `dofs` here";
+        findings.add(Problem::error(&path, message, help));
+    }
+    nodes.iter().for_each(|&n| start.fixed[n] |= dofs);
+    Some(Motion { nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(), dofs, ..motion })
+}
+
+/// Fixes the degrees of freedom that planes of symmetry take.
+fn symmetry(job: &Job, mesh: &Mesh, smallest: f64, start: &mut NodeStart, findings: &mut Findings) {
+    for (i, plane) in job.symmetry.iter().enumerate() {
+        let path = format!("symmetry.{i}.normal");
+        let largest = plane.normal.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+        let small = |c: f64| c.abs() <= ALONG * largest;
+        let axis = (0..3).find(|&c| !small(plane.normal[c]));
+        let Some(axis) = axis.filter(|&a| (0..3).all(|c| c == a || small(plane.normal[c]))) else {
+            let message =
+                format!("the normal {:?} of a plane of symmetry lies along no axis", plane.normal);
+            let help = "only [1, 0, 0], [0, 1, 0] and [0, 0, 1] are possible: turn the model";
+            findings.add(Problem::error(path, message, help));
+            continue;
+        };
+        if plane.tolerance < 0.0 {
+            let message = format!("`tolerance` is {:?}", plane.tolerance);
+            let help = "it has to be 0 (a thousandth of the smallest side) or above";
+            findings.add(Problem::error(format!("symmetry.{i}.tolerance"), message, help));
+        }
+        let tolerance = if plane.tolerance > 0.0 { plane.tolerance } else { ON_PLANE * smallest };
+        let off = |n: usize| (mesh.nodes[n].x[axis] - plane.point[axis]).abs();
+        let on: Vec<usize> = (0..mesh.nodes.len()).filter(|&n| off(n) <= tolerance).collect();
+        if on.is_empty() {
+            let nearest = (0..mesh.nodes.len()).map(off).fold(f64::INFINITY, f64::min);
+            let message =
+                format!("no node lies on the plane of symmetry; the nearest is {nearest:.3e} away");
+            findings.add(Problem::error(
+                format!("symmetry.{i}.point"),
+                message,
+                "correct its point or tolerance",
+            ));
+        }
+        // The displacement along the normal, and the rotations about the other two axes.
+        let bits = (1 << axis) | (0b11_1000 & !(1 << (axis + 3)));
+        on.iter().for_each(|&n| start.hold(n, bits));
+    }
+}

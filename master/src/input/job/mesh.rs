@@ -1,0 +1,600 @@
+//! The mesh of a job, from a generator, a file or the job itself, and everything that can be wrong
+//! with it.
+
+use super::validate::Findings;
+use crate::input::deck::Lists;
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, corner_nodes};
+use crumple_proto::problem::Problem;
+use crumple_proto::quality::quality;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// Problems of one kind that are told one by one.
+const TOLD: usize = 20;
+/// Largest id that a float holds exactly.
+const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
+/// An element whose area is below this fraction of its longest side squared has none but round-off.
+const NO_AREA: f64 = 1e-12;
+
+/// A mesh, and where its entities are written.
+pub struct Read {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Lists that its elements are written in, with their lengths, if it is written as rows.
+    written: Option<Lists>,
+}
+
+impl Read {
+    /// The mesh of a deck, whose elements are in `lists` one after the other.
+    pub fn of_deck(mesh: Mesh, lists: Lists) -> Self {
+        Read { mesh, written: Some(lists) }
+    }
+
+    fn node_path(&self, index: usize) -> String {
+        if self.written.is_some() { format!("mesh.nodes.{index}") } else { "mesh.generator".into() }
+    }
+
+    fn element_path(&self, index: usize) -> String {
+        let mut place = index;
+        for (list, length) in self.written.iter().flatten() {
+            match place.checked_sub(*length) {
+                None => return format!("mesh.{list}.{place}"),
+                Some(beyond) => place = beyond,
+            }
+        }
+        "mesh.generator".into()
+    }
+
+    fn set_path(&self, name: &str) -> String {
+        if self.written.is_some() {
+            format!("mesh.node_sets.{name}")
+        } else {
+            "mesh.generator".into()
+        }
+    }
+}
+
+/// The mesh that a generator makes with the job's `[scene]`; `None` if it cannot.
+pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
+    match crumple_cases::generate(name, &job.scene) {
+        Ok(mesh) => Some(Read { mesh, written: None }),
+        Err(problems) => {
+            problems.into_iter().for_each(|p| findings.add(p));
+            None
+        }
+    }
+}
+
+/// The mesh that is written as rows of numbers; `None` if a row is no node or no shell.
+pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
+    let mut few = Few::new(findings);
+    let mut mesh = Mesh::default();
+    for (index, &[id, x, y, z]) in source.nodes.iter().enumerate() {
+        if id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id) {
+            mesh.nodes.push(MeshNode { id: NodeId(id as u64), x: [x, y, z] });
+        } else {
+            few.error(
+                "node id",
+                format!("mesh.nodes.{index}"),
+                format!("{id} is no id of a node"),
+                "give a whole number from 0: a node is [id, x, y, z]",
+            );
+        }
+    }
+    for (index, row) in source.shells.iter().enumerate() {
+        let kind = Kind { list: "shells", called: "a shell", help: SHELL_ROW };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| match corners {
+            [_, _, c, d] => Some(if c == d { Shape::Tri3 } else { Shape::Quad4 }),
+            [_, _, _] => Some(Shape::Tri3),
+            _ => None,
+        }));
+    }
+    for (index, row) in source.solids.iter().enumerate() {
+        let kind = Kind { list: "solids", called: "a solid", help: SOLID_ROW };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
+            (corners.len() == 8).then_some(Shape::Hex8)
+        }));
+    }
+    for (index, row) in source.beams.iter().enumerate() {
+        let kind =
+            Kind { list: "beams", called: "a beam", help: "write [id, part id, n1, n2, n3]" };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
+            (corners.len() == 3).then_some(Shape::Beam2)
+        }));
+    }
+    for (index, row) in source.springs.iter().enumerate() {
+        let kind =
+            Kind { list: "springs", called: "a spring", help: "write [id, part id, n1, n2]" };
+        mesh.elements.extend(element(row, &kind, index, &mut few, |corners| {
+            (corners.len() == 2).then_some(Shape::Line2)
+        }));
+    }
+    thicken(&mut mesh, &source.thicknesses, &mut few);
+    for (name, ids) in &source.node_sets {
+        mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
+    }
+    // What refers to a row that was left out would be blamed for that.
+    let lists = [
+        ("shells", source.shells.len()),
+        ("solids", source.solids.len()),
+        ("beams", source.beams.len()),
+        ("springs", source.springs.len()),
+    ];
+    let rows: usize = lists.iter().map(|list| list.1).sum();
+    let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
+    whole.then_some(Read { mesh, written: Some(lists) })
+}
+
+/// Gives shells thicknesses of their own, as the `thicknesses` of a job say.
+pub fn with_thicknesses(mut read: Read, rows: &[[f64; 2]], findings: &mut Findings) -> Read {
+    thicken(&mut read.mesh, rows, &mut Few::new(findings));
+    read
+}
+
+fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
+    if rows.is_empty() {
+        return;
+    }
+    let at: HashMap<ElemId, usize> =
+        mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
+    let mut given = HashSet::with_capacity(rows.len());
+    for (index, &[id, thickness]) in rows.iter().enumerate() {
+        let path = || format!("mesh.thicknesses.{index}");
+        let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
+        let Some(&place) = at.get(&ElemId(id as u64)).filter(|_| whole) else {
+            few.error(
+                "no shell",
+                path(),
+                format!("there is no element {id}"),
+                "a row is [id of a shell, thickness]",
+            );
+            continue;
+        };
+        let element = &mut mesh.elements[place];
+        if !element.shape.is_shell() {
+            let message = format!("element {id} is no shell: it has no thickness");
+            few.error("no shell", path(), message, "take it out");
+        }
+        if !(thickness > 0.0 && thickness.is_finite()) {
+            let message = format!("element {id}: its thickness is {thickness:?}");
+            few.error(
+                "thickness",
+                path(),
+                message,
+                "it has to be above 0; without a row a shell has that of its part",
+            );
+        }
+        if !given.insert(place) {
+            let message = format!("element {id} is given a thickness twice");
+            few.error("thickness twice", path(), message, "take one of the two rows out");
+        }
+        element.thickness = thickness;
+    }
+}
+
+const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
+const SOLID_ROW: &str = "write [id, part id, n1, ..., n8]: a face's nodes, then those opposite";
+
+/// A list of elements as messages call it.
+struct Kind {
+    list: &'static str,
+    called: &'static str,
+    help: &'static str,
+}
+
+/// The element of a row; `None`, and why, if it is none. `shape` tells a shape by its corners.
+fn element(
+    row: &[u64],
+    kind: &Kind,
+    index: usize,
+    few: &mut Few<'_>,
+    shape: impl Fn(&[u64]) -> Option<Shape>,
+) -> Option<MeshElement> {
+    let path = || format!("mesh.{}.{index}", kind.list);
+    let (&[id, part], corners) = row.split_first_chunk().unwrap_or((&[0, 0], &[]));
+    let Some(shape) = shape(corners) else {
+        let message = format!("{} cannot be a list of {} numbers", kind.called, row.len());
+        few.error("row", path(), message, kind.help);
+        return None;
+    };
+    let Ok(part) = u32::try_from(part) else {
+        let message = format!("element {id}: {part} is no id of a part");
+        few.error("part id", path(), message, "part ids go up to 4294967295");
+        return None;
+    };
+    let given = if shape == Shape::Beam2 { corners } else { &corners[..shape.corners()] };
+    let nodes: Vec<NodeId> = given.iter().copied().map(NodeId).collect();
+    Some(MeshElement::new(ElemId(id), part, shape, &nodes))
+}
+
+/// Vectors from beams towards their second axes [length].
+type Axes = Vec<(ElemId, [f64; 3])>;
+
+/// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything
+/// by id. Beside the mesh, vectors from beams towards their second axes, ascending; beams then have
+/// two nodes.
+///
+/// `parts` are the ids of the job's parts; `None` if those are faulty themselves.
+pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mesh, Axes) {
+    let mut few = Few::new(findings);
+    let at = check_nodes(&read, &mut few);
+    check_elements(&read, &at, parts, &mut few);
+    for (name, ids) in &read.mesh.node_sets {
+        let unknown: Vec<NodeId> = ids.iter().copied().filter(|id| !at.contains_key(id)).collect();
+        if let Some(first) = unknown.first() {
+            let message = match unknown.len() {
+                1 => format!("node set `{name}`: there is no node {}", first.0),
+                n => format!(
+                    "node set `{name}`: {n} of its nodes do not exist, the first is node {}",
+                    first.0
+                ),
+            };
+            few.error(
+                "set",
+                read.set_path(name),
+                message,
+                "add the node or take it out of the set",
+            );
+        }
+    }
+    let turned: HashSet<NodeId> =
+        read.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).map(|e| e.nodes[2]).collect();
+    let used: HashSet<NodeId> =
+        read.mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
+    let unused: Vec<(usize, NodeId)> = read
+        .mesh
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(_, n)| !used.contains(&n.id) && !turned.contains(&n.id))
+        .map(|(i, n)| (i, n.id))
+        .collect();
+    if let (Some(&(index, first)), false) = (unused.first(), read.mesh.elements.is_empty()) {
+        let message = match unused.len() {
+            1 => format!("node {first} belongs to no element and is left out"),
+            n => format!(
+                "{n} nodes belong to no element and are left out; the first is node {first}"
+            ),
+        };
+        few.findings.add(Problem::warning(
+            read.node_path(index),
+            message,
+            "take them out of the mesh, or connect them",
+        ));
+    }
+    let mut mesh = read.mesh;
+    mesh.nodes.retain(|n| used.contains(&n.id));
+    mesh.nodes.sort_by_key(|n| n.id);
+    mesh.elements.sort_by_key(|e| e.id);
+    let mut axes = Axes::new();
+    for e in mesh.elements.iter_mut().filter(|e| e.shape == Shape::Beam2) {
+        if let (Some(from), Some(to)) = (at.get(&e.nodes[0]), at.get(&e.nodes[2])) {
+            axes.push((e.id, [0, 1, 2].map(|c| to[c] - from[c])));
+        }
+        e.nodes = corner_nodes(&e.nodes[..2]);
+    }
+    for ids in mesh.node_sets.values_mut() {
+        ids.sort_unstable();
+        ids.dedup();
+    }
+    (mesh, axes)
+}
+
+fn check_nodes(read: &Read, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
+    let mut at = HashMap::with_capacity(read.mesh.nodes.len());
+    for (index, node) in read.mesh.nodes.iter().enumerate() {
+        if node.id > NodeId::LARGEST {
+            let message = format!("node id {} is too large", node.id.0);
+            few.error("node id", read.node_path(index), message, "number nodes below 9e15");
+        }
+        if !node.x.iter().all(|c| c.is_finite()) {
+            let message = format!("node {} is at {:?}", node.id, node.x);
+            few.error(
+                "not finite",
+                read.node_path(index),
+                message,
+                "coordinates have to be finite numbers",
+            );
+        }
+        if at.insert(node.id, node.x).is_some() {
+            let message = format!("node {} is there twice", node.id);
+            few.error(
+                "node twice",
+                read.node_path(index),
+                message,
+                "give each node an id of its own",
+            );
+        }
+    }
+    at
+}
+
+fn check_elements(
+    read: &Read,
+    at: &HashMap<NodeId, [f64; 3]>,
+    parts: Option<&[u32]>,
+    few: &mut Few<'_>,
+) {
+    let mesh = &read.mesh;
+    if mesh.elements.is_empty() {
+        let path = if read.written.is_some() { "mesh" } else { "mesh.generator" };
+        few.error(
+            "empty",
+            path.into(),
+            "the mesh has no elements".into(),
+            "add mesh.shells or mesh.solids; in a deck *ELEMENT_SHELL or *ELEMENT_SOLID",
+        );
+    }
+    let mut seen = HashSet::with_capacity(mesh.elements.len());
+    let mut orphans: BTreeMap<u32, (usize, usize)> = BTreeMap::new();
+    let mut concave: Option<(usize, usize)> = None;
+    for (index, element) in mesh.elements.iter().enumerate() {
+        let (id, path) = (element.id, || read.element_path(index));
+        if id > ElemId::LARGEST {
+            few.error(
+                "element id",
+                path(),
+                format!("element id {} is too large", id.0),
+                "number elements below 9e15",
+            );
+        }
+        if !seen.insert(id) {
+            few.error(
+                "element twice",
+                path(),
+                format!("element {id} is there twice"),
+                "give each element an id of its own",
+            );
+        }
+        if parts.is_some_and(|parts| !parts.contains(&element.part)) {
+            orphans.entry(element.part).or_insert((index, 0)).1 += 1;
+        }
+        let corners = element.corners();
+        if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
+            let message = format!("element {id} uses node {} twice", corners[twice]);
+            let help = match element.shape {
+                Shape::Hex8 => {
+                    "a solid needs eight nodes, all different: wedges and tetrahedra are not there, mesh it with hexahedra"
+                }
+                Shape::Line2 => {
+                    "a spring has two ends; for one to the ground hold its other node by a [[fix]]"
+                }
+                _ => "a triangle repeats its last node only; correct or remove the element",
+            };
+            few.error("repeated", path(), message, help);
+            continue;
+        }
+        let mut x = Vec::with_capacity(8);
+        for node in corners {
+            match at.get(node) {
+                Some(&position) => x.push(position),
+                None => {
+                    let message = format!("element {id}: there is no node {}", node.0);
+                    few.error("no node", path(), message, "add the node or correct the element");
+                }
+            }
+        }
+        if x.len() < corners.len() || !x.iter().flatten().all(|c| c.is_finite()) {
+            continue;
+        }
+        if element.shape == Shape::Line2 {
+            continue; // its part says whether it needs a length
+        }
+        if element.shape == Shape::Beam2 {
+            match at.get(&element.nodes[2]) {
+                Some(third) if matches!(outline(&[x[0], x[1], *third]), Outline::Good) => {}
+                Some(_) => {
+                    let message =
+                        format!("beam {id}: its third node stands on the line of the first two");
+                    few.error(
+                        "third node",
+                        path(),
+                        message,
+                        "give one that shows where the second axis points",
+                    );
+                }
+                None => {
+                    let message = format!("element {id}: there is no node {}", element.nodes[2].0);
+                    few.error("no node", path(), message, "add the node or correct the element");
+                }
+            }
+            continue;
+        }
+        if element.shape == Shape::Hex8 {
+            solid(element, &x, path(), few);
+            continue;
+        }
+        match outline(&x) {
+            Outline::Good => {}
+            Outline::Concave => {
+                concave = Some((concave.map_or(index, |c| c.0), concave.map_or(1, |c| c.1 + 1)))
+            }
+            Outline::NoArea => {
+                let message = format!(
+                    "element {id} has no area: its nodes stand on one line or in one place"
+                );
+                few.error(
+                    "no area",
+                    path(),
+                    message,
+                    "move its nodes apart, or remove the element",
+                );
+            }
+            Outline::NoSide => {
+                let message = format!("element {id} has two corners in one place");
+                few.error(
+                    "no side",
+                    path(),
+                    message,
+                    "make it a triangle, or move one of the two nodes",
+                );
+            }
+            Outline::BowTie => {
+                let message = format!("element {id} is folded over: its sides cross (bow-tie)");
+                few.error(
+                    "bow-tie",
+                    path(),
+                    message,
+                    "give its nodes in order around the element; two are exchanged",
+                );
+            }
+            Outline::Overflow => {
+                let message = format!("element {id} is too large or too small to compute with");
+                few.error("overflow", path(), message, "check the units of the coordinates");
+            }
+        }
+    }
+    for (part, (index, count)) in orphans {
+        let first = mesh.elements[index].id;
+        let message = match count {
+            1 => format!("element {first} belongs to part {part}, which the job does not have"),
+            n => {
+                format!(
+                    "{n} elements belong to part {part}, which the job does not have; the first is element {first}"
+                )
+            }
+        };
+        let known: BTreeSet<u32> = parts.unwrap_or_default().iter().copied().collect();
+        let known: Vec<String> = known.iter().map(u32::to_string).collect();
+        let help = format!(
+            "add a [[part]] with id = {part} (a *PART in a deck), or correct the element; there are parts: {}",
+            known.join(", ")
+        );
+        few.error("orphan", read.element_path(index), message, &help);
+    }
+    if let Some((index, count)) = concave {
+        let first = mesh.elements[index].id;
+        let message =
+            format!("{count} quads have a re-entrant corner; the first is element {first}");
+        few.findings.add(Problem::warning(
+            read.element_path(index),
+            message,
+            "results there are poor: mesh it anew",
+        ));
+    }
+}
+
+/// Tells of a solid whose corners are in a wrong order, or that has no volume.
+fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
+    let one = Mesh {
+        nodes: element.corners().iter().zip(x).map(|(&id, &x)| MeshNode { id, x }).collect(),
+        elements: vec![*element],
+        ..Mesh::default()
+    };
+    let Some(figures) = quality(&one) else { return };
+    let id = element.id;
+    if !figures.zero_area.is_empty() && figures.min_jacobian.value > f64::NEG_INFINITY {
+        let message = format!(
+            "solid {id} has no volume: its nodes lie in one plane, on one line or in one place"
+        );
+        few.error("no volume", path, message, "move its nodes apart, or remove the element");
+    } else if figures.min_jacobian.value <= 0.0 {
+        let message = format!("solid {id} is inverted or twisted at a corner");
+        let help = "give the nodes of one face so that its right-hand normal points into the solid, then those opposite";
+        few.error("inverted", path, message, help);
+    }
+}
+
+enum Outline {
+    Good,
+    Concave,
+    /// Two corners stand in one place.
+    NoSide,
+    BowTie,
+    NoArea,
+    Overflow,
+}
+
+fn outline(x: &[[f64; 3]]) -> Outline {
+    let n = x.len();
+    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let side = |i: usize| sub(x[(i + 1) % n], x[i]);
+    let longest = (0..n).map(|i| dot(side(i), side(i))).fold(0.0, f64::max);
+    let area =
+        if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(side(0), side(1)) };
+    let size = dot(area, area);
+    // Fourth powers of lengths are formed below and by the elements.
+    if !(longest * longest).is_finite() || longest > 0.0 && longest * longest < f64::MIN_POSITIVE {
+        return Outline::Overflow;
+    }
+    let corner = |i: usize| cross(side((i + n - 1) % n), side(i));
+    if 0.5 * size.sqrt() <= NO_AREA * longest {
+        let open = (0..n).any(|i| dot(corner(i), corner(i)).sqrt() > 1e-6 * longest);
+        return if open { Outline::BowTie } else { Outline::NoArea };
+    }
+    if (0..n).any(|i| dot(side(i), side(i)).sqrt() <= NO_AREA * longest.sqrt()) {
+        return Outline::NoSide;
+    }
+    let turned = (0..n).filter(|&i| dot(corner(i), area) < 0.0).count();
+    match turned {
+        0 => Outline::Good,
+        1 => Outline::Concave,
+        _ => Outline::BowTie,
+    }
+}
+
+/// Tells the first problems of each kind one by one and counts the others.
+struct Few<'f> {
+    findings: &'f mut Findings,
+    told: BTreeMap<&'static str, (usize, String)>,
+}
+
+impl<'f> Few<'f> {
+    fn new(findings: &'f mut Findings) -> Self {
+        Few { findings, told: BTreeMap::new() }
+    }
+
+    fn error(&mut self, kind: &'static str, path: String, message: String, help: &str) {
+        let entry = self.told.entry(kind).or_insert((0, String::new()));
+        entry.0 += 1;
+        if entry.0 <= TOLD {
+            entry.1.clone_from(&path);
+            self.findings.add(Problem::error(path, message, help));
+        }
+    }
+}
+
+impl Drop for Few<'_> {
+    fn drop(&mut self) {
+        for (kind, (count, path)) in std::mem::take(&mut self.told) {
+            if count > TOLD {
+                let message = format!("{} more problems of this kind ({kind})", count - TOLD);
+                self.findings.add(Problem::error(path, message, ""));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shape(points: [[f64; 2]; 4]) -> Outline {
+        outline(&points.map(|[x, y]| [x, y, 0.0]))
+    }
+
+    #[test]
+    fn outlines() {
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), Outline::Good));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1.0, 0.0], [0.3, 0.3], [0.0, 1.0]]),
+            Outline::Concave
+        ));
+        assert!(
+            matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), Outline::BowTie),
+            "halves cancel"
+        );
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]), Outline::BowTie));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]), Outline::NoArea));
+        assert!(matches!(shape([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), Outline::NoSide));
+        assert!(matches!(
+            shape([[0.0, 0.0], [1e200, 0.0], [1e200, 1e200], [0.0, 1e200]]),
+            Outline::Overflow
+        ));
+    }
+}

@@ -1,0 +1,596 @@
+//! From a job as it is written to a [`Model`] that can be cut up and dealt out, or to everything
+//! that is wrong with it.
+//!
+//! 1. `tree.rs`: TOML with the place of every value, over that of a deck if the job has one
+//!    (`deck`); `sets.rs` puts in what the command line says
+//! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of
+//!    [`crumple_proto::job::Job`]
+//! 3. `mesh.rs`: the mesh and its faults; `numbering.rs`: places for meshes that are numbered
+//!    poorly
+//! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements;
+//!    `units.rs`
+//! 5. `state.rs`: what nodes and elements start with, `springs.rs`: and springs; `loads.rs`,
+//!    `walls.rs`: what acts on them; `histories.rs`: what is recorded of them
+//!
+//! A stage that finds faults mends them as well as it can, so that the next one can look too:
+//! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our
+//! fault.
+
+mod contact;
+mod histories;
+mod laws;
+mod loads;
+mod mesh;
+mod numbering;
+pub mod report;
+mod resolve;
+mod rigid;
+mod sets;
+mod springs;
+pub mod state;
+pub mod subcycles;
+mod ties;
+pub mod tree;
+mod units;
+mod unused;
+mod validate;
+mod walls;
+
+pub use laws::Blocks;
+pub use numbering::Renumbered;
+pub use report::{Located, Report, Sources, Spot};
+pub use state::{ElementStart, NodeStart, fastest_wave};
+pub use units::fit as units_fit;
+pub use validate::nearest;
+
+use crate::input::deck;
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::mesh::{Mesh, free_faces};
+use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
+use crumple_proto::problem::Problem;
+use crumple_proto::quality::{Quality, quality};
+use crumple_worker::contact::initial::initial;
+use report::{DeckSource, Source};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use tree::Node;
+use validate::Findings;
+
+/// Largest job or mesh file that is read [byte]: places in it are kept in 32 bits.
+const LARGEST_FILE: u64 = u32::MAX as u64;
+
+/// A job that is sound: read, checked, with its mesh and all defaults filled in.
+pub struct Model {
+    /// The job as written, with `--set`.
+    pub job: Job,
+    /// The mesh, sorted by id, without nodes that no element uses.
+    pub mesh: Mesh,
+    /// What every worker gets. `field_dir` is empty: the run fills it in.
+    pub settings: Settings,
+    /// What the nodes start with, in the order of the mesh.
+    pub nodes: NodeStart,
+    /// What the elements start with, in the order of the mesh.
+    pub elements: ElementStart,
+    /// Shape of the elements.
+    pub quality: Quality,
+    /// If nodes and elements go by places, not by the user's ids.
+    pub renumbered: Option<Renumbered>,
+    /// The formulations of all parts.
+    pub blocks: Blocks,
+    /// What the user should know of; [`Model::show`] adds the line in the job. The run may add its
+    /// own.
+    pub warnings: Vec<Problem>,
+    /// What a deck asks for, and what it gets.
+    pub mapping: Vec<deck::Mapping>,
+    /// What a deck has and the run goes on without.
+    pub unsupported: Vec<String>,
+    /// The job file that was read.
+    pub path: PathBuf,
+    sources: Sources,
+}
+
+/// Reads and checks a job: a folder that holds `job.toml`, or a `.toml` file.
+/// `sets` are `key=value` of the command line.
+pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
+    let path = find(path).map_err(Report::from_problem)?;
+    if deck::is_deck(&path) {
+        return read_tree(path.clone(), deck_job(&path), sets, Findings::default());
+    }
+    let text = load(&path).map_err(Report::from_problem)?;
+    read_text(path, text, sets)
+}
+
+/// Reads and checks a job that is at hand as text; files that it names are looked for beside
+/// `path`.
+pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, Report> {
+    let (tree, errors) = match Node::parse(&text) {
+        Ok(tree) => (tree, Vec::new()),
+        Err(errors) => (Node::table(tree::Place::Whole), errors),
+    };
+    let job = Source { file: path.display().to_string(), text, tree };
+    let mut findings = Findings::default();
+    for (message, help, place) in errors {
+        findings.add_faulty(Problem::error("", message, help), Some(place));
+    }
+    read_tree(path, job, sets, findings)
+}
+
+/// A job that is nothing but this deck.
+fn deck_job(path: &Path) -> Source {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let whole = tree::Place::Whole;
+    let entry = |node| tree::Entry { key: whole, node };
+    let table = |key: &str, node| {
+        let entries = [(key.to_string(), entry(node))].into_iter().collect();
+        Node { kind: tree::Kind::Table(entries), place: whole }
+    };
+    let tree = table("mesh", table("deck", Node { kind: tree::Kind::String(name), place: whole }));
+    Source { file: path.display().to_string(), text: String::new(), tree }
+}
+
+fn read_tree(
+    path: PathBuf,
+    job: Source,
+    sets: &[String],
+    mut findings: Findings,
+) -> Result<Model, Report> {
+    let mut sources = Sources { job, mesh: None, deck: None, sets: sets.to_vec() };
+    if findings.any_error() {
+        return Err(Report::new(findings.list, &sources));
+    }
+    let built = build(&mut sources, &path, sets, &mut findings);
+    match built {
+        Some(built) if !findings.any_error() => {
+            let warnings =
+                findings.list.into_iter().map(|f| f.problem).chain(built.warnings).collect();
+            let mut model = Model {
+                job: built.job,
+                mesh: built.mesh,
+                settings: built.settings,
+                nodes: built.nodes,
+                elements: built.elements,
+                quality: built.quality,
+                renumbered: built.renumbered,
+                blocks: built.blocks,
+                warnings,
+                mapping: built.mapping,
+                unsupported: built.unsupported,
+                path,
+                sources,
+            };
+            let (elements, nodes) = model.records();
+            let initial = initial(&model.settings, &elements, &nodes);
+            model.warnings.extend(laws::thinned(&model.settings, &initial));
+            model.warnings.extend(laws::penetrations(&initial));
+            Ok(model)
+        }
+        _ => Err(Report::new(findings.list, &sources)),
+    }
+}
+
+struct Built {
+    job: Job,
+    mesh: Mesh,
+    settings: Settings,
+    nodes: NodeStart,
+    elements: ElementStart,
+    quality: Quality,
+    renumbered: Option<Renumbered>,
+    blocks: Blocks,
+    warnings: Vec<Problem>,
+    mapping: Vec<deck::Mapping>,
+    unsupported: Vec<String>,
+}
+
+/// The deck that a job names, read and put under the job's own keys.
+fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Option<deck::Deck> {
+    let mut tree = sources.job.tree.clone();
+    if sources.sets.iter().any(|set| set.trim_start().starts_with("mesh.")) {
+        sets::apply(&mut tree, &sources.sets, &mut Findings::default());
+    }
+    let mesh = tree.get("mesh")?;
+    let tree::Kind::String(name) = &mesh.get("deck")?.kind else { return None };
+    let words = |node: &Node| match &node.kind {
+        tree::Kind::String(word) => Some(word.clone()),
+        _ => None,
+    };
+    let leave_out = match mesh.get("leave_out").map(|n| &n.kind) {
+        Some(tree::Kind::Array(items)) => items.iter().filter_map(words).collect(),
+        _ => Vec::new(),
+    };
+    let allowed =
+        matches!(mesh.get("allow_unsupported").map(|n| &n.kind), Some(tree::Kind::Boolean(true)));
+    let file = path.parent().unwrap_or(Path::new("")).join(name);
+    let mut deck = deck::read(&file, &leave_out, allowed);
+    contact::from_list(&mut sources.job.tree);
+    let own = std::mem::replace(&mut sources.job.tree, Node::table(tree::Place::Whole));
+    let from_deck = std::mem::replace(&mut deck.tree, Node::table(tree::Place::Whole));
+    sources.job.tree = deck::merge(from_deck, own);
+    let (files, places) = (std::mem::take(&mut deck.files), std::mem::take(&mut deck.places));
+    sources.deck = Some(DeckSource { files, places });
+    findings.list.append(&mut deck.findings);
+    Some(deck)
+}
+
+/// All stages after parsing; `None` if there is too little to go on with.
+fn build(
+    sources: &mut Sources,
+    path: &Path,
+    sets: &[String],
+    findings: &mut Findings,
+) -> Option<Built> {
+    let mut deck = under_deck(sources, path, findings);
+    if let Some(deck) = deck.take_if(|_| findings.any_error()) {
+        // What refers to a card that is wrong would be blamed for that: of the rest, the mesh can
+        // be looked at.
+        if deck.whole && !deck.mesh.elements.is_empty() {
+            mesh::check(mesh::Read::of_deck(deck.mesh, deck.lists), None, findings);
+        }
+        return None;
+    }
+    let (mapping, unsupported) = match &mut deck {
+        Some(deck) => (std::mem::take(&mut deck.mapping), std::mem::take(&mut deck.unsupported)),
+        None => Default::default(),
+    };
+    contact::from_list(&mut sources.job.tree);
+    let mut tree = sources.job.tree.clone();
+    sets::apply(&mut tree, sets, findings);
+    // Problems are looked up in the tree as it is written, with `--set` but before mending.
+    sources.job.tree = tree.clone();
+    validate::job(&mut tree, findings);
+    let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
+    let job: Job = match tree.to_value().try_into() {
+        Ok(job) => job,
+        Err(error) => {
+            findings.add(Problem::error("", error.message(), "correct the job"));
+            return None;
+        }
+    };
+    let mesh = read_mesh(&job, path, deck, sources, findings);
+    resolve::check(&job, workers_given, findings);
+
+    let part_ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let parts_known = !findings.any_faulty_below("part");
+    let mut mesh =
+        mesh.map(|m| mesh::check(m, parts_known.then_some(part_ids.as_slice()), findings));
+    let sound = mesh.as_mut().filter(|_| !findings.any_error());
+    let renumbered = sound.and_then(|(mesh, axes)| numbering::renumber(mesh, axes, findings));
+    let (mut mesh, axes) = mesh.unzip();
+    let ties = mesh
+        .as_mut()
+        .filter(|_| !findings.any_error())
+        .map(|mesh| ties::resolve(&job, mesh, findings))
+        .unwrap_or_default();
+    let figures = mesh.as_ref().and_then(quality);
+    let (mut settings, order) = {
+        let sides = figures.as_ref().map(|q| (q.min_side.value, q.median_side));
+        resolve::settings(&job, sides, &mesh.as_ref().map(thickest).unwrap_or_default())
+    };
+    settings.axes = axes.unwrap_or_default();
+    settings.ties = ties;
+    let used = match &mesh {
+        Some(mesh) => state::shapes_in_use(mesh, &settings),
+        None => vec![laws::Used::default(); order.len()],
+    };
+    let blocks = Blocks::build(&settings, &order, &used, findings);
+    let mut of_job = vec![laws::Used::default(); job.part.len()];
+    order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
+    unused::check(&tree, &job, &of_job, findings);
+    let mesh = mesh?;
+    let sets = state::NodeSets::of(&mesh);
+    let mut nodes = state::nodes(&job, &mesh, &sets, findings);
+    let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
+    settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
+    settings.walls = walls::resolve(&job, &sets, findings);
+    settings.rigid = rigid::resolve(&job, &mesh, &settings, &sets, &mut nodes, findings);
+    ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
+    ties::lead(&settings.ties, &mut settings.loads.motions);
+    settings.histories = histories::resolve(&job, &mesh, &settings, &sets, findings);
+    settings.rotations =
+        !settings.rigid.is_empty() || mesh.elements.iter().any(|e| e.shape.turns());
+    if findings.any_error() {
+        return None;
+    }
+    let mut elements = state::elements(&job, &mesh, &settings, &blocks, &nodes, findings);
+    if let Some((_, dt)) = state::smallest(&elements.stable_dt).filter(|(_, dt)| dt.is_finite()) {
+        walls::behind(&settings, &mesh, &nodes, dt, state::fastest_wave(&job), findings);
+    }
+    if findings.any_error() {
+        return None;
+    }
+    subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
+    let warnings = state::warnings(&job, &mesh, &settings, &elements, &nodes);
+    Some(Built {
+        quality: figures?,
+        renumbered,
+        job,
+        mesh,
+        settings,
+        nodes,
+        elements,
+        blocks,
+        warnings,
+        mapping,
+        unsupported,
+    })
+}
+
+/// Parts of shells that have a thickness of their own, with the largest of these [length].
+fn thickest(mesh: &Mesh) -> BTreeMap<u32, f64> {
+    let mut thickest = BTreeMap::new();
+    for e in mesh.elements.iter().filter(|e| e.thickness > 0.0) {
+        let most: &mut f64 = thickest.entry(e.part).or_default();
+        *most = most.max(e.thickness);
+    }
+    thickest
+}
+
+/// The mesh from wherever the job says; `None`, and why, if there is none to look at.
+fn read_mesh(
+    job: &Job,
+    path: &Path,
+    deck: Option<deck::Deck>,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<mesh::Read> {
+    let MeshSource {
+        generator,
+        file,
+        nodes,
+        shells,
+        solids,
+        beams,
+        springs,
+        node_sets,
+        thicknesses,
+        ..
+    } = &job.mesh;
+    let rows = ![
+        nodes.is_empty(),
+        shells.is_empty(),
+        solids.is_empty(),
+        beams.is_empty(),
+        springs.is_empty(),
+    ]
+    .iter()
+    .all(|&empty| empty);
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    if let Some(deck) = deck.filter(|_| generator.is_none() && file.is_none() && !rows) {
+        let mut mesh = deck.mesh;
+        let own = node_sets
+            .iter()
+            .map(|(name, ids)| (name.clone(), ids.iter().copied().map(NodeId).collect()));
+        mesh.node_sets.extend(own);
+        return Some(mesh::with_thicknesses(
+            mesh::Read::of_deck(mesh, deck.lists),
+            thicknesses,
+            findings,
+        ));
+    }
+    match (generator, file, rows) {
+        (Some(_), None, false) | (None, Some(_), false) if !node_sets.is_empty() => {
+            let help = "a generator or a mesh file makes its own node sets; take these out";
+            findings.add(Problem::error(
+                "mesh.node_sets",
+                "mesh.node_sets belongs to mesh.nodes",
+                help,
+            ));
+            None
+        }
+        (None, Some(_), false) if !thicknesses.is_empty() => {
+            let message = "mesh.thicknesses belongs to mesh.nodes, a generator or a deck";
+            findings.add(Problem::error("mesh.thicknesses", message, "write it in the mesh file"));
+            None
+        }
+        (Some(generator), None, false) => {
+            let read = mesh::generate(generator, job, findings)?;
+            Some(mesh::with_thicknesses(read, thicknesses, findings))
+        }
+        (None, Some(file), false) => {
+            let file = path.parent().unwrap_or(Path::new("")).join(file);
+            read_mesh_file(&file, sources, findings)
+        }
+        (None, None, true) => mesh::from_rows(&job.mesh, findings),
+        (None, None, false) => {
+            let help = "give mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
+            findings.add(Problem::error("mesh", "the job has no mesh", help));
+            None
+        }
+        _ => {
+            let help = "give one of mesh.generator, mesh.file, mesh.deck, or mesh.nodes with mesh.shells or mesh.solids";
+            findings.add(Problem::error("mesh", "the job has more than one mesh", help));
+            None
+        }
+    }
+}
+
+fn read_mesh_file(
+    file: &Path,
+    sources: &mut Sources,
+    findings: &mut Findings,
+) -> Option<mesh::Read> {
+    let text = match load(file) {
+        Ok(text) => text,
+        Err(problem) => {
+            findings.add(Problem { path: "mesh.file".into(), ..problem });
+            return None;
+        }
+    };
+    let parsed = Node::parse(&text);
+    let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(tree::Place::Whole));
+    sources.mesh = Some(Source { file: file.display().to_string(), text, tree });
+    let mut tree = match parsed {
+        Ok(tree) => tree,
+        Err(errors) => {
+            validate::mesh_file_syntax(errors, findings);
+            return None;
+        }
+    };
+    validate::mesh_file(&mut tree, findings);
+    if findings.any_faulty_below("mesh") {
+        return None;
+    }
+    match tree.to_value().try_into::<MeshSource>() {
+        Ok(source) => mesh::from_rows(&source, findings),
+        Err(error) => {
+            findings.add(Problem::error("mesh", error.message(), "correct the mesh file"));
+            None
+        }
+    }
+}
+
+/// The job file that a path on the command line means.
+fn find(path: &Path) -> Result<PathBuf, Problem> {
+    let shown = path.display();
+    if path.is_dir() {
+        let inside = path.join("job.toml");
+        if inside.is_file() {
+            return Ok(inside);
+        }
+        return Err(Problem::error(
+            "",
+            format!("the folder {shown} holds no job.toml"),
+            "name a job file, or a folder with one",
+        ));
+    }
+    let extension =
+        path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        _ if !path.exists() => {
+            let help = "name a .toml job file, a .k deck, or a folder that holds job.toml";
+            Err(Problem::error("", format!("there is no file {shown}"), help))
+        }
+        "toml" | "k" | "key" | "dyn" => Ok(path.to_path_buf()),
+        _ => Err(Problem::error(
+            "",
+            format!("{shown} is no .toml file"),
+            "a job is a .toml file, a .k, .key or .dyn deck, or a folder that holds job.toml",
+        )),
+    }
+}
+
+fn load(path: &Path) -> Result<String, Problem> {
+    let shown = path.display();
+    let cannot = |error: std::io::Error| {
+        Problem::error("", format!("{shown} cannot be read: {error}"), "check its name and rights")
+    };
+    let length = std::fs::metadata(path).map_err(cannot)?.len();
+    if length > LARGEST_FILE {
+        return Err(Problem::error("", format!("{shown} is larger than 4 GiB"), "split the model"));
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..good].iter().filter(|&&b| b == b'\n').count();
+        Problem::error("", format!("{shown}:{line}: not UTF-8 text"), "save the file as UTF-8")
+    })
+}
+
+impl Model {
+    /// A problem with the line of the job that it is about.
+    pub fn show(&self, problem: &Problem) -> Located {
+        self.sources.locate(problem)
+    }
+
+    /// Everything as it is dealt out, elements and nodes in ascending id.
+    pub fn records(&self) -> (Vec<ElementRecord>, Vec<NodeRecord>) {
+        let free = free_faces(&self.mesh.elements);
+        let element = |(i, e): (usize, &crumple_proto::mesh::MeshElement)| ElementRecord {
+            id: e.id,
+            part: self.elements.part[i],
+            shape: e.shape,
+            nodes: e.nodes,
+            free_faces: free[i],
+            failed: false,
+            mass_factor: self.elements.mass_factor[i],
+            share: self.elements.share[i],
+            slow: self.elements.slow.get(i).is_some_and(|&slow| slow),
+            thickness: e.thickness,
+            stable_dt: self.elements.massless_dt(i),
+        };
+        let node = |(i, n): (usize, &crumple_proto::mesh::MeshNode)| NodeRecord {
+            id: n.id,
+            fixed: self.nodes.fixed[i],
+            x0: n.x,
+            x: n.x,
+            seen: n.x,
+            v: self.nodes.velocity[i],
+            w: self.nodes.spin[i],
+            mass: self.nodes.added_mass[i],
+            inertia: 0.0,
+        };
+        (
+            self.mesh.elements.iter().enumerate().map(element).collect(),
+            self.mesh.nodes.iter().enumerate().map(node).collect(),
+        )
+    }
+
+    /// Frees what only dealing out the work needs: the mesh, and what its nodes and elements start
+    /// with.
+    pub fn forget_mesh(&mut self) {
+        self.mesh = Mesh::default();
+        self.nodes = NodeStart::default();
+        self.elements = ElementStart::default();
+    }
+
+    /// First time step: safety times the smallest stable step, `dt_max` at most [time], and the
+    /// index of the element that sets it.
+    pub fn first_dt(&self) -> (f64, usize) {
+        let (at, dt) =
+            state::smallest(&self.elements.stable_dt).expect("a sound model has elements");
+        let most = if self.settings.dt_max > 0.0 { self.settings.dt_max } else { f64::INFINITY };
+        ((self.settings.safety * dt).min(most), at)
+    }
+
+    /// Mass of all elements, without what scaling adds [mass].
+    pub fn structure_mass(&self) -> f64 {
+        self.elements.mass.iter().sum()
+    }
+
+    /// Mass that scaling to a given step adds [mass].
+    pub fn scaled_mass(&self) -> f64 {
+        state::scaled_mass(&self.elements)
+    }
+
+    /// Mass of all `[[mass]]` [mass].
+    pub fn lumped_mass(&self) -> f64 {
+        self.nodes.added_mass.iter().sum()
+    }
+
+    /// All mass, what scaling adds and `[[mass]]` included [mass].
+    pub fn total_mass(&self) -> f64 {
+        self.structure_mass() + self.scaled_mass() + self.lumped_mass()
+    }
+
+    /// How many workers to run: as asked for (by the command line or mpirun), else as the job says,
+    /// else `cores` at most. An error if that is 0 or more than there are elements.
+    pub fn workers(&self, asked: Option<usize>, cores: usize) -> Result<usize, Report> {
+        let elements = self.mesh.elements.len();
+        let from_job = Some(self.job.parallel.workers).filter(|&n| n > 0);
+        let (count, path) = match (asked, from_job) {
+            (Some(n), _) => (n, ""),
+            (None, Some(n)) => (n, "parallel.workers"),
+            (None, None) => return Ok(cores.clamp(1, elements)),
+        };
+        let problem = match count {
+            0 => Problem::error(
+                path,
+                "0 workers cannot run anything",
+                "give at least 1, or none for one per core",
+            ),
+            n if n > elements => {
+                let message =
+                    format!("{n} workers are more than the {elements} elements of the job");
+                Problem::error(path, message, format!("give at most {elements}"))
+            }
+            n => return Ok(n),
+        };
+        match path {
+            "" => Err(Report::from_problem(problem)),
+            _ => Err(Report { problems: vec![self.show(&problem)] }),
+        }
+    }
+}

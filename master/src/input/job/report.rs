@@ -1,0 +1,260 @@
+//! What is wrong with a job, shown beside the line at fault.
+
+use super::tree::{Node, Place};
+use crate::input::deck;
+use crumple_proto::problem::{Problem, Severity};
+use std::fmt;
+
+/// Problems that are printed; the rest is counted.
+pub const SHOWN: usize = 50;
+/// Columns of a source line that are printed.
+const WIDTH: usize = 100;
+
+/// A file that was read.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// Its name as the user gave it.
+    pub file: String,
+    /// Its text.
+    pub text: String,
+    /// Its values.
+    pub tree: Node,
+}
+
+/// All that a job came from: the job file, a mesh file, and `--set` from the command line.
+#[derive(Debug)]
+pub struct Sources {
+    pub(crate) job: Source,
+    pub(crate) mesh: Option<Source>,
+    pub(crate) deck: Option<DeckSource>,
+    pub(crate) sets: Vec<String>,
+}
+
+/// The files of a deck, and where its mesh is written.
+#[derive(Debug)]
+pub(crate) struct DeckSource {
+    pub files: Vec<deck::Text>,
+    pub places: deck::Places,
+}
+
+/// How the path of a problem begins that is at a place of a deck.
+const DECK: &str = "deck:";
+
+/// The path of a problem that is at a place of a deck, or with the deck as a whole.
+pub(crate) fn deck_path(place: Place) -> String {
+    match place {
+        Place::Deck { file, start, end } => format!("{DECK}{file}:{start}:{end}"),
+        _ => "mesh.deck".into(),
+    }
+}
+
+/// The place of such a path.
+fn deck_place(path: &str) -> Option<Place> {
+    let mut numbers = path.strip_prefix(DECK)?.split(':').map(|n| n.parse().ok());
+    Some(Place::Deck { file: numbers.next()??, start: numbers.next()??, end: numbers.next()?? })
+}
+
+/// A problem, and its place if that is not simply the place of its path.
+#[derive(Debug)]
+pub(crate) struct Finding {
+    pub problem: Problem,
+    pub place: Option<Place>,
+    /// Whether it was found in the mesh file.
+    pub in_mesh_file: bool,
+}
+
+impl From<Problem> for Finding {
+    fn from(problem: Problem) -> Self {
+        Finding { problem, place: None, in_mesh_file: false }
+    }
+}
+
+/// A problem and where it is.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// What is wrong.
+    pub problem: Problem,
+    /// Where; `None` if no file or argument is at fault.
+    pub spot: Option<Spot>,
+}
+
+/// A place that a person can go to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spot {
+    /// A line of a file.
+    Line {
+        /// The file as the user gave it.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// The line, or the part of it around the column.
+        text: String,
+        /// First underlined character of `text`, and how many; none if the line as a whole is
+        /// meant.
+        underline: Option<(usize, usize)>,
+    },
+    /// An argument `--set ...`.
+    Set(String),
+}
+
+/// Everything that is wrong with a job. Its text is complete: file, line, what is wrong, what to
+/// do.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The problems, errors first, then in the order of the file.
+    pub problems: Vec<Located>,
+}
+
+impl Report {
+    /// The process ends with this code: bad input.
+    pub const EXIT_CODE: u8 = 2;
+
+    /// A report of one problem that is at no place of a file.
+    pub fn from_problem(problem: Problem) -> Self {
+        Report { problems: vec![Located { problem, spot: None }] }
+    }
+
+    pub(crate) fn new(findings: Vec<Finding>, sources: &Sources) -> Self {
+        let mut problems: Vec<Located> = findings.into_iter().map(|f| sources.show(f)).collect();
+        problems.sort_by(|a, b| a.order().cmp(&b.order()));
+        Report { problems }
+    }
+
+    /// How many of the problems keep the run from starting.
+    pub fn errors(&self) -> usize {
+        self.problems.iter().filter(|p| p.problem.severity == Severity::Error).count()
+    }
+}
+
+impl std::error::Error for Report {}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for problem in self.problems.iter().take(SHOWN) {
+            writeln!(f, "{problem}")?;
+        }
+        if self.problems.len() > SHOWN {
+            writeln!(f, "... and {} more", self.problems.len() - SHOWN)?;
+        }
+        match self.errors() {
+            1 => writeln!(f, "1 error: nothing was run"),
+            n => writeln!(f, "{n} errors: nothing was run"),
+        }
+    }
+}
+
+impl Located {
+    fn order(&self) -> (std::cmp::Reverse<Severity>, &str, usize, usize) {
+        let severity = std::cmp::Reverse(self.problem.severity);
+        match &self.spot {
+            Some(Spot::Line { file, line, column, .. }) => (severity, file, *line, *column),
+            _ => (severity, "", 0, 0),
+        }
+    }
+}
+
+impl fmt::Display for Located {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match self.problem.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+        };
+        writeln!(f, "{word}: {}", self.problem.message)?;
+        let mut margin = 1;
+        match &self.spot {
+            Some(Spot::Line { file, line, column, text, underline }) => {
+                margin = line.to_string().len();
+                writeln!(f, "{:margin$}--> {file}:{line}:{column}", "")?;
+                if let Some((start, length)) = underline {
+                    writeln!(f, "{:margin$} |", "")?;
+                    writeln!(f, "{line} | {text}")?;
+                    writeln!(f, "{:margin$} | {:start$}{}", "", "", "^".repeat(*length))?;
+                }
+            }
+            Some(Spot::Set(argument)) => writeln!(f, "{:margin$}--> --set {argument}", "")?,
+            None => {}
+        }
+        if !self.problem.help.is_empty() {
+            writeln!(f, "{:margin$} = help: {}", "", self.problem.help)?;
+        }
+        Ok(())
+    }
+}
+
+impl Sources {
+    /// Finds the line of a problem from its path.
+    pub fn locate(&self, problem: &Problem) -> Located {
+        self.show(Finding::from(problem.clone()))
+    }
+
+    fn show(&self, finding: Finding) -> Located {
+        let Finding { problem, place, in_mesh_file } = finding;
+        // Below these keys a mesh file stands in for the job's [mesh].
+        let inside = ["nodes", "shells", "thicknesses", "node_sets"].iter().any(|key| {
+            problem.path.strip_prefix("mesh.").is_some_and(|p| p.split('.').next() == Some(key))
+        });
+        let (source, path) = match &self.mesh {
+            Some(mesh) if inside || in_mesh_file => {
+                (mesh, problem.path.strip_prefix("mesh.").unwrap_or_default())
+            }
+            _ => (&self.job, problem.path.as_str()),
+        };
+        let written =
+            |deck: &DeckSource| deck_place(&problem.path).or_else(|| deck.places.of(&problem.path));
+        let place = place.or_else(|| self.deck.as_ref().and_then(written));
+        let place = place.unwrap_or_else(|| source.tree.locate(path));
+        let spot = match place {
+            Place::Set(index) => self.sets.get(index as usize).map(|s| Spot::Set(printable(s))),
+            Place::Whole => Some(source.spot(0, None)),
+            Place::File { start, end } => Some(source.spot(start as usize, Some(end as usize))),
+            Place::Deck { file, start, end } => {
+                let files = self.deck.iter().flat_map(|deck| &deck.files);
+                let file = files.into_iter().nth(file as usize);
+                file.map(|f| spot(&f.file, &f.text, start as usize, Some(end as usize)))
+            }
+        };
+        Located { problem, spot }
+    }
+}
+
+impl Source {
+    fn spot(&self, start: usize, end: Option<usize>) -> Spot {
+        spot(&self.file, &self.text, start, end)
+    }
+}
+
+/// A place in a text by its bytes.
+fn spot(file: &str, text: &str, start: usize, end: Option<usize>) -> Spot {
+    let mut start = start.min(text.len());
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
+    let line = text[..line_start].bytes().filter(|&b| b == b'\n').count() + 1;
+    let line_text: Vec<char> = text[line_start..line_end].trim_end_matches('\r').chars().collect();
+    let column = text[line_start..start].chars().count();
+    let underline = end.map(|end| {
+        let length = text[start..].char_indices().take_while(|(i, _)| start + i < end).count();
+        (column, length.clamp(1, (line_text.len().saturating_sub(column)).max(1)))
+    });
+    // A mesh can stand on one line of a million characters: show what is around the place.
+    let first = if column > WIDTH / 2 && line_text.len() > WIDTH { column - WIDTH / 4 } else { 0 };
+    let shown: String = line_text.iter().skip(first).take(WIDTH).collect();
+    let underline = underline
+        .map(|(at, length)| (at - first, length.min(WIDTH.saturating_sub(at - first)).max(1)));
+    Spot::Line {
+        file: file.to_string(),
+        line,
+        column: column + 1,
+        text: printable(&shown),
+        underline,
+    }
+}
+
+/// The text with control characters as blanks, so that a stray byte does not disturb a terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

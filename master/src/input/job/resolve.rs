@@ -1,0 +1,346 @@
+//! A job's numbers: what is out of range, and what a job leaves to a default is filled in.
+
+use super::validate::{Findings, nearest};
+use super::{contact, walls};
+use crate::results::vtkhdf;
+use crumple_proto::histories::Asked;
+use crumple_proto::job::{Contact, Job, Part};
+use crumple_proto::loads::Loads;
+use crumple_proto::partition::{Material, Param, Settings};
+use crumple_proto::problem::Problem;
+use crumple_worker::contact::beams;
+use std::collections::{BTreeMap, HashMap};
+
+/// Field files of one run, at most.
+const MOST_FIELDS: f64 = 100_000.0;
+
+/// Checks everything of a job that is not its mesh. `workers_given` if the job names a number of
+/// workers.
+pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
+    let mut numbers = Numbers { findings };
+    numbers.need(job.end_time > 0.0, "end_time", job.end_time, "above 0");
+    let time = &job.time;
+    numbers.need(time.safety > 0.0, "time.safety", time.safety, "above 0; 0.9 is usual");
+    if time.safety > 1.0 {
+        let message = format!("safety = {} is above 1: the run will become unstable", time.safety);
+        numbers.findings.add(Problem::warning("time.safety", message, "0.9 is usual"));
+    }
+    numbers.need(
+        (0.0..1.0).contains(&time.dt_min_ratio),
+        "time.dt_min_ratio",
+        time.dt_min_ratio,
+        "from 0 to below 1",
+    );
+    let limit = time.mass_scaling_limit;
+    numbers.need(
+        limit >= 0.0,
+        "time.mass_scaling_limit",
+        limit,
+        "a fraction of the structure's mass, 0 or above",
+    );
+    numbers.need(
+        time.mass_scaling_dt >= 0.0,
+        "time.mass_scaling_dt",
+        time.mass_scaling_dt,
+        "0 (none) or above",
+    );
+
+    if time.subcycles == 0 {
+        let help =
+            "take 1 (all elements in each cycle), or so many cycles for the slow elements' step";
+        numbers.findings.add(Problem::error(
+            "time.subcycles",
+            "subcycles is 0: an outer step has no cycle",
+            help,
+        ));
+    }
+    numbers.need(time.dt_max >= 0.0, "time.dt_max", time.dt_max, "0 (no limit) or above");
+
+    let output = &job.output;
+    let interval = output.history_interval;
+    numbers.need(
+        interval >= 0.0,
+        "output.history_interval",
+        interval,
+        "0 (a two-hundredth of the run) or above",
+    );
+    for (index, &t) in output.field_times.iter().enumerate() {
+        let path = format!("output.field_times.{index}");
+        if job.end_time > 0.0 && (t < 0.0 || t > job.end_time) {
+            let message = format!(
+                "no field file can be written at {t}: the run goes from 0 to {}",
+                job.end_time
+            );
+            numbers.findings.add(Problem::warning(
+                path,
+                message,
+                "take it out, or change end_time",
+            ));
+        }
+    }
+    if output.vtkhdf && !vtkhdf::BUILT {
+        numbers.findings.add(Problem::error(
+            "output.vtkhdf",
+            vtkhdf::MISSING,
+            format!("{}, or take the key out", vtkhdf::HELP),
+        ));
+    }
+    let files = job.end_time / output.field_interval;
+    if output.field_interval > 0.0 && files > MOST_FIELDS {
+        let help = format!("take an interval of at least {:?}", job.end_time / MOST_FIELDS);
+        let message =
+            format!("field_interval = {:?} gives {files:.0} field files", output.field_interval);
+        numbers.findings.add(Problem::error("output.field_interval", message, help));
+    }
+
+    let parallel = &job.parallel;
+    if workers_given && parallel.workers == 0 {
+        let help = "give at least 1, or leave `workers` out for one per core";
+        numbers.findings.add(Problem::error(
+            "parallel.workers",
+            "0 workers cannot run anything",
+            help,
+        ));
+    }
+    numbers.need(
+        parallel.buffer >= 0.0,
+        "parallel.buffer",
+        parallel.buffer,
+        "0 (for the default) or above",
+    );
+    numbers.need(
+        parallel.imbalance >= 1.0,
+        "parallel.imbalance",
+        parallel.imbalance,
+        "at least 1; 1.1 is usual",
+    );
+
+    parts_and_materials(job, numbers.findings);
+    loads(job, &mut Numbers { findings });
+    walls::check(job, findings);
+    if let Some(contact) = &job.contact {
+        contact::check(contact, job, &mut Numbers { findings });
+    }
+    if job.mesh.generator.is_none() && !job.scene.is_empty() {
+        let message = "[scene] holds options of a mesh generator, and the job names none";
+        findings.add(Problem::warning("scene", message, "add mesh.generator or take [scene] out"));
+    }
+    if job.part.is_empty() {
+        findings.add(Problem::error(
+            "",
+            "the job has no [[part]]",
+            "add one for each part id of the elements; in a deck a *PART",
+        ));
+    }
+    super::units::check(job).into_iter().for_each(|warning| findings.add(warning));
+}
+
+fn parts_and_materials(job: &Job, findings: &mut Findings) {
+    let twice = |list: &str, key: &str, values: Vec<String>, findings: &mut Findings| {
+        let mut seen: HashMap<&str, usize> = HashMap::new();
+        for (index, value) in values.iter().enumerate() {
+            let path = format!("{list}.{index}.{key}");
+            if value.is_empty() || findings.is_faulty(&path) {
+                continue;
+            }
+            if let Some(first) = seen.insert(value, index) {
+                let message = format!(
+                    "two entries of [[{list}]] have the {key} `{value}`: numbers {} and {}",
+                    first + 1,
+                    index + 1
+                );
+                findings.add(Problem::error(path, message, format!("give each its own {key}")));
+            }
+        }
+    };
+    twice("part", "id", job.part.iter().map(|p| p.id.to_string()).collect(), findings);
+    twice("part", "name", job.part.iter().map(|p| p.name.clone()).collect(), findings);
+    twice("material", "name", job.material.iter().map(|m| m.name.clone()).collect(), findings);
+    twice("wall", "name", job.wall.iter().map(|w| w.name.clone()).collect(), findings);
+    for (index, material) in job.material.iter().enumerate() {
+        if material.name.is_empty() {
+            findings.add(Problem::error(
+                format!("material.{index}.name"),
+                "a material has no name",
+                "parts refer to it by name",
+            ));
+        }
+    }
+}
+
+fn loads(job: &Job, numbers: &mut Numbers<'_>) {
+    for (index, mass) in job.mass.iter().enumerate() {
+        numbers.need(mass.mass > 0.0, &format!("mass.{index}.mass"), mass.mass, "above 0");
+    }
+    for (index, fix) in job.fix.iter().enumerate() {
+        if fix.dofs.is_empty() {
+            let path = format!("fix.{index}.dofs");
+            numbers.findings.add(Problem::warning(
+                path,
+                "nothing is held fixed here",
+                "name dofs, such as [\"x\", \"rz\"]",
+            ));
+        }
+    }
+}
+
+/// Checks of numbers and words, with what is found wrong with them.
+pub(super) struct Numbers<'f> {
+    /// See above.
+    pub findings: &'f mut Findings,
+}
+
+impl Numbers<'_> {
+    /// Notes an error unless the `value` at a path is `right`; `wanted` says what it has to be.
+    pub fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
+        if !right {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.findings.add(Problem::error(
+                path,
+                format!("`{key}` is {value:?}"),
+                format!("it has to be {wanted}"),
+            ));
+        }
+    }
+
+    /// Notes an error unless a word at a path is among the `known` ones.
+    pub fn word(&mut self, path: &str, word: &str, known: &[&str]) {
+        if !known.contains(&word) {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.findings.add(Problem::error(
+                path,
+                format!("there is no {key} `{word}`"),
+                nearest(word, known),
+            ));
+        }
+    }
+}
+
+/// The settings that all workers get, defaults filled in; lengths come from the smallest and the
+/// median side of the mesh's elements. Walls, loads and rigid bodies need the mesh and come later;
+/// `own` are the parts of shells with a thickness of their own, with the largest of these [length].
+/// Beside them, for each of their parts its place in the job.
+pub fn settings(
+    job: &Job,
+    sides: Option<(f64, f64)>,
+    own: &BTreeMap<u32, f64>,
+) -> (Settings, Vec<usize>) {
+    /// A buffer of more of the smallest sides would make workers copy much of a fine zone in a
+    /// coarse mesh.
+    const COARSE: f64 = 4.0;
+    let (smallest, median) = sides.unwrap_or((0.0, 0.0));
+    let mut order: Vec<usize> = (0..job.part.len()).collect();
+    order.sort_by_key(|&i| job.part[i].id);
+    let parts: Vec<Part> = order.iter().map(|&i| job.part[i].clone()).collect();
+    let or = |given: f64, default: f64| if given > 0.0 { given } else { default };
+    let contact = job.contact.clone().map(|contact| {
+        let touches = |part: &&Part| contact.takes_part(part.id);
+        let thickness = |part: &Part| {
+            let shell = || own.get(&part.id).map_or(part.thickness, |t| t.max(part.thickness));
+            beams::half(&contact, part).map_or_else(shell, |radius| 2.0 * radius)
+        };
+        let thickest = parts.iter().filter(touches).map(thickness).fold(0.0, f64::max);
+        let skin = (0.25 * median).max((0.4 * thickest).min(median));
+        Contact { skin: or(contact.skin, skin), ..contact }
+    });
+    let settings = Settings {
+        end_time: job.end_time,
+        safety: job.time.safety,
+        max_cycles: job.time.max_cycles,
+        dt_min_ratio: job.time.dt_min_ratio,
+        history_interval: or(job.output.history_interval, job.end_time / 200.0),
+        field_times: field_times(job),
+        histories: Asked::default(),
+        field_dir: String::new(),
+        materials: job.material.iter().map(material).collect(),
+        parts,
+        axes: Vec::new(),
+        precision: job.elements.precision,
+        walls: Vec::new(),
+        loads: Loads::default(),
+        rigid: Vec::new(),
+        ties: Vec::new(),
+        dt_max: job.time.dt_max,
+        subcycles: job.time.subcycles.max(1),
+        contact,
+        rotations: true,
+        buffer: or(job.parallel.buffer, median.min(COARSE * smallest)),
+        force_every: job.parallel.force_every,
+    };
+    (settings, order)
+}
+
+fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
+    let number = |v: &toml::Value| v.as_float().or(v.as_integer().map(|i| i as f64)).unwrap_or(0.0);
+    let list =
+        |v: &toml::Value| v.as_array().map(|items| items.iter().map(number).collect::<Vec<f64>>());
+    // The schema has let numbers, lists and lists of lists through, nothing else.
+    let param = |v: &toml::Value| match v.as_array() {
+        None => Param::Number(number(v)),
+        Some(rows) if rows.first().is_some_and(toml::Value::is_array) => {
+            Param::Table(rows.iter().filter_map(list).collect())
+        }
+        Some(items) => Param::List(items.iter().map(number).collect()),
+    };
+    Material {
+        name: spec.name.clone(),
+        law: spec.law.clone(),
+        density: spec.density,
+        parameters: spec
+            .parameters
+            .iter()
+            .map(|(key, value)| (key.clone(), param(value)))
+            .collect(),
+    }
+}
+
+/// Start, end and every interval between, and the further times of the job; ascending, none twice.
+fn field_times(job: &Job) -> Vec<f64> {
+    let end = job.end_time;
+    let interval = match job.output.field_interval {
+        0.0 => end / 20.0,
+        given => given,
+    };
+    let count = end / interval;
+    let mut times: Vec<f64> =
+        job.output.field_times.iter().copied().filter(|t| (0.0..=end).contains(t)).collect();
+    if interval > 0.0 && count <= MOST_FIELDS {
+        times.extend((0..=count.floor() as u64).map(|i| i as f64 * interval).filter(|&t| t <= end));
+        times.push(end);
+    }
+    times.sort_by(f64::total_cmp);
+    times.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * end);
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job(text: &str) -> Job {
+        toml::from_str(&format!("end_time = 1.0\n[mesh]\n{text}")).unwrap()
+    }
+
+    #[test]
+    fn field_times_are_regular_and_end_with_the_run() {
+        assert_eq!(field_times(&job("[output]\nfield_interval = 0.4")), [0.0, 0.4, 0.8, 1.0]);
+        assert_eq!(
+            field_times(&job("[output]\nfield_interval = 0.5\nfield_times = [0.5, 0.25]")),
+            [0.0, 0.25, 0.5, 1.0]
+        );
+        assert_eq!(field_times(&job("")).len(), 21);
+        assert_eq!(
+            field_times(&job("[output]\nfield_interval = -1\nfield_times = [2.0, 0.3]")),
+            [0.3]
+        );
+    }
+
+    #[test]
+    fn buffers_are_of_the_median_side_and_of_four_of_the_smallest_at_most() {
+        let buffer =
+            |text: &str, sides| settings(&job(text), Some(sides), &BTreeMap::new()).0.buffer;
+        assert_eq!(buffer("", (1.0, 3.0)), 3.0);
+        assert_eq!(buffer("", (1.0, 10.0)), 4.0, "a fine zone in a coarse mesh");
+        assert_eq!(buffer("[parallel]\nbuffer = 7.0", (1.0, 10.0)), 7.0, "as given");
+    }
+}

@@ -1,0 +1,254 @@
+//! Rigid bodies of a job: what is wrong with them, and what they are in numbers and ids.
+
+use super::loads::{Curves, DOFS, dof_bits, motion_form};
+use super::state::{NodeSets, NodeStart};
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Job, Rigid};
+use crumple_proto::loads::MotionForm;
+use crumple_proto::mesh::Mesh;
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use crumple_proto::rigid::RigidBody;
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+/// All degrees of freedom of a node.
+const ALL: u64 = 0b11_1111;
+
+/// Resolves the rigid bodies of a job and the motions that name them; their nodes are marked as not
+/// free in `start`.
+pub fn resolve(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &Settings,
+    sets: &NodeSets<'_>,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) -> Vec<RigidBody> {
+    let mut bodies: Vec<RigidBody> = Vec::new();
+    if job.rigid.is_empty() {
+        return bodies;
+    }
+    let mut owner: HashMap<NodeId, usize> = HashMap::new();
+    let ground = Ground::of(mesh, sets);
+    for (i, rigid) in job.rigid.iter().enumerate() {
+        let path = format!("rigid.{i}");
+        numbers(rigid, i, job, findings);
+        let fixed = dof_bits(&rigid.fixed, &format!("{path}.fixed"), findings);
+        let nodes = members(rigid, &path, &ground, findings);
+        if let Some((other, first)) = nodes.iter().find_map(|id| owner.get(id).map(|o| (*o, *id))) {
+            let message = format!(
+                "rigid bodies `{}` and `{}` have nodes in common; the first is node {first}",
+                job.rigid[other].name, rigid.name
+            );
+            findings.add(Problem::error(
+                &path,
+                message,
+                "join them to one body, or leave a row of elements between",
+            ));
+        }
+        owner.extend(nodes.iter().map(|id| (*id, i)));
+        let held: Vec<NodeId> = nodes
+            .iter()
+            .copied()
+            .filter(|&id| sets.place(id).is_some_and(|n| start.fixed[n] != 0))
+            .collect();
+        if let Some(first) = held.first() {
+            let message = format!(
+                "{} nodes of rigid body `{}` are held or moved by something else; the first is node {first}",
+                held.len(),
+                rigid.name
+            );
+            let help = "take them out of [[fix]], [[symmetry]] and [[motion]]; hold or move the body: `fixed`, or a [[motion]] with \
+                        `rigid` (in a deck cmo, con1 and con2 of its *MAT_RIGID, or *BOUNDARY_PRESCRIBED_MOTION_RIGID)";
+            findings.add(Problem::error(&path, message, help));
+        }
+        let parts = (0u32..)
+            .zip(&settings.parts)
+            .filter(|(_, p)| rigid.parts.contains(&p.id))
+            .map(|(k, _)| k)
+            .collect();
+        bodies.push(RigidBody { nodes, parts, fixed, inertia: rigid.inertia, motions: Vec::new() });
+    }
+    for body in &bodies {
+        body.nodes.iter().filter_map(|&id| sets.place(id)).for_each(|n| start.fixed[n] |= ALL);
+    }
+    motions(job, &mut bodies, findings);
+    bodies
+}
+
+/// Names, masses and inertias.
+fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
+    let path = |key: &str| format!("rigid.{i}.{key}");
+    if rigid.name.is_empty() {
+        findings.add(Problem::error(
+            path("name"),
+            "a rigid body has no name",
+            "motions refer to it by name",
+        ));
+    } else if job.rigid[..i].iter().any(|r| r.name == rigid.name) {
+        let message = format!("two entries of [[rigid]] have the name `{}`", rigid.name);
+        findings.add(Problem::error(path("name"), message, "give each its own name"));
+    }
+    for (k, id) in rigid.parts.iter().enumerate() {
+        if !job.part.iter().any(|p| p.id == *id) {
+            let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+            let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+            let help = nearest(&id.to_string(), &ids);
+            findings.add(Problem::error(
+                path(&format!("parts.{k}")),
+                format!("rigid: there is no part {id}"),
+                help,
+            ));
+        }
+    }
+    if let Some(mass) = rigid.mass {
+        if mass <= 0.0 {
+            findings.add(Problem::error(
+                path("mass"),
+                format!("`mass` is {mass:?}"),
+                "it has to be above 0",
+            ));
+        } else if rigid.parts.is_empty() {
+            let help = "give a set of nodes mass with a [[mass]], or name the parts";
+            findings.add(Problem::error(
+                path("mass"),
+                "`mass` is that of the body's parts, and it has none",
+                help,
+            ));
+        }
+    }
+    if let Some([xx, yy, zz, xy, yz, zx]) = rigid.inertia {
+        // Sylvester: positive definite; then the triangle inequality in these axes, which every
+        // body obeys.
+        let minor = xx * yy - xy * xy;
+        let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+        let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
+        if !(xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle) {
+            let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix with no moment above the sum of the others";
+            findings.add(Problem::error(path("inertia"), "no body has this inertia", help));
+        }
+    }
+}
+
+/// What of a mesh all bodies need.
+struct Ground<'a> {
+    mesh: &'a Mesh,
+    sets: &'a NodeSets<'a>,
+    /// Elements of each part by their place in the mesh.
+    of_part: HashMap<u32, Vec<usize>>,
+    /// Nodes that turn: they have an inertia of their own.
+    turning: HashSet<NodeId>,
+}
+
+impl<'a> Ground<'a> {
+    fn of(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
+        let mut of_part: HashMap<u32, Vec<usize>> = HashMap::new();
+        for (at, e) in mesh.elements.iter().enumerate() {
+            of_part.entry(e.part).or_default().push(at);
+        }
+        let turning = mesh
+            .elements
+            .iter()
+            .filter(|e| e.shape.turns())
+            .flat_map(|e| e.corners())
+            .copied()
+            .collect();
+        Self { mesh, sets, of_part, turning }
+    }
+}
+
+/// The nodes of a body, ascending.
+fn members(rigid: &Rigid, path: &str, ground: &Ground<'_>, findings: &mut Findings) -> Vec<NodeId> {
+    let Ground { mesh, sets, of_part, turning } = ground;
+    if rigid.parts.is_empty() && rigid.nodes.is_none() {
+        let help = "name `parts`, a node set as `nodes`, or both";
+        findings.add(Problem::error(path, "a rigid body has no parts and no nodes", help));
+    }
+    let of_parts = rigid.parts.iter().filter_map(|part| of_part.get(part)).flatten();
+    let mut nodes: BTreeSet<NodeId> =
+        of_parts.flat_map(|&e| mesh.elements[e].corners()).copied().collect();
+    if let Some(name) = &rigid.nodes {
+        nodes.extend(sets.ids(name, format!("{path}.nodes"), findings).into_iter().flatten());
+    }
+    let at = |id: &NodeId| sets.place(*id).map(|n| mesh.nodes[n].x);
+    let points: Vec<[f64; 3]> = nodes.iter().filter_map(at).collect();
+    let turns = nodes.iter().any(|n| turning.contains(n));
+    if !points.is_empty() && on_a_line(&points) && !turns {
+        let message = format!("the nodes of rigid body `{}` stand on one line", rigid.name);
+        findings.add(Problem::error(
+            path,
+            message,
+            "give it at least three that do not, or a node of a shell or beam",
+        ));
+    }
+    nodes.into_iter().collect()
+}
+
+fn on_a_line(points: &[[f64; 3]]) -> bool {
+    let from = |p: &[f64; 3]| [0, 1, 2].map(|c| p[c] - points[0][c]);
+    let square = |d: [f64; 3]| d.iter().map(|c| c * c).sum::<f64>();
+    let along = points
+        .iter()
+        .map(from)
+        .max_by(|a, b| square(*a).total_cmp(&square(*b)))
+        .unwrap_or_default();
+    let off = |d: [f64; 3]| {
+        square([
+            d[1] * along[2] - d[2] * along[1],
+            d[2] * along[0] - d[0] * along[2],
+            d[0] * along[1] - d[1] * along[0],
+        ])
+    };
+    let far = square(along);
+    // 1e-9 of the length: a line to the digits that meshes are written with.
+    points.iter().map(from).all(|d| off(d) <= 1e-18 * far * far)
+}
+
+/// Motions that name a body.
+fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
+    let curves = Curves::quietly(job);
+    for (i, m) in job.motion.iter().enumerate() {
+        let Some(name) = &m.rigid else { continue };
+        let path = format!("motion.{i}");
+        let Some(body) = job.rigid.iter().position(|r| r.name == *name) else {
+            let names: Vec<&str> = job.rigid.iter().map(|r| r.name.as_str()).collect();
+            let message = format!("there is no rigid body `{name}`");
+            findings.add(Problem::error(format!("{path}.rigid"), message, nearest(name, &names)));
+            continue;
+        };
+        if m.nodes.is_some() {
+            let help = "give one of `nodes` and `rigid`";
+            findings.add(Problem::error(
+                &path,
+                "a motion has both a node set and a rigid body",
+                help,
+            ));
+        }
+        if m.centre != [0.0; 3] {
+            let help = "take `centre` out: a rigid body turns about its own";
+            findings.add(Problem::error(
+                format!("{path}.centre"),
+                "a rigid body cannot turn about a given point",
+                help,
+            ));
+        }
+        let Some((motion, dofs)) = motion_form(m, i, &curves, findings) else { continue };
+        let spins = matches!(motion.form, MotionForm::Spin { .. });
+        let dofs = dofs.unwrap_or(if spins { 0b11_1000 } else { 0b111 });
+        let body = &mut bodies[body];
+        let taken = body.motions.iter().fold(body.fixed, |bits, m| bits | m.dofs) & dofs;
+        if taken != 0 {
+            let names: Vec<&str> =
+                (0..6).filter(|b| taken >> b & 1 == 1).map(|b| DOFS[b]).collect();
+            let message = format!(
+                "rigid body `{name}` is not free to follow this motion in {}",
+                names.join(", ")
+            );
+            let help =
+                "take them out of its `fixed` or of the other motion, or name other `dofs` here";
+            findings.add(Problem::error(&path, message, help));
+        }
+        body.motions.push(crumple_proto::loads::Motion { dofs, ..motion });
+    }
+}

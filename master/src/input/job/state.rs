@@ -1,0 +1,432 @@
+//! What nodes and elements start with: added mass, fixed degrees of freedom, velocities, steps and
+//! masses.
+
+use super::laws::{Blocks, Used};
+use super::loads::dof_bits;
+use super::springs;
+use super::units;
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Contact, Job, MaterialSpec, Part};
+use crumple_proto::mesh::Mesh;
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use crumple_proto::tie::Tie;
+use crumple_proto::wall::WallMotion;
+use crumple_worker::contact::beams;
+use std::collections::HashMap;
+
+/// Per node, in the order of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct NodeStart {
+    /// Lumped mass on top of the elements' [mass].
+    pub added_mass: Vec<f64>,
+    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
+    pub fixed: Vec<u64>,
+    /// Velocity [length/time].
+    pub velocity: Vec<[f64; 3]>,
+    /// Rotational velocity [1/time].
+    pub spin: Vec<[f64; 3]>,
+}
+
+impl NodeStart {
+    /// Holds degrees of freedom of a node fixed: they do not start to move either.
+    pub fn hold(&mut self, n: usize, bits: u64) {
+        self.fixed[n] |= bits;
+        for c in 0..3 {
+            if bits >> c & 1 == 1 {
+                self.velocity[n][c] = 0.0;
+            }
+            if bits >> (c + 3) & 1 == 1 {
+                self.spin[n][c] = 0.0;
+            }
+        }
+    }
+}
+
+/// Per element, in the order of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct ElementStart {
+    /// Index of its part in the settings.
+    pub part: Vec<u32>,
+    /// Mass without mass scaling; of rigid elements as the job gives it [mass].
+    pub mass: Vec<f64>,
+    /// Factor on its density by mass scaling, or by the mass that is given to a rigid body.
+    pub mass_factor: Vec<f64>,
+    /// Fraction of its mass that its step counts on, below 1 where springs and ties count on the
+    /// rest.
+    pub share: Vec<f64>,
+    /// Stable step with mass scaling, before the safety factor; infinite where rigid or a skin
+    /// [time].
+    pub stable_dt: Vec<f64>,
+    /// Whether it is computed in the first cycle of an outer step only; empty without subcycles.
+    pub slow: Vec<bool>,
+}
+
+/// The mesh's node sets, for those who look them up by name.
+pub struct NodeSets<'m> {
+    mesh: &'m Mesh,
+    /// Places by label.
+    index: HashMap<u64, usize>,
+}
+
+impl<'m> NodeSets<'m> {
+    /// The sets of a mesh.
+    pub fn of(mesh: &'m Mesh) -> Self {
+        Self {
+            mesh,
+            index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id.label(), i)).collect(),
+        }
+    }
+
+    /// Places in the mesh of a set's nodes that elements use, ascending; `None`, and why at `path`,
+    /// without such a set.
+    pub fn indices(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<usize>> {
+        let Some(ids) = self.mesh.node_sets.get(name) else {
+            let known: Vec<&str> = self.mesh.node_sets.keys().map(String::as_str).collect();
+            findings.add(Problem::error(
+                path,
+                format!("there is no node set `{name}`"),
+                nearest(name, &known),
+            ));
+            return None;
+        };
+        let nodes: Vec<usize> = ids.iter().filter_map(|&id| self.place(id)).collect();
+        if nodes.is_empty() {
+            let message = match ids.len() {
+                0 => format!("node set `{name}` is empty"),
+                _ => format!("no node of node set `{name}` belongs to an element"),
+            };
+            findings.add(Problem::error(
+                path,
+                message,
+                "put nodes into it, or take this entry out",
+            ));
+            return None;
+        }
+        Some(nodes)
+    }
+
+    /// Place in the mesh of a node that an element uses.
+    pub fn place(&self, id: NodeId) -> Option<usize> {
+        self.index.get(&id.label()).copied()
+    }
+
+    /// Id of the node that the user's mesh calls so, if an element uses it.
+    pub fn labelled(&self, label: u64) -> Option<NodeId> {
+        self.index.get(&label).map(|&n| self.mesh.nodes[n].id)
+    }
+
+    /// Ids of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a
+    /// set.
+    pub fn ids(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<NodeId>> {
+        let nodes = self.indices(name, path, findings)?;
+        Some(nodes.into_iter().map(|n| self.mesh.nodes[n].id).collect())
+    }
+}
+
+impl ElementStart {
+    /// Stable step of an element without mass; infinite for all others [time].
+    pub fn massless_dt(&self, i: usize) -> f64 {
+        if self.mass[i] == 0.0 { self.stable_dt[i] } else { f64::INFINITY }
+    }
+
+    /// Mass of an element with what scaling adds [mass].
+    pub fn mass_with_scaling(&self, i: usize) -> f64 {
+        if self.stable_dt[i].is_finite() {
+            self.mass[i] * self.mass_factor[i]
+        } else {
+            self.mass[i]
+        }
+    }
+}
+
+/// What the job's `[[mass]]`, `[[fix]]` and `[[initial_velocity]]` give each node of the mesh.
+pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Findings) -> NodeStart {
+    let count = mesh.nodes.len();
+    let mut start = NodeStart {
+        added_mass: vec![0.0; count],
+        fixed: vec![0; count],
+        velocity: vec![[0.0; 3]; count],
+        spin: vec![[0.0; 3]; count],
+    };
+    for (i, mass) in job.mass.iter().enumerate() {
+        let path = format!("mass.{i}.nodes");
+        let Some(nodes) = sets.indices(&mass.nodes, path.clone(), findings) else { continue };
+        if nodes.len() < mesh.node_sets[&mass.nodes].len() {
+            let message = format!(
+                "node set `{}` has nodes that belong to no element and cannot carry mass",
+                mass.nodes
+            );
+            findings.add(Problem::error(
+                path,
+                message,
+                "connect them, or take them out of the set",
+            ));
+        }
+        let each = mass.mass / nodes.len() as f64;
+        nodes.iter().for_each(|&n| start.added_mass[n] += each);
+    }
+    for (i, fix) in job.fix.iter().enumerate() {
+        let Some(nodes) = sets.indices(&fix.nodes, format!("fix.{i}.nodes"), findings) else {
+            continue;
+        };
+        let bits = dof_bits(&fix.dofs, &format!("fix.{i}.dofs"), findings);
+        nodes.iter().for_each(|&n| start.fixed[n] |= bits);
+    }
+    for (i, initial) in job.initial_velocity.iter().enumerate() {
+        let nodes = match &initial.nodes {
+            None => (0..count).collect(),
+            Some(name) => match sets.indices(name, format!("initial_velocity.{i}.nodes"), findings)
+            {
+                Some(nodes) => nodes,
+                None => continue,
+            },
+        };
+        let w = initial.spin;
+        for n in nodes {
+            let r = [0, 1, 2].map(|c| mesh.nodes[n].x[c] - initial.centre[c]);
+            let turn =
+                [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
+            start.velocity[n] = [0, 1, 2].map(|c| initial.velocity[c] + turn[c]);
+            start.spin[n] = w;
+        }
+    }
+    for n in 0..count {
+        start.hold(n, start.fixed[n]);
+    }
+    if let Some(n) = start.velocity.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+        let message = format!(
+            "the initial velocity of node {} is too large to compute with",
+            mesh.nodes[n].id
+        );
+        findings.add(Problem::error(
+            "initial_velocity",
+            message,
+            "check velocity, spin and centre",
+        ));
+    }
+    start
+}
+
+/// Masses and stable steps of all elements, with the mass that scaling to a given step adds.
+pub fn elements(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &Settings,
+    blocks: &Blocks,
+    nodes: &NodeStart,
+    findings: &mut Findings,
+) -> ElementStart {
+    let at: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let part_of: HashMap<u32, usize> =
+        settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
+    let mut start = ElementStart::default();
+    let mut unsound = (0, None);
+    let mut bodies: Vec<Option<usize>> = Vec::new();
+    for element in &mesh.elements {
+        let part = part_of[&element.part];
+        let Some(formulation) = blocks.element(part, element.shape) else { continue };
+        let x = element.nodes.map(|id| at[&id]);
+        let mass =
+            formulation.corner_mass(&x, element.thickness).0 * element.shape.corners() as f64;
+        let dt = formulation.stable_dt(&x, element.thickness);
+        let sound = dt.is_finite() && dt > 0.0 && mass.is_finite() && mass > 0.0;
+        if !sound && formulation.discrete().is_none() {
+            unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));
+        }
+        let wanted = job.time.mass_scaling_dt;
+        // The stable step goes with the root of the density.
+        let factor = if wanted > dt { (wanted / dt).powi(2) } else { 1.0 };
+        let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
+        start.part.push(part as u32);
+        start.mass.push(mass);
+        start.share.push(1.0);
+        let idle = rigid.is_some() || settings.parts[part].skin;
+        start.mass_factor.push(if idle { 1.0 } else { factor });
+        start.stable_dt.push(if idle { f64::INFINITY } else { dt * factor.sqrt() });
+        bodies.push(rigid);
+    }
+    for (b, given) in job.rigid.iter().enumerate().filter_map(|(b, r)| Some((b, r.mass?))) {
+        let own: Vec<usize> = (0..bodies.len()).filter(|&e| bodies[e] == Some(b)).collect();
+        let factor = given / own.iter().map(|&e| start.mass[e]).sum::<f64>();
+        for e in own {
+            start.mass[e] *= factor;
+            start.mass_factor[e] = factor;
+        }
+    }
+    springs::steps(mesh, settings, blocks, nodes, &mut start, findings);
+    let (added, limit) =
+        (scaled_mass(&start) / deformable_mass(&start), job.time.mass_scaling_limit);
+    if unsound.0 == 0 && added > limit {
+        let message =
+            format!("mass scaling would add {:.1} % of the structure's mass", 100.0 * added);
+        let help = format!(
+            "ask for a shorter step, mesh the small elements anew, or raise time.mass_scaling_limit (it is {limit}) if that much \
+             is meant"
+        );
+        findings.add(Problem::error("time.mass_scaling_dt", message, help));
+    }
+    if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
+        let help = "add dt_max to [time]: rigid bodies and skins set no time step";
+        findings.add(Problem::error("time", "all elements are rigid or skins", help));
+    }
+    if let (count, Some(first)) = unsound {
+        let message = match count {
+            1 => format!("element {first} has no stable time step"),
+            n => format!("{n} elements have no stable time step; the first is element {first}"),
+        };
+        findings.add(Problem::error(
+            "mesh",
+            message,
+            "it is inverted, or its size, density or stiffness is out of all range",
+        ));
+    }
+    start
+}
+
+/// Warnings of what the numbers of a sound model show.
+pub fn warnings(
+    job: &Job,
+    mesh: &Mesh,
+    settings: &Settings,
+    elements: &ElementStart,
+    nodes: &NodeStart,
+) -> Vec<Problem> {
+    let mut warnings = Vec::new();
+    let still =
+        nodes.velocity.iter().flatten().chain(nodes.spin.iter().flatten()).all(|&c| c == 0.0);
+    let led = settings.rigid.iter().any(|r| !r.motions.is_empty())
+        || settings.walls.iter().any(|w| w.motion != WallMotion::Still);
+    if still && !led && !settings.loads.act() {
+        let message = "nothing moves: no node has an initial velocity, and there are no loads";
+        warnings.push(Problem::warning(
+            "initial_velocity",
+            message,
+            "add an [[initial_velocity]] or a load",
+        ));
+    }
+    let fastest = fastest_wave(job);
+    let speed = nodes
+        .velocity
+        .iter()
+        .map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt())
+        .fold(0.0, f64::max);
+    if fastest > 0.0 && speed > fastest {
+        let message = format!(
+            "a node starts with {speed:.4e}, faster than any wave in the materials ({fastest:.4e})"
+        );
+        let help = "check its units: velocities are in lengths by time of the coordinates and times of the job";
+        let place =
+            if job.initial_velocity.len() == 1 { "initial_velocity.0" } else { "initial_velocity" };
+        warnings.push(Problem::warning(place, message, help));
+    }
+    for (index, part) in settings.parts.iter().enumerate() {
+        if !elements.part.contains(&(index as u32)) {
+            let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
+            let message = format!("part {} `{}` has no elements", part.id, part.name);
+            warnings.push(Problem::warning(
+                format!("part.{place}.id"),
+                message,
+                "take it out, or check the part ids of the mesh",
+            ));
+        }
+    }
+    warnings
+        .extend(settings.contact.as_ref().and_then(|c| beams_without_contact(c, settings, mesh)));
+    let meets = |t: &Tie| settings.walls.iter().any(|w| w.admits(t.node));
+    if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
+        let message =
+            format!("{count} tied nodes do not meet rigid walls, which see only what carries them");
+        let help = "tie the side that is away from the wall, or leave the tied nodes out by the wall's `except`";
+        warnings.push(Problem::warning("wall", message, help));
+    }
+    let structure = deformable_mass(elements);
+    let added = scaled_mass(elements);
+    if added > 0.05 * structure {
+        let message =
+            format!("mass scaling adds {:.1} % of the structure's mass", 100.0 * added / structure);
+        warnings.push(Problem::warning(
+            "time.mass_scaling_dt",
+            message,
+            "take a smaller step, or a mesh without tiny elements",
+        ));
+    }
+    // Rigid bodies and skins set none.
+    let mut steps: Vec<f64> =
+        elements.stable_dt.iter().copied().filter(|dt| dt.is_finite()).collect();
+    let middle = steps.len() / 2;
+    let median = if steps.is_empty() {
+        0.0
+    } else {
+        *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    if let Some((at, dt)) = smallest(&elements.stable_dt).filter(|&(_, dt)| dt < 0.1 * median) {
+        let message = format!(
+            "element {} alone sets the time step: it is {:.0} times below the median",
+            mesh.elements[at].id,
+            median / dt
+        );
+        let help = "mesh it anew, or see time.subcycles and time.mass_scaling_dt";
+        warnings.push(Problem::warning("", message, help));
+    }
+    warnings
+}
+
+/// A warning if beams other than welds take no part in contact.
+fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) -> Option<Problem> {
+    let without = |p: &&Part| {
+        let is_bare =
+            p.beam.as_ref().is_some_and(|b| b.weld.is_none()) && beams::half(contact, p).is_none();
+        is_bare && mesh.elements.iter().any(|e| e.part == p.id)
+    };
+    let ids: Vec<String> =
+        settings.parts.iter().filter(without).map(|p| p.id.to_string()).collect();
+    let message = format!(
+        "beams take no part in contact: other things pass through them (parts {})",
+        ids.join(", ")
+    );
+    let help = "contact.beams = true lets them, or put shells around them where that matters";
+    (!ids.is_empty()).then(|| Problem::warning("contact.beams", message, help))
+}
+
+/// The largest `sqrt(E/rho)` of a job's materials [length/time].
+pub fn fastest_wave(job: &Job) -> f64 {
+    let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
+    job.material.iter().filter_map(wave).fold(0.0, f64::max)
+}
+
+/// Mass that scaling adds to all elements [mass].
+pub fn scaled_mass(elements: &ElementStart) -> f64 {
+    (0..elements.mass.len()).map(|i| elements.mass_with_scaling(i) - elements.mass[i]).sum()
+}
+
+/// Mass of the elements that set a time step, those of rigid bodies left out, before scaling
+/// [mass].
+fn deformable_mass(elements: &ElementStart) -> f64 {
+    elements
+        .mass
+        .iter()
+        .zip(&elements.stable_dt)
+        .filter(|(_, dt)| dt.is_finite())
+        .map(|(mass, _)| mass)
+        .sum()
+}
+
+/// The first of the smallest values, and its place.
+pub fn smallest(values: &[f64]) -> Option<(usize, f64)> {
+    values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Which shapes each part of the settings has elements of, by [`Shape`].
+pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<Used> {
+    let part_of: HashMap<u32, usize> =
+        settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
+    let mut used = vec![Used::default(); settings.parts.len()];
+    for element in &mesh.elements {
+        if let Some(&part) = part_of.get(&element.part) {
+            used[part][element.shape as usize] = true;
+        }
+    }
+    used
+}

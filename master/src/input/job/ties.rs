@@ -1,0 +1,573 @@
+//! Ties of a job: which nodes stand on which faces, what is wrong with that, and what it is in
+//! numbers and ids.
+
+use super::loads::outer_faces;
+use super::state::{NodeSets, NodeStart};
+use super::validate::{Findings, nearest};
+use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::job::{Job, Tie as TieSpec};
+use crumple_proto::loads::Motion;
+use crumple_proto::mesh::{Mesh, MeshElement, Shape, free_faces};
+use crumple_proto::problem::Problem;
+use crumple_proto::rigid::RigidBody;
+use crumple_proto::tie::Tie;
+use crumple_worker::constraints::ties::project::{Face, Foot, diagonal, feet};
+use std::collections::{HashMap, HashSet};
+
+/// Default tolerance: this fraction of the sum of thicknesses, or of the shorter diagonal of the
+/// face.
+const OF_THICKNESSES: f64 = 0.6;
+const OF_DIAGONAL: f64 = 0.05;
+/// Shares below this are round-off of the projection.
+const NO_SHARE: f64 = 1e-12;
+/// Nodes that are moved by more than this fraction of the face's diagonal are told.
+const TOLD_MOVE: f64 = 1e-3;
+/// Nodes that start with a velocity that differs by more than this fraction from that of their
+/// carriers are told.
+const TOLD_VELOCITY: f64 = 0.01;
+/// Numbers of nodes in a message.
+const NAMED: usize = 5;
+/// Ties one on another before they go in a circle.
+const LONGEST_CHAIN: usize = 100;
+
+/// A tied node, the entry of the job that it is from, and what its place is to the mesh.
+struct Stand {
+    tie: Tie,
+    entry: usize,
+    node: usize,
+    point: [f64; 3],
+    moved: f64,
+}
+
+/// What of a job and its mesh all entries need.
+struct Ground<'a> {
+    job: &'a Job,
+    mesh: &'a Mesh,
+    sets: NodeSets<'a>,
+    /// Free faces of solids.
+    free: Vec<u8>,
+    /// Thickness of each part, and of the thickest shell at each node.
+    thick: HashMap<u32, f64>,
+    shells: HashMap<NodeId, f64>,
+    /// Nodes that turn.
+    turning: HashSet<NodeId>,
+    /// Parts of rigid bodies.
+    rigid: HashSet<u32>,
+}
+
+impl<'a> Ground<'a> {
+    fn of(job: &'a Job, mesh: &'a Mesh) -> Self {
+        let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
+        let turning = mesh
+            .elements
+            .iter()
+            .filter(|e| e.shape.turns())
+            .flat_map(|e| e.corners())
+            .copied()
+            .collect();
+        Self {
+            sets: NodeSets::of(mesh),
+            free: free_faces(&mesh.elements),
+            shells: of_nodes(mesh, &thick),
+            thick,
+            turning,
+            rigid: job.rigid.iter().flat_map(|r| r.parts.iter().copied()).collect(),
+            job,
+            mesh,
+        }
+    }
+}
+
+/// Finds the faces that nodes are tied to and moves the nodes onto them; tied nodes ascending.
+pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> {
+    if job.tie.is_empty() {
+        return Vec::new();
+    }
+    let mut stands: Vec<Stand> = Vec::new();
+    let ground = Ground::of(job, mesh);
+    for (entry, spec) in job.tie.iter().enumerate() {
+        stands.extend(of_entry(spec, entry, &ground, findings));
+    }
+    drop(ground);
+    stands.sort_by_key(|s| (s.tie.node, s.entry));
+    for pair in stands.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
+        let message = format!(
+            "node {} is tied twice: by {} and {}",
+            pair[0].tie.node,
+            name(job, pair[0].entry),
+            name(job, pair[1].entry)
+        );
+        let help = "take it out of one of the sets";
+        findings.add(Problem::error(format!("tie.{}.nodes", pair[1].entry), message, help));
+    }
+    for s in &stands {
+        mesh.nodes[s.node].x = s.point;
+    }
+    for entry in 0..job.tie.len() {
+        tell_moved(job, entry, &stands, findings);
+    }
+    chained(job, stands, findings)
+}
+
+/// Name of an entry in messages.
+fn name(job: &Job, entry: usize) -> String {
+    match job.tie[entry].name.as_str() {
+        "" => format!("tie {}", entry + 1),
+        name => format!("tie `{name}`"),
+    }
+}
+
+/// The nodes of one entry.
+fn of_entry(
+    spec: &TieSpec,
+    entry: usize,
+    ground: &Ground<'_>,
+    findings: &mut Findings,
+) -> Vec<Stand> {
+    let Ground { job, mesh, sets, free, thick, shells, turning, .. } = ground;
+    let path = |key: &str| format!("tie.{entry}.{key}");
+    let nodes = sets.indices(&spec.nodes, path("nodes"), findings);
+    for (k, id) in
+        spec.parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id))
+    {
+        let ids: Vec<String> = job.part.iter().map(|p| p.id.to_string()).collect();
+        let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+        let help = nearest(&id.to_string(), &ids);
+        findings.add(Problem::error(
+            path(&format!("parts.{k}")),
+            format!("tie: there is no part {id}"),
+            help,
+        ));
+    }
+    if spec.tolerance < 0.0 {
+        let message = format!("tolerance is {}", spec.tolerance);
+        findings.add(Problem::error(
+            path("tolerance"),
+            message,
+            "give a length, or 0 for the default",
+        ));
+    }
+    for (k, thickness) in spec.thicknesses.iter().enumerate().filter(|(_, t)| **t < 0.0) {
+        let message = format!("a thickness is {thickness}");
+        findings.add(Problem::error(
+            path(&format!("thicknesses.{k}")),
+            message,
+            "give a length, or 0 for that of the parts",
+        ));
+    }
+    if let Some(node) = spec.node {
+        let carrier = sets.labelled(node).unwrap_or(NodeId(node));
+        return to_node(spec, carrier, entry, nodes.unwrap_or_default(), mesh, findings);
+    }
+    if spec.parts.is_empty() && spec.faces.is_none() {
+        let help = "name `parts`, a node set as `faces`, or both; or a `node`";
+        findings.add(Problem::error(format!("tie.{entry}"), "a tie has no surface", help));
+        return Vec::new();
+    }
+    let within = match &spec.faces {
+        None => None,
+        Some(set) => match sets.ids(set, path("faces"), findings) {
+            Some(ids) => Some(ids),
+            None => return Vec::new(),
+        },
+    };
+    let Some(nodes) = nodes else { return Vec::new() };
+    let of_part = |part: u32| spec.parts.is_empty() || spec.parts.contains(&part);
+    let surface = outer_faces(mesh, free, of_part, within.as_deref());
+    if surface.is_empty() {
+        let message = format!("{}: its surface has no face", name(job, entry));
+        let help =
+            "name a part that has shells or solids, or a set that holds all nodes of each face";
+        findings.add(Problem::error(format!("tie.{entry}"), message, help));
+        return Vec::new();
+    }
+    let corners = |&(e, f): &(usize, usize)| {
+        let element = &mesh.elements[e];
+        element.shape.faces()[f].map(|c| element.nodes[c])
+    };
+    let corners: Vec<[NodeId; 4]> = surface.iter().map(corners).collect();
+    let at = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| mesh.nodes[n].x);
+    let places: Vec<Face> = corners.iter().map(|c| c.map(at)).collect();
+    let points: Vec<[f64; 3]> = nodes.iter().map(|&n| mesh.nodes[n].x).collect();
+    let of_face = |f: usize| {
+        let element = &mesh.elements[surface[f].0];
+        if spec.thicknesses[1] > 0.0 {
+            return spec.thicknesses[1];
+        }
+        if element.shape.is_shell() { of_shell(element, thick) } else { 0.0 }
+    };
+    let id = |p: usize| mesh.nodes[nodes[p]].id;
+    let of_node = |p: usize| match spec.thicknesses[0] {
+        given if given > 0.0 => given,
+        _ => shells.get(&id(p)).copied().unwrap_or(0.0),
+    };
+    let reach = |f: usize, thickness: f64| match spec.tolerance {
+        given if given > 0.0 => given,
+        _ => (OF_THICKNESSES * (of_face(f) + thickness)).max(OF_DIAGONAL * diagonal(&places[f])),
+    };
+    let thickest = (0..points.len()).map(of_node).fold(0.0, f64::max);
+    let tolerance =
+        |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
+    let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
+    tell_lost(job, entry, &found, id, findings);
+    // A rigid body takes its members where they are.
+    let rigid = |f: usize| ground.rigid.contains(&mesh.elements[surface[f].0].part);
+    let stand = |(p, foot): (usize, Option<Foot>)| {
+        let foot = foot?;
+        let carriers = shared(&corners[foot.face], &foot.shape);
+        let turns = carriers.iter().all(|c| turning.contains(&c.0));
+        let stays = rigid(foot.face) || spec.offset && turns;
+        Some(Stand {
+            tie: Tie {
+                node: id(p),
+                carriers,
+                near: Vec::new(),
+                faces: vec![mesh.elements[surface[foot.face].0].id],
+                rotations: spec.rotations && turns,
+                offset: spec.offset && turns && !rigid(foot.face),
+            },
+            entry,
+            node: nodes[p],
+            point: if stays { points[p] } else { foot.point },
+            moved: if stays { 0.0 } else { foot.distance / diagonal(&places[foot.face]) },
+        })
+    };
+    let mut stands: Vec<Stand> = found.into_iter().enumerate().filter_map(stand).collect();
+    if job.contact.is_some() {
+        let reaches =
+            corners.iter().enumerate().flat_map(|(f, c)| c.map(|id| (id, reach(f, thickest))));
+        face_back(ground, &mut stands, &surface, reaches.collect());
+    }
+    stands
+}
+
+/// Tells of nodes that start with other velocities than what carries them.
+fn tell_unlike<'t>(
+    ties: impl Iterator<Item = &'t Tie>,
+    sets: &NodeSets<'_>,
+    start: &NodeStart,
+    findings: &mut Findings,
+) {
+    let velocity = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| start.velocity[n]);
+    let unlike = |tie: &&Tie| {
+        let own = velocity(tie.node);
+        let carried = tie.carriers.iter().map(|&(id, share)| velocity(id).map(|v| v * share));
+        let carried = carried.fold([0.0; 3], |sum, v| [0, 1, 2].map(|c| sum[c] + v[c]));
+        let size = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        size([0, 1, 2].map(|c| own[c] - carried[c])) > TOLD_VELOCITY * size(own).max(size(carried))
+            && !tie.offset
+    };
+    let nodes: Vec<NodeId> = ties.filter(unlike).map(|t| t.node).collect();
+    if !nodes.is_empty() {
+        let message = format!(
+            "{} tied nodes start with other velocities than what carries them, and share their momentum with it: {}",
+            nodes.len(),
+            named(&nodes)
+        );
+        findings.add(Problem::warning(
+            "tie",
+            message,
+            "give both sides of a tie the same initial velocity",
+        ));
+    }
+}
+
+/// Nodes that have the displacements of another one.
+fn to_node(
+    spec: &TieSpec,
+    carrier: NodeId,
+    entry: usize,
+    nodes: Vec<usize>,
+    mesh: &Mesh,
+    findings: &mut Findings,
+) -> Vec<Stand> {
+    let mut wrong = |key: &str, message: String, help: &str| {
+        findings.add(Problem::error(format!("tie.{entry}.{key}"), message, help));
+    };
+    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
+        wrong(
+            "node",
+            "a tie to a node has no surface and no offset".into(),
+            "take `parts`, `faces` and `offset` out",
+        );
+    }
+    if !mesh.nodes.iter().any(|n| n.id == carrier) {
+        wrong("node", format!("no element has node {carrier}"), "name a node of the mesh");
+    }
+    if nodes.iter().any(|&n| mesh.nodes[n].id == carrier) {
+        wrong("nodes", format!("node {carrier} is tied to itself"), "take it out of the set");
+    }
+    let stand = |node: usize| Stand {
+        tie: Tie {
+            node: mesh.nodes[node].id,
+            carriers: vec![(carrier, 1.0)],
+            near: Vec::new(),
+            faces: Vec::new(),
+            rotations: spec.rotations,
+            offset: false,
+        },
+        entry,
+        node,
+        point: mesh.nodes[node].x,
+        moved: 0.0,
+    };
+    nodes.into_iter().map(stand).collect()
+}
+
+/// Notes which nodes of a surface stand on faces between tied nodes. `reaches` are the surface's
+/// nodes, each with its faces' tolerances.
+fn face_back(
+    ground: &Ground<'_>,
+    stands: &mut [Stand],
+    surface: &[(usize, usize)],
+    reaches: Vec<(NodeId, f64)>,
+) {
+    let Ground { mesh, sets, free, .. } = ground;
+    let mut tied: Vec<NodeId> = stands.iter().map(|s| s.tie.node).collect();
+    tied.sort_unstable();
+    let mut reach: HashMap<NodeId, f64> = HashMap::new();
+    for (id, own) in reaches {
+        let most = reach.entry(id).or_insert(own);
+        *most = most.max(own);
+    }
+    let at = |id: &NodeId| sets.place(*id).map_or([0.0; 3], |n| mesh.nodes[n].x);
+    let own: HashSet<(usize, usize)> = surface.iter().copied().collect();
+    let between = outer_faces(mesh, free, |_| true, Some(&tied))
+        .into_iter()
+        .filter(|face| !own.contains(face));
+    let between: Vec<[NodeId; 4]> = between
+        .map(|(e, f)| mesh.elements[e].shape.faces()[f].map(|c| mesh.elements[e].nodes[c]))
+        .collect();
+    let mut points: Vec<NodeId> =
+        reach.keys().copied().filter(|id| tied.binary_search(id).is_err()).collect();
+    points.sort_unstable();
+    let places: Vec<Face> = between.iter().map(|c| c.each_ref().map(at)).collect();
+    let widest = reach.values().copied().fold(0.0, f64::max);
+    let found = feet(
+        &places,
+        &points.iter().map(at).collect::<Vec<_>>(),
+        |_| widest,
+        |_, p| reach[&points[p]],
+    );
+    let mut near: HashMap<NodeId, Vec<NodeId>> = HashMap::new();
+    for (point, foot) in points.iter().zip(found).filter_map(|(p, foot)| Some((p, foot?))) {
+        between[foot.face].iter().for_each(|tied| near.entry(*tied).or_default().push(*point));
+    }
+    for s in stands {
+        s.tie.near = near.remove(&s.tie.node).unwrap_or_default();
+        s.tie.near.dedup();
+    }
+}
+
+/// Thickness of a shell.
+fn of_shell(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
+    if e.thickness > 0.0 { e.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
+}
+
+/// Thickness of the thickest shell at each node.
+fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
+    let mut all: HashMap<NodeId, f64> = HashMap::new();
+    for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
+        let own = of_shell(e, thick);
+        for &n in e.corners() {
+            let most = all.entry(n).or_insert(own);
+            *most = most.max(own);
+        }
+    }
+    all
+}
+
+/// Shares of a face's nodes, ascending; those of next to nothing are left out.
+fn shared(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
+    let mut shares: Vec<(NodeId, f64)> =
+        corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
+    whole(&mut shares);
+    shares
+}
+
+/// Puts shares in order, one for each node, so that they are 1 together.
+fn whole(shares: &mut Vec<(NodeId, f64)>) {
+    shares.sort_by_key(|s| s.0);
+    shares.dedup_by(|later, first| {
+        let same = later.0 == first.0;
+        first.1 += if same { later.1 } else { 0.0 };
+        same
+    });
+    let sum: f64 = shares.iter().map(|s| s.1).sum();
+    shares.iter_mut().for_each(|s| s.1 /= sum);
+}
+
+fn named(nodes: &[NodeId]) -> String {
+    let list: Vec<String> = nodes.iter().take(NAMED).map(|n| n.to_string()).collect();
+    format!("{}{}", list.join(", "), if nodes.len() > NAMED { ", ..." } else { "" })
+}
+
+fn tell_lost(
+    job: &Job,
+    entry: usize,
+    found: &[Option<Foot>],
+    id: impl Fn(usize) -> NodeId,
+    findings: &mut Findings,
+) {
+    let lost: Vec<NodeId> = (0..found.len()).filter(|&p| found[p].is_none()).map(id).collect();
+    let path = format!("tie.{entry}.nodes");
+    let help = "give a larger `tolerance`, or take them out of the set";
+    if lost.len() == found.len() {
+        let message = format!(
+            "{}: none of its {} nodes is near enough to its surface",
+            name(job, entry),
+            lost.len()
+        );
+        findings.add(Problem::error(path, message, help));
+    } else if !lost.is_empty() {
+        let message = format!(
+            "{}: {} of {} nodes are not near enough to its surface and are not tied: {}",
+            name(job, entry),
+            lost.len(),
+            found.len(),
+            named(&lost)
+        );
+        findings.add(Problem::warning(path, message, help));
+    }
+}
+
+fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings) {
+    let moved: Vec<&Stand> =
+        stands.iter().filter(|s| s.entry == entry && s.moved > TOLD_MOVE).collect();
+    let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
+    let message = format!(
+        "{}: {} nodes are moved onto its surface; node {} by most, {:.1} % of its face's diagonal",
+        name(job, entry),
+        moved.len(),
+        most.tie.node,
+        100.0 * most.moved
+    );
+    findings.add(Problem::warning(
+        format!("tie.{entry}.nodes"),
+        message,
+        "mesh them there to be rid of this",
+    ));
+}
+
+/// Ties on nodes that are tied themselves go on to what carries these.
+fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
+    let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
+        stands.iter().map(|s| (s.tie.node, s.tie.carriers.clone())).collect();
+    let on: HashMap<NodeId, Vec<ElemId>> =
+        stands.iter().map(|s| (s.tie.node, s.tie.faces.clone())).collect();
+    let kinds: HashMap<NodeId, (bool, bool)> =
+        stands.iter().map(|s| (s.tie.node, (s.tie.rotations, s.tie.offset))).collect();
+    let mut ties = Vec::with_capacity(stands.len());
+    for Stand { mut tie, entry, .. } in stands {
+        let cannot = |&(rotations, offset): &(bool, bool)| {
+            tie.offset || offset || tie.rotations && !rotations
+        };
+        let wrong = tie.carriers.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
+        if let Some((carrier, _)) = wrong {
+            let message = format!(
+                "{}: node {} stands on node {carrier}, which is tied itself",
+                name(job, entry),
+                tie.node
+            );
+            let help = "that may be without offsets only, and with rotations on what has its own tied; leave a row of elements between";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            continue;
+        }
+        let mut rounds = 0;
+        while tie.carriers.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
+            rounds += 1;
+            tie.faces.extend(tie.carriers.iter().filter_map(|c| on.get(&c.0)).flatten());
+            let next = |&(node, share): &(NodeId, f64)| match own.get(&node) {
+                Some(next) => next.iter().map(|&(n, s)| (n, s * share)).collect(),
+                None => vec![(node, share)],
+            };
+            tie.carriers = tie.carriers.iter().flat_map(next).collect();
+            whole(&mut tie.carriers);
+            if tie.carriers.iter().any(|c| c.0 == tie.node) {
+                rounds = LONGEST_CHAIN;
+            }
+        }
+        if rounds == LONGEST_CHAIN {
+            let message = format!(
+                "{}: node {} is tied in a circle, to what is tied to it",
+                name(job, entry),
+                tie.node
+            );
+            let help = "tie one side to the other only";
+            findings.add(Problem::error(format!("tie.{entry}"), message, help));
+            break;
+        }
+        tie.faces.sort_unstable();
+        tie.faces.dedup();
+        ties.push(tie);
+    }
+    ties
+}
+
+/// What leads all carriers of a node leads it too: it is no longer led by itself.
+pub fn lead(ties: &[Tie], motions: &mut [Motion]) {
+    let tied: HashSet<NodeId> = ties.iter().map(|t| t.node).collect();
+    motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
+}
+
+/// Makes nodes that rigid bodies carry members of these; tells of nodes that are held, moved or
+/// rigid already, and so cannot be tied.
+pub fn join(
+    ties: &mut Vec<Tie>,
+    bodies: &mut [RigidBody],
+    sets: &NodeSets<'_>,
+    start: &mut NodeStart,
+    findings: &mut Findings,
+) {
+    let mut body_of: HashMap<NodeId, usize> = HashMap::new();
+    for (b, body) in bodies.iter().enumerate() {
+        body_of.extend(body.nodes.iter().map(|&n| (n, b)));
+    }
+    let fixed = |id: NodeId| sets.place(id).map_or(0, |n| start.fixed[n]);
+    let mut list = |nodes: Vec<NodeId>, what: &str, help: &str| {
+        if !nodes.is_empty() {
+            let message = format!("{} tied nodes {what}: {}", nodes.len(), named(&nodes));
+            findings.add(Problem::error("tie", message, help));
+        }
+    };
+    let nodes = |of: &dyn Fn(&Tie) -> bool| {
+        ties.iter().filter(|t| of(t)).map(|t| t.node).collect::<Vec<_>>()
+    };
+    let rigid = nodes(&|t| body_of.contains_key(&t.node));
+    list(rigid, "belong to rigid bodies", "tie the other side's nodes to the body instead");
+    // What holds all carriers holds what they carry.
+    let held = nodes(&|t| {
+        let all = t.carriers.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
+        let tied = if t.rotations { 0b11_1111 } else { 0b111 };
+        !body_of.contains_key(&t.node) && fixed(t.node) & tied & !all != 0
+    });
+    let help = "take them out of the tie's nodes, or out of [[fix]], [[symmetry]] and [[motion]]";
+    list(held, "are held or moved by something else", help);
+    let body = |t: &Tie| {
+        let mut all = t.carriers.iter().map(|c| body_of.get(&c.0).copied());
+        let first = all.next().flatten();
+        (first, all.all(|b| b == first))
+    };
+    let split = nodes(&|t| {
+        let any = t.carriers.iter().any(|c| body_of.contains_key(&c.0));
+        any && !matches!(body(t), (Some(_), true))
+    });
+    list(
+        split,
+        "stand on faces that are rigid in part",
+        "leave a row of elements between, or make the face rigid",
+    );
+    tell_unlike(ties.iter().filter(|t| body(t).0.is_none()), sets, start, findings);
+    ties.retain(|tie| match body(tie) {
+        (Some(b), true) => {
+            bodies[b].nodes.push(tie.node);
+            sets.place(tie.node).into_iter().for_each(|n| start.fixed[n] |= 0b11_1111);
+            false
+        }
+        _ => true,
+    });
+    for body in bodies {
+        body.nodes.sort_unstable();
+        body.nodes.dedup();
+    }
+}

@@ -1,0 +1,343 @@
+//! A job file as a tree in which every value remembers where it was written.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::de::{DeTable, DeValue};
+
+/// Where a key or a value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Bytes of the file.
+    File {
+        /// First byte.
+        start: u32,
+        /// One past the last byte.
+        end: u32,
+    },
+    /// Bytes of a file of the deck.
+    Deck {
+        /// Number of the file.
+        file: u32,
+        /// First byte.
+        start: u32,
+        /// One past the last byte.
+        end: u32,
+    },
+    /// The numbered `--set` of the command line.
+    Set(u32),
+    /// The whole file, where no key is at fault.
+    Whole,
+}
+
+impl Place {
+    fn of(span: Range<usize>) -> Self {
+        // Files beyond 4 GiB are refused before they are parsed.
+        Place::File { start: span.start as u32, end: span.end as u32 }
+    }
+}
+
+/// A value and its place; for a table the place of its header.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// What it is.
+    pub kind: Kind,
+    /// Where it is written.
+    pub place: Place,
+}
+
+/// What a value is.
+#[derive(Clone, Debug)]
+pub enum Kind {
+    /// Keys and values.
+    Table(BTreeMap<String, Entry>),
+    /// A list, or the entries of an array of tables.
+    Array(Vec<Node>),
+    /// Text.
+    String(String),
+    /// A whole number.
+    Integer(i64),
+    /// A number with a fraction or exponent; also a whole number too large for 64 bits.
+    Float(f64),
+    /// True or false.
+    Boolean(bool),
+    /// A date or time, of which a job has none.
+    Datetime(toml::value::Datetime),
+}
+
+/// A key's place and its value.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Where the key is written.
+    pub key: Place,
+    /// The value.
+    pub node: Node,
+}
+
+/// A syntax error: what is wrong, what to do, and where.
+pub type SyntaxError = (String, &'static str, Place);
+
+impl Node {
+    /// Parses TOML; gives all syntax errors at once.
+    pub fn parse(text: &str) -> Result<Node, Vec<SyntaxError>> {
+        let (table, errors) = DeTable::parse_recoverable(text);
+        let mut errors: Vec<SyntaxError> = errors
+            .iter()
+            .map(|e| {
+                (
+                    e.message().to_string(),
+                    syntax_help(e.message()),
+                    e.span().map_or(Place::Whole, Place::of),
+                )
+            })
+            .collect();
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let root = from_table(table.get_ref(), Place::Whole, &mut errors);
+        if errors.is_empty() { Ok(root) } else { Err(errors) }
+    }
+
+    /// Parses one value as it would stand behind `key =`; `None` if it is no TOML value.
+    pub fn parse_value(text: &str, place: Place) -> Option<Node> {
+        let line = format!("value = {text}");
+        let table = DeTable::parse(&line).ok()?;
+        let mut errors = Vec::new();
+        let mut root = from_table(table.get_ref(), place, &mut errors);
+        let Kind::Table(entries) = &mut root.kind else { return None };
+        // A line break in `text` could smuggle in further keys.
+        if entries.len() != 1 || !errors.is_empty() {
+            return None;
+        }
+        let mut node = entries.remove("value")?.node;
+        node.set_place(place);
+        Some(node)
+    }
+
+    /// An empty table.
+    pub fn table(place: Place) -> Node {
+        Node { kind: Kind::Table(BTreeMap::new()), place }
+    }
+
+    fn set_place(&mut self, place: Place) {
+        self.place = place;
+        match &mut self.kind {
+            Kind::Table(entries) => {
+                for entry in entries.values_mut() {
+                    entry.key = place;
+                    entry.node.set_place(place);
+                }
+            }
+            Kind::Array(items) => items.iter_mut().for_each(|item| item.set_place(place)),
+            _ => {}
+        }
+    }
+
+    /// Says that all its bytes are those of a file of the deck.
+    pub fn move_to(&mut self, file: u32) {
+        let moved = |place: &mut Place| {
+            if let Place::File { start, end } = *place {
+                *place = Place::Deck { file, start, end };
+            }
+        };
+        moved(&mut self.place);
+        match &mut self.kind {
+            Kind::Table(entries) => {
+                for entry in entries.values_mut() {
+                    moved(&mut entry.key);
+                    entry.node.move_to(file);
+                }
+            }
+            Kind::Array(items) => items.iter_mut().for_each(|item| item.move_to(file)),
+            _ => {}
+        }
+    }
+
+    /// The value of `key` if this is a table that has it.
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        match &self.kind {
+            Kind::Table(entries) => entries.get(key).map(|e| &e.node),
+            _ => None,
+        }
+    }
+
+    /// Where the value at a dotted path is written, or what holds it as near as the path can be
+    /// followed.
+    pub fn locate(&self, path: &str) -> Place {
+        let (mut node, mut rest, mut found) = (self, path, self.place);
+        while !rest.is_empty() {
+            match &node.kind {
+                Kind::Table(entries) => {
+                    let Some((key, tail)) = split_first(rest, entries.keys().map(String::as_str))
+                    else {
+                        break;
+                    };
+                    let entry = &entries[key];
+                    (node, rest) = (&entry.node, tail);
+                    found = entry.place();
+                }
+                Kind::Array(items) => {
+                    let (head, tail) = rest.split_once('.').unwrap_or((rest, ""));
+                    let Some(item) = head.parse().ok().and_then(|i: usize| items.get(i)) else {
+                        break;
+                    };
+                    (node, rest) = (item, tail);
+                    found = item.place;
+                }
+                _ => break,
+            }
+        }
+        found
+    }
+
+    /// The same without places. Numbers that TOML cannot hold do not occur: the reader has refused
+    /// them.
+    pub fn to_value(&self) -> toml::Value {
+        match &self.kind {
+            Kind::Table(entries) => toml::Value::Table(
+                entries.iter().map(|(k, e)| (k.clone(), e.node.to_value())).collect(),
+            ),
+            Kind::Array(items) => toml::Value::Array(items.iter().map(Node::to_value).collect()),
+            Kind::String(s) => toml::Value::String(s.clone()),
+            Kind::Integer(i) => toml::Value::Integer(*i),
+            Kind::Float(x) => toml::Value::Float(*x),
+            Kind::Boolean(b) => toml::Value::Boolean(*b),
+            Kind::Datetime(d) => toml::Value::Datetime(*d),
+        }
+    }
+}
+
+impl Entry {
+    /// The place to point at when the value is at fault: `key = value` if both stand together.
+    pub fn place(&self) -> Place {
+        match (&self.node.kind, self.key, self.node.place) {
+            (Kind::Table(_), _, place) => place,
+            (_, Place::File { start, end: key_end }, Place::File { start: value, end })
+                if key_end <= value =>
+            {
+                Place::File { start, end }
+            }
+            (_, _, place) => place,
+        }
+    }
+}
+
+/// Splits a dotted path after its first key, which is one of `keys`; a key may itself hold dots.
+pub fn split_first<'p, 'k>(
+    path: &'p str,
+    keys: impl Iterator<Item = &'k str>,
+) -> Option<(&'k str, &'p str)> {
+    let fits = |key: &&str| {
+        path.strip_prefix(*key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let key = keys.filter(fits).max_by_key(|key| key.len())?;
+    Some((key, path[key.len()..].strip_prefix('.').unwrap_or("")))
+}
+
+fn syntax_help(message: &str) -> &'static str {
+    if message.contains("duplicate") {
+        "write each key and each [section] once; [[section]] adds an entry to a list"
+    } else if message.contains("string") {
+        "text stands in quotes: key = \"text\""
+    } else {
+        "a job is TOML: key = value, [section], [[entry of a list]]; text in quotes, lists in brackets with commas"
+    }
+}
+
+fn from_table(table: &DeTable<'_>, place: Place, errors: &mut Vec<SyntaxError>) -> Node {
+    let entries = table
+        .iter()
+        .map(|(key, value)| {
+            let node = from_value(value.get_ref(), Place::of(value.span()), errors);
+            (key.get_ref().to_string(), Entry { key: Place::of(key.span()), node })
+        })
+        .collect();
+    Node { kind: Kind::Table(entries), place }
+}
+
+fn from_value(value: &DeValue<'_>, place: Place, errors: &mut Vec<SyntaxError>) -> Node {
+    let kind = match value {
+        DeValue::Table(table) => return from_table(table, place, errors),
+        DeValue::Array(items) => Kind::Array(
+            items
+                .iter()
+                .map(|item| from_value(item.get_ref(), Place::of(item.span()), errors))
+                .collect(),
+        ),
+        DeValue::String(s) => Kind::String(s.to_string()),
+        DeValue::Integer(i) => match i64::from_str_radix(i.as_str(), i.radix()) {
+            Ok(i) => Kind::Integer(i),
+            Err(_) if i.radix() == 10 => Kind::Float(i.as_str().parse().unwrap_or(f64::NAN)),
+            Err(_) => {
+                errors.push((
+                    "the number does not fit in 64 bits".into(),
+                    "write a smaller one",
+                    place,
+                ));
+                Kind::Integer(0)
+            }
+        },
+        DeValue::Float(x) => match x.as_str().parse() {
+            Ok(x) => Kind::Float(x),
+            Err(_) => {
+                errors.push((
+                    "the number cannot be read".into(),
+                    "write it like 1.5 or 1.5e-3",
+                    place,
+                ));
+                Kind::Float(0.0)
+            }
+        },
+        DeValue::Boolean(b) => Kind::Boolean(*b),
+        DeValue::Datetime(d) => Kind::Datetime(*d),
+    };
+    Node { kind, place }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cut<'t>(text: &'t str, tree: &Node, path: &str) -> &'t str {
+        match tree.locate(path) {
+            Place::File { start, end } => &text[start as usize..end as usize],
+            _ => "",
+        }
+    }
+
+    #[test]
+    fn values_are_found_where_they_are_written() {
+        let text =
+            "end_time = 1.5\n[[part]]\nid = 1\n[[part]]\nid = 2\n[sets]\n\"a.b\" = [1, 22]\n";
+        let tree = Node::parse(text).unwrap();
+        assert_eq!(cut(text, &tree, "end_time"), "end_time = 1.5");
+        assert_eq!(cut(text, &tree, "part.1.id"), "id = 2");
+        assert_eq!(cut(text, &tree, "part.1.thickness"), "[[part]]");
+        assert_eq!(cut(text, &tree, "sets.a.b.1"), "22");
+        assert_eq!(tree.locate("nothing"), Place::Whole);
+    }
+
+    #[test]
+    fn all_syntax_errors_come_at_once() {
+        assert_eq!(Node::parse("a = 1\na = 2\n[b]\n[b]\nc = 1e\n").unwrap_err().len(), 3);
+    }
+
+    #[test]
+    fn numbers_are_read_in_all_notations() {
+        let tree =
+            Node::parse("a = 1_000\nb = 0x1F\nc = 1_0.5e-1\nd = -inf\ne = 99999999999999999999\n")
+                .unwrap();
+        let value = |key| tree.get(key).unwrap().to_value();
+        assert_eq!(value("a").as_integer(), Some(1000));
+        assert_eq!(value("b").as_integer(), Some(31));
+        assert_eq!(value("c").as_float(), Some(1.05));
+        assert_eq!(value("d").as_float(), Some(f64::NEG_INFINITY));
+        assert_eq!(value("e").as_float(), Some(1e20));
+    }
+
+    #[test]
+    fn one_value_stays_one_value() {
+        assert!(Node::parse_value("1\nb = 2", Place::Set(0)).is_none());
+        assert!(Node::parse_value("steel", Place::Set(0)).is_none());
+        assert!(matches!(Node::parse_value("[1, 2]", Place::Set(0)).unwrap().kind, Kind::Array(_)));
+    }
+}

@@ -1,0 +1,131 @@
+//! Whether a material's numbers can be meant in the units that the job states.
+
+use crumple_proto::job::{Job, MaterialSpec};
+use crumple_proto::problem::Problem;
+
+/// Densities of solids that are built with, from foam to osmium [kg/m^3].
+const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=23_000.0;
+/// Wave speeds `sqrt(E/rho)`, from soft rubber to diamond, and of what is as dense as a metal, from
+/// lead on [m/s].
+const WAVE_SPEEDS: std::ops::RangeInclusive<f64> = 5.0..=19_000.0;
+const OF_METALS: std::ops::RangeInclusive<f64> = 1000.0..=19_000.0;
+/// Nothing soft is denser [kg/m^3].
+const SOFT: f64 = 2600.0;
+
+/// Units of length, time and mass, in SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Units {
+    length: f64,
+    time: f64,
+    mass: f64,
+}
+
+/// Warns of every material whose density or wave speed no real material has in the stated units.
+pub fn check(job: &Job) -> Vec<Problem> {
+    let Some(units) = read(&job.units) else {
+        return Vec::new();
+    };
+    let mut problems = Vec::new();
+    // What bears nothing may have any numbers.
+    let bears = |name: &str| {
+        let mut own = job.part.iter().filter(|p| p.material == name).peekable();
+        own.peek().is_none() || own.any(|p| !p.skin)
+    };
+    for (index, material) in job.material.iter().enumerate().filter(|(_, m)| bears(&m.name)) {
+        let density = material.density * units.mass / units.length.powi(3);
+        if density.is_finite() && density > 0.0 && !DENSITIES.contains(&density) {
+            let message = format!(
+                "material `{}`: in {} its density is {density:.3e} kg/m3",
+                material.name, job.units
+            );
+            let steel = 7850.0 * units.length.powi(3) / units.mass;
+            let help = format!("no solid has that; steel has {steel:.3e} in these units");
+            problems.push(Problem::warning(format!("material.{index}.density"), message, help));
+        }
+        let Some(modulus) = youngs_modulus(material) else { continue };
+        let speed = (modulus / material.density).sqrt() * units.length / units.time;
+        if speed.is_finite() && speed > 0.0 && !wave_speeds(density).contains(&speed) {
+            let message = format!(
+                "material `{}`: in {} its waves run at {speed:.3e} m/s, sqrt(E/rho)",
+                material.name, job.units
+            );
+            let steel = 207e9 * units.length * units.time * units.time / units.mass;
+            let help = format!("no solid has that; steel has E = {steel:.3e} in these units");
+            problems.push(Problem::warning(
+                format!("material.{index}.youngs_modulus"),
+                message,
+                help,
+            ));
+        }
+    }
+    problems
+}
+
+/// Wave speeds [m/s] that there are at a density [kg/m^3].
+fn wave_speeds(density: f64) -> &'static std::ops::RangeInclusive<f64> {
+    if density > SOFT { &OF_METALS } else { &WAVE_SPEEDS }
+}
+
+/// Young's modulus of a material that has one [force/length^2].
+pub fn youngs_modulus(material: &MaterialSpec) -> Option<f64> {
+    let given = material.parameters.get("youngs_modulus")?;
+    given.as_float().or(given.as_integer().map(|i| i as f64))
+}
+
+/// Whether a solid can have this density [mass/length^3] and Young's modulus [force/length^2] in
+/// these units; a density that is not above 0 fits in any.
+pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
+    let Some(units) = read(units) else { return false };
+    let speed = (youngs_modulus / density).sqrt() * units.length / units.time;
+    let density = density * units.mass / units.length.powi(3);
+    density.is_nan()
+        || density <= 0.0
+        || (DENSITIES.contains(&density) && (wave_speeds(density).contains(&speed) || speed == 0.0))
+}
+
+/// Reads `mm, ms, kg` and the like; `None` if the text does not name one unit each of length, time
+/// and mass.
+fn read(text: &str) -> Option<Units> {
+    let words: Vec<&str> = text
+        .split(|c: char| !c.is_alphanumeric() && c != 'µ')
+        .filter(|word| !word.is_empty())
+        .collect();
+    let first = |known: &[(&str, f64)]| {
+        words
+            .iter()
+            .find_map(|word| known.iter().find(|(name, _)| name == word).map(|(_, factor)| *factor))
+    };
+    Some(Units {
+        length: first(&[("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("inch", 0.0254)])?,
+        time: first(&[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6)])?,
+        mass: first(&[
+            ("kg", 1.0),
+            ("g", 1e-3),
+            ("t", 1e3),
+            ("tonne", 1e3),
+            ("ton", 1e3),
+            ("Mg", 1e3),
+        ])?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 7850 and 207 are steel in no units: a metal is stiffer than that in the only ones in which
+    /// it would be as dense.
+    #[test]
+    fn metals_are_not_as_soft_as_rubber() {
+        assert!(fit("m, ms, kg", 7850.0, 207e3) && !fit("m, ms, kg", 7850.0, 207.0));
+        assert!(fit("m, ms, kg", 1100.0, 5.0), "rubber");
+    }
+
+    #[test]
+    fn common_sets_are_read() {
+        assert_eq!(read("mm, ms, kg"), Some(Units { length: 1e-3, time: 1e-3, mass: 1.0 }));
+        assert_eq!(read("mm, ms, kg (so kN, GPa, J)"), read("mm-ms-kg"));
+        assert_eq!(read("t mm s"), Some(Units { length: 1e-3, time: 1.0, mass: 1e3 }));
+        assert_eq!(read("SI"), None);
+    }
+}

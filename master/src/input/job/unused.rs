@@ -1,0 +1,161 @@
+//! Settings that are written in a job and that nothing in it uses: told, since whoever wrote them
+//! expects an effect.
+
+use super::laws::Used;
+use super::tree::{Kind, Node, Place};
+use super::validate::Findings;
+use crumple_proto::job::{Contact, HourglassForm, Job, Part};
+use crumple_proto::mesh::Shape;
+use crumple_proto::problem::Problem;
+
+/// Keys of `[contact]` and the laws that use them; all others are used by all.
+const OF_LAWS: &[(&str, &[&str])] = &[
+    ("iteration", &["lagrange"]),
+    ("weighting", &["lagrange"]),
+    ("sweeps", &["lagrange", "kinematic"]),
+    ("accelerated", &["lagrange"]),
+    ("tolerance", &["lagrange", "kinematic"]),
+    ("partition", &["kinematic"]),
+    ("penalty_form", &["penalty", "mortar"]),
+    ("penalty_scale", &["penalty", "mortar"]),
+    ("penalty_damping", &["penalty", "mortar"]),
+    ("penalty_cap", &["penalty", "mortar"]),
+];
+
+/// What uses a key of a part, and whether this part has that.
+type User = (&'static str, &'static str, fn(&Part, &Used) -> bool);
+
+/// Keys of `[[part]]`, what uses them in words, and whether it is there.
+const OF_PARTS: &[User] = &[
+    ("warping", "shells with element = \"belytschko_tsay\"", |p, u| {
+        has(u, Shape::Quad4) && controlled(p)
+    }),
+    ("hourglass", "shells with element = \"belytschko_tsay\" and solids", |p, u| {
+        has(u, Shape::Hex8) || has(u, Shape::Quad4) && controlled(p)
+    }),
+    (
+        "hourglass_coefficient",
+        "shells with one point in their plane, and solids without hourglass = \"assumed_strain\"",
+        |p, u| {
+            let solids = !matches!(p.hourglass, None | Some(HourglassForm::AssumedStrain));
+            shells(u) && p.element.as_deref() != Some("fully_integrated_quad")
+                || has(u, Shape::Hex8) && solids
+        },
+    ),
+    ("points", "shells", |_, u| shells(u)),
+    ("thinning", "shells", |_, u| shells(u)),
+    ("inverted", "shells", |_, u| shells(u)),
+    ("drilling", "shells", |_, u| shells(u)),
+];
+
+fn has(used: &Used, shape: Shape) -> bool {
+    used[shape as usize]
+}
+
+fn shells(used: &Used) -> bool {
+    has(used, Shape::Quad4) || has(used, Shape::Tri3)
+}
+
+/// Whether quads of a part have an hourglass control to be chosen.
+fn controlled(part: &Part) -> bool {
+    part.element.as_deref() == Some("belytschko_tsay")
+}
+
+/// Tells of them. `used` are the shapes of each part of the job; what a deck says is its own
+/// business, and reported there.
+pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
+    let written = |table: &Node, path: &str, key: &str| {
+        table.get(key).is_some()
+            && !matches!(tree.locate(&format!("{path}.{key}")), Place::Deck { .. })
+    };
+    if let (Some(table), Some(contact)) = (tree.get("contact"), &job.contact) {
+        let used_by = |one: &Contact, laws: &[&str]| laws.contains(&one.law.as_str());
+        let mut tell = |path: String, key: &str, law: &str, laws: &[&str]| {
+            let message = format!("law = \"{law}\" does not use `{key}`");
+            findings.add(Problem::warning(
+                path,
+                message,
+                format!("it belongs to law {}", laws.join(" and ")),
+            ));
+        };
+        let all: Vec<Contact> = contact.each().collect();
+        for (key, laws) in OF_LAWS {
+            // What it says is taken over by its interfaces.
+            if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
+                tell(format!("contact.{key}"), key, &contact.law, laws);
+            }
+            let Some(Kind::Array(interfaces)) = table.get("interface").map(|node| &node.kind)
+            else {
+                continue;
+            };
+            for (i, (table, one)) in interfaces.iter().zip(&all[1..]).enumerate() {
+                let path = format!("contact.interface.{i}");
+                if written(table, &path, key) && !used_by(one, laws) {
+                    tell(format!("{path}.{key}"), key, &one.law, laws);
+                }
+            }
+        }
+    }
+    let Some(Kind::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
+    for (index, ((table, part), used)) in parts.iter().zip(&job.part).zip(used).enumerate() {
+        // Of a part without elements this is not what is wrong.
+        if !used.contains(&true) {
+            continue;
+        }
+        let path = format!("part.{index}");
+        for (key, users, uses) in OF_PARTS.iter().filter(|(key, ..)| written(table, &path, key)) {
+            if !uses(part, used) {
+                let message = format!("nothing in part {} uses `{key}`", part.id);
+                findings.add(Problem::warning(
+                    format!("{path}.{key}"),
+                    message,
+                    format!("it is for {users}"),
+                ));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::job::read_text;
+
+    /// Warnings of the colliding bars, shells of 2 points, with some settings.
+    fn warned(sets: &[&str]) -> Vec<String> {
+        let text = include_str!("../../../../cases/bars/job.toml").to_string();
+        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+        let model =
+            read_text("bars.toml".into(), text, &sets).unwrap_or_else(|report| panic!("{report}"));
+        model
+            .warnings
+            .iter()
+            .filter(|w| w.message.contains("use"))
+            .map(|w| w.path.clone())
+            .collect()
+    }
+
+    #[test]
+    fn what_nothing_uses_is_told_and_what_is_used_is_not() {
+        let plain = ["part.one.element=belytschko_tsay", "part.one.warping=true"];
+        assert_eq!(
+            warned(&[&["contact.law=penalty", "contact.penalty_scale=0.2"][..], &plain].concat()),
+            [""; 0]
+        );
+        assert_eq!(
+            warned(&["part.one.warping=true"]),
+            ["part.0.warping"],
+            "the default has no such terms"
+        );
+        assert_eq!(warned(&["contact.partition=0.3", "contact.sweeps=5"]), ["contact.partition"]);
+        assert_eq!(
+            warned(&["contact.law=kinematic", "contact.iteration=split"]),
+            ["contact.iteration"]
+        );
+        let stabilised = ["part.one.element=stabilised_quad", "part.one.hourglass=viscous"];
+        assert_eq!(warned(&stabilised), ["part.0.hourglass"]);
+        let stabilised = ["part.one.element=stabilised_quad", "part.one.warping=true"];
+        assert_eq!(warned(&stabilised), ["part.0.warping"]);
+        let full = ["part.one.element=fully_integrated_quad", "part.one.hourglass_coefficient=0.1"];
+        assert_eq!(warned(&full), ["part.0.hourglass_coefficient"]);
+    }
+}

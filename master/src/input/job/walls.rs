@@ -1,0 +1,265 @@
+//! Rigid walls of a job: what is wrong with them, and what they are in numbers and ids.
+
+use super::loads::{Curves, starts_with_jump};
+use super::state::{NodeSets, NodeStart};
+use super::validate::Findings;
+use crumple_proto::ids::NodeId;
+use crumple_proto::job::{Job, Wall as WallSpec};
+use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::mesh::{Mesh, MeshNode};
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use crumple_proto::wall::{Wall, WallForm, WallMotion};
+use std::collections::HashSet;
+
+/// Nodes that a wall would throw out with more than this fraction of the wave speed are told; less
+/// is round-off of the mesh.
+const TOLD_SPEED: f64 = 1e-6;
+/// With more than this, as by a strain that nothing bears, the run would fail.
+const THROWN: f64 = 0.1;
+/// An edge counts as along the normal if its part across is below this fraction of it.
+const ALONG: f64 = 1e-6;
+
+/// Checks everything of the walls that needs no mesh.
+pub fn check(job: &Job, findings: &mut Findings) {
+    for (i, wall) in job.wall.iter().enumerate() {
+        for (key, message, help) in faults(wall) {
+            findings.add(Problem::error(join(i, key), message, help));
+        }
+        if wall.mass.is_some() && job.time.damping > 0.0 {
+            let message = "damping and a wall with a mass do not go together: the wall would not feel all that it gives to nodes";
+            let help = "leave out time.damping, or lead the wall by `velocity`";
+            findings.add(Problem::error(join(i, "mass"), message, help));
+        }
+    }
+}
+
+/// Key at fault (empty for the whole wall), what is wrong, what to do.
+type Fault = (&'static str, String, &'static str);
+
+fn faults(wall: &WallSpec) -> Vec<Fault> {
+    let mut found: Vec<Fault> = Vec::new();
+    let mut say = |wrong: bool, key, message: &str, help| {
+        if wrong {
+            found.push((key, message.into(), help));
+        }
+    };
+    let flat = wall.normal.is_some();
+    let round = wall.axis.is_some();
+    let led = wall.velocity.is_some() || wall.displacement.is_some();
+    let normal = "it points from the wall to where the model is, such as [1, 0, 0]";
+    say(
+        !flat && !round,
+        "",
+        "a wall has no normal",
+        "give `normal`, or `axis` and `radius` of a cylinder",
+    );
+    say(
+        flat && round,
+        "axis",
+        "a wall has both a normal and an axis",
+        "take one out: a cylinder has no `normal`",
+    );
+    let no_way = |given: Option<[f64; 3]>| given.is_some_and(|v| unit(v).is_none());
+    let message =
+        format!("the normal {:?} of a wall has no direction", wall.normal.unwrap_or_default());
+    say(no_way(wall.normal), "normal", &message, normal);
+    let message =
+        format!("the axis {:?} of a wall has no direction", wall.axis.unwrap_or_default());
+    say(no_way(wall.axis), "axis", &message, "it points along the cylinder, such as [0, 0, 1]");
+    let radius = "a cylinder has `axis` and a `radius` above 0";
+    say(
+        round != wall.radius.is_some(),
+        "",
+        "a wall has one of axis and radius without the other",
+        radius,
+    );
+    say(
+        wall.radius.is_some_and(|r| r <= 0.0),
+        "radius",
+        "the radius of a wall is not above 0",
+        radius,
+    );
+    let length = "it has to be 0 (without end) or above, and belongs to a cylinder";
+    say(
+        wall.length < 0.0 || wall.length > 0.0 && !round,
+        "length",
+        "a wall cannot have this length",
+        length,
+    );
+
+    let sides =
+        "a rectangle has `edge`, the direction of its first side, and `lengths` of both sides";
+    let rectangle = wall.edge.is_some() || wall.lengths.is_some();
+    let half = wall.edge.is_some() != wall.lengths.is_some();
+    say(half, "", "a wall has one of edge and lengths without the other", sides);
+    say(rectangle && round, "", "a cylinder has neither edge nor lengths", "give its `length`");
+    let short = wall.lengths.is_some_and(|l| l.iter().any(|&l| l < 0.0));
+    say(
+        short,
+        "lengths",
+        "the lengths of a wall are below 0",
+        "they have to be above 0, or 0 for a side without end",
+    );
+    let lost = wall.edge.is_some()
+        && wall.normal.and_then(unit).is_some_and(|n| square(wall, &n).is_none());
+    say(
+        lost,
+        "edge",
+        "the edge of a wall lies along its normal",
+        "give the direction of a side, across the normal",
+    );
+
+    let message = format!("`friction` is {:?}", wall.friction);
+    say(wall.friction < 0.0, "friction", &message, "it has to be 0 or above");
+    let mass = "it has to be above 0; leave it out for a wall that stands still or is led";
+    say(wall.mass.is_some_and(|m| m <= 0.0), "mass", "the mass of a wall is not above 0", mass);
+    let guide = "only planes and rectangles have a mass: they move along their normal";
+    say(wall.mass.is_some() && round, "mass", "a cylinder cannot have a mass", guide);
+    say(
+        wall.mass.is_some() && led,
+        "mass",
+        "a wall with a mass cannot be led",
+        "take out its mass, or what leads it",
+    );
+    let idle = wall.speed != 0.0 && wall.mass.is_none();
+    say(
+        idle,
+        "speed",
+        "a wall has a speed but no mass",
+        "give it a `mass`, or lead it by `velocity`",
+    );
+    let both = wall.velocity.is_some() && wall.displacement.is_some();
+    say(both, "displacement", "a wall is led by velocity and displacement", "give one of them");
+    let unused = wall.curve.is_some() && !led;
+    say(
+        unused,
+        "curve",
+        "the curve of a wall leads nothing",
+        "give it a `velocity` or a `displacement`",
+    );
+    found
+}
+
+/// The walls of a job that [`check`] has found no fault with.
+pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut Findings) -> Vec<Wall> {
+    let curves = Curves::quietly(job);
+    let mut walls = Vec::new();
+    for (i, spec) in job.wall.iter().enumerate() {
+        let mut set = |name: &Option<String>, key| {
+            let name = name.as_ref()?;
+            Some(sets.ids(name, join(i, key), findings).unwrap_or_default())
+        };
+        let (nodes, except) =
+            (set(&spec.nodes, "nodes"), set(&spec.except, "except").unwrap_or_default());
+        let curve = curves.find(&spec.curve, &join(i, "curve"), findings);
+        let Some(direction) = spec.normal.or(spec.axis).and_then(unit) else { continue };
+        let form = match (spec.lengths, spec.radius) {
+            (Some(lengths), _) if lengths != [0.0; 2] => {
+                let Some(edge) = square(spec, &direction) else { continue };
+                WallForm::Rectangle { edge, lengths }
+            }
+            (_, Some(radius)) => WallForm::Cylinder { radius, length: spec.length },
+            _ => WallForm::Plane,
+        };
+        let given =
+            [(MotionForm::Velocity, spec.velocity), (MotionForm::Displacement, spec.displacement)];
+        let led = given.into_iter().find_map(|(form, amount)| Some((form, amount?)));
+        let motion = match (spec.mass, led) {
+            (Some(mass), _) => WallMotion::Pushed { mass, speed: spec.speed },
+            (None, Some((form, amount))) => {
+                if starts_with_jump(form, &curves, &spec.curve, curve) {
+                    let help = "give it a curve that is 0 at time 0";
+                    let message = "the displacement of a wall starts with a jump";
+                    findings.add(Problem::error(join(i, "displacement"), message, help));
+                }
+                WallMotion::Led(Motion { nodes: Vec::new(), dofs: 0b111, form, amount, curve })
+            }
+            (None, None) => WallMotion::Still,
+        };
+        let (name, point, friction) = (spec.name.clone(), spec.point, spec.friction);
+        walls.push(Wall { name, point, direction, form, friction, nodes, except, motion });
+    }
+    walls
+}
+
+fn join(i: usize, key: &str) -> String {
+    if key.is_empty() { format!("wall.{i}") } else { format!("wall.{i}.{key}") }
+}
+
+/// The unit vector along `v`, if it has a direction. Scaled by the largest component first, so that
+/// tiny and huge ones do too.
+fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let scaled = v.map(|c| c / largest);
+    let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+    (largest > 0.0 && length.is_finite()).then(|| scaled.map(|c| c / length))
+}
+
+/// The edge of a rectangle, made square to its unit normal.
+fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
+    let edge = unit(wall.edge?)?;
+    let along: f64 = (0..3).map(|c| edge[c] * normal[c]).sum();
+    let across = [0, 1, 2].map(|c| edge[c] - along * normal[c]);
+    let size = across.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if size > ALONG { unit(across) } else { None }
+}
+
+/// Tells of nodes that start behind planes without end, which push them out in the first step of
+/// length `dt`. What would come out faster than a tenth of the `wave` in the materials is an error.
+pub fn behind(
+    settings: &Settings,
+    mesh: &Mesh,
+    start: &NodeStart,
+    dt: f64,
+    wave: f64,
+    findings: &mut Findings,
+) {
+    let held: HashSet<NodeId> =
+        settings.rigid.iter().flat_map(|b| b.nodes.iter().copied()).collect();
+    let free: Vec<&MeshNode> = mesh
+        .nodes
+        .iter()
+        .zip(&start.fixed)
+        .filter(|(n, f)| **f & 7 != 7 && !held.contains(&n.id))
+        .map(|n| n.0)
+        .collect();
+    for (w, wall) in settings.walls.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
+        let depth =
+            |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
+        let meets = free.iter().filter(|n| wall.admits(n.id));
+        let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > TOLD_SPEED * wave);
+        let (count, (most, id)) = deep.fold((0, (0.0, NodeId(0))), |(count, most), d| {
+            (count + 1, if d.0 > most.0 { d } else { most })
+        });
+        if count == 0 {
+            continue;
+        }
+        let message = format!(
+            "{count} nodes start behind wall `{}`, node {id} by {most:.3e}: the first step would throw it out with {:.3e}",
+            wall.name,
+            most / dt
+        );
+        let help = "move the wall, turn its normal round (it points to where the model is), or leave them out by `nodes` or `except`";
+        let path = format!("wall.{w}");
+        findings.add(match most / dt > THROWN * wave {
+            true => Problem::error(path, message, help),
+            false => Problem::warning(path, message, help),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_become_unit_vectors() {
+        let normal = unit([3e-200, 0.0, 4e-200]).unwrap();
+        assert!((normal[0] - 0.6).abs() < 1e-15 && (normal[2] - 0.8).abs() < 1e-15);
+        assert_eq!((unit([0.0; 3]), unit([f64::INFINITY, 0.0, 0.0])), (None, None));
+        let wall = WallSpec { edge: Some([1.0, 2.0, 5.0]), ..WallSpec::default() };
+        let edge = square(&wall, &[0.0, 0.0, 1.0]).unwrap();
+        assert!(edge[2].abs() < 1e-15 && (edge[1] - 2.0 * edge[0]).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,6 @@
+//! input
+
+pub mod check;
+pub mod deck;
+pub mod job;
+pub mod reference;

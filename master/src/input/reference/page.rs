@@ -1,0 +1,311 @@
+//! The reference of jobs as a page: every key with type, dimension, default and meaning.
+
+use super::schema;
+use crumple_cases::GENERATORS;
+use crumple_worker::contact::enforce::CONTACT_LAWS;
+use crumple_worker::fem::elements::ELEMENTS;
+use crumple_worker::fem::materials::{ELASTIC, LAWS, Otherwise, ParameterRow};
+use serde_json::Value;
+use std::fmt::Write;
+
+/// Words that dimensions are made of.
+const DIMENSIONS: [&str; 6] = ["length", "time", "mass", "force", "energy", "temperature"];
+
+const INTRODUCTION: &str = "\
+# Job reference
+
+Every key of a job file, made by the program itself from the types that it reads jobs into and from its tables of laws,
+elements and generators: `crumple schema --reference > cases/REFERENCE.md`. A test compares the two.
+
+The engine is unit-free: a job takes one consistent set of units, and the dimension says of what a number is one. A
+dimension of - is a pure number. `[name]` is a table that may stand once, `[[name]]` one that may stand several times.
+A key without which there is no job, or no such table, is *needed*.
+
+Editors know these keys too, see [the README](../README.md#job-files-in-an-editor).
+";
+
+/// The whole page.
+pub fn page() -> String {
+    let schema = schema();
+    let mut page = Page { schema: &schema, text: INTRODUCTION.to_string() };
+    page.table("", &schema);
+    page.text
+}
+
+struct Page<'s> {
+    schema: &'s Value,
+    text: String,
+}
+
+impl Page<'_> {
+    /// A table of keys and the tables in it. `name` is what its heading says, in brackets.
+    fn table(&mut self, name: &str, table: &Value) {
+        let properties = table["properties"].as_object().into_iter().flatten();
+        let needed =
+            |key: &str| table["required"].as_array().is_some_and(|r| r.iter().any(|k| k == key));
+        let (tables, mut keys): (Vec<_>, Vec<_>) =
+            properties.partition(|(_, p)| self.inner(p).is_some());
+        keys.sort_by_key(|(key, _)| (!needed(key), key.as_str()));
+        if !keys.is_empty() {
+            self.head(&["key", "type", "dimension", "default", "meaning"]);
+        }
+        for (key, property) in keys {
+            let (meaning, dimension) = split(&self.description(property));
+            let numeric = self.is_numeric(property);
+            let dimension =
+                dimension.unwrap_or_else(|| if numeric { "-".into() } else { String::new() });
+            let default =
+                if needed(key) { "*needed*".into() } else { default(&property["default"]) };
+            self.row(&[&format!("`{key}`"), &self.form(property), &dimension, &default, &meaning]);
+        }
+        for (key, property) in tables {
+            let Some((inner, many)) = self.inner(property) else { continue };
+            let inner = inner.clone();
+            let path = if name.is_empty() {
+                key.clone()
+            } else {
+                format!("{}.{key}", name.trim_matches(['[', ']']))
+            };
+            let heading = if many { format!("[[{path}]]") } else { format!("[{path}]") };
+            let mut meaning = self.description(property);
+            let of_type = self.description(&inner);
+            if of_type != meaning {
+                meaning = format!("{meaning}\n\n{of_type}").trim().to_string();
+            }
+            let _ = write!(self.text, "\n## `{heading}`\n\n{meaning}\n");
+            if key == "scene" {
+                self.generators();
+                continue;
+            }
+            self.table(&heading, &inner);
+            match key.as_str() {
+                "material" => self.laws(),
+                "part" => self.elements(),
+                "contact" => self.contact_laws(),
+                _ => {}
+            }
+        }
+    }
+
+    /// The table that a property holds, and whether it may stand several times.
+    fn inner<'a>(&'a self, property: &'a Value) -> Option<(&'a Value, bool)> {
+        let resolved = self.resolve(property);
+        if resolved["type"] == "array" {
+            let items = self.resolve(&resolved["items"]);
+            return items["properties"].is_object().then_some((items, true));
+        }
+        if let Some(choices) = resolved["anyOf"].as_array() {
+            return choices.iter().find_map(|c| self.inner(c));
+        }
+        let free = resolved["type"] == "object" && resolved["additionalProperties"] == true;
+        (free || resolved["properties"].is_object()).then_some((resolved, false))
+    }
+
+    fn resolve<'a>(&'a self, schema: &'a Value) -> &'a Value {
+        match schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
+            Some(name) => &self.schema["$defs"][name],
+            None => schema,
+        }
+    }
+
+    /// What is said where it is used, else of the type.
+    fn description(&self, property: &Value) -> String {
+        let of_type = || self.resolve(property)["description"].as_str();
+        property["description"].as_str().or_else(of_type).unwrap_or_default().replace('\n', " ")
+    }
+
+    fn is_numeric(&self, property: &Value) -> bool {
+        let resolved = self.resolve(property);
+        let kind = |k: &Value| k == "number";
+        match &resolved["type"] {
+            Value::Array(kinds) => kinds.iter().any(kind),
+            one => kind(one),
+        }
+    }
+
+    /// What is written for a value.
+    fn form(&self, property: &Value) -> String {
+        let resolved = self.resolve(property);
+        let choices = ["enum", "oneOf"].iter().find_map(|k| resolved[*k].as_array());
+        if let Some(choices) = choices {
+            let word = |c: &Value| c.as_str().or(c["const"].as_str()).map(|w| format!("`\"{w}\"`"));
+            return choices.iter().filter_map(word).collect::<Vec<_>>().join(", ");
+        }
+        if let Some(choices) = resolved["anyOf"].as_array() {
+            let forms: Vec<String> =
+                choices.iter().filter(|c| c["type"] != "null").map(|c| self.form(c)).collect();
+            return forms.join(" or ");
+        }
+        let kind = match &resolved["type"] {
+            Value::Array(kinds) => kinds.iter().find(|k| *k != "null").unwrap_or(&Value::Null),
+            one => one,
+        };
+        match kind.as_str().unwrap_or_default() {
+            "number" => "number".into(),
+            "integer" => "whole number".into(),
+            "string" => "text".into(),
+            "boolean" => "true or false".into(),
+            "object" => format!("table of: {}", self.form(&resolved["additionalProperties"])),
+            "array" => {
+                let items = match self.form(&resolved["items"]).as_str() {
+                    one @ ("number" | "whole number" | "text") => format!("{one}s"),
+                    list => match list.strip_prefix("list of ") {
+                        Some(items) => format!("lists of {items}"),
+                        None => format!("lists of {list}"),
+                    },
+                };
+                match (resolved["minItems"].as_u64(), resolved["maxItems"].as_u64()) {
+                    (Some(n), Some(most)) if n == most => format!("{n} {items}"),
+                    _ => format!("list of {items}"),
+                }
+            }
+            _ => "any".into(),
+        }
+    }
+
+    fn laws(&mut self) {
+        let _ = write!(self.text, "\nEvery law has\n\n");
+        self.parameters(ELASTIC);
+        for law in LAWS {
+            let _ = write!(self.text, "\n### `law = \"{}\"`\n\n{}\n", law.name, law.meaning);
+            if !law.parameters.is_empty() {
+                self.text.push('\n');
+                self.parameters(law.parameters);
+            }
+        }
+    }
+
+    fn parameters(&mut self, rows: &[ParameterRow]) {
+        self.columns(&["key", "type", "dimension", "default", "meaning"]);
+        for row in rows {
+            let (meaning, dimension) = split(row.meaning);
+            let dimension = dimension.unwrap_or_else(|| "-".into());
+            let default = match row.otherwise {
+                Otherwise::Needed => "*needed*".into(),
+                Otherwise::Absent => "none".into(),
+                Otherwise::Number(n) => n.to_string(),
+                Otherwise::Depends(words) => words.into(),
+            };
+            let form =
+                if row.form.starts_with('[') { format!("`{}`", row.form) } else { row.form.into() };
+            self.row(&[&format!("`{}`", row.key), &form, &dimension, &default, &meaning]);
+        }
+    }
+
+    fn elements(&mut self) {
+        self.head(&["`element`", "of", "what it is"]);
+        for row in ELEMENTS {
+            let shape = format!("{} nodes", row.shape.corners());
+            self.row(&[&format!("`{}`", row.name), &shape, row.meaning]);
+        }
+    }
+
+    fn contact_laws(&mut self) {
+        self.head(&["`law`", "what it is"]);
+        for row in CONTACT_LAWS {
+            self.row(&[&format!("`{}`", row.name), row.meaning]);
+        }
+    }
+
+    fn generators(&mut self) {
+        for generator in GENERATORS {
+            let _ = write!(self.text, "\n### `mesh.generator = \"{}\"`\n", generator.name);
+            if generator.options.is_empty() {
+                let _ = write!(self.text, "\nIt has no options.\n");
+                continue;
+            }
+            self.head(&["option", "default", "meaning"]);
+            for (key, default, meaning) in generator.options {
+                self.row(&[&format!("`{key}`"), &default.to_string(), meaning]);
+            }
+        }
+    }
+
+    fn head(&mut self, names: &[&str]) {
+        self.text.push('\n');
+        self.columns(names);
+    }
+
+    fn columns(&mut self, names: &[&str]) {
+        self.row(names);
+        let _ = writeln!(self.text, "|{}", "---|".repeat(names.len()));
+    }
+
+    fn row(&mut self, cells: &[&str]) {
+        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+        let _ = writeln!(self.text, "| {} |", cells.join(" | "));
+    }
+}
+
+/// A meaning without its dimension, and that: what stands in brackets and is made of nothing but
+/// dimensions.
+fn split(meaning: &str) -> (String, Option<String>) {
+    let is_dimension = |inside: &str| {
+        let mut words =
+            inside.split(|c: char| !c.is_alphabetic()).filter(|w| !w.is_empty()).peekable();
+        inside == "1"
+            || inside.starts_with("1/") && words.clone().all(|w| DIMENSIONS.contains(&w))
+            || words.peek().is_some()
+                && words.all(|w| DIMENSIONS.contains(&w))
+                && !inside.contains(',')
+    };
+    for (open, _) in meaning.match_indices('[') {
+        let Some(length) = meaning[open..].find(']') else { continue };
+        let inside = &meaning[open + 1..open + length];
+        if is_dimension(inside) {
+            let (before, after) = (meaning[..open].trim_end(), &meaning[open + length + 1..]);
+            return (format!("{before}{after}"), Some(inside.to_string()));
+        }
+    }
+    (meaning.to_string(), None)
+}
+
+/// A default as it would be written.
+fn default(value: &Value) -> String {
+    match value {
+        Value::Null => "none".into(),
+        Value::String(s) if s.is_empty() => "none".into(),
+        Value::Array(a) if a.is_empty() => "none".into(),
+        Value::Object(o) if o.is_empty() => "none".into(),
+        Value::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |n| n.to_string()),
+        Value::String(s) => format!("`\"{s}\"`"),
+        Value::Array(_) => format!("`{}`", value.to_string().replace(',', ", ")),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dimensions_are_told_from_other_brackets() {
+        let cut = |text: &str| split(text);
+        assert_eq!(cut("A length [length]."), ("A length.".into(), Some("length".into())));
+        assert_eq!(
+            cut("Spin [1/time]; 0 for none."),
+            ("Spin; 0 for none.".into(), Some("1/time".into()))
+        );
+        assert_eq!(cut("E [force/length^2]."), ("E.".into(), Some("force/length^2".into())));
+        assert_eq!(
+            cut("Nodes as `[id, x, y, z]` [length]."),
+            ("Nodes as `[id, x, y, z]`.".into(), Some("length".into()))
+        );
+        assert_eq!(cut("`[time, factor]` pairs."), ("`[time, factor]` pairs.".into(), None));
+        assert_eq!(cut("Two, `[0.06, 1.5]`."), ("Two, `[0.06, 1.5]`.".into(), None));
+    }
+
+    /// Every key of every table has a meaning, and whoever adds one without sees it here.
+    #[test]
+    fn every_key_has_a_meaning() {
+        let page = page();
+        let empty: Vec<&str> =
+            page.lines().filter(|l| l.starts_with("| `") && l.ends_with("|  |")).collect();
+        assert!(empty.is_empty(), "{empty:?}");
+        assert!(
+            page.contains("## `[[part]]`")
+                && page.contains("### `law = \"j2\"`")
+                && page.contains("jeep_frame")
+        );
+    }
+}

@@ -1,0 +1,84 @@
+//! `crumple export-d3plot`: the fields of a run as LS-DYNA's state database, for post-processors
+//! that read it.
+//!
+//! Made from the field files after the run: `source.rs` reads them, `format.rs` lays out the words.
+//! Written are coordinates, velocities, of solids and shells stress and plastic strain, of shells
+//! the thickness, and which elements are gone. Fields hold one stress per element, at a shell's
+//! middle surface, and the largest plastic strain over the thickness: the database says that there
+//! is one point, and that is what is in it. The internal energy of single elements is not known and
+//! nought. Global energies are those of `history.csv`, interpolated.
+
+mod format;
+mod source;
+
+use crumple_worker::vtu::write_whole;
+use format::Format;
+use source::Source;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Name of the first file; those of states add a number to it.
+pub const NAME: &str = "d3plot";
+/// Largest file of a family, unless one state needs more [MB].
+pub const FILE_SIZE: u64 = 256;
+
+/// Exports the run in `dir`, prints what was written; gives the exit code.
+pub fn run(dir: &Path, file_size: u64) -> u8 {
+    match export(dir, file_size * 1_000_000) {
+        Ok(said) => {
+            crate::run::say::write(format_args!("{said}\n"));
+            0
+        }
+        Err(why) => {
+            eprintln!("error: {why}");
+            crate::input::job::Report::EXIT_CODE
+        }
+    }
+}
+
+/// Writes the database of the run in `dir` beside its fields, in files of at most `limit` bytes or
+/// one state. Says what was written.
+///
+/// # Errors
+/// There are no fields or they cannot be read, an id does not fit into the format, or a file cannot
+/// be written.
+pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
+    let mut source = Source::open(dir)?;
+    let format = Format::of(source.mesh()?);
+    let path = dir.join(NAME);
+    remove_family(dir).map_err(|e| format!("{}: {e}", path.display()))?;
+    let failed = |e: io::Error| e.to_string();
+    write_whole(&path, |out| format.write_geometry(out)).map_err(failed)?;
+    let states = source.states();
+    let most = (limit / format.state_bytes()).max(1) as usize;
+    let mut files = 1;
+    for (number, run) in (0..states).collect::<Vec<_>>().chunks(most).enumerate() {
+        let file = dir.join(format!("{NAME}{:02}", number + 1));
+        let fill = |out: &mut dyn io::Write| {
+            let mut words = 0;
+            for &i in run {
+                let state = source.state(i).map_err(io::Error::other)?;
+                words += format.write_state(out, state)?;
+            }
+            format.end(out, words)
+        };
+        write_whole(&file, fill).map_err(failed)?;
+        files += 1;
+    }
+    Ok(format!("d3plot: {states} states in {files} files; open {}", path.display()))
+}
+
+/// Takes away what an earlier export has left.
+fn remove_family(dir: &Path) -> io::Result<()> {
+    let belongs = |path: &PathBuf| {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        name.strip_prefix(NAME).is_some_and(|rest| rest.chars().all(|c| c.is_ascii_digit()))
+    };
+    for entry in std::fs::read_dir(dir)? {
+        let path = entry?.path();
+        if belongs(&path) && path.is_file() {
+            std::fs::remove_file(path)?;
+        }
+    }
+    Ok(())
+}

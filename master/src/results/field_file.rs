@@ -1,0 +1,370 @@
+//! Field files read back: one worker's piece, and the series that names the pieces. Only what this
+//! program writes is read (`worker/src/vtu.rs`, `fields.rs`), and all of it is checked: a message
+//! names the file and what is wrong with it.
+
+use bytemuck::Pod;
+use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, Kind, POINT_ARRAYS};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+
+/// Ends the XML of a piece; the numbers follow.
+const MARK: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
+/// Before every array stands its length in bytes.
+const LENGTH: usize = size_of::<u64>();
+
+/// A step of a series as its collection names it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Simulated time [time].
+    pub time: f64,
+    /// File that names its pieces.
+    pub file: PathBuf,
+}
+
+/// One worker's piece: its arrays by name.
+pub struct Piece {
+    /// Simulated time [time].
+    pub time: f64,
+    /// Number of points.
+    pub points: usize,
+    /// Number of cells.
+    pub cells: usize,
+    path: PathBuf,
+    arrays: HashMap<String, Stored>,
+    bytes: Vec<u8>,
+}
+
+/// Where an array lies in the file.
+struct Stored {
+    kind: Kind,
+    bytes: Range<usize>,
+}
+
+/// Steps of a collection (`.pvd`), in its order.
+///
+/// # Errors
+/// The file is missing, or not as this program writes it.
+pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
+    let text = text(collection)?;
+    let broken = |why: &str| format!("{}: {why}", collection.display());
+    if !text.contains(r#"type="Collection""#) || !text.trim_end().ends_with("</VTKFile>") {
+        return Err(broken("is no whole collection of field files"));
+    }
+    let step = |line: &str| {
+        let time = attribute(line, "timestep")
+            .and_then(|t| t.parse().ok())
+            .filter(|t: &f64| t.is_finite());
+        let file = attribute(line, "file").and_then(|name| beside(collection, name));
+        Some(Step { time: time?, file: file? })
+    };
+    let lines = text.lines().filter(|line| line.trim_start().starts_with("<DataSet"));
+    lines.map(|line| step(line).ok_or_else(|| broken(&format!("cannot read `{line}`")))).collect()
+}
+
+/// Files of the pieces that a step (`.pvtu`) names.
+///
+/// # Errors
+/// The file is missing, or not as this program writes it.
+pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
+    let text = text(step)?;
+    let broken = |why: &str| format!("{}: {why}", step.display());
+    if !text.contains(r#"type="PUnstructuredGrid""#) || !text.trim_end().ends_with("</VTKFile>") {
+        return Err(broken("is no whole list of field pieces"));
+    }
+    let lines = text.lines().filter(|line| line.trim_start().starts_with("<Piece"));
+    let piece = |line: &str| {
+        let file = attribute(line, "Source").and_then(|name| beside(step, name));
+        file.ok_or_else(|| broken(&format!("cannot read `{line}`")))
+    };
+    lines.map(piece).collect()
+}
+
+impl Piece {
+    /// Reads a piece and checks that all its arrays are there and whole.
+    ///
+    /// # Errors
+    /// The file is missing, torn, or not as this program writes it.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Self::parse(path, bytes).map_err(|why| format!("{}: {why}", path.display()))
+    }
+
+    fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, String> {
+        let foreign = "is no field file of this program";
+        let head = bytes.windows(MARK.len()).position(|w| w == MARK).ok_or(foreign)?;
+        let start = head + MARK.len();
+        let head = std::str::from_utf8(&bytes[..head]).map_err(|_| foreign)?;
+        let order = head.lines().find_map(|line| attribute(line, "byte_order")).ok_or(foreign)?;
+        if order != BYTE_ORDER {
+            return Err(format!("is of a machine with another byte order, {order}"));
+        }
+        let time = head.lines().find(|line| attribute(line, "Name") == Some("TimeValue"));
+        let time = time.and_then(|line| {
+            line.split_once("format=\"ascii\">")?.1.split('<').next()?.parse().ok()
+        });
+        let count =
+            |name| head.lines().find_map(|line| attribute(line, name)?.parse::<usize>().ok());
+        let (points, cells) =
+            (count("NumberOfPoints").ok_or(foreign)?, count("NumberOfCells").ok_or(foreign)?);
+        let mut arrays = HashMap::new();
+        for line in head.lines().filter(|line| attribute(line, "format") == Some("appended")) {
+            let (name, stored) = stored(line, &bytes[start..])?;
+            let numbers = stored.bytes.len() / size_of_kind(stored.kind);
+            if numbers_due(&name, points, cells).is_some_and(|due| due != Some(numbers)) {
+                return Err(format!(
+                    "has {numbers} numbers in array `{name}`, for {points} points and {cells} cells"
+                ));
+            }
+            let bytes = start + stored.bytes.start..start + stored.bytes.end;
+            arrays.insert(name, Stored { bytes, ..stored });
+        }
+        let piece = Self {
+            time: time.ok_or(foreign)?,
+            points,
+            cells,
+            path: path.to_owned(),
+            arrays,
+            bytes,
+        };
+        piece.check_cells()?;
+        Ok(piece)
+    }
+
+    /// Corners are points of the piece, and each cell has some.
+    fn check_cells(&self) -> Result<(), String> {
+        let (corners, ends) =
+            (self.raw::<i64>("connectivity", Kind::I64)?, self.raw::<i64>("offsets", Kind::I64)?);
+        let in_order = ends.first().is_none_or(|&end| end > 0) && ends.is_sorted();
+        if !in_order || ends.last().map_or(0, |&end| end) != corners.len() as i64 {
+            return Err("has cells whose corners are not where it says".into());
+        }
+        match corners.iter().find(|&&corner| corner < 0 || corner >= self.points as i64) {
+            Some(corner) => Err(format!("has a cell with point {corner} of {}", self.points)),
+            None => Ok(()),
+        }
+    }
+
+    /// 32-bit floats of an array, all components of a point or cell side by side.
+    ///
+    /// # Errors
+    /// The piece has no such array of that type; so for those below.
+    pub fn f32(&self, name: &str) -> Result<Vec<f32>, String> {
+        self.typed(name, Kind::F32)
+    }
+
+    /// 32-bit unsigned integers of an array.
+    ///
+    /// # Errors
+    /// See [`Self::f32`].
+    pub fn u32(&self, name: &str) -> Result<Vec<u32>, String> {
+        self.typed(name, Kind::U32)
+    }
+
+    /// 64-bit integers of an array.
+    ///
+    /// # Errors
+    /// See [`Self::f32`].
+    pub fn i64(&self, name: &str) -> Result<Vec<i64>, String> {
+        self.typed(name, Kind::I64)
+    }
+
+    /// Bytes of an array.
+    ///
+    /// # Errors
+    /// See [`Self::f32`].
+    pub fn u8(&self, name: &str) -> Result<Vec<u8>, String> {
+        self.typed(name, Kind::U8)
+    }
+
+    /// Numbers of an array of any type.
+    ///
+    /// # Errors
+    /// The piece has no such array.
+    pub fn array(&self, name: &str) -> Result<Vec<f64>, String> {
+        match self.arrays.get(name).map(|stored| stored.kind) {
+            Some(Kind::U32) => Ok(self.u32(name)?.into_iter().map(f64::from).collect()),
+            Some(Kind::I64) => Ok(self.i64(name)?.into_iter().map(|i| i as f64).collect()),
+            Some(Kind::U8) => Ok(self.u8(name)?.into_iter().map(f64::from).collect()),
+            Some(Kind::F32) | None => Ok(self.f32(name)?.into_iter().map(f64::from).collect()),
+        }
+    }
+
+    fn typed<T: Pod>(&self, name: &str, kind: Kind) -> Result<Vec<T>, String> {
+        self.raw(name, kind).map_err(|why| format!("{}: {why}", self.path.display()))
+    }
+
+    fn raw<T: Pod>(&self, name: &str, kind: Kind) -> Result<Vec<T>, String> {
+        let there = self.arrays.get(name).filter(|stored| stored.kind == kind);
+        let stored =
+            there.ok_or_else(|| format!("has no array `{name}` of {}", kind.vtk_name()))?;
+        Ok(bytemuck::pod_collect_to_vec(&self.bytes[stored.bytes.clone()]))
+    }
+}
+
+/// Numbers that an array has to have, if their number is known: of `connectivity`, and arrays of
+/// later versions, it is not.
+fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>> {
+    let of = |arrays: &[Array], tuples: usize| {
+        let array = arrays.iter().find(|a| a.name == name)?;
+        Some(tuples.checked_mul(array.components))
+    };
+    let of_cells = ["offsets", "types"].contains(&name).then_some(Some(cells));
+    of(&[vtu::POINTS], points).or(of(POINT_ARRAYS, points)).or(of(CELL_ARRAYS, cells)).or(of_cells)
+}
+
+fn size_of_kind(kind: Kind) -> usize {
+    match kind {
+        Kind::F32 | Kind::U32 => 4,
+        Kind::I64 => 8,
+        Kind::U8 => 1,
+    }
+}
+
+/// Name and place of the array that a line declares, in the bytes behind the XML.
+fn stored(line: &str, bytes: &[u8]) -> Result<(String, Stored), String> {
+    let unread = || format!("has an array that cannot be read: `{line}`");
+    let name = attribute(line, "Name").ok_or_else(unread)?;
+    let kinds = [Kind::F32, Kind::U32, Kind::I64, Kind::U8];
+    let kind = kinds
+        .into_iter()
+        .find(|k| Some(k.vtk_name()) == attribute(line, "type"))
+        .ok_or_else(unread)?;
+    let at =
+        attribute(line, "offset").and_then(|text| text.parse::<usize>().ok()).ok_or_else(unread)?;
+    let torn = || format!("ends within array `{name}`: it is not whole");
+    let begin = at.checked_add(LENGTH).ok_or_else(unread)?;
+    let length = bytes.get(at..begin).ok_or_else(torn)?;
+    let length = u64::from_ne_bytes(length.try_into().map_err(|_| torn())?);
+    let end = usize::try_from(length).ok().and_then(|l| begin.checked_add(l)).ok_or_else(torn)?;
+    match bytes.get(begin..end) {
+        None => Err(torn()),
+        Some(data) if data.len() % size_of_kind(kind) != 0 => Err(unread()),
+        Some(_) => Ok((name.to_owned(), Stored { kind, bytes: begin..end })),
+    }
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = line.split_once(&format!(" {name}=\""))?;
+    rest.split_once('"').map(|(value, _)| value)
+}
+
+/// A file that is named relative to another one, in its folder or below: nothing else is ever read.
+fn beside(file: &Path, name: &str) -> Option<PathBuf> {
+    let inside = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
+    (inside && !name.is_empty()).then(|| file.with_file_name("").join(name))
+}
+
+/// Name of the piece of the first worker in a step's folder, and of the others in turn, as far as
+/// they are there.
+pub fn pieces_of_folder(step: &Path) -> Vec<PathBuf> {
+    (0..)
+        .map(|worker| step.join(vtu::piece_name(worker)))
+        .take_while(|path| path.is_file())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::fields::Series;
+    use crumple_proto::mesh::Shape;
+    use crumple_worker::vtu::Cells;
+    use std::fs;
+
+    fn write_triangle(path: &Path) {
+        let mut cells = Cells::default();
+        cells.push(Shape::Tri3, &[0, 1, 2]);
+        let zero = vec![[0.0_f32; 3]; 3];
+        vtu::Piece {
+            time: 0.125,
+            points: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]],
+            point_arrays: &[
+                vtu::DISPLACEMENT.with(&zero),
+                vtu::VELOCITY.with(&zero),
+                vtu::ROTATIONAL_VELOCITY.with(&zero),
+                vtu::NODE_ID.with(&vec![4_i64, 5, 6]),
+            ],
+            cells: &cells,
+            cell_arrays: &[
+                vtu::PLASTIC_STRAIN.with(&vec![0.5_f32]),
+                vtu::VON_MISES.with(&vec![0.25_f32]),
+                vtu::STRESS.with(&vec![[1.0, 2.0, 3.0, 4.0, 5.0, 6.0_f32]]),
+                vtu::THICKNESS.with(&vec![2.0_f32]),
+                vtu::PART.with(&vec![7_u32]),
+                vtu::WORKER.with(&vec![0_u32]),
+                vtu::CLASS.with(&vec![vtu::INTERFACE]),
+                vtu::ELEMENT_ID.with(&vec![9_i64]),
+            ],
+        }
+        .write(path)
+        .unwrap();
+    }
+
+    #[test]
+    fn a_series_is_read_back_as_it_was_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut series = Series::new(dir.path());
+        for (index, time) in [(0, 0.0), (3, 0.125)] {
+            write_triangle(&dir.path().join(vtu::step_folder(index)).join(vtu::piece_name(0)));
+            series.add(index, time, 1).unwrap();
+        }
+        let steps = steps(&dir.path().join(crate::results::fields::COLLECTION)).unwrap();
+        assert_eq!(steps.iter().map(|s| s.time).collect::<Vec<_>>(), [0.0, 0.125]);
+        let files = pieces(&steps[1].file).unwrap();
+        assert_eq!(files, pieces_of_folder(&dir.path().join(vtu::step_folder(3))));
+        let piece = Piece::read(&files[0]).unwrap();
+        assert_eq!((piece.time, piece.points, piece.cells), (0.125, 3, 1));
+        assert_eq!(piece.f32("Points").unwrap()[6..], [0.0, 1.0, 0.5]);
+        assert_eq!(piece.i64("node_id").unwrap(), [4, 5, 6]);
+        assert_eq!(piece.u32("part").unwrap(), [7]);
+        assert_eq!(piece.u8("class").unwrap(), [vtu::INTERFACE]);
+        assert_eq!(piece.array("stress").unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert!(piece.u32("class").unwrap_err().ends_with("has no array `class` of UInt32"));
+    }
+
+    /// Cut anywhere, and with any one byte of its head changed, a file is read in full or refused
+    /// by name; never a panic.
+    #[test]
+    fn damage_is_told_with_the_name_of_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("piece_000.vtu");
+        write_triangle(&path);
+        let whole = fs::read(&path).unwrap();
+        let end = whole.windows(17).rposition(|w| w == b"\n</AppendedData>\n").unwrap();
+        for length in 0..end {
+            let error = Piece::parse(&path, whole[..length].to_vec()).err();
+            assert!(error.is_some(), "cut at {length} of {end}");
+        }
+        for place in 0..end {
+            let mut damaged = whole.clone();
+            damaged[place] ^= 0x15;
+            let _ = Piece::parse(&path, damaged); // a number may be another one; nothing may panic
+        }
+        fs::write(&path, &whole[..end - 1]).unwrap();
+        let error = Piece::read(&path).err().unwrap();
+        assert!(
+            error.ends_with("piece_000.vtu: ends within array `element_id`: it is not whole"),
+            "{error}"
+        );
+        let error = Piece::read(&dir.path().join("none.vtu")).err().unwrap();
+        assert!(error.contains("none.vtu: "), "{error}");
+    }
+
+    #[test]
+    fn names_that_lead_out_of_the_folder_are_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("fields.pvtu");
+        for name in ["../secret.vtu", "/etc/passwd", ""] {
+            let text = format!(
+                "<VTKFile type=\"PUnstructuredGrid\">\n<Piece Source=\"{name}\"/>\n</VTKFile>\n"
+            );
+            fs::write(&path, text).unwrap();
+            assert!(pieces(&path).unwrap_err().contains("cannot read `<Piece"), "{name}");
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! `history.csv`: one row per history interval, added up from the workers' shares.
+
+use crate::input::job::{Model, fastest_wave};
+use crate::results::histories::Histories;
+use crumple_proto::report::HistoryPart;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// Its name.
+const FILE: &str = "history.csv";
+
+/// A whole row, added up over workers.
+#[derive(Clone, Debug, Default)]
+pub struct Row {
+    /// The sums; penetration is the largest.
+    pub sum: HistoryPart,
+    /// Unexplained energy as a fraction of what came in.
+    pub error: f64,
+    /// Energy of what swings from step to step, as the same fraction: an unstable step keeps the
+    /// balance, but swings.
+    pub swing: f64,
+    /// Energy that contact has created, as a fraction of the most that there has been. Contact
+    /// stores and dissipates; what its forces have done to the nodes so far, friction included, is
+    /// above nought only where it makes energy of nothing. The balance does not tell: it takes the
+    /// work of contact as it is.
+    pub created: f64,
+}
+
+/// What the master knows besides when a row is complete.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extras {
+    /// Wall time since the start [s].
+    pub wall: f64,
+    /// Sum over cycles and workers of CPU seconds so far.
+    pub cpu_total: f64,
+    /// Sum over cycles of the slowest worker's CPU seconds so far.
+    pub cpu_critical: f64,
+    /// CPU seconds of renewals so far, of the worker with most.
+    pub cpu_renewal: f64,
+    /// Low and high redecompositions so far.
+    pub low: u64,
+    /// See `low`.
+    pub high: u64,
+}
+
+/// The history of a run.
+pub struct History {
+    file: csv::Writer<File>,
+    workers: usize,
+    walls: Vec<String>,
+    kinds: Histories,
+    parts: BTreeMap<u64, Vec<HistoryPart>>,
+    /// First complete row.
+    pub first: Option<Row>,
+    /// Last complete row.
+    pub last: Option<Row>,
+    /// Largest |error| so far.
+    pub worst_error: f64,
+    /// Largest penetration so far as a fraction of the contact thickness.
+    pub penetration: f64,
+    /// Most pairs so far.
+    pub pairs: u64,
+    /// Cycle of the first of the last rows that all have much of the energy in swings from step to
+    /// step.
+    swings_from: Option<u64>,
+    /// Whether there are subcycles: energy then swings about its balance by a fraction of the most
+    /// that has come in, which may leave.
+    subcycled: bool,
+    most_came_in: f64,
+    /// Most energy so far, kinetic and internal [energy].
+    most: f64,
+    /// Work of contact that counts as none [energy].
+    round_off: f64,
+    /// Largest fraction so far that contact has created.
+    pub worst_created: f64,
+}
+
+/// Fraction of the energy in swings from step to step that a step above the stability limit soon
+/// has and keeps up. A stable one may have it too, for a few cycles where a coarse bar turns at a
+/// wall, for longer where next to nothing moves.
+const MUCH_SWING: f64 = 0.1;
+/// Cycles for which a stable motion at its turn may have it.
+const TURNING: u64 = 50;
+/// Nodes at this fraction of the speed of sound are at rest as far as contact's work goes: forces
+/// that hold what lies still are good to about a millionth of the velocity of the waves that set
+/// them up.
+const STILL: f64 = 1e-6;
+/// The most that a stable vibration has of the energy stored at its turn, `2 s^2` with a fraction s
+/// of the stable step.
+const MOST_SWING: f64 = 2.0;
+
+/// Names of derived units for a header.
+pub(crate) struct Labels {
+    pub(crate) length: String,
+    pub(crate) time: String,
+    pub(crate) mass: String,
+    pub(crate) velocity: String,
+    pub(crate) acceleration: String,
+    pub(crate) energy: String,
+    pub(crate) momentum: String,
+    pub(crate) force: String,
+    pub(crate) moment: String,
+    angular: String,
+}
+
+impl Labels {
+    /// From the first three words of the job's units (length, time, mass), or dimensions if it does
+    /// not say.
+    pub(crate) fn of(units: &str) -> Self {
+        let words: Vec<&str> =
+            units.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
+        let (l, t, m) = match words[..] {
+            [l, t, m, ..] => (l, t, m),
+            _ => ("length", "time", "mass"),
+        };
+        let named = |energy: &str, force: &str| {
+            (energy.to_string(), force.to_string(), format!("{force} {l}"))
+        };
+        let product = format!("{m} {l}^2/{t}^2");
+        let (energy, force, moment) = match (l, t, m) {
+            ("mm", "ms", "kg") => named("J", "kN"),
+            ("mm", "s", "t" | "tonne") => named("mJ", "N"),
+            ("m", "s", "kg") => named("J", "N"),
+            _ => (product.clone(), format!("{m} {l}/{t}^2"), product),
+        };
+        Self {
+            length: l.into(),
+            time: t.into(),
+            mass: m.into(),
+            velocity: format!("{l}/{t}"),
+            acceleration: format!("{l}/{t}^2"),
+            energy,
+            momentum: format!("{m} {l}/{t}"),
+            force,
+            moment,
+            angular: format!("{m} {l}^2/{t}"),
+        }
+    }
+}
+
+/// Names of walls: their own, or their numbers.
+pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
+    let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
+        if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
+    };
+    walls.iter().enumerate().map(name).collect()
+}
+
+/// A file that cannot be written, and why.
+pub(crate) type Unwritten = (PathBuf, std::io::Error);
+
+/// A file that is to be written.
+pub(crate) fn begin(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
+    csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
+}
+
+/// Names of the columns of a job's `history.csv`, with their units.
+pub fn columns(model: &Model) -> Vec<String> {
+    let (u, walls) = (Labels::of(&model.job.units), wall_names(&model.settings.walls));
+    let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
+    for name in [
+        "kinetic",
+        "internal",
+        "hourglass",
+        "contact work",
+        "friction work",
+        "wall work",
+        "external work",
+    ] {
+        header.push(format!("{name} [{}]", u.energy));
+    }
+    header.push("energy error [-]".into());
+    header.extend(["x", "y", "z"].map(|c| format!("momentum {c} [{}]", u.momentum)));
+    header.extend(["x", "y", "z"].map(|c| format!("angular momentum {c} [{}]", u.angular)));
+    header.extend([
+        "pairs".into(),
+        "penetration [fraction of contact thickness]".into(),
+        "controlling element".into(),
+    ]);
+    for wall in &walls {
+        header.extend(["x", "y", "z"].map(|c| format!("{wall} impulse {c} [{}]", u.momentum)));
+        header.extend(["x", "y", "z"].map(|c| format!("{wall} mean force {c} [{}]", u.force)));
+    }
+    let accounts = [
+        "wall [s]",
+        "cpu of all workers [s]",
+        "cpu of the critical path [s]",
+        "cpu of renewals [s]",
+        "low redecompositions",
+        "high redecompositions",
+    ];
+    header.extend(accounts.map(String::from));
+    header
+}
+
+impl History {
+    /// Begins the file, and those of histories by kind beside it.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
+        let mut file = begin(&dir.join(FILE))?;
+        let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
+        file.write_record(columns(model)).map_err(|e| (dir.join(FILE), e.into()))?;
+        Ok(Self {
+            file,
+            workers,
+            walls,
+            kinds,
+            parts: BTreeMap::new(),
+            first: None,
+            last: None,
+            worst_error: 0.0,
+            penetration: 0.0,
+            pairs: 0,
+            swings_from: None,
+            subcycled: model.settings.subcycles > 1,
+            most_came_in: 0.0,
+            most: 0.0,
+            round_off: 0.5 * model.total_mass() * (STILL * fastest_wave(&model.job)).powi(2),
+            worst_created: 0.0,
+        })
+    }
+
+    /// Whether more swings from step to step than stable motion can have; for steps `above_limit`
+    /// already when the last rows have had much for longer than any turn of it takes.
+    pub fn swings_on(&self, above_limit: bool) -> bool {
+        let Some(last) = &self.last else { return false };
+        let long = self.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
+        (above_limit && long) || last.swing > MOST_SWING
+    }
+
+    /// Takes in a worker's share; writes the row when all have come.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn take(&mut self, part: HistoryPart, extras: Extras) -> csv::Result<()> {
+        let number = part.row;
+        let parts = self.parts.entry(number).or_default();
+        parts.push(part);
+        if parts.len() < self.workers {
+            return Ok(());
+        }
+        let parts = self.parts.remove(&number).unwrap_or_default();
+        let sum = add_up(&parts);
+        // What the run starts with is known at its first row, less the work that has been done
+        // until then.
+        let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
+        let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
+        self.most_came_in = if self.subcycled { self.most_came_in.max(came_in) } else { came_in };
+        let came_in = self.most_came_in;
+        let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
+        let there = sum.energies.came_in(initial).max(sum.energies.internal);
+        let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
+        self.worst_error = self.worst_error.max(error.abs());
+        self.penetration = self.penetration.max(sum.penetration);
+        self.pairs = self.pairs.max(sum.pairs);
+        let e = &sum.energies;
+        self.most = self.most.max(e.kinetic.max(0.0) + e.internal + e.hourglass);
+        let created = created(e.contact, self.most, self.round_off);
+        self.worst_created = self.worst_created.max(created);
+        let row = Row { sum, error, swing, created };
+        let swings_from = self.swings_from.unwrap_or(row.sum.cycle);
+        self.swings_from = (swing > MUCH_SWING).then_some(swings_from);
+        self.write(&row, extras)?;
+        self.kinds.write(&row.sum)?;
+        self.first.get_or_insert_with(|| row.clone());
+        self.last = Some(row);
+        Ok(())
+    }
+
+    fn write(&mut self, row: &Row, extras: Extras) -> csv::Result<()> {
+        let s = &row.sum;
+        let e = &s.energies;
+        let number = |a: f64| format!("{a:.9e}");
+        let mut record = vec![number(s.time), s.cycle.to_string(), number(s.dt)];
+        let energies = [
+            e.kinetic,
+            e.internal,
+            e.hourglass,
+            e.contact,
+            e.friction,
+            e.wall,
+            e.external,
+            row.error,
+        ];
+        record.extend(energies.into_iter().chain(s.momentum).chain(s.angular_momentum).map(number));
+        record.extend([s.pairs.to_string(), number(s.penetration)]);
+        let of_contact = s.contact_dt < s.controlling_dt;
+        let controlling = if of_contact {
+            "contact".into()
+        } else {
+            s.controlling.map_or(String::new(), |id| id.to_string())
+        };
+        record.push(controlling);
+        for (w, impulse) in s.wall_impulse.iter().enumerate().take(self.walls.len()) {
+            let before =
+                self.last.as_ref().map_or((0.0, [0.0; 3]), |l| (l.sum.time, l.sum.wall_impulse[w]));
+            let dt = s.time - before.0;
+            record.extend(impulse.map(number));
+            // The wall's force on the model, mean since the last row.
+            record.extend(
+                (0..3)
+                    .map(|c| number(if dt > 0.0 { (impulse[c] - before.1[c]) / dt } else { 0.0 })),
+            );
+        }
+        record.extend(
+            [extras.wall, extras.cpu_total, extras.cpu_critical, extras.cpu_renewal].map(number),
+        );
+        record.extend([extras.low.to_string(), extras.high.to_string()]);
+        self.file.write_record(&record)?;
+        Ok(self.file.flush()?)
+    }
+}
+
+/// Fraction of the most energy so far that contact has created, when its forces have done `work`;
+/// what is below `round_off` is none.
+fn created(work: f64, most: f64, round_off: f64) -> f64 {
+    if work > round_off { work / most.max(work) } else { 0.0 }
+}
+
+/// Sums over workers; the controlling element is that of the worker with the smallest step, which
+/// all share.
+fn add_up(parts: &[HistoryPart]) -> HistoryPart {
+    let mut sum = parts[0].clone();
+    for p in &parts[1..] {
+        sum.energies.add(&p.energies);
+        for c in 0..3 {
+            sum.momentum[c] += p.momentum[c];
+            sum.angular_momentum[c] += p.angular_momentum[c];
+        }
+        for (a, b) in sum.wall_impulse.iter_mut().zip(&p.wall_impulse) {
+            (0..3).for_each(|c| a[c] += b[c]);
+        }
+        sum.shares.add(&p.shares);
+        sum.pairs += p.pairs;
+        sum.penetration = sum.penetration.max(p.penetration);
+        if p.controlling_dt < sum.controlling_dt {
+            (sum.controlling, sum.controlling_dt) = (p.controlling, p.controlling_dt);
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contact_creates_what_it_gives_beyond_what_it_took() {
+        assert_eq!(created(-3.0, 10.0, 1e-9), 0.0, "it dissipates");
+        assert_eq!(created(1e-10, 1e-10, 1e-9), 0.0, "next to nothing moves");
+        assert_eq!(created(0.5, 10.0, 1e-9), 0.05);
+        assert_eq!(created(2.0, 1.0, 1e-9), 1.0, "all of it");
+    }
+}

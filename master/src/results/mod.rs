@@ -1,0 +1,11 @@
+//! results
+
+pub mod d3plot;
+pub mod field_file;
+pub mod fields;
+pub mod histories;
+pub mod history;
+pub mod report;
+pub mod summary;
+pub mod trace;
+pub mod vtkhdf;

@@ -1,0 +1,352 @@
+//! The scene as bytes for the page: whole numbers of 16 bits, as differences from the time before,
+//! compressed.
+//!
+//! In the order of the file: corners of the faces (u32, each less the one before), their two owners
+//! (u32, plus one, nought for none), the parts of the elements (u16, index into the list of the
+//! description); then for each time: states of the elements (u8), workers (u16), the scalars (u16),
+//! x, y and z of the nodes (u16). Each column is the difference from the same column at the time
+//! before, in zigzag (0, -1, 1, -2, ...), lowest bytes of all numbers first: what changes little is
+//! then mostly noughts. `decode.js` is the other side of this.
+
+use super::scene::Scene;
+use super::series::{ABSENT, SCALARS, Series};
+use super::surface::NOBODY;
+use flate2::{Compression, write::ZlibEncoder};
+use serde::Serialize;
+use std::io::Write;
+
+/// A scalar that is no number.
+const NO_VALUE: u16 = u16::MAX;
+/// The largest whole number of a scalar.
+const MOST_VALUE: f32 = (u16::MAX - 1) as f32;
+
+/// What the page has to know to read the bytes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Description {
+    /// Number of faces.
+    pub faces: usize,
+    /// Number of elements.
+    pub elements: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Ids of the parts.
+    pub parts: Vec<u32>,
+    /// Lowest and highest value of each scalar at all times; none if it has no value anywhere.
+    pub ranges: Vec<Option<[f32; 2]>>,
+    /// Times.
+    pub frames: Vec<Grid>,
+    /// Elements that are hidden at some time because a node of theirs is nowhere.
+    pub nowhere: usize,
+}
+
+/// Where the whole numbers of one time's coordinates lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Grid {
+    /// Simulated time [time].
+    pub time: f64,
+    /// Coordinates of nought [length].
+    pub origin: [f64; 3],
+    /// Length of one [length].
+    pub unit: f64,
+}
+
+impl Grid {
+    /// The grid of 16 bits around the coordinates. Its unit is a power of two and its origin a
+    /// multiple of it, so that they are alike at most times and the differences small.
+    fn around(time: f64, positions: impl Iterator<Item = [f32; 3]>) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for x in positions.filter(|x| x.iter().all(|c| c.is_finite())) {
+            for c in 0..3 {
+                (low[c], high[c]) = (low[c].min(f64::from(x[c])), high[c].max(f64::from(x[c])));
+            }
+        }
+        let size = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
+        // One number is left at each end for what rounding adds.
+        let unit =
+            if size > 0.0 { (size / f64::from(u16::MAX - 2)).log2().ceil().exp2() } else { 1.0 };
+        let origin = low.map(|c| if c.is_finite() { (c / unit).floor() * unit } else { 0.0 });
+        Self { time, origin, unit }
+    }
+
+    fn number(&self, x: f32, c: usize) -> u16 {
+        ((f64::from(x) - self.origin[c]) / self.unit).round() as u16 // what is beyond stops at the ends
+    }
+}
+
+/// Bytes and their description.
+pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
+    let mut out = Packed(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)));
+    let corners: Vec<u32> = scene.faces.iter().flat_map(|f| f.corners).collect();
+    let before = std::iter::once(&0).chain(&corners);
+    out.u32(corners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
+    for side in 0..2 {
+        let owner = |o: u32| if o == NOBODY { 0 } else { o + 1 };
+        let owners: Vec<u32> = scene.faces.iter().map(|f| owner(f.owners[side])).collect();
+        let before = std::iter::once(&0).chain(&owners);
+        out.u32(owners.iter().zip(before).map(|(a, b)| zigzag32(a.wrapping_sub(*b))));
+    }
+    let mut parts: Vec<u32> =
+        scene.elements.iter().map(|&e| series.elements[e as usize].part).collect();
+    let of_element = parts.clone();
+    parts.sort_unstable();
+    parts.dedup();
+    out.u16(of_element.iter().map(|p| parts.partition_point(|a| a < p) as u16));
+
+    let ranges: Vec<_> = (0..SCALARS.len()).map(|s| range(series, scene, s)).collect();
+    let mut before = Columns::new(scene);
+    let mut hidden = vec![false; scene.elements.len()];
+    let mut grids = Vec::new();
+    for &k in &scene.frames {
+        let (columns, grid) = Columns::of(series, scene, k, &ranges, &before, &mut hidden);
+        out.bytes(columns.state.iter().zip(&before.state).map(|(a, b)| a.wrapping_sub(*b)));
+        for (now, then) in columns.numbers.iter().zip(&before.numbers) {
+            out.u16(now.iter().zip(then).map(|(a, b)| zigzag16(a.wrapping_sub(*b))));
+        }
+        before = columns;
+        grids.push(grid);
+    }
+    let description = Description {
+        faces: scene.faces.len(),
+        elements: scene.elements.len(),
+        nodes: scene.nodes.len(),
+        parts,
+        ranges,
+        frames: grids,
+        nowhere: hidden.iter().filter(|h| **h).count(),
+    };
+    (description, out.finish())
+}
+
+/// Compression: level 9 saves half a per cent of the pictures of the brick wall and the jeep frame,
+/// and takes two to three times as long.
+const LEVEL: u32 = 6;
+
+/// One time in whole numbers.
+struct Columns {
+    state: Vec<u8>,
+    /// Workers, scalars, coordinates.
+    numbers: [Vec<u16>; 1 + SCALARS.len() + 3],
+}
+
+impl Columns {
+    /// What the first time differs from.
+    fn new(scene: &Scene) -> Self {
+        let of_elements = || vec![0; scene.elements.len()];
+        let columns = 1 + SCALARS.len();
+        let column = |c| if c < columns { of_elements() } else { vec![0; scene.nodes.len()] };
+        Self { state: vec![0; scene.elements.len()], numbers: std::array::from_fn(column) }
+    }
+
+    fn of(
+        series: &Series,
+        scene: &Scene,
+        k: usize,
+        ranges: &[Option<[f32; 2]>],
+        before: &Self,
+        hidden: &mut [bool],
+    ) -> (Self, Grid) {
+        let frame = &series.frames[k];
+        let at = |node: u32| frame.position.get(node as usize).copied().unwrap_or([f32::NAN; 3]);
+        let grid = Grid::around(frame.time, scene.nodes.iter().map(|&n| at(n)));
+        let mut columns = Self::new(scene);
+        for (i, &e) in scene.elements.iter().enumerate() {
+            let e = e as usize;
+            let there = frame.state.get(e).copied().unwrap_or(ABSENT);
+            let element = &series.elements[e];
+            let nowhere =
+                element.corners[..element.shape.corners()].iter().any(|&n| !at(n)[0].is_finite());
+            hidden[i] |= there != ABSENT && nowhere;
+            columns.state[i] = if nowhere { ABSENT } else { there };
+            columns.numbers[0][i] = frame.worker.get(e).copied().unwrap_or(0);
+            for (s, range) in ranges.iter().enumerate() {
+                let value = frame.scalars[s].get(e).copied().filter(|v| v.is_finite());
+                columns.numbers[1 + s][i] = match (value, range) {
+                    (Some(v), Some([low, high])) if high > low => {
+                        ((v - low) / (high - low) * MOST_VALUE).round() as u16
+                    }
+                    (Some(_), Some(_)) => 0,
+                    _ => NO_VALUE,
+                };
+            }
+        }
+        let first = 1 + SCALARS.len();
+        for (i, &node) in scene.nodes.iter().enumerate() {
+            for (c, x) in at(node).into_iter().enumerate() {
+                let number =
+                    if x.is_finite() { grid.number(x, c) } else { before.numbers[first + c][i] };
+                columns.numbers[first + c][i] = number;
+            }
+        }
+        (columns, grid)
+    }
+}
+
+/// Lowest and highest value of a scalar at the times of the scene.
+fn range(series: &Series, scene: &Scene, scalar: usize) -> Option<[f32; 2]> {
+    let of_frame = |&k: &usize| {
+        scene.elements.iter().filter_map(move |&e| series.frames[k].scalars[scalar].get(e as usize))
+    };
+    let values = scene.frames.iter().flat_map(of_frame).filter(|v| v.is_finite());
+    values.fold(None, |range: Option<[f32; 2]>, &v| {
+        Some(range.map_or([v; 2], |[a, b]| [a.min(v), b.max(v)]))
+    })
+}
+
+fn zigzag16(difference: u16) -> u16 {
+    let signed = difference as i16;
+    ((signed << 1) ^ (signed >> 15)) as u16
+}
+
+fn zigzag32(difference: u32) -> u32 {
+    let signed = difference as i32;
+    ((signed << 1) ^ (signed >> 31)) as u32
+}
+
+/// Columns on their way through compression, which cannot fail: it writes to memory.
+struct Packed(ZlibEncoder<Vec<u8>>);
+
+impl Packed {
+    fn bytes(&mut self, bytes: impl Iterator<Item = u8>) {
+        let bytes: Vec<u8> = bytes.collect();
+        let _ = self.0.write_all(&bytes);
+    }
+
+    fn u16(&mut self, numbers: impl Iterator<Item = u16>) {
+        let numbers: Vec<u16> = numbers.collect();
+        (0..2).for_each(|place| self.bytes(numbers.iter().map(|n| n.to_le_bytes()[place])));
+    }
+
+    fn u32(&mut self, numbers: impl Iterator<Item = u32>) {
+        let numbers: Vec<u32> = numbers.collect();
+        (0..4).for_each(|place| self.bytes(numbers.iter().map(|n| n.to_le_bytes()[place])));
+    }
+
+    fn finish(self) -> Vec<u8> {
+        self.0.finish().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::{faces, tests::row_of_cubes};
+    use super::*;
+    use std::io::Read;
+
+    /// The bytes read again, as `decode.js` reads them.
+    struct Unpacked {
+        bytes: Vec<u8>,
+        at: usize,
+    }
+
+    impl Unpacked {
+        fn new(packed: &[u8]) -> Self {
+            let mut bytes = Vec::new();
+            flate2::read::ZlibDecoder::new(packed).read_to_end(&mut bytes).unwrap();
+            Self { bytes, at: 0 }
+        }
+
+        fn column(&mut self, count: usize, width: usize) -> Vec<u32> {
+            let planes = &self.bytes[self.at..self.at + width * count];
+            self.at += width * count;
+            (0..count)
+                .map(|i| (0..width).map(|b| u32::from(planes[b * count + i]) << (8 * b)).sum())
+                .collect()
+        }
+
+        fn difference(&mut self, count: usize, width: usize, before: &[u32]) -> Vec<u32> {
+            let mask = if width == 4 { u32::MAX } else { 0xffff };
+            let un = |z: u32| (z >> 1) ^ (z & 1).wrapping_neg();
+            self.column(count, width)
+                .iter()
+                .zip(before)
+                .map(|(z, b)| b.wrapping_add(un(*z)) & mask)
+                .collect()
+        }
+
+        fn chain(&mut self, count: usize) -> Vec<u32> {
+            let mut last = 0u32;
+            let un = |z: u32| (z >> 1) ^ (z & 1).wrapping_neg();
+            let next = |z: &u32| {
+                last = last.wrapping_add(un(*z));
+                last
+            };
+            self.column(count, 4).iter().map(next).collect()
+        }
+    }
+
+    #[test]
+    fn what_is_packed_comes_out_again_to_half_a_unit() {
+        let mut series = row_of_cubes(4, &[1, 3, 0, 2]);
+        series.frames[1].scalars[0][1] = f32::NAN;
+        let scene = Scene::new(&series, faces(&series));
+        let (d, packed) = encode(&series, &scene);
+        let mut read = Unpacked::new(&packed);
+        let corners = read.chain(4 * d.faces);
+        let owners = [read.chain(d.faces), read.chain(d.faces)];
+        for (i, face) in scene.faces.iter().enumerate() {
+            assert_eq!(corners[4 * i..4 * i + 4], face.corners);
+            assert_eq!([owners[0][i], owners[1][i]], face.owners.map(|o| o.wrapping_add(1)));
+        }
+        assert_eq!(read.column(d.elements, 2), [0, 1, 0, 1]);
+        assert_eq!((d.parts.clone(), d.nowhere), (vec![0, 1], 0));
+        let mut state = vec![0; d.elements];
+        let mut numbers = vec![vec![0; d.elements]; 1 + SCALARS.len()];
+        numbers.extend(vec![vec![0; d.nodes]; 3]);
+        for (k, grid) in d.frames.iter().enumerate() {
+            let frame = &series.frames[k];
+            let change = read.column(d.elements, 1);
+            state.iter_mut().zip(change).for_each(|(s, c)| *s = (*s + c) & 0xff);
+            assert_eq!(state, frame.state.iter().map(|s| u32::from(*s)).collect::<Vec<_>>());
+            for column in &mut numbers {
+                *column = read.difference(column.len(), 2, column);
+            }
+            assert_eq!(numbers[0], [0, 1, 2, 3]);
+            for (s, range) in d.ranges.iter().enumerate() {
+                let [low, high] = range.unwrap();
+                for (e, &number) in numbers[1 + s].iter().enumerate() {
+                    let value = frame.scalars[s][e];
+                    let back = low + number as f32 / MOST_VALUE * (high - low);
+                    assert_eq!(number == u32::from(NO_VALUE), value.is_nan());
+                    assert!(
+                        value.is_nan() || (back - value).abs() <= 0.51 / MOST_VALUE * (high - low)
+                    );
+                }
+            }
+            for (n, x) in frame.position.iter().enumerate() {
+                for c in 0..3 {
+                    let back =
+                        grid.origin[c] + f64::from(numbers[1 + SCALARS.len() + c][n]) * grid.unit;
+                    assert!((back - f64::from(x[c])).abs() <= 0.5 * grid.unit, "{back} {}", x[c]);
+                }
+            }
+        }
+        assert_eq!(read.at, read.bytes.len());
+    }
+
+    /// A grid has no more than twice the unit that 16 bits need, and the same one while the model
+    /// only travels.
+    #[test]
+    fn a_travelling_model_keeps_its_grid() {
+        let positions =
+            |shift: f32| (0..100).map(move |i| [i as f32 + shift, 0.0, -3.0 * i as f32]);
+        let (a, b) = (Grid::around(0.0, positions(0.0)), Grid::around(1.0, positions(5000.0)));
+        assert_eq!(a.unit, b.unit);
+        let least = 297.0 / 65535.0;
+        assert!(a.unit >= least && a.unit <= 2.01 * least, "{a:?}");
+        assert_eq!((a.number(1e9, 0), a.number(-1e9, 0)), (u16::MAX, 0));
+        assert_eq!(
+            Grid::around(0.0, [[f32::NAN; 3]].into_iter()),
+            Grid { time: 0.0, origin: [0.0; 3], unit: 1.0 }
+        );
+    }
+
+    #[test]
+    fn an_element_with_a_node_that_is_nowhere_is_hidden_and_counted() {
+        let mut series = row_of_cubes(3, &[1, 1, 1]);
+        series.frames[1].position[0] = [f32::NAN; 3];
+        let scene = Scene::new(&series, faces(&series));
+        let (d, _) = encode(&series, &scene);
+        assert_eq!(d.nowhere, 1);
+        assert!(d.frames[1].origin.iter().all(|c| c.is_finite()));
+    }
+}

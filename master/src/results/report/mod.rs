@@ -1,0 +1,353 @@
+//! `crumple report`: one page that shows a run, made of what the run left in its folder, and of
+//! nothing else.
+//!
+//! - `sources`: summary, history and log; `plots`, `things`, `tables`: what the page makes of them
+//! - `series`: the field files, joined; `surface`: what can be seen of them
+//! - `scene`: what of that goes into the page; `encode`: as bytes
+//! - `page`: the page; its scripts lie in `master/assets/report`
+
+mod encode;
+mod page;
+mod paths;
+mod plots;
+mod scene;
+mod series;
+mod sources;
+mod surface;
+mod tables;
+mod things;
+
+use crate::results::fields::COLLECTION;
+use crate::run::say::say;
+use encode::Description;
+use scene::Scene;
+use serde_json::json;
+use series::{Dimension, SCALARS, Series};
+use sources::Sources;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Name of the page in the folder of a run.
+pub const FILE: &str = "report.html";
+/// The page is never larger: a browser opens that at once, and it can be sent by mail.
+pub const MOST_BYTES: usize = 20_000_000;
+/// Times that a page shows at most: more are not told apart in a film of some seconds.
+const MOST_TIMES: usize = 300;
+/// Before there are fewer times than this, the mesh becomes coarser.
+const LEAST_TIMES: usize = 12;
+/// What is left for the description of the picture, which grows with the number of times.
+const DESCRIPTION: usize = 100_000;
+/// Nothing is said of work that takes less, and then no more often.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A page that was made.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: usize,
+    /// What it took.
+    pub took: Duration,
+    /// What could not be read, and is missing.
+    pub problems: Vec<String>,
+}
+
+/// Makes the page of the run in `dir`; gives the exit code.
+pub fn run(dir: &Path) -> u8 {
+    match write(dir, false) {
+        Ok(made) => {
+            made.problems.iter().for_each(|problem| eprintln!("warning: {problem}"));
+            say!("{made}");
+            0
+        }
+        Err(why) => {
+            eprintln!("error: {why}");
+            crate::input::job::Report::EXIT_CODE
+        }
+    }
+}
+
+impl std::fmt::Display for Made {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (mb, s) = (self.bytes as f64 / 1e6, self.took.as_secs_f64());
+        write!(
+            f,
+            "report in {} ({mb:.1} MB, made in {s:.1} s): open it in a browser",
+            self.path.display()
+        )
+    }
+}
+
+/// Makes the page of the run in `dir`, whether the run has completed or not. Unless `quiet` it says
+/// on standard error what takes longer than a second.
+///
+/// # Errors
+/// There is nothing of a run in the folder, or the page cannot be written.
+pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
+    let began = Instant::now();
+    let mut last = began;
+    let mut say = |what: &str| {
+        if !quiet && last.elapsed() > PATIENCE {
+            last = Instant::now();
+            eprintln!("report: {what}");
+        }
+    };
+    let mut sources = Sources::read(dir);
+    let collection = dir.join("fields").join(COLLECTION);
+    let series = match collection.exists() {
+        true => series::read(&collection, MOST_TIMES, &mut sources.problems, &mut say),
+        false => Series::default(),
+    };
+    if sources.summary.is_none() && sources.history.is_none() && series.frames.is_empty() {
+        let mut missing = sources.problems;
+        if !collection.exists() {
+            missing.push(format!("{}: there is no such file", collection.display()));
+        }
+        return Err(format!(
+            "{} holds nothing of a run:\n  {}",
+            dir.display(),
+            missing.join("\n  ")
+        ));
+    }
+    let (page, problems) = make(&sources, &series, MOST_BYTES, &mut say);
+    let path = dir.join(FILE);
+    crumple_worker::vtu::write_whole(&path, |out| out.write_all(page.as_bytes()))
+        .map_err(|e| e.to_string())?;
+    Ok(Made { path, bytes: page.len(), took: began.elapsed(), problems })
+}
+
+/// Takes away the page of an older run.
+pub fn forget(dir: &Path) {
+    let _ = std::fs::remove_file(dir.join(FILE)); // there may be none
+}
+
+/// The page, no larger than `room`, and what is wrong.
+fn make(
+    sources: &Sources,
+    series: &Series,
+    room: usize,
+    say: &mut dyn FnMut(&str),
+) -> (String, Vec<String>) {
+    let problems = sources.problems.clone();
+    let mut warnings = sources.warnings.clone();
+    warnings.extend(problems.iter().map(|p| format!("Not read: {p}")));
+    let mut left_out = Vec::new();
+    if let Some(history) = sources.history.as_ref().filter(|h| h.shown() < h.rows) {
+        left_out.push(format!(
+            "The plots show {} of the {} rows of history.csv.",
+            history.shown(),
+            history.rows
+        ));
+    }
+    let title = match sources.title() {
+        "" => "Crumple report",
+        title => title,
+    };
+    let units = match sources.units() {
+        "" => String::new(),
+        units => format!("units {units}"),
+    };
+    let lines = [sources.ending(), units];
+    let subtitle =
+        lines.iter().filter(|l| !l.is_empty()).map(String::as_str).collect::<Vec<_>>().join(" · ");
+    let tables = sources.summary.as_ref().map_or(String::new(), tables::tables);
+    let write =
+        |warnings: &[String], left_out: &[String], model: Option<&Description>, picture: &[u8]| {
+            let facts = facts(sources, model);
+            let content = page::Content {
+                title,
+                subtitle: &subtitle,
+                warnings,
+                left_out,
+                tables: &tables,
+                facts: &facts,
+                picture,
+            };
+            page::page(&content)
+        };
+    let bare = write(&warnings, &left_out, None, &[]);
+    if series.frames.is_empty() {
+        return (bare, problems);
+    }
+    // Four letters of the page stand for three bytes.
+    let bytes = room.saturating_sub(bare.len() + DESCRIPTION) / 4 * 3;
+    let (scene, description, picture) = fit(series, bytes, say);
+    if description.nowhere > 0 {
+        let count = description.nowhere;
+        warnings.push(format!(
+            "{count} elements are hidden at some time: a node of theirs has no finite coordinates."
+        ));
+    }
+    left_out.extend(left_out_of(series, &scene, &description, sources));
+    (write(&warnings, &left_out, Some(&description), &picture), problems)
+}
+
+/// The scene with as many times and faces as there is room for.
+fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Description, Vec<u8>) {
+    let whole = Scene::new(series, surface::faces(series));
+    let least = LEAST_TIMES.min(whole.frames.len());
+    let mut times = whole.frames.len();
+    let mut cubes = None;
+    loop {
+        let of_times = whole.with_times(times);
+        let scene = cubes.map_or(of_times.clone(), |cubes| of_times.coarser(series, cubes));
+        say(&format!("packing {} faces at {times} times", scene.faces.len()));
+        let (description, picture) = encode::encode(series, &scene);
+        if picture.len() <= room || cubes == Some(1) {
+            return (scene, description, picture);
+        }
+        // What is a little below the share that has room: fewer times differ more from each other.
+        let share = 0.95 * room as f64 / picture.len() as f64;
+        if times > least {
+            times = ((times as f64 * share) as usize).clamp(least, times - 1);
+        } else {
+            let now = cubes.map_or((whole.faces.len() as f64).sqrt(), |cubes: usize| cubes as f64);
+            cubes = Some(((now * share.sqrt().min(0.9)) as usize).max(1));
+        }
+    }
+}
+
+/// What the picture does not show.
+fn left_out_of(
+    series: &Series,
+    scene: &Scene,
+    description: &Description,
+    sources: &Sources,
+) -> Vec<String> {
+    let mut out = Vec::new();
+    let (shown, written) = (scene.frames.len(), series.written);
+    if shown < written {
+        out.push(format!("The picture shows {shown} of the {written} times that were written."));
+    }
+    if scene.faces.len() < scene.faces_seen {
+        let (have, had) = (scene.faces.len(), scene.faces_seen);
+        out.push(format!("The mesh was made coarser: {have} faces are left of {had}, by merging neighbouring nodes."));
+    }
+    if scene.elements.len() < series.elements.len() && scene.faces.len() == scene.faces_seen {
+        let inside = series.elements.len() - scene.elements.len();
+        out.push(format!("{inside} solids inside others are never seen, and left out."));
+    }
+    if series.unknown_shapes > 0 {
+        out.push("Elements of a shape that this program does not draw were left out.".into());
+    }
+    if sources.walls_move_unseen() {
+        out.push(
+            "Rigid walls that move are drawn where they are at first: there is no `walls.csv` that says where they go."
+                .into(),
+        );
+    }
+    let unit = description.frames.iter().map(|f| f.unit).fold(0.0, f64::max);
+    let [length, _] = sources.length_and_stress();
+    let unit = format!("{} {length}", tables::short(unit));
+    out.push(format!(
+        "Coordinates are whole multiples of at most {}, values have 16 bits; between the times that were written positions are \
+         interpolated, colours are those of the time before.",
+        unit.trim_end()
+    ));
+    out.push("Stress components, velocities and copies of elements on other workers are in fields/ only.".into());
+    out
+}
+
+/// What the scripts read.
+fn facts(sources: &Sources, model: Option<&Description>) -> String {
+    let [length, stress] = sources.length_and_stress();
+    let unit = |dimension| match dimension {
+        Dimension::None => "",
+        Dimension::Length => &length,
+        Dimension::Stress => &stress,
+    };
+    let scalars: Vec<_> =
+        SCALARS.iter().map(|s| json!({ "title": s.title, "unit": unit(s.dimension) })).collect();
+    page::json(&json!({
+        "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
+        "length_unit": length,
+        "scalars": scalars,
+        "part_names": sources.part_names(),
+        "walls": sources.walls(),
+        "plots": sources.plots,
+        "model": model,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::surface::tests::row_of_cubes;
+    use super::*;
+
+    #[test]
+    fn a_page_stays_below_its_limit_and_says_what_was_left_out() {
+        let mut series = row_of_cubes(400, &[1; 400]);
+        let frame = series.frames[1].clone();
+        // Motion that does not compress, by a congruential generator.
+        let mut state = 1u32;
+        for k in 2..40 {
+            let mut next = frame.clone();
+            next.time = f64::from(k);
+            for c in next.position.iter_mut().flatten() {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                *c += (state >> 8) as f32 / (1 << 24) as f32;
+            }
+            series.frames.push(next);
+        }
+        series.written = series.frames.len();
+        let sources = Sources::default();
+        let whole = make(&sources, &series, MOST_BYTES, &mut |_| {}).0;
+        assert!(!whole.contains("times that were written.") && !whole.contains("coarser"));
+        let bare = make(&sources, &Series::default(), MOST_BYTES, &mut |_| {}).0.len();
+        let picture = whole.len() - bare;
+        let room = bare + DESCRIPTION + picture * 6 / 10;
+        let fewer = make(&sources, &series, room, &mut |_| {}).0;
+        assert!(
+            fewer.len() <= room
+                && fewer.contains("of the 40 times that were written.")
+                && !fewer.contains("coarser")
+        );
+        let room = bare + DESCRIPTION + picture / 10;
+        let coarser = make(&sources, &series, room, &mut |_| {}).0;
+        assert!(
+            coarser.len() <= room
+                && coarser.contains("shows 12 of the 40 times")
+                && coarser.contains("made coarser")
+        );
+        assert!(
+            make(&sources, &series, 0, &mut |_| {}).0.len() < bare + DESCRIPTION,
+            "room for nothing ends all the same"
+        );
+    }
+
+    #[test]
+    fn a_folder_without_a_run_is_refused_with_all_that_is_missing() {
+        let dir = tempfile::tempdir().unwrap();
+        let error = write(dir.path(), true).unwrap_err();
+        for file in ["summary.json: ", "history.csv: ", "fields.pvd: "] {
+            assert!(error.contains(file), "{error}");
+        }
+        assert!(!dir.path().join(FILE).exists());
+    }
+
+    #[test]
+    fn a_run_without_fields_and_with_damaged_ones_has_a_page_that_says_so() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("history.csv"), "time [ms],kinetic [J]\n0,1\n1,nan\n")
+            .unwrap();
+        let made = write(dir.path(), true).unwrap();
+        assert_eq!(made.problems.len(), 1, "{:?}", made.problems);
+        let text = std::fs::read_to_string(&made.path).unwrap();
+        assert_eq!(text.len(), made.bytes);
+        assert!(text.contains("\"model\":null") && text.contains("\"values\":[1.0,null]"));
+
+        let fields = dir.path().join("fields");
+        std::fs::create_dir(&fields).unwrap();
+        let mut writer = crate::results::fields::Series::new(&fields);
+        writer.add(0, 0.0, 2).unwrap();
+        let made = write(dir.path(), true).unwrap();
+        assert_eq!(made.problems.len(), 3, "summary and two pieces: {:?}", made.problems);
+        assert!(
+            made.problems[1].contains("piece_000.vtu")
+                && made.problems[2].contains("piece_001.vtu")
+        );
+        forget(dir.path());
+        assert!(!made.path.exists());
+    }
+}

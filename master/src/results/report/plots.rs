@@ -1,0 +1,381 @@
+//! Plots of `history.csv`: which columns stand together, and what is reckoned from them.
+
+use serde::Serialize;
+use std::path::Path;
+
+/// Rows that a plot shows; of longer histories every so many-th.
+pub const MOST_ROWS: usize = 4000;
+
+/// A file of columns under names with units.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    columns: Vec<Column>,
+    /// Rows of the file; the columns may have fewer.
+    pub rows: usize,
+    /// What is wrong with the file behind these rows.
+    pub damage: Option<String>,
+}
+
+#[derive(Clone, Debug)]
+struct Column {
+    name: String,
+    unit: String,
+    values: Vec<f64>,
+}
+
+/// Lines over one axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plot {
+    /// What it shows.
+    pub title: String,
+    /// Unit of its lines.
+    pub unit: String,
+    /// What to know about it.
+    pub note: String,
+    /// Lines.
+    pub lines: Vec<Line>,
+}
+
+/// Values over the rows; what is not finite is a gap.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Name in the legend.
+    pub label: String,
+    /// One value for each row.
+    pub values: Vec<f64>,
+    /// Whether it holds its value until the next.
+    pub steps: bool,
+}
+
+/// All plots, over one axis of time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Plots {
+    /// Unit of the time.
+    pub unit: String,
+    /// Time of each row.
+    pub time: Vec<f64>,
+    /// The plots in their order.
+    pub plots: Vec<Plot>,
+}
+
+/// Energies as `history.csv` names them, with the sign in which they stand in the balance; friction
+/// is part of contact.
+const ENERGIES: [(&str, f64); 7] = [
+    ("kinetic", 1.0),
+    ("internal", 1.0),
+    ("hourglass", 1.0),
+    ("contact work", -1.0),
+    ("wall work", -1.0),
+    ("external work", -1.0),
+    ("friction work", 0.0),
+];
+const TOTAL: &str = "total";
+
+impl History {
+    /// Reads the file as far as it is whole; a field that is no number is a gap.
+    ///
+    /// # Errors
+    /// It is missing, or has no times.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let cannot = |error: csv::Error| match error.into_kind() {
+            csv::ErrorKind::Io(error) => format!("{}: {error}", path.display()),
+            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+                let line = pos.map_or(0, |p| p.line());
+                format!(
+                    "{}: line {line} has {len} fields, the header {expected_len}",
+                    path.display()
+                )
+            }
+            _ => format!("{}: is no table", path.display()),
+        };
+        let mut reader = csv::Reader::from_path(path).map_err(cannot)?;
+        let mut columns: Vec<Column> =
+            reader.headers().map_err(cannot)?.iter().map(Column::of).collect();
+        let mut damage = None;
+        for record in reader.records() {
+            match record.map_err(cannot) {
+                Ok(record) => columns.iter_mut().zip(&record).for_each(|(c, field)| {
+                    c.values.push(field.parse().unwrap_or(f64::NAN));
+                }),
+                Err(why) => {
+                    damage = Some(why);
+                    break;
+                }
+            }
+        }
+        let rows = columns.first().map_or(0, |c| c.values.len());
+        let every = rows.div_ceil(MOST_ROWS).max(1);
+        if every > 1 {
+            columns.iter_mut().for_each(|c| {
+                let kept = c
+                    .values
+                    .iter()
+                    .enumerate()
+                    .filter(|(row, _)| row % every == 0 || row + 1 == rows);
+                c.values = kept.map(|(_, v)| *v).collect();
+            });
+        }
+        match columns.iter().any(|c| c.name == "time") {
+            true => Ok(Self { columns, rows, damage }),
+            false => Err(format!("{}: has no column of times", path.display())),
+        }
+    }
+
+    /// Rows that plots have.
+    pub fn shown(&self) -> usize {
+        self.columns.first().map_or(0, |c| c.values.len())
+    }
+
+    fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|c| c.name == name)
+    }
+
+    /// Unit of a column, empty if there is none.
+    pub fn unit(&self, name: &str) -> &str {
+        self.column(name).map_or("", |c| &c.unit)
+    }
+
+    fn values(&self, name: &str) -> Option<&[f64]> {
+        self.column(name).map(|c| &c.values[..])
+    }
+
+    fn line(&self, name: &str, label: &str) -> Option<Line> {
+        Some(Line { label: label.into(), values: self.values(name)?.to_vec(), steps: false })
+    }
+
+    /// All plots for which there are columns; imbalance is one among so many workers.
+    pub fn plots(&self, workers: Option<u64>) -> Plots {
+        let time = self.values("time").unwrap_or_default().to_vec();
+        let all = [
+            self.energies(),
+            self.error(),
+            self.forces(),
+            self.step(),
+            self.imbalance(workers),
+            self.redecompositions(),
+        ];
+        let plots = all
+            .into_iter()
+            .flatten()
+            .chain(self.contact())
+            .filter(|p| !p.lines.is_empty())
+            .collect();
+        Plots { unit: self.unit("time").into(), time, plots }
+    }
+
+    fn energies(&self) -> Option<Plot> {
+        let mut lines: Vec<Line> =
+            ENERGIES.iter().filter_map(|(name, _)| self.line(name, name)).collect();
+        let mut total = vec![0.0; self.values("kinetic")?.len()];
+        for (name, sign) in ENERGIES.iter().filter(|(_, sign)| *sign != 0.0) {
+            total
+                .iter_mut()
+                .zip(self.values(name).unwrap_or_default())
+                .for_each(|(t, v)| *t += sign * v);
+        }
+        // Lines that are nought throughout say nothing.
+        lines.retain(|line| line.values.iter().any(|v| *v != 0.0));
+        lines.insert(0, Line { label: TOTAL.into(), values: total, steps: false });
+        let note = "total = kinetic + internal + hourglass, less the work of contact, walls and loads: it should not change. \
+                    Friction is part of the work of contact.";
+        Some(Plot {
+            title: "Energies".into(),
+            unit: self.unit("kinetic").into(),
+            note: note.into(),
+            lines,
+        })
+    }
+
+    fn error(&self) -> Option<Plot> {
+        let mut line = self.line("energy error", "error of the balance")?;
+        line.values.iter_mut().for_each(|v| *v *= 100.0);
+        let note = "The change of the total, as a fraction of the energy that came in.";
+        Some(Plot {
+            title: "Energy balance".into(),
+            unit: "%".into(),
+            note: note.into(),
+            lines: vec![line],
+        })
+    }
+
+    /// Of every force its length; of a single one its components as well.
+    fn forces(&self) -> Option<Plot> {
+        let of: Vec<&str> =
+            self.columns.iter().filter_map(|c| c.name.strip_suffix(" force x")).collect();
+        let mut lines = Vec::new();
+        for name in &of {
+            let component = |c: &str| self.values(&format!("{name} force {c}"));
+            let (Some(x), Some(y), Some(z)) = (component("x"), component("y"), component("z"))
+            else {
+                continue;
+            };
+            let length = |i: usize| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
+            let label = name.strip_suffix(" mean").unwrap_or(name);
+            lines.push(Line {
+                label: label.into(),
+                values: (0..x.len()).map(length).collect(),
+                steps: true,
+            });
+            if of.len() == 1 {
+                let of_axis = |(axis, v): (&str, &[f64])| Line {
+                    label: format!("{label} {axis}"),
+                    values: v.to_vec(),
+                    steps: true,
+                };
+                lines.extend([("x", x), ("y", y), ("z", z)].into_iter().map(of_axis));
+            }
+        }
+        let unit = self.unit(&format!("{} force x", of.first()?)).to_owned();
+        let note = "On the model; the mean since the row before.";
+        Some(Plot { title: "Forces of rigid walls".into(), unit, note: note.into(), lines })
+    }
+
+    fn step(&self) -> Option<Plot> {
+        let lines = vec![self.line("dt", "dt")?];
+        let unit = self.unit("dt").to_owned();
+        Some(Plot { title: "Time step".into(), unit, note: String::new(), lines })
+    }
+
+    /// CPU time of the slowest worker over the mean of all, since the row before.
+    fn imbalance(&self, workers: Option<u64>) -> Option<Plot> {
+        let (all, critical) =
+            (self.values("cpu of all workers")?, self.values("cpu of the critical path")?);
+        let workers = workers? as f64;
+        let rise = |v: &[f64], i: usize| if i == 0 { v[0] } else { v[i] - v[i - 1] };
+        let of_row = |i: usize| {
+            let total = rise(all, i);
+            if total > 0.0 { workers * rise(critical, i) / total } else { f64::NAN }
+        };
+        let values = (0..all.len()).map(of_row).collect();
+        let lines = vec![Line { label: "slowest over mean".into(), values, steps: true }];
+        let note = "CPU time of the slowest worker of each cycle over the mean of all workers, since the row before; 1 is even.";
+        Some(Plot {
+            title: "Imbalance of workers".into(),
+            unit: String::new(),
+            note: note.into(),
+            lines,
+        })
+    }
+
+    fn redecompositions(&self) -> Option<Plot> {
+        let line = |name: &str, label: &str| Some(Line { steps: true, ..self.line(name, label)? });
+        let lines = vec![
+            line("low redecompositions", "low (new boxes)")?,
+            line("high redecompositions", "high (membership)")?,
+        ];
+        let note = "So far.";
+        Some(Plot {
+            title: "Redecompositions".into(),
+            unit: String::new(),
+            note: note.into(),
+            lines,
+        })
+    }
+
+    fn contact(&self) -> Vec<Plot> {
+        let of = |name: &str, label: &str, title: &str, unit: &str| {
+            let line = self.line(name, label).filter(|l| l.values.iter().any(|v| *v != 0.0))?;
+            Some(Plot {
+                title: title.into(),
+                unit: unit.into(),
+                note: String::new(),
+                lines: vec![line],
+            })
+        };
+        let depth = "fraction of thickness";
+        let all = [
+            of("pairs", "pairs", "Contact pairs", ""),
+            of("penetration", "largest", "Penetration", depth),
+        ];
+        all.into_iter().flatten().collect()
+    }
+}
+
+impl Column {
+    fn of(header: &str) -> Self {
+        let [name, unit] = named(header);
+        Self { name, unit, values: Vec::new() }
+    }
+}
+
+/// Name and unit of a column called `name [unit]`; without a unit that is empty.
+pub fn named(header: &str) -> [String; 2] {
+    match header.rsplit_once(" [") {
+        Some((name, rest)) => [name.into(), rest.strip_suffix(']').unwrap_or(rest).into()],
+        None => [header.into(), String::new()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(text: &str) -> Result<History, String> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("history.csv");
+        std::fs::write(&path, text).unwrap();
+        History::read(&path)
+    }
+
+    #[test]
+    fn plots_follow_from_the_columns() {
+        let text = "time [ms],dt [ms],kinetic [J],internal [J],hourglass [J],contact work [J],friction work [J],\
+                    wall work [J],external work [J],energy error [-],\"a, b mean force x [kN]\",\
+                    \"a, b mean force y [kN]\",\"a, b mean force z [kN]\",cpu of all workers [s],\
+                    cpu of the critical path [s],low redecompositions,high redecompositions\n\
+                    0,1e-3,100,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n\
+                    1,NaN,70,25,1,-1,-1,-2,0,-0.01,3,0,-4,2,1.5,0,1\n";
+        let plots = history(text).unwrap().plots(Some(2));
+        let titles: Vec<&str> = plots.plots.iter().map(|p| p.title.as_str()).collect();
+        let wanted = [
+            "Energies",
+            "Energy balance",
+            "Forces of rigid walls",
+            "Time step",
+            "Imbalance of workers",
+            "Redecompositions",
+        ];
+        assert_eq!(titles, wanted);
+        assert_eq!((plots.unit.as_str(), &plots.time[..]), ("ms", &[0.0, 1.0][..]));
+        let line = |plot: usize, label: &str| {
+            let found = plots.plots[plot].lines.iter().find(|l| l.label == label);
+            found.unwrap_or_else(|| panic!("{label}: {:?}", plots.plots[plot])).values.clone()
+        };
+        assert_eq!(line(0, TOTAL), [100.0, 70.0 + 25.0 + 1.0 + 1.0 + 2.0]);
+        assert!(
+            plots.plots[0].lines.iter().all(|l| l.label != "external work"),
+            "nought throughout"
+        );
+        assert_eq!((line(2, "a, b"), plots.plots[2].unit.as_str()), (vec![0.0, 5.0], "kN"));
+        assert_eq!(line(2, "a, b z"), [0.0, -4.0]);
+        assert_eq!(line(4, "slowest over mean")[1], 1.5);
+        assert!(line(4, "slowest over mean")[0].is_nan() && line(3, "dt")[1].is_nan());
+        let json = serde_json::to_string(&plots).unwrap();
+        assert!(json.contains(r#""values":[0.001,null]"#), "{json}");
+        assert_eq!(
+            history(text).unwrap().plots(None).plots.len(),
+            5,
+            "without the number of workers no imbalance"
+        );
+    }
+
+    #[test]
+    fn a_history_without_rows_or_torn_is_no_trouble() {
+        let empty = history("time [ms],dt [ms],kinetic [J]\n").unwrap();
+        assert_eq!((empty.rows, empty.plots(None).time.len()), (0, 0));
+        assert!(history("").unwrap_err().ends_with("history.csv: has no column of times"));
+        let torn = history("time [ms],dt [ms]\n1,2\n2").unwrap();
+        assert_eq!(torn.plots(None).time, [1.0]);
+        let damage = torn.damage.unwrap();
+        assert!(damage.ends_with("history.csv: line 3 has 1 fields, the header 2"), "{damage}");
+    }
+
+    #[test]
+    fn long_histories_are_thinned_and_keep_their_end() {
+        let rows: String = (0..10_000).map(|i| format!("{i}\n")).collect();
+        let long = history(&format!("time [s]\n{rows}")).unwrap();
+        let time = long.plots(None).time;
+        assert_eq!((long.rows, time[0], time[time.len() - 1]), (10_000, 0.0, 9999.0));
+        assert!(long.shown() <= MOST_ROWS + 1 && long.shown() > MOST_ROWS / 2, "{}", long.shown());
+    }
+}

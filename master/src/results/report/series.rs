@@ -1,0 +1,261 @@
+//! What the field files of a run hold, joined over workers and times: every node and element once,
+//! with a number of its own, and what it is and has at each time.
+
+use crate::results::field_file::{self, Piece, Step};
+use crumple_worker::vtu::{self, Array};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// A number per element that the page can show.
+pub struct Scalar {
+    /// Its array in the field files.
+    pub array: &'static Array,
+    /// What the page calls it.
+    pub title: &'static str,
+    /// What it is measured in.
+    pub dimension: Dimension,
+}
+
+/// What a number is measured in; the page puts the job's own units for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Nothing.
+    None,
+    /// Length.
+    Length,
+    /// Force per area.
+    Stress,
+}
+
+/// Numbers per element, in the order in which the page offers them.
+pub const SCALARS: [Scalar; 3] = [
+    Scalar { array: &vtu::PLASTIC_STRAIN, title: "plastic strain", dimension: Dimension::None },
+    Scalar { array: &vtu::VON_MISES, title: "von Mises stress", dimension: Dimension::Stress },
+    Scalar { array: &vtu::THICKNESS, title: "thickness", dimension: Dimension::Length },
+];
+
+/// What an element is, by the number that VTK has for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Two corners.
+    Line,
+    /// Three corners.
+    Triangle,
+    /// Four corners.
+    Quad,
+    /// Eight corners: those of a face, then those opposite.
+    Hexahedron,
+}
+
+impl Shape {
+    /// Number of corners.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Line => 2,
+            Self::Triangle => 3,
+            Self::Quad => 4,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    fn of_vtk(number: u8, corners: usize) -> Option<Self> {
+        match (number, corners) {
+            (3, 2) => Some(Self::Line),
+            (5, 3) => Some(Self::Triangle),
+            (9, 4) => Some(Self::Quad),
+            (12, 8) => Some(Self::Hexahedron),
+            _ => None,
+        }
+    }
+}
+
+/// An element: what of it does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    /// Shape.
+    pub shape: Shape,
+    /// Numbers of its nodes, as many as the shape has corners.
+    pub corners: [u32; 8],
+    /// Id of its part.
+    pub part: u32,
+}
+
+/// An element that is not there, in [`Frame::state`]; one that is has its class plus one.
+pub const ABSENT: u8 = 0;
+
+/// One time. Nodes and elements that came later in the series are missing at the ends of the
+/// columns.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Simulated time [time].
+    pub time: f64,
+    /// Coordinates, not finite where a node is not there [length].
+    pub position: Vec<[f32; 3]>,
+    /// [`ABSENT`], or the class plus one.
+    pub state: Vec<u8>,
+    /// Worker that has the element.
+    pub worker: Vec<u16>,
+    /// A column for each of [`SCALARS`].
+    pub scalars: [Vec<f32>; SCALARS.len()],
+}
+
+/// All times.
+#[derive(Debug, Default)]
+pub struct Series {
+    /// Elements by their numbers.
+    pub elements: Vec<Element>,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Times in their order.
+    pub frames: Vec<Frame>,
+    /// Times that the run wrote, of which `frames` may be a choice.
+    pub written: usize,
+    /// Elements of shapes that are not known here.
+    pub unknown_shapes: usize,
+}
+
+/// Numbers that are kept before anything is compressed: what a page could hold several times over,
+/// and memory bears.
+const MOST_NUMBERS: usize = 40_000_000;
+
+/// Reads the series that a collection names. Steps that cannot be read are left out and told in
+/// `problems`; where there are more times than `most`, or than memory should bear, they are thinned
+/// evenly.
+pub fn read(
+    collection: &Path,
+    most: usize,
+    problems: &mut Vec<String>,
+    say: &mut dyn FnMut(&str),
+) -> Series {
+    let mut reader = Reader::default();
+    let steps = field_file::steps(collection).unwrap_or_else(|why| {
+        problems.push(why);
+        Vec::new()
+    });
+    reader.series.written = steps.len();
+    let mut chosen = spread(steps.len(), most);
+    let mut at = 0;
+    while let Some(&step) = chosen.get(at) {
+        say(&format!("reading time {} of {}", at + 1, chosen.len()));
+        match reader.frame(&steps[step]) {
+            Ok(frame) => reader.series.frames.push(frame),
+            Err(whys) => problems.extend(whys),
+        }
+        if at == 0 {
+            // All times are about as large as the first.
+            let s = &reader.series;
+            let each = 3 * s.nodes + (SCALARS.len() + 1) * s.elements.len();
+            chosen = spread(steps.len(), most.min(MOST_NUMBERS / each.max(1)).max(2));
+        }
+        at += 1;
+    }
+    reader.series
+}
+
+/// `most` of the numbers below `count`, evenly spread, with the first and the last; all of them if
+/// they are no more.
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
+    match most {
+        _ if count <= most => (0..count).collect(),
+        0 | 1 => vec![count - 1],
+        _ => (0..most).map(|i| (2 * i * (count - 1) + most - 1) / (2 * (most - 1))).collect(),
+    }
+}
+
+/// A series in the making: ids of nodes and elements to their numbers.
+#[derive(Default)]
+struct Reader {
+    series: Series,
+    node_of: HashMap<i64, u32>,
+    element_of: HashMap<i64, u32>,
+}
+
+impl Reader {
+    /// Joins the pieces of a step. Nothing of the step counts if one of them cannot be read.
+    fn frame(&mut self, step: &Step) -> Result<Frame, Vec<String>> {
+        let files = field_file::pieces(&step.file).map_err(|why| vec![why])?;
+        let (pieces, whys): (Vec<_>, Vec<_>) =
+            files.iter().map(|file| Piece::read(file)).partition(Result::is_ok);
+        let whys: Vec<String> = whys.into_iter().filter_map(Result::err).collect();
+        if !whys.is_empty() {
+            return Err(whys);
+        }
+        let mut frame = Frame { time: step.time, ..Frame::default() };
+        for piece in pieces.into_iter().flatten() {
+            self.join(&piece, &mut frame).map_err(|why| vec![why])?;
+        }
+        Ok(frame)
+    }
+
+    fn join(&mut self, piece: &Piece, frame: &mut Frame) -> Result<(), String> {
+        let points = piece.f32(vtu::POINTS.name)?;
+        let mut nodes = Vec::with_capacity(piece.points);
+        for (id, x) in piece.i64(vtu::NODE_ID.name)?.iter().zip(points.chunks_exact(3)) {
+            let next = self.node_of.len() as u32;
+            let node = *self.node_of.entry(*id).or_insert(next);
+            put(&mut frame.position, node, [x[0], x[1], x[2]], [f32::NAN; 3]);
+            nodes.push(node);
+        }
+        self.series.nodes = self.node_of.len();
+        let (corners, ends) = (piece.i64("connectivity")?, piece.i64("offsets")?);
+        let (kinds, ids) = (piece.u8("types")?, piece.i64(vtu::ELEMENT_ID.name)?);
+        let (parts, classes) = (piece.u32(vtu::PART.name)?, piece.u8(vtu::CLASS.name)?);
+        let workers = piece.u32(vtu::WORKER.name)?;
+        let scalars: Vec<_> =
+            SCALARS.iter().map(|s| piece.f32(s.array.name)).collect::<Result<_, _>>()?;
+        let mut begin = 0;
+        for cell in 0..piece.cells {
+            let of_cell = &corners[begin..ends[cell] as usize];
+            begin = ends[cell] as usize;
+            let Some(shape) = Shape::of_vtk(kinds[cell], of_cell.len()) else {
+                self.series.unknown_shapes += 1;
+                continue;
+            };
+            let next = self.series.elements.len() as u32;
+            let element = *self.element_of.entry(ids[cell]).or_insert(next);
+            if element == next {
+                let mut numbers = [0; 8];
+                numbers
+                    .iter_mut()
+                    .zip(of_cell)
+                    .for_each(|(n, &corner)| *n = nodes[corner as usize]);
+                self.series.elements.push(Element { shape, corners: numbers, part: parts[cell] });
+            }
+            put(&mut frame.state, element, classes[cell].saturating_add(1), ABSENT);
+            put(&mut frame.worker, element, workers[cell].try_into().unwrap_or(u16::MAX), 0);
+            for (column, values) in frame.scalars.iter_mut().zip(&scalars) {
+                put(column, element, values[cell], f32::NAN);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Puts a value at its place in a column, which grows up to there.
+fn put<T: Clone>(column: &mut Vec<T>, place: u32, value: T, none: T) {
+    let place = place as usize;
+    if column.len() <= place {
+        column.resize(place + 1, none);
+    }
+    column[place] = value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_spread_evenly_with_the_first_and_the_last() {
+        assert_eq!(spread(3, 5), [0, 1, 2]);
+        assert_eq!(spread(11, 3), [0, 5, 10]);
+        assert_eq!(spread(10, 4), [0, 3, 6, 9]);
+        assert_eq!(spread(7, 1), [6]);
+        for count in 2..60 {
+            for most in 2..count {
+                let chosen = spread(count, most);
+                assert_eq!((chosen.len(), chosen[0], chosen[most - 1]), (most, 0, count - 1));
+                assert!(chosen.windows(2).all(|w| w[0] < w[1]), "{chosen:?}");
+            }
+        }
+    }
+}

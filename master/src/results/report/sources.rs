@@ -1,0 +1,290 @@
+//! What stands in the folder of a run beside its fields: how it ended, what it said, what its job
+//! is called.
+
+use super::paths::{self, WallPath};
+use super::plots::{History, Plots};
+use super::things;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// Warnings of the log that the page shows.
+const MOST_SAID: usize = 50;
+/// Largest error of the balance of energy that crash codes accept, a fraction.
+const ACCEPTED_ERROR: f64 = 0.01;
+
+/// All of it, as far as it is there.
+#[derive(Debug, Default)]
+pub struct Sources {
+    /// `summary.json`.
+    pub summary: Option<Map<String, Value>>,
+    /// `history.csv`.
+    pub history: Option<History>,
+    /// Paths of the walls, in their order, out of `walls.csv`.
+    pub paths: Vec<WallPath>,
+    /// Plots of it, and of the files with forces beside it.
+    pub plots: Plots,
+    /// Warnings of the run, the gravest first.
+    pub warnings: Vec<String>,
+    /// What could not be read.
+    pub problems: Vec<String>,
+}
+
+/// A rigid wall: a plane, a rectangle of it, or a cylinder, as `[[wall]]` of the job describes it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Wall {
+    /// A point of it: of a rectangle a corner, of a cylinder the start of its axis [length].
+    pub point: [f64; 3],
+    /// Normal of a plane or rectangle, towards the model.
+    pub normal: Option<[f64; 3]>,
+    /// Direction of the first side of a rectangle; that of the second is normal x edge.
+    pub edge: Option<[f64; 3]>,
+    /// Lengths of the sides, 0 for one without end [length].
+    pub lengths: Option<[f64; 2]>,
+    /// Direction of the axis of a cylinder.
+    pub axis: Option<[f64; 3]>,
+    /// Its radius [length].
+    pub radius: Option<f64>,
+    /// Its length, 0 for one without end [length].
+    #[serde(default)]
+    pub length: f64,
+    /// Where it goes, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<WallPath>,
+}
+
+impl Sources {
+    /// Reads what is in the folder.
+    pub fn read(dir: &Path) -> Self {
+        let mut sources = Self::default();
+        match summary(&dir.join("summary.json")) {
+            Ok(summary) => sources.summary = Some(summary),
+            Err(why) => sources.problems.push(why),
+        }
+        match History::read(&dir.join("history.csv")) {
+            Ok(history) => {
+                sources.problems.extend(history.damage.clone());
+                sources.plots = history.plots(sources.workers());
+                let of_things = things::plots(dir, &sources.plots.time, &mut sources.problems);
+                let after_walls =
+                    sources.plots.plots.iter().position(|p| p.title == "Time step").unwrap_or(0);
+                sources.plots.plots.splice(after_walls..after_walls, of_things);
+                sources.history = Some(history);
+            }
+            Err(why) => sources.problems.push(why),
+        }
+        sources.paths = paths::read(&dir.join("walls.csv"));
+        sources.warnings = sources.of_summary();
+        sources.warnings.extend(log(&dir.join("log.jsonl")));
+        sources
+    }
+
+    fn of_summary(&self) -> Vec<String> {
+        let Some(summary) = &self.summary else {
+            return vec![
+                "The run left no summary: it was killed, has lost a worker, or is still under way."
+                    .into(),
+            ];
+        };
+        let text = |key: &str| summary.get(key).and_then(Value::as_str).unwrap_or("?");
+        let mut warnings = Vec::new();
+        match text("status") {
+            "completed" => {}
+            "stopped" => {
+                warnings.push(format!("The run was stopped before its end: {}.", text("reason")))
+            }
+            other => warnings.push(format!("The run {other}: {}", text("reason"))),
+        }
+        let error = summary
+            .get("energy")
+            .and_then(|e| e.get("error_max"))
+            .and_then(Value::as_f64)
+            .unwrap_or(0.0);
+        if error > ACCEPTED_ERROR {
+            warnings.push(format!(
+                "The balance of energy is off by up to {:.1} %; 1 % is usually accepted.",
+                100.0 * error
+            ));
+        }
+        warnings
+    }
+
+    fn text(&self, key: &str) -> &str {
+        self.summary.as_ref().and_then(|s| s.get(key)).and_then(Value::as_str).unwrap_or("")
+    }
+
+    /// Title of the job, empty if it is not known.
+    pub fn title(&self) -> &str {
+        self.text("title")
+    }
+
+    /// Units of the job as it states them.
+    pub fn units(&self) -> &str {
+        self.text("units")
+    }
+
+    /// How the run ended, in a line.
+    pub fn ending(&self) -> String {
+        let Some(summary) = &self.summary else { return String::new() };
+        let number = |key: &str| {
+            summary.get(key).and_then(Value::as_f64).map(super::tables::short).unwrap_or("?".into())
+        };
+        let unit = self.history.as_ref().map_or("", |h| h.unit("time"));
+        let time = format!("{} {unit}", number("end_time"));
+        format!(
+            "{} at time {} after {} cycles",
+            self.text("status"),
+            time.trim_end(),
+            number("cycles")
+        )
+    }
+
+    /// Number of workers.
+    pub fn workers(&self) -> Option<u64> {
+        self.summary.as_ref()?.get("workers")?.as_u64()
+    }
+
+    /// Names of parts by their ids.
+    pub fn part_names(&self) -> Map<String, Value> {
+        let parts = self.summary.as_ref().and_then(|s| s.get("parts")?.as_array());
+        let named = |p: &Value| Some((p.get("id")?.as_u64()?.to_string(), p.get("name")?.clone()));
+        parts.into_iter().flatten().filter_map(named).collect()
+    }
+
+    /// Rigid walls, with their paths where these are known.
+    pub fn walls(&self) -> Vec<Wall> {
+        let with_path = |(w, value): (usize, &Value)| {
+            let path = self.paths.get(w).filter(|path| path.moves()).cloned();
+            Some(Wall { path, ..Wall::deserialize(value).ok()? })
+        };
+        self.all_walls().iter().enumerate().filter_map(with_path).collect()
+    }
+
+    /// Whether a wall moves, freely or as prescribed, of which it is not known where it goes.
+    pub fn walls_move_unseen(&self) -> bool {
+        let moves = |w: &Value| {
+            ["mass", "velocity", "displacement"]
+                .iter()
+                .any(|key| w.get(key).is_some_and(|v| !v.is_null()))
+        };
+        self.all_walls().iter().skip(self.paths.len()).any(moves)
+    }
+
+    fn all_walls(&self) -> &[Value] {
+        self.summary.as_ref().and_then(|s| s.get("walls")?.as_array()).map_or(&[], Vec::as_slice)
+    }
+
+    /// Labels of length and stress in the job's units, by their first three words: length, time,
+    /// mass.
+    pub fn length_and_stress(&self) -> [String; 2] {
+        let words: Vec<&str> =
+            self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
+        match words[..] {
+            ["mm", "ms", "kg", ..] => ["mm".into(), "GPa".into()],
+            ["mm", "s", "t" | "tonne", ..] => ["mm".into(), "MPa".into()],
+            ["m", "s", "kg", ..] => ["m".into(), "Pa".into()],
+            [l, t, m, ..] => [l.into(), format!("{m}/({l} {t}^2)")],
+            _ => Default::default(),
+        }
+    }
+}
+
+fn summary(path: &Path) -> Result<Map<String, Value>, String> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).map_err(|e| format!("{shown}: {e}"))?;
+    serde_json::from_str(&text).map_err(|e| format!("{shown}: {e}"))
+}
+
+/// Warnings and errors among the events of the log. A run without a log has said nothing.
+fn log(path: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let events = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+    let mut said: Vec<String> = events.filter_map(|event| warning(&event)).collect();
+    let more = said.len().saturating_sub(MOST_SAID);
+    if more > 0 {
+        said.truncate(MOST_SAID);
+        said.push(format!("and {more} more warnings, in log.jsonl"));
+    }
+    said
+}
+
+fn warning(event: &Value) -> Option<String> {
+    event.get("level")?.as_str().filter(|level| ["WARN", "ERROR"].contains(level))?;
+    let fields = event.get("fields")?.as_object()?;
+    let text = |key: &str| fields.get(key).and_then(Value::as_str);
+    let worker = fields.get("worker").map_or(String::new(), |w| format!("worker {w}: "));
+    match (text("warning"), text("message")) {
+        (Some(warning), _) => Some(format!("{worker}{warning}")),
+        (_, Some("trouble")) => None, // the summary gives it as the reason
+        (_, Some(message)) => {
+            let others =
+                fields.iter().filter(|(key, _)| !["message", "worker"].contains(&key.as_str()));
+            let others: String = others.map(|(key, value)| format!(", {key} {value}")).collect();
+            Some(format!("{worker}{message}{others}"))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_begin_with_how_the_run_ended() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+        write(
+            "summary.json",
+            r#"{"status": "failed", "reason": "cycle 3: an element inverts", "energy": {"error_max": 0.25}, "end_time": 0.5,
+                "cycles": 3, "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
+                "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]}, {"point": "nowhere", "mass": null}]}"#,
+        );
+        write(
+            "log.jsonl",
+            "{\"level\":\"INFO\",\"fields\":{\"message\":\"dealt out\"}}\n\
+             {\"level\":\"WARN\",\"fields\":{\"worker\":1,\"warning\":\"an edge has gone through\"}}\n\
+             {\"level\":\"ERROR\",\"fields\":{\"message\":\"trouble\",\"worker\":0}}\n\
+             {\"level\":\"ERROR\",\"fields\":{\"message\":\"worker ends\",\"worker\":0,\"lost\":\"rank 2\"}}\n{\"lev",
+        );
+        let s = Sources::read(dir.path());
+        let wanted = [
+            "The run failed: cycle 3: an element inverts",
+            "The balance of energy is off by up to 25.0 %; 1 % is usually accepted.",
+            "worker 1: an edge has gone through",
+            "worker 0: worker ends, lost \"rank 2\"",
+        ];
+        assert_eq!(s.warnings, wanted);
+        assert_eq!(s.problems.len(), 1, "{:?}", s.problems);
+        assert!(s.problems[0].contains("history.csv: "), "{:?}", s.problems);
+        assert_eq!((s.length_and_stress(), s.workers()), (["mm".into(), "GPa".into()], Some(2)));
+        assert_eq!(s.part_names()["4"], "a<b");
+        let walls = s.walls();
+        assert!(!s.walls_move_unseen());
+        assert_eq!(
+            (walls.len(), walls[0].point, walls[0].normal),
+            (1, [0.0, 0.0, 1.5], Some([0.0, 0.0, 1.0]))
+        );
+        assert_eq!(s.ending(), "failed at time 0.5 after 3 cycles");
+    }
+
+    #[test]
+    fn an_empty_folder_has_two_problems_and_says_what_it_lacks() {
+        let dir = tempfile::tempdir().unwrap();
+        let s = Sources::read(dir.path());
+        assert_eq!(s.problems.len(), 2);
+        assert!(s.warnings[0].starts_with("The run left no summary"), "{:?}", s.warnings);
+    }
+
+    #[test]
+    fn a_log_that_says_much_is_cut() {
+        let dir = tempfile::tempdir().unwrap();
+        let line = "{\"level\":\"WARN\",\"fields\":{\"message\":\"again\"}}\n";
+        std::fs::write(dir.path().join("log.jsonl"), line.repeat(MOST_SAID + 7)).unwrap();
+        let said = log(&dir.path().join("log.jsonl"));
+        assert_eq!(
+            (said.len(), said[MOST_SAID].as_str()),
+            (MOST_SAID + 1, "and 7 more warnings, in log.jsonl")
+        );
+    }
+}

@@ -1,0 +1,139 @@
+//! What of the elements can be seen: shells and lines as they are, of solids the faces that are
+//! outside at some time.
+
+use super::series::{ABSENT, Series, Shape};
+use std::collections::HashMap;
+
+/// A face with up to four corners; a triangle repeats its third, a line its second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// Numbers of its nodes.
+    pub corners: [u32; 4],
+    /// Numbers of the elements on its two sides: it is seen while exactly one of them is there.
+    pub owners: [u32; 2],
+}
+
+/// No element on that side.
+pub const NOBODY: u32 = u32::MAX;
+
+/// Faces of a hexahedron by its corners, as `Shape::faces` of the mesh has them, in no particular
+/// sense.
+const OF_HEXAHEDRON: [[usize; 4]; 6] =
+    [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+/// Faces that are seen at some time, in the order of their elements.
+pub fn faces(series: &Series) -> Vec<Face> {
+    let mut faces: Vec<Face> = Vec::new();
+    let mut between: HashMap<[u32; 4], usize> = HashMap::new();
+    for (number, e) in series.elements.iter().enumerate() {
+        let owner = number as u32;
+        let c = e.corners;
+        match e.shape {
+            Shape::Line => {
+                faces.push(Face { corners: [c[0], c[1], c[1], c[1]], owners: [owner, NOBODY] })
+            }
+            Shape::Triangle => {
+                faces.push(Face { corners: [c[0], c[1], c[2], c[2]], owners: [owner, NOBODY] })
+            }
+            Shape::Quad => {
+                faces.push(Face { corners: [c[0], c[1], c[2], c[3]], owners: [owner, NOBODY] })
+            }
+            Shape::Hexahedron => {
+                for face in OF_HEXAHEDRON {
+                    let Some(corners) = without_repeats(face.map(|i| c[i])) else { continue };
+                    let mut key = corners;
+                    key.sort_unstable();
+                    match between.remove(&key) {
+                        Some(of_other) => faces[of_other].owners[1] = owner,
+                        None => {
+                            between.insert(key, faces.len());
+                            faces.push(Face { corners, owners: [owner, NOBODY] });
+                        }
+                    }
+                }
+            }
+        }
+    }
+    let there = |frame: usize, owner: u32| {
+        let state = &series.frames[frame].state;
+        owner != NOBODY && state.get(owner as usize).is_some_and(|&s| s != ABSENT)
+    };
+    let seen =
+        |f: &Face| (0..series.frames.len()).any(|k| there(k, f.owners[0]) != there(k, f.owners[1]));
+    faces.retain(seen);
+    faces
+}
+
+/// The face with each corner once, its last one repeated up to four; none if it has no area.
+pub fn without_repeats(corners: [u32; 4]) -> Option<[u32; 4]> {
+    let mut once = Vec::with_capacity(4);
+    for corner in corners {
+        if !once.contains(&corner) {
+            once.push(corner);
+        }
+    }
+    match once[..] {
+        [a, b, c, d] => Some([a, b, c, d]),
+        [a, b, c] => Some([a, b, c, c]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::super::series::{Element, Frame, SCALARS};
+    use super::*;
+
+    /// So many cubes in a row, all there at the first time and those of `later` at the second.
+    pub fn row_of_cubes(count: u32, later: &[u8]) -> Series {
+        let node = |i: u32, j: u32| 4 * i + j;
+        let cube = |i: u32| Element {
+            shape: Shape::Hexahedron,
+            corners: [0, 1, 2, 3, 4, 5, 6, 7].map(|k: u32| node(i + k / 4, k % 4)),
+            part: i % 2,
+        };
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let at = |shift: f32| {
+            let x = |n: u32| {
+                [(n / 4) as f32 + shift, square[n as usize % 4][0], square[n as usize % 4][1]]
+            };
+            (0..4 * (count + 1)).map(x).collect::<Vec<[f32; 3]>>()
+        };
+        let frame = |time: f64, state: Vec<u8>| Frame {
+            time,
+            position: at(time as f32),
+            worker: (0..count as u16).collect(),
+            scalars: std::array::from_fn(|s| {
+                (0..count).map(|e| (e * (s as u32 + 1)) as f32 * time as f32).collect()
+            }),
+            state,
+        };
+        assert_eq!(SCALARS.len(), 3);
+        Series {
+            elements: (0..count).map(cube).collect(),
+            nodes: 4 * (count as usize + 1),
+            frames: vec![frame(0.0, vec![1; count as usize]), frame(2.0, later.to_vec())],
+            written: 2,
+            unknown_shapes: 0,
+        }
+    }
+
+    #[test]
+    fn faces_between_solids_are_kept_only_where_they_come_to_light() {
+        // Cubes 0..5; the third fails: both of its inner faces are seen then, the other two inner
+        // ones never.
+        let series = row_of_cubes(5, &[1, 1, 0, 2, 1]);
+        let faces = faces(&series);
+        let inner: Vec<[u32; 2]> =
+            faces.iter().map(|f| f.owners).filter(|o| o[1] != NOBODY).collect();
+        assert_eq!(inner, [[1, 2], [2, 3]]);
+        assert_eq!(faces.len() - inner.len(), 5 * 4 + 2);
+    }
+
+    #[test]
+    fn a_face_of_a_wedge_has_three_corners_and_one_without_area_goes() {
+        assert_eq!(without_repeats([3, 7, 7, 5]), Some([3, 7, 5, 5]));
+        assert_eq!(without_repeats([3, 3, 5, 6]), Some([3, 5, 6, 6]));
+        assert_eq!(without_repeats([3, 3, 5, 5]), None);
+    }
+}

@@ -1,0 +1,131 @@
+//! One step of all workers as one mesh: nodes and elements once, in ascending ids.
+
+use crate::results::field_file::{Piece, Step, pieces};
+use crumple_worker::vtu::{self, Array, CELL_ARRAYS, Kind, POINT_ARRAYS};
+
+/// Numbers of one array, all components of a point or cell side by side.
+#[derive(Debug, PartialEq)]
+pub enum Column {
+    /// 32-bit floats.
+    F32(Vec<f32>),
+    /// 32-bit unsigned integers.
+    U32(Vec<u32>),
+    /// 64-bit integers.
+    I64(Vec<i64>),
+    /// Bytes.
+    U8(Vec<u8>),
+}
+
+/// What cells there are, by places of their points.
+#[derive(Debug, Default, PartialEq)]
+pub struct Topology {
+    /// Ids of the points: another set of points is another topology.
+    pub nodes: Vec<i64>,
+    /// Corners of all cells.
+    pub connectivity: Vec<i64>,
+    /// Where the corners of each cell begin, and the end of the last.
+    pub offsets: Vec<i64>,
+    /// VTK's types of the cells.
+    pub types: Vec<u8>,
+}
+
+/// A step.
+#[derive(Debug)]
+pub struct Snapshot {
+    /// Simulated time [time].
+    pub time: f64,
+    /// Current coordinates, three a point [length].
+    pub points: Vec<f32>,
+    /// Cells.
+    pub topology: Topology,
+    /// One column for each of [`POINT_ARRAYS`].
+    pub point_arrays: Vec<Column>,
+    /// One column for each of [`CELL_ARRAYS`].
+    pub cell_arrays: Vec<Column>,
+}
+
+/// Where something is: piece and place in it.
+type Source = (usize, usize);
+
+impl Snapshot {
+    /// Joins the pieces of a step.
+    ///
+    /// # Errors
+    /// A piece cannot be read.
+    pub fn read(step: &Step) -> Result<Self, String> {
+        let pieces: Vec<Piece> =
+            pieces(&step.file)?.iter().map(|p| Piece::read(p)).collect::<Result<_, _>>()?;
+        let node_ids: Vec<Vec<i64>> =
+            pieces.iter().map(|p| p.i64(vtu::NODE_ID.name)).collect::<Result<_, _>>()?;
+        let element_ids: Vec<Vec<i64>> =
+            pieces.iter().map(|p| p.i64(vtu::ELEMENT_ID.name)).collect::<Result<_, _>>()?;
+        let (nodes, node_sources) = ascending(&node_ids);
+        let (_, cell_sources) = ascending(&element_ids);
+        let mut cells = Vec::new();
+        for piece in &pieces {
+            cells.push((piece.i64("connectivity")?, piece.i64("offsets")?, piece.u8("types")?));
+        }
+        let mut topology = Topology { offsets: vec![0], ..Topology::default() };
+        for &(piece, cell) in &cell_sources {
+            let (corners, ends, types) = &cells[piece];
+            let begin = if cell == 0 { 0 } else { ends[cell - 1] as usize };
+            for &corner in &corners[begin..ends[cell] as usize] {
+                let id = node_ids[piece][corner as usize];
+                topology.connectivity.push(nodes.partition_point(|&n| n < id) as i64);
+            }
+            topology.offsets.push(topology.connectivity.len() as i64);
+            topology.types.push(types[cell]);
+        }
+        topology.nodes = nodes;
+        let of = |arrays: &[Array], sources: &[Source]| {
+            arrays
+                .iter()
+                .map(|array| column(&pieces, array, sources))
+                .collect::<Result<Vec<_>, _>>()
+        };
+        Ok(Self {
+            time: step.time,
+            points: gathered(&pieces, vtu::POINTS.components, &node_sources, |p| {
+                p.f32(vtu::POINTS.name)
+            })?,
+            topology,
+            point_arrays: of(POINT_ARRAYS, &node_sources)?,
+            cell_arrays: of(CELL_ARRAYS, &cell_sources)?,
+        })
+    }
+}
+
+/// Ids of all pieces in ascending order, each once, and where each is.
+fn ascending(ids: &[Vec<i64>]) -> (Vec<i64>, Vec<Source>) {
+    let of = |(piece, ids): (usize, &Vec<i64>)| {
+        ids.iter().enumerate().map(|(i, &id)| (id, (piece, i))).collect::<Vec<_>>()
+    };
+    let mut all: Vec<(i64, Source)> = ids.iter().enumerate().flat_map(of).collect();
+    all.sort_unstable();
+    all.dedup_by_key(|entry| entry.0);
+    all.into_iter().unzip()
+}
+
+fn column(pieces: &[Piece], array: &Array, sources: &[Source]) -> Result<Column, String> {
+    let (name, width) = (array.name, array.components);
+    Ok(match array.kind {
+        Kind::F32 => Column::F32(gathered(pieces, width, sources, |p| p.f32(name))?),
+        Kind::U32 => Column::U32(gathered(pieces, width, sources, |p| p.u32(name))?),
+        Kind::I64 => Column::I64(gathered(pieces, width, sources, |p| p.i64(name))?),
+        Kind::U8 => Column::U8(gathered(pieces, width, sources, |p| p.u8(name))?),
+    })
+}
+
+fn gathered<T: Copy>(
+    pieces: &[Piece],
+    width: usize,
+    sources: &[Source],
+    read: impl Fn(&Piece) -> Result<Vec<T>, String>,
+) -> Result<Vec<T>, String> {
+    let columns: Vec<Vec<T>> = pieces.iter().map(read).collect::<Result<_, _>>()?;
+    Ok(sources
+        .iter()
+        .flat_map(|&(piece, i)| &columns[piece][width * i..width * (i + 1)])
+        .copied()
+        .collect())
+}

@@ -1,0 +1,271 @@
+//! Measured cost in, redecompose or not out. Pure: it is tested without workers.
+
+use crumple_proto::report::StepReport;
+use std::collections::VecDeque;
+
+/// Redecomposition that is due.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Due {
+    /// Membership is renewed in boxes that drift; `why` is for people.
+    High {
+        /// What called for it.
+        why: String,
+    },
+    /// Boxes are recomputed.
+    Low {
+        /// What called for it.
+        why: String,
+    },
+}
+
+/// Thresholds from the job.
+#[derive(Clone, Debug)]
+pub struct Limits {
+    /// Low when max/mean step cost stays above this.
+    pub imbalance: f64,
+    /// Least cycles between two lows.
+    pub low_every_at_least: u64,
+    /// Alternate both kinds whenever workers ask, for tests.
+    pub forced: bool,
+}
+
+/// High is ordered when this fraction of the covered motion is used up; the rest covers the way of
+/// the order.
+const URGENT: f64 = 0.7;
+/// Cycles that a judgement of the balance looks at, at least.
+const WINDOW: usize = 100;
+/// Share of an imbalance that a low must have cured for the next not to wait longer.
+const WORTHWHILE: f64 = 0.3;
+/// Seconds that a low redecomposition is thought to cost before one was measured.
+const LOW_COST: f64 = 0.02;
+
+/// What the master knows of the load.
+#[derive(Debug)]
+pub struct Balance {
+    limits: Limits,
+    /// Last report of each worker.
+    pub last: Vec<StepReport>,
+    /// CPU seconds of cycles that not all workers have reported yet.
+    waiting: Vec<VecDeque<f32>>,
+    /// Sums per worker since boxes were last renewed or judged, and cycles in them.
+    window: Vec<f64>,
+    cycles: usize,
+    /// Seconds lost by waiting for the slowest since the last low.
+    lost: f64,
+    last_low: u64,
+    low_cost: f64,
+    /// Imbalance that called for the last low, until it is known what that low has brought.
+    unproven: Option<f64>,
+    judged_imbalance: Option<f64>,
+    /// Factor on the patience between lows: doubled by each that brought little.
+    patience: u64,
+    orders_due: u64,
+    /// Sum over cycles of the slowest worker's CPU seconds.
+    pub critical_s: f64,
+    /// Sum over cycles and workers of CPU seconds.
+    pub total_s: f64,
+    /// CPU seconds of each worker's renewals.
+    pub renewal_s: Vec<f64>,
+    /// Largest max/mean over a window, and the sum for its mean over all cycles.
+    pub worst: f64,
+    /// Low and high redecompositions done.
+    pub low: u64,
+    /// See `low`.
+    pub high: u64,
+    flip: bool,
+}
+
+impl Balance {
+    /// Nothing known yet.
+    pub fn new(workers: usize, limits: Limits) -> Self {
+        Self {
+            limits,
+            last: vec![StepReport::default(); workers],
+            waiting: vec![VecDeque::new(); workers],
+            window: vec![0.0; workers],
+            cycles: 0,
+            lost: 0.0,
+            last_low: 0,
+            low_cost: LOW_COST,
+            unproven: None,
+            judged_imbalance: None,
+            patience: 1,
+            orders_due: 0,
+            critical_s: 0.0,
+            total_s: 0.0,
+            renewal_s: vec![0.0; workers],
+            worst: 1.0,
+            low: 0,
+            high: 0,
+            flip: false,
+        }
+    }
+
+    /// Takes in a worker's report.
+    pub fn take(&mut self, worker: usize, report: StepReport) {
+        self.waiting[worker].extend(&report.cpu);
+        self.renewal_s[worker] += report.renewal_s;
+        self.last[worker] = report;
+        while self.waiting.iter().all(|w| !w.is_empty()) {
+            let costs: Vec<f64> =
+                self.waiting.iter_mut().filter_map(|w| w.pop_front()).map(f64::from).collect();
+            let (sum, max) = costs.iter().fold((0.0, 0.0f64), |s, &c| (s.0 + c, s.1.max(c)));
+            self.critical_s += max;
+            self.total_s += sum;
+            self.lost += max - sum / costs.len() as f64;
+            self.window.iter_mut().zip(&costs).for_each(|(w, c)| *w += c);
+            self.cycles += 1;
+        }
+    }
+
+    /// max/mean step cost since the window began.
+    pub fn imbalance(&self) -> f64 {
+        let mean = self.window.iter().sum::<f64>() / self.window.len() as f64;
+        if mean > 0.0 { self.window.iter().copied().fold(0.0, f64::max) / mean } else { 1.0 }
+    }
+
+    /// Mean over the run of max/mean step cost.
+    pub fn mean_imbalance(&self) -> f64 {
+        if self.total_s > 0.0 {
+            self.critical_s * self.last.len() as f64 / self.total_s
+        } else {
+            1.0
+        }
+    }
+
+    /// Active pairs of all workers at their last reports.
+    pub fn pairs(&self) -> u64 {
+        self.last.iter().map(|r| r.pairs).sum()
+    }
+
+    /// Cost of a contact pair in units of an element's, as measured; 0 without pairs.
+    pub fn pair_weight(&self) -> f64 {
+        let sum = |f: fn(&StepReport) -> f64| self.last.iter().map(f).sum::<f64>();
+        let (pairs, elements) = (self.pairs() as f64, sum(|r| r.elements as f64));
+        let (contact, element) = (sum(|r| r.contact_s), sum(|r| r.element_s));
+        if pairs > 0.0 && element > 0.0 { (contact / pairs) / (element / elements) } else { 0.0 }
+    }
+
+    /// What is due, if anything. An order under way must be done first.
+    pub fn due(&mut self) -> Option<Due> {
+        if self.last.iter().any(|r| r.order < self.orders_due) {
+            return None;
+        }
+        let urgency = self.last.iter().map(|r| r.urgency).fold(0.0, f64::max);
+        let cycle = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
+        if self.limits.forced {
+            self.flip ^= urgency >= 1.0;
+            let why = "forced".to_string();
+            return (urgency >= 1.0).then_some(if self.flip {
+                Due::High { why }
+            } else {
+                Due::Low { why }
+            });
+        }
+        let judged = self.cycles >= WINDOW;
+        let imbalance = self.imbalance();
+        if judged {
+            self.worst = self.worst.max(imbalance);
+        }
+        if let Some(before) = self.unproven.filter(|_| judged) {
+            let brought = (before - imbalance) / (before - 1.0);
+            self.patience = if brought > WORTHWHILE { 1 } else { (2 * self.patience).min(64) };
+            self.unproven = None;
+        }
+        let patient = cycle >= self.last_low + self.patience * self.limits.low_every_at_least;
+        if judged && patient && imbalance > self.limits.imbalance && self.lost > self.low_cost {
+            let why = format!(
+                "imbalance {imbalance:.2}, {:.0} ms lost by waiting since the last",
+                1e3 * self.lost
+            );
+            self.judged_imbalance = Some(imbalance);
+            return Some(Due::Low { why });
+        }
+        if judged {
+            self.begin_window();
+        }
+        let why = || {
+            format!("{:.0} % of the motion that exterior copies cover is used up", 100.0 * urgency)
+        };
+        (urgency >= URGENT).then(|| Due::High { why: why() })
+    }
+
+    /// Notes an order that is on its way.
+    pub fn ordered(&mut self, number: u64, due: &Due) {
+        self.orders_due = number;
+        self.begin_window();
+        match due {
+            Due::High { .. } => self.high += 1,
+            Due::Low { .. } => {
+                self.low += 1;
+                self.lost = 0.0;
+                self.unproven = self.judged_imbalance.take();
+                self.last_low = self.last.iter().map(|r| r.cycle).max().unwrap_or(0);
+            }
+        }
+    }
+
+    /// Notes what a low redecomposition has cost [s].
+    pub fn low_took(&mut self, seconds: f64) {
+        self.low_cost = seconds;
+    }
+
+    fn begin_window(&mut self) {
+        self.window.iter_mut().for_each(|w| *w = 0.0);
+        self.cycles = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn balance() -> Balance {
+        Balance::new(2, Limits { imbalance: 1.1, low_every_at_least: 50, forced: false })
+    }
+
+    fn report(cycle: u64, cpu: f32, urgency: f64, order: u64) -> StepReport {
+        StepReport {
+            cycle,
+            cpu: vec![cpu; 100],
+            urgency,
+            order,
+            elements: 10,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_lasting_imbalance_calls_for_new_boxes_and_a_slight_one_does_not() {
+        let mut b = balance();
+        b.take(0, report(100, 1e-3, 0.0, 0));
+        b.take(1, report(100, 1.1e-3, 0.0, 0));
+        assert_eq!(b.due(), None);
+        b.take(0, report(200, 1e-3, 0.0, 0));
+        b.take(1, report(200, 3e-3, 0.0, 0));
+        assert!(matches!(b.due(), Some(Due::Low { .. })));
+    }
+
+    #[test]
+    fn used_up_motion_calls_for_new_membership_once() {
+        let mut b = balance();
+        b.take(0, report(100, 1e-3, 0.0, 0));
+        b.take(1, report(100, 1e-3, 0.8, 0));
+        let due = b.due().unwrap();
+        assert!(matches!(due, Due::High { .. }));
+        b.ordered(1, &due);
+        assert_eq!(b.due(), None, "the order is under way");
+        b.take(0, report(200, 1e-3, 0.1, 1));
+        b.take(1, report(200, 1e-3, 0.1, 1));
+        assert_eq!(b.due(), None);
+        assert_eq!((b.low, b.high), (0, 1));
+    }
+
+    #[test]
+    fn critical_path_is_the_sum_of_the_slowest() {
+        let mut b = balance();
+        b.take(0, StepReport { cpu: vec![1.0, 2.0], ..Default::default() });
+        b.take(1, StepReport { cpu: vec![3.0, 1.0], ..Default::default() });
+        assert_eq!((b.critical_s, b.total_s), (5.0, 7.0));
+    }
+}

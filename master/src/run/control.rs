@@ -1,0 +1,603 @@
+//! THE RUN, one page: deal out, listen, decide, write, stop.
+
+use crate::input::job::Model;
+use crate::results::fields::Series;
+use crate::results::history::{Extras, History};
+use crate::results::summary::{self, Outline, Status, Summary};
+use crate::results::trace::Trace;
+use crate::run::balance::{Balance, Due, Limits};
+use crate::run::decompose::{Loads, Workers, bisect, drifted};
+use crate::run::progress::{Progress, State};
+use crate::run::stop::StopFlag;
+use crumple_proto::boxes::CutTree;
+use crumple_proto::ids::NodeId;
+use crumple_proto::message::{Action, ToMaster, ToWorker};
+use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::report::{Closing, Trouble};
+use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::wire::{poll_message, post};
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A master with nothing to do sleeps this long: it must not burn a core that workers want.
+const NAP: Duration = Duration::from_micros(500);
+
+/// Why a run has no summary.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// A worker is gone.
+    #[error("a worker was lost: {0}; the results so far are in the output folder")]
+    Lost(#[from] Lost),
+    /// Results cannot be written.
+    #[error("{path}: {error}; choose another folder with --out", path = .path.display())]
+    Output {
+        /// What cannot be written.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// The trace cannot be written.
+    #[error("{path}: {error}; choose another file with --trace", path = .path.display())]
+    Trace {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+}
+
+/// A run as the master sees it.
+pub struct Control<'a> {
+    began: Instant,
+    /// Without its mesh once the work is dealt out.
+    model: &'a mut Model,
+    /// What of the mesh the summary tells.
+    outline: Outline,
+    wire: &'a mut dyn Transport,
+    workers: usize,
+    tree: CutTree,
+    balance: Balance,
+    history: History,
+    series: Series,
+    progress: Progress,
+    out: PathBuf,
+    orders: u64,
+    stop_ordered: bool,
+    /// Workers that have stopped for a low redecomposition, and when the first did.
+    ready: Vec<usize>,
+    ready_since: Option<Instant>,
+    /// Field pieces written, per output index.
+    pieces: BTreeMap<usize, usize>,
+    trouble: Option<Trouble>,
+    /// Whether a deep penetration has been told, and energy that contact creates.
+    sunk_told: bool,
+    created_told: bool,
+    /// Whether it has been told that contact shortens the step.
+    short_told: bool,
+    closings: Vec<Option<Closing>>,
+    trace: Option<Trace>,
+    states: Vec<NodeRecord>,
+}
+
+/// Where the results of a run go.
+#[derive(Clone, Copy, Debug)]
+pub struct Results<'a> {
+    /// Folder for all that every run leaves.
+    pub out: &'a Path,
+    /// File for a time line of all workers, if it is wanted.
+    pub trace: Option<&'a Path>,
+}
+
+/// Runs a job with the workers at the other ends of `wire`; the model loses its mesh once that is
+/// dealt out.
+///
+/// # Errors
+/// A worker is gone, or results cannot be written.
+pub fn run(
+    model: &mut Model,
+    wire: &mut dyn Transport,
+    results: Results<'_>,
+    quiet: bool,
+    stop: &StopFlag,
+) -> Result<Summary, RunError> {
+    let mut control = Control::new(model, wire, results, quiet)?;
+    let ended = control.follow(stop);
+    let traced = control.write_trace();
+    ended?;
+    control.progress.finish();
+    let summary = control.close()?;
+    traced?; // after all that the run itself has to say
+    Ok(summary)
+}
+
+impl<'a> Control<'a> {
+    fn new(
+        model: &'a mut Model,
+        wire: &'a mut dyn Transport,
+        Results { out, trace }: Results<'_>,
+        quiet: bool,
+    ) -> Result<Self, RunError> {
+        let workers = wire.size() - 1;
+        let (job, settings) = (&model.job, &model.settings);
+        let fields = out.join("fields");
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |error| RunError::Output { path, error }
+        };
+        std::fs::create_dir_all(out).map_err(failed(out))?;
+        if fields.exists() {
+            std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
+        }
+        let history = History::new(out, workers, model)
+            .map_err(|(path, error)| RunError::Output { path, error })?;
+        let trace = trace.map(|path| {
+            let failed = |error| RunError::Trace { path: path.to_owned(), error };
+            Trace::new(path, workers).map_err(failed)
+        });
+        let trace = trace.transpose()?;
+        let limits = Limits {
+            imbalance: job.parallel.imbalance,
+            low_every_at_least: job.parallel.low_every_at_least,
+            forced: job.parallel.force_every > 0,
+        };
+        Ok(Self {
+            began: Instant::now(),
+            tree: CutTree::single(),
+            balance: Balance::new(workers, limits),
+            series: Series::new(&fields),
+            progress: Progress::new(settings.end_time, quiet),
+            out: out.to_owned(),
+            orders: 0,
+            stop_ordered: false,
+            ready: Vec::new(),
+            ready_since: None,
+            pieces: BTreeMap::new(),
+            trouble: None,
+            sunk_told: false,
+            created_told: false,
+            short_told: false,
+            closings: vec![None; workers],
+            trace,
+            states: Vec::new(),
+            outline: Outline::of(&model.mesh),
+            model,
+            wire,
+            workers,
+            history,
+        })
+    }
+
+    /// Deals out the work and follows the run to its end.
+    fn follow(&mut self, stop: &StopFlag) -> Result<(), RunError> {
+        self.deal_out()?;
+        while self.closings.iter().any(Option::is_none) {
+            let heard = self.listen()?;
+            if stop.is_raised() && !self.stop_ordered {
+                self.stop_ordered = true;
+                self.progress.say("stopping: the workers finish their cycle and write their state");
+                self.order(Action::Stop);
+            } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
+                self.redecompose(&due);
+            }
+            if self.ready.len() == self.workers {
+                self.recut()?;
+            }
+            self.show();
+            if !heard {
+                std::thread::sleep(NAP);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the time line, if there is to be one. When a worker was lost the others end too, and
+    /// send what they have.
+    fn write_trace(&mut self) -> Result<(), RunError> {
+        let Some(mut trace) = self.trace.take() else { return Ok(()) };
+        let began = Instant::now();
+        for worker in 0..self.workers {
+            while !trace.has(worker) && began.elapsed() < LAST_WORDS {
+                match poll_message(self.wire, worker + 1, Tag::Report) {
+                    Ok(Some(ToMaster::Recording(recording))) => trace.take(worker, *recording),
+                    Ok(Some(_)) => {} // of a run that has ended
+                    Ok(None) => std::thread::sleep(NAP),
+                    Err(_) => break,
+                }
+            }
+        }
+        let path = trace.path.clone();
+        let said =
+            trace.write(self.wire.one_clock()).map_err(|error| RunError::Trace { path, error })?;
+        self.progress.say(&format!("trace: {said}"));
+        Ok(())
+    }
+
+    /// Cuts space into boxes and sends every worker what lies in its own.
+    fn deal_out(&mut self) -> Result<(), Lost> {
+        let (elements, nodes) = self.model.records();
+        let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
+        let centre = |e: &crumple_proto::partition::ElementRecord| {
+            let corners = &e.nodes[..e.shape.corners()];
+            std::array::from_fn(|c| {
+                corners.iter().map(|n| of_id[n].x[c]).sum::<f64>() / corners.len() as f64
+            })
+        };
+        let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
+        let load = |e| self.model.settings.load(e);
+        let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
+        self.tree = bisect(&mut Loads(loads), self.workers)?;
+        let mut shares = vec![Vec::new(); self.workers];
+        for (e, &c) in elements.iter().zip(&centres) {
+            shares[self.tree.worker_of(c)].push(*e);
+        }
+        let fields = self.series.dir().to_string_lossy().into_owned();
+        let settings = Settings { field_dir: fields, ..self.model.settings.clone() };
+        for (worker, elements) in shares.into_iter().enumerate() {
+            let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "dealt out");
+            let nodes = ids.iter().map(|id| *of_id[id]).collect();
+            let trace = self.trace.is_some();
+            let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
+            let start = ToWorker::Start { settings, tree, elements, nodes, trace };
+            post(self.wire, worker + 1, Tag::Order, &start)?;
+        }
+        self.model.forget_mesh();
+        Ok(())
+    }
+
+    /// Takes in what has come from workers; false if nothing had.
+    fn listen(&mut self) -> Result<bool, RunError> {
+        let mut heard = false;
+        for worker in 0..self.workers {
+            while self.closings[worker].is_none() {
+                let Some(message) = poll_message(self.wire, worker + 1, Tag::Report)? else {
+                    break;
+                };
+                heard = true;
+                self.take(worker, message)?;
+            }
+        }
+        Ok(heard)
+    }
+
+    fn take(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
+        match message {
+            ToMaster::Report(report) => self.balance.take(worker, report),
+            ToMaster::History(part) => {
+                let b = &self.balance;
+                let wall = self.began.elapsed().as_secs_f64();
+                let extras = Extras {
+                    wall,
+                    cpu_total: b.total_s,
+                    cpu_critical: b.critical_s,
+                    cpu_renewal: b.renewal_s.iter().copied().fold(0.0, f64::max),
+                    low: b.low,
+                    high: b.high,
+                };
+                let path = || self.out.join("history.csv");
+                self.history
+                    .take(*part, extras)
+                    .map_err(|e| RunError::Output { path: path(), error: e.into() })?;
+                self.watch_energy();
+                self.watch_contact();
+                self.watch_work();
+            }
+            ToMaster::Fields { index, time } => {
+                let pieces = self.pieces.entry(index).or_default();
+                *pieces += 1;
+                if *pieces == self.workers {
+                    let path = self.series.dir().to_owned();
+                    self.series
+                        .add(index, time, self.workers)
+                        .map_err(|error| RunError::Output { path, error })?;
+                    tracing::info!(index, time, "fields written");
+                }
+            }
+            ToMaster::Warning(warning) => {
+                tracing::warn!(worker, warning);
+                self.progress.say(&format!("warning: worker {worker}: {warning}"));
+            }
+            ToMaster::Ready => {
+                self.ready.push(worker);
+                self.ready_since.get_or_insert_with(Instant::now);
+            }
+            ToMaster::Trouble(trouble) => {
+                tracing::error!(worker, ?trouble, "trouble");
+                self.trouble = Some(trouble);
+            }
+            ToMaster::Recording(recording) => {
+                if let Some(trace) = &mut self.trace {
+                    trace.take(worker, *recording);
+                }
+            }
+            ToMaster::Closing(closing, states) => {
+                self.closings[worker] = Some(*closing);
+                self.states.extend(states);
+            }
+            ToMaster::Extents(_) | ToMaster::Histograms(_) => {
+                tracing::warn!(worker, "answer to no question")
+            }
+        }
+        Ok(())
+    }
+
+    /// Says once that contact does not hold what it should.
+    fn watch_contact(&mut self) {
+        let (depth, time) =
+            (self.history.penetration, self.history.last.as_ref().map_or(0.0, |r| r.sum.time));
+        if depth > SUNK && !self.sunk_told {
+            self.sunk_told = true;
+            let message = format!(
+                "at time {time:.6e} a node is {depth:.2} of the contact thickness deep, and from a whole one on it may be lost on the \
+                 other side. If the mesh does not start so, contact does not keep up: see contact.iteration, contact.sweeps and \
+                 contact.penalty_scale, or take a shorter time.dt_max"
+            );
+            tracing::warn!(depth, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
+        let steps = self.history.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
+        if let Some([contact, elements]) =
+            steps.filter(|[contact, elements]| *contact < MUCH_SHORTER * elements)
+            && !self.short_told
+        {
+            self.short_told = true;
+            let message = format!(
+                "at time {time:.6e} contact leaves a stable step of {contact:.3e} where elements leave {elements:.3e}: what is near moves \
+                 so fast that it would be through in one step. Thicker contact surfaces let it be longer; so does taking fast \
+                 fragments or thin foils out of contact"
+            );
+            tracing::warn!(contact, elements, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
+    }
+
+    /// Plasticity can hold an unstable step in bounds; the balance of energy cannot, or velocities
+    /// swing from step to step and go on to. Stops a run of which either is true.
+    fn watch_energy(&mut self) {
+        let Some(row) = self.history.last.as_ref() else { return };
+        let what = if row.error.abs() > MOST_ENERGY_ERROR {
+            format!("the balance of energy is off by {:.0} %", 100.0 * row.error)
+        } else if self.history.swings_on(self.model.settings.safety > 1.0) {
+            format!(
+                "velocities swing from step to step with {:.0} % of the energy: the step is unstable",
+                100.0 * row.swing
+            )
+        } else {
+            return;
+        };
+        let sum = &row.sum;
+        let element = sum
+            .controlling
+            .map_or(String::new(), |id| format!("; element {id} holds the smallest step"));
+        let safety = self.model.settings.safety;
+        let cure = if safety > 1.0 { "0.9 or less" } else { "a lower one" };
+        let subcycled = self.model.settings.subcycles > 1;
+        let or =
+            if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
+        let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
+        self.fail(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
+    }
+
+    /// Contact that makes energy of nothing is told once, and stops the run when it is much.
+    fn watch_work(&mut self) {
+        let Some(row) = self.history.last.as_ref().filter(|row| row.created > LITTLE_CREATED)
+        else {
+            return;
+        };
+        let (created, time, cycle) = (row.created, row.sum.time, row.sum.cycle);
+        let what = format!(
+            "contact has created {:.3e} of energy by itself, {:.1} % of the most that there was",
+            row.sum.energies.contact,
+            100.0 * created
+        );
+        let cure = "look for parts that start within each other's thickness (`crumple check` names them) or are pressed through one \
+                    another, and try a shorter time.dt_max, more contact.sweeps or a lower contact.penalty_scale";
+        if created > MOST_CREATED {
+            self.fail(Trouble { elem: None, cycle, time, why: format!("{what}; {cure}") });
+        } else if !self.created_told {
+            self.created_told = true;
+            let message = format!(
+                "at time {time:.6e} {what}; {cure}. The run stops at {:.0} %",
+                100.0 * MOST_CREATED
+            );
+            tracing::warn!(created, time, message);
+            self.progress.say(&format!("warning: {message}"));
+        }
+    }
+
+    /// Stops the run as failed, unless it ends already.
+    fn fail(&mut self, trouble: Trouble) {
+        if self.trouble.is_none() && !self.stop_ordered {
+            self.trouble = Some(trouble);
+            self.stop_ordered = true;
+            self.order(Action::Stop);
+        }
+    }
+
+    fn order(&mut self, action: Action) {
+        self.orders += 1;
+        for rank in 1..=self.workers {
+            // A worker that cannot be reached has just ended, or is lost; listening tells which.
+            let _ = post(
+                self.wire,
+                rank,
+                Tag::Order,
+                &ToWorker::Order { number: self.orders, action: action.clone() },
+            );
+        }
+    }
+
+    fn redecompose(&mut self, due: &Due) {
+        let last = self.balance.last.iter().max_by_key(|r| r.cycle).cloned().unwrap_or_default();
+        let (kind, why) = match due {
+            Due::High { why } => ("high", why),
+            Due::Low { why } => ("low", why),
+        };
+        tracing::info!(kind, why, cycle = last.cycle, time = last.time, "redecomposition ordered");
+        match due {
+            Due::High { .. } => {
+                let drift: Vec<[f64; 3]> = self.balance.last.iter().map(|r| r.drift).collect();
+                let elements: Vec<u64> = self.balance.last.iter().map(|r| r.elements).collect();
+                self.tree = drifted(&self.tree, &drift, &elements);
+                self.order(Action::Renew(self.tree.clone()));
+            }
+            Due::Low { .. } => self.order(Action::Recut),
+        }
+        self.balance.ordered(self.orders, due);
+        if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
+            self.progress.say(&format!(
+                "{kind} redecomposition at T={:.4e}, cycle {}: {why}",
+                last.time, last.cycle
+            ));
+        }
+    }
+
+    /// All workers wait: measure the load where it is, cut anew, let them migrate.
+    fn recut(&mut self) -> Result<(), RunError> {
+        let mut load =
+            Workers { pair_weight: self.balance.pair_weight(), wire: self.wire, aside: Vec::new() };
+        self.tree = bisect(&mut load, self.workers)?;
+        let aside = load.aside;
+        for rank in 1..=self.workers {
+            post(self.wire, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
+        }
+        self.ready.clear();
+        if let Some(since) = self.ready_since.take() {
+            // Migration takes about as long again as asking and cutting.
+            self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
+        }
+        aside.into_iter().try_for_each(|(worker, message)| self.take(worker, message))
+    }
+
+    fn show(&mut self) {
+        let last = &self.balance.last[0];
+        let error = self.history.last.as_ref().map_or(0.0, |r| r.error);
+        let (pairs, imbalance) = (self.balance.pairs(), self.balance.mean_imbalance());
+        self.progress.show(&State {
+            cycle: last.cycle,
+            time: last.time,
+            dt: last.dt,
+            error,
+            pairs,
+            imbalance,
+        });
+    }
+
+    /// Everything has come: the summary.
+    fn close(mut self) -> Result<Summary, RunError> {
+        let wall_s = self.began.elapsed().as_secs_f64();
+        let closings: Vec<Closing> = self.closings.into_iter().flatten().collect();
+        let end = closings[0].clone();
+        let (status, reason) = match &self.trouble {
+            Some(t) => {
+                (Status::Failed, format!("cycle {}, time {:.6e}: {}", t.cycle, t.time, t.why))
+            }
+            None if end.stopped => (Status::Stopped, "stopped by the user".into()),
+            None if end.time < self.model.settings.end_time * (1.0 - 1e-9) => {
+                (Status::Completed, "max_cycles".into())
+            }
+            None => (Status::Completed, "end_time".into()),
+        };
+        let count: usize = self.outline.elements.values().sum();
+        let mean = |f: fn(&Closing) -> u64| {
+            closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64
+        };
+        let cycles = end.cycles.max(1) as f64;
+        let (first, last) =
+            (self.history.first.unwrap_or_default().sum, self.history.last.unwrap_or_default());
+        let (e, i) = (last.sum.energies, first.energies);
+        let summary = Summary {
+            title: self.model.job.title.clone(),
+            units: self.model.job.units.clone(),
+            status,
+            reason,
+            end_time: end.time,
+            cycles: end.cycles,
+            nodes: self.outline.nodes,
+            workers: self.workers,
+            transport: self.wire.name().into(),
+            wall_s,
+            grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
+            phase_s: summary::phases(&closings),
+            cpu_s: summary::Cpu {
+                total: self.balance.total_s,
+                critical_path: self.balance.critical_s,
+                renewal: self.balance.renewal_s.iter().copied().fold(0.0, f64::max),
+                messages_per_cycle: mean(|c| c.messages) / cycles,
+                bytes_per_cycle: mean(|c| c.bytes) / cycles,
+            },
+            energy: summary::Energy {
+                kinetic: e.kinetic,
+                internal: e.internal,
+                contact: e.contact,
+                friction: e.friction,
+                contact_starting: e.starting,
+                wall: e.wall,
+                hourglass: e.hourglass,
+                external: e.external,
+                total_initial: i.kinetic + i.internal + i.hourglass,
+                error: last.error,
+                error_max: self.history.worst_error,
+                contact_created: self.history.worst_created,
+            },
+            momentum: summary::Momentum {
+                start: first.momentum,
+                end: last.sum.momentum,
+                wall_impulse: std::array::from_fn(|c| {
+                    last.sum.wall_impulse.iter().map(|p| p[c]).sum()
+                }),
+            },
+            dt: summary::Steps { first: end.dt[0], min: end.dt[1], last: end.dt[2] },
+            redecompositions: summary::Redecompositions {
+                low: self.balance.low,
+                high: self.balance.high,
+            },
+            imbalance: summary::MeanMax {
+                mean: self.balance.mean_imbalance(),
+                max: self.balance.worst,
+            },
+            contact: summary::ContactSummary {
+                pairs_max: self.history.pairs,
+                penetration_max: self.history.penetration,
+                searches: mean(|c| c.searches),
+                sweeps_per_cycle: mean(|c| c.sweeps) / cycles,
+                accelerated_steps: closings.iter().map(|c| c.unsettled[0]).max().unwrap_or(0),
+                unsettled_steps: closings.iter().map(|c| c.unsettled[1]).max().unwrap_or(0),
+                capped_per_cycle: closings.iter().map(|c| c.capped).sum::<u64>() as f64 / cycles,
+            },
+            unsupported: self.model.unsupported.clone(),
+            parts: summary::parts(
+                &self.model.job,
+                &self.outline,
+                &self.model.settings.parts,
+                &closings,
+            ),
+            walls: self.model.job.wall.clone(),
+            elements: self.outline.elements,
+            state_digest: summary::state_digest(&mut self.states),
+        };
+        let path = self.out.join("summary.json");
+        let text = serde_json::to_string_pretty(&summary).unwrap_or_default();
+        std::fs::write(&path, text + "\n").map_err(|error| RunError::Output { path, error })?;
+        Ok(summary)
+    }
+}
+
+/// A penetration deeper than this fraction of the contact thickness is told.
+const SUNK: f64 = 0.5;
+/// A run whose energy balance is off by more than this fraction has failed; crash codes are
+/// accepted with 0.01.
+const MOST_ENERGY_ERROR: f64 = 0.1;
+/// A step that contact makes shorter than this fraction of the elements' is told.
+const MUCH_SHORTER: f64 = 0.5;
+/// Fractions of the most energy so far that contact may create before it is told, and before the
+/// run has failed.
+const LITTLE_CREATED: f64 = 0.01;
+const MOST_CREATED: f64 = 0.1;
+/// How long the master waits for what workers have recorded when one of them was lost.
+const LAST_WORDS: Duration = Duration::from_secs(2);
+/// High redecompositions that are said aloud; all are in `log.jsonl`.
+const MOST_SAID: u64 = 10;

@@ -1,0 +1,303 @@
+//! Engines in this process without a master, watched step by step: verification,
+//! benchmarks, predictions of efficiency and tests share this.
+
+use crate::input::job::Model;
+use crate::results::summary::state_digest;
+use crate::run::decompose::{Centres, bisect};
+use crumple_proto::boxes::{Cut, CutTree};
+use crumple_proto::ids::{ElemId, NodeId, SegmentId};
+use crumple_proto::mesh::MeshElement;
+use crumple_proto::partition::NodeRecord;
+use crumple_proto::report::PhaseSeconds;
+use crumple_proto::transport::{Lost, Traffic, Transport, thread_cpu, threads};
+use crumple_worker::engine::Engine;
+use crumple_worker::parallel::partition::Share;
+use crumple_worker::step::step;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+/// Share of what exterior copies cover at which membership is renewed.
+const RENEW_AT: f64 = 0.7;
+
+/// A contact pair by its ids.
+pub type PairIds = (NodeId, SegmentId);
+
+/// How a run on one engine ended.
+pub struct Ended {
+    /// The engine as it is then.
+    pub engine: Engine,
+    /// Element in trouble, if the run had to end.
+    pub trouble: Option<ElemId>,
+}
+
+/// Runs a job on one engine in this thread. `look` is called at every time from 0 to the end: it
+/// sees coordinates at `clock.time`, velocities half a step before, and may set the velocities of
+/// fixed degrees of freedom, which then move the coming step of `clock.dt` with them; it may also
+/// end the run.
+///
+/// # Errors
+/// The engine could not be set up.
+pub fn run_alone(
+    model: &Model,
+    mut look: impl FnMut(&mut Engine) -> ControlFlow<()>,
+) -> Result<Ended, Lost> {
+    let Alone { mut engine, mut wire, _master } = Alone::new(model)?;
+    let mut trouble = None;
+    while look(&mut engine).is_continue()
+        && trouble.is_none()
+        && !engine.clock.is_over(&engine.settings)
+    {
+        trouble = step(&mut engine, &mut wire)?.trouble;
+    }
+    Ok(Ended { engine, trouble })
+}
+
+/// One engine with all of a job, and its connection to a master that does not listen.
+pub struct Alone {
+    /// The engine.
+    pub engine: Engine,
+    /// Its end of the connection.
+    pub wire: threads::Threads,
+    /// What arrives at the other end, history rows among it, piles up unread.
+    _master: threads::Threads,
+}
+
+impl Alone {
+    /// At time 0.
+    ///
+    /// # Errors
+    /// The engine could not be set up.
+    pub fn new(model: &Model) -> Result<Self, Lost> {
+        let (elements, nodes) = model.records();
+        let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
+        let share = Share { elements, nodes, ..Share::default() };
+        let mut ends = threads::connect(2);
+        let (mut wire, _master) = (ends.remove(1), ends.remove(0));
+        let engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share)?;
+        Ok(Self { engine, wire, _master })
+    }
+
+    /// A step.
+    ///
+    /// # Errors
+    /// An element is in trouble.
+    pub fn forward(&mut self) -> Result<(), String> {
+        let agreed = step(&mut self.engine, &mut self.wire).map_err(|lost| lost.to_string())?;
+        match agreed.trouble {
+            Some(element) => {
+                Err(format!("element {element} is in trouble at {}", self.engine.clock.time))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// What a run of engines side by side gives.
+pub struct Trace {
+    /// Pairs of all workers per cycle, ascending; a pair that two workers own would be there twice.
+    pub pairs: Vec<Vec<PairIds>>,
+    /// State at the end, all nodes.
+    pub nodes: Vec<NodeRecord>,
+    /// Renewals of boxes.
+    pub renewals: u64,
+    /// Element in trouble, if the run had to end.
+    pub trouble: Option<ElemId>,
+}
+
+impl Trace {
+    /// Digest of the state.
+    pub fn digest(&self) -> String {
+        state_digest(&mut self.nodes.clone())
+    }
+}
+
+/// Element centres at the start.
+pub(crate) fn centres(model: &Model) -> Vec<[f64; 3]> {
+    let of_id: HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let centre = |e: &MeshElement| {
+        let corners = e.corners();
+        std::array::from_fn(|c| {
+            corners.iter().map(|n| of_id[n][c]).sum::<f64>() / corners.len() as f64
+        })
+    };
+    model.mesh.elements.iter().map(centre).collect()
+}
+
+/// Runs `cycles` cycles on `workers` engines. Boxes are renewed when exterior copies run out, and
+/// every `force_every` cycles (0 for never), in turn within the old boxes and with boxes cut in
+/// another direction.
+///
+/// # Panics
+/// When a worker is lost.
+pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every: u64) -> Trace {
+    let centres = centres(model);
+    let cut = |stretch: [f64; 3]| {
+        let stretched =
+            centres.iter().map(|c| std::array::from_fn(|k| c[k] * stretch[k])).collect();
+        let mut tree = bisect(&mut Centres(stretched), workers).expect("no worker is asked");
+        for entry in &mut tree.entries {
+            if let Cut::Plane { axis, at, .. } = entry {
+                *at /= stretch[*axis];
+            }
+        }
+        tree
+    };
+    // Stretching an axis makes it the longest, so that cuts go across it.
+    let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
+    let shares = deal(model, &centres, &trees[0], workers);
+    let plan = Plan { cycles, force_every, trees };
+    let traces = on_threads(shares, |wire, share| one_engine(model, wire, share, &plan));
+    let mut all = Trace {
+        pairs: vec![Vec::new(); traces[0].pairs.len()],
+        nodes: Vec::new(),
+        renewals: 0,
+        trouble: None,
+    };
+    for t in traces {
+        all.pairs.iter_mut().zip(t.pairs).for_each(|(a, b)| a.extend(b));
+        all.nodes.extend(t.nodes);
+        (all.renewals, all.trouble) = (t.renewals, t.trouble);
+    }
+    all.pairs.iter_mut().for_each(|p| p.sort_unstable());
+    all
+}
+
+/// The share of each worker, by the boxes of `tree`.
+pub(crate) fn deal(
+    model: &Model,
+    centres: &[[f64; 3]],
+    tree: &CutTree,
+    workers: usize,
+) -> Vec<Share> {
+    let (elements, nodes) = model.records();
+    let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
+    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
+    for (e, &c) in elements.iter().zip(centres) {
+        shares[tree.worker_of(c)].elements.push((*e, Vec::new()));
+    }
+    for share in &mut shares {
+        let mut ids: Vec<NodeId> = share.elements.iter().flat_map(|(e, _)| e.nodes).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        share.nodes = ids.iter().filter_map(|id| record.get(id).map(|&&n| n)).collect();
+    }
+    shares
+}
+
+/// Runs one worker per share, each in a thread. What they tell the master piles up unread.
+pub(crate) fn on_threads<T: Send>(
+    shares: Vec<Share>,
+    run: impl Fn(&mut dyn Transport, Share) -> T + Sync,
+) -> Vec<T> {
+    let mut ends = threads::connect(shares.len() + 1);
+    let _master = ends.remove(0);
+    std::thread::scope(|scope| {
+        let run = &run;
+        let start = |(mut end, share)| scope.spawn(move || run(&mut end, share));
+        let threads: Vec<_> = ends.into_iter().zip(shares).map(start).collect();
+        threads.into_iter().map(|t| t.join().expect("a worker was lost")).collect()
+    })
+}
+
+/// What a worker took for some cycles.
+pub struct Timing {
+    /// Cycles that were timed.
+    pub cycles: u64,
+    /// CPU time, that of waiting for others left out [s].
+    pub cpu_s: f64,
+    /// Wall clock [s].
+    pub wall_s: f64,
+    /// Wall clock by phase [s].
+    pub phases: PhaseSeconds,
+    /// Messages and bytes sent to other workers.
+    pub traffic: Traffic,
+}
+
+/// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the
+/// start; membership is renewed when exterior copies run out. Unstrained elements are computed like
+/// the others, since runs go on long after that.
+///
+/// # Errors
+/// A worker was lost, or the run ended before.
+pub fn time_side_by_side(
+    model: &Model,
+    workers: usize,
+    skip: u64,
+    cycles: u64,
+) -> Result<Vec<Timing>, String> {
+    let centres = centres(model);
+    let tree = bisect(&mut Centres(centres.clone()), workers).map_err(|lost| lost.to_string())?;
+    let shares = deal(model, &centres, &tree, workers);
+    let timed = |wire: &mut dyn Transport, share| -> Result<Timing, String> {
+        let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share)
+            .map_err(|l| l.to_string())?;
+        engine.blocks.compute_all();
+        let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
+        let mut before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
+        while engine.clock.cycle < skip + cycles {
+            if engine.clock.cycle == skip {
+                engine.timer.restart();
+                before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
+            }
+            let agreed = step(&mut engine, wire).map_err(|lost| lost.to_string())?;
+            if let Some(element) = agreed.trouble {
+                return Err(format!(
+                    "element {element} is in trouble in cycle {}",
+                    engine.clock.cycle
+                ));
+            }
+            if engine.clock.is_over(&engine.settings) {
+                return Err(format!("it is over after {} cycles", engine.clock.cycle));
+            }
+            if agreed.urgency > RENEW_AT {
+                engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
+            }
+        }
+        let (cpu_before, start, seconds, sent) = before;
+        let traffic = wire.traffic();
+        Ok(Timing {
+            cycles,
+            cpu_s: cpu(wire).saturating_sub(cpu_before).as_secs_f64(),
+            wall_s: start.elapsed().as_secs_f64(),
+            phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
+            traffic: Traffic {
+                messages: traffic.messages - sent.messages,
+                bytes: traffic.bytes - sent.bytes,
+            },
+        })
+    };
+    on_threads(shares, timed).into_iter().collect()
+}
+
+struct Plan {
+    cycles: u64,
+    force_every: u64,
+    trees: [CutTree; 3],
+}
+
+fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan) -> Trace {
+    let tree = plan.trees[0].clone();
+    let mut engine =
+        Engine::new(wire, model.settings.clone(), tree, share).expect("all workers live");
+    let mut trace = Trace { pairs: Vec::new(), nodes: Vec::new(), renewals: 0, trouble: None };
+    while engine.clock.cycle < plan.cycles && !engine.clock.is_over(&engine.settings) {
+        let agreed = step(&mut engine, wire).expect("all workers live");
+        trace.pairs.push(engine.contact.iter().flat_map(|c| c.own_pairs()).collect());
+        trace.trouble = agreed.trouble;
+        if agreed.trouble.is_some() {
+            break;
+        }
+        let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
+        if forced || agreed.urgency > RENEW_AT {
+            trace.renewals += 1;
+            let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
+            engine.renew(wire, plan.trees[which].clone()).expect("all workers live");
+        }
+    }
+    trace.nodes = (0..engine.nodes.held)
+        .filter(|&i| engine.nodes.is_own(i))
+        .map(|i| engine.nodes.record(i))
+        .collect();
+    trace
+}

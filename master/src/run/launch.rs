@@ -1,0 +1,237 @@
+//! `crumple run`: where the workers are, and with which code the process ends.
+
+use crate::cli::RunArgs;
+use crate::input::job::{self, Model, Report};
+use crate::results::report;
+use crate::results::summary::{Status, Summary};
+use crate::run::control::{self, Results, RunError};
+use crate::run::say::say;
+use crate::run::stop::StopFlag;
+use crumple_proto::transport::{Transport, threads};
+use std::path::Path;
+
+/// Exit codes, as README.md lists them.
+const COMPLETED: u8 = 0;
+const FAILED: u8 = 3;
+const WORKER_LOST: u8 = 4;
+const STOPPED: u8 = 130;
+
+/// Whether a launcher of MPI processes has started this one: it tells them how many they are.
+fn launched_by_mpi() -> bool {
+    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some())
+}
+
+/// Runs a job; returns the exit code.
+pub fn run(args: &RunArgs) -> u8 {
+    if launched_by_mpi() { run_under_mpi(args) } else { run_threads(args) }
+}
+
+fn run_threads(args: &RunArgs) -> u8 {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let read = job::read(&args.job.job, &args.sets()).and_then(|m| {
+        let workers = m.workers(args.job.workers, cores)?;
+        Ok((m, workers))
+    });
+    let (mut model, workers) = match read {
+        Ok(both) => both,
+        Err(report) => return bad_input(&report),
+    };
+    let mut ends = threads::connect(workers + 1);
+    let mut master = ends.remove(0);
+    let workers: Vec<_> = ends
+        .into_iter()
+        .map(|mut end| {
+            let rank = end.rank();
+            let name = format!("worker {}", rank - 1);
+            let body = move || {
+                if let Err(lost) = crumple_worker::serve::serve(&mut end) {
+                    tracing::error!(worker = rank - 1, %lost, "worker ends");
+                }
+            };
+            std::thread::Builder::new().name(name).spawn(body)
+        })
+        .collect();
+    let code = as_master(args, &mut model, &mut master);
+    drop(master);
+    for worker in workers.into_iter().flatten() {
+        // A panic has been printed by the worker and is reported as a lost worker.
+        let _ = worker.join();
+    }
+    code
+}
+
+#[cfg(not(feature = "mpi"))]
+fn run_under_mpi(_: &RunArgs) -> u8 {
+    eprintln!(
+        "error: this crumple was built without MPI; build it with `cargo build --release --features mpi`,"
+    );
+    eprintln!("  or run it without mpirun: workers are then threads");
+    Report::EXIT_CODE
+}
+
+#[cfg(feature = "mpi")]
+fn run_under_mpi(args: &RunArgs) -> u8 {
+    use crumple_proto::{message::ToWorker, transport::Tag, transport::mpi::Mpi, wire::post};
+    let Some(mut wire) = Mpi::start() else {
+        eprintln!("error: MPI could not be started");
+        return WORKER_LOST;
+    };
+    if wire.size() == 1 {
+        drop(wire);
+        return run_threads(args);
+    }
+    if wire.rank() > 0 {
+        // The master decides when to stop; a launcher's signal to all ranks must not end this one
+        // early.
+        let _patient = StopFlag::listen(true);
+        return match crumple_worker::serve::serve(&mut wire) {
+            Ok(()) => COMPLETED,
+            Err(lost) => {
+                eprintln!("error: worker {}: {lost}", wire.rank() - 1);
+                wire.abort(i32::from(WORKER_LOST))
+            }
+        };
+    }
+    let ranks = wire.size() - 1;
+    let read = job::read(&args.job.job, &args.sets()).and_then(|m| {
+        m.workers(Some(ranks), ranks)?;
+        Ok(m)
+    });
+    match read {
+        Ok(mut model) => {
+            let code = as_master(args, &mut model, &mut wire);
+            if code == WORKER_LOST { wire.abort(i32::from(code)) } else { code }
+        }
+        Err(report) => {
+            for rank in 1..=ranks {
+                // A worker that is gone already needs no telling.
+                let _ = post(&mut wire, rank, Tag::Order, &ToWorker::Quit);
+            }
+            bad_input(&report)
+        }
+    }
+}
+
+fn bad_input(report: &Report) -> u8 {
+    eprint!("{report}");
+    Report::EXIT_CODE
+}
+
+fn as_master(args: &RunArgs, model: &mut Model, wire: &mut dyn Transport) -> u8 {
+    let out = args.out_dir();
+    for warning in model.warnings.iter().filter(|_| !args.quiet) {
+        eprint!("{}", model.show(warning));
+    }
+    if !args.quiet {
+        crate::run::say::write(format_args!("{}", crate::input::check::mapping(model)));
+    }
+    log_to(&out);
+    model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
+    report::forget(&out); // of an older run
+    let stop = StopFlag::listen(false);
+    let results = Results { out: &out, trace: args.trace.as_deref() };
+    let ended = control::run(model, wire, results, args.quiet, &stop);
+    let writable = !matches!(ended, Err(RunError::Output { .. }));
+    let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
+    let code = match ended {
+        Ok(summary) => {
+            if !args.quiet {
+                print_summary(&summary, &out);
+            }
+            if model.job.output.d3plot
+                && let Err(why) = crate::results::d3plot::export(
+                    &out,
+                    1_000_000 * crate::results::d3plot::FILE_SIZE,
+                )
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
+            if model.job.output.vtkhdf
+                && let Err(why) = crate::results::vtkhdf::export(&out)
+            {
+                eprintln!("error: {why}");
+                return Report::EXIT_CODE;
+            }
+            match summary.status {
+                Status::Completed => COMPLETED,
+                Status::Stopped => STOPPED,
+                Status::Failed => {
+                    eprintln!("error: {}", summary.reason);
+                    FAILED
+                }
+            }
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            if matches!(error, RunError::Lost(_)) { WORKER_LOST } else { Report::EXIT_CODE }
+        }
+    };
+    match made.filter(|_| !args.quiet) {
+        Some(Ok(made)) => say!("{made}"),
+        Some(Err(why)) => eprintln!("warning: there is no report: {why}"),
+        None => {}
+    }
+    code
+}
+
+/// Events of master and threads go to `log.jsonl`; a folder that cannot be written is found out by
+/// the run itself.
+fn log_to(out: &Path) {
+    let file =
+        std::fs::create_dir_all(out).and_then(|()| std::fs::File::create(out.join("log.jsonl")));
+    if let Ok(file) = file {
+        // A second run in one process goes on writing to the first log.
+        let _ =
+            tracing_subscriber::fmt().json().with_writer(std::sync::Mutex::new(file)).try_init();
+    }
+}
+
+fn print_summary(s: &Summary, out: &Path) {
+    let ending =
+        if s.status == Status::Failed { "ERROR TERMINATION" } else { "NORMAL TERMINATION" };
+    say!("{ending}: {:?}, {}", s.status, s.reason);
+    say!(
+        "time {:.6e} after {} cycles, dt first {:.3e} min {:.3e}",
+        s.end_time,
+        s.cycles,
+        s.dt.first,
+        s.dt.min
+    );
+    let e = &s.energy;
+    say!(
+        "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} wall work {:.4e}, error {:.3} % (max {:.3} %)",
+        e.kinetic,
+        e.internal,
+        e.hourglass,
+        e.contact,
+        e.wall,
+        100.0 * e.error,
+        100.0 * e.error_max
+    );
+    say!(
+        "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; {} low and {} high redecompositions, imbalance {:.2}",
+        s.workers,
+        s.transport,
+        s.wall_s,
+        s.grind_ns,
+        s.redecompositions.low,
+        s.redecompositions.high,
+        s.imbalance.mean
+    );
+    let total: f64 = s.phase_s.values().map(|p| p.mean).sum();
+    let mut phases: Vec<_> = s.phase_s.iter().collect();
+    phases.sort_by(|a, b| b.1.mean.total_cmp(&a.1.mean));
+    let share = |p: f64| if total > 0.0 { 100.0 * p / total } else { 0.0 };
+    let shares: Vec<_> =
+        phases.iter().map(|(name, p)| format!("{name} {:.1} %", share(p.mean))).collect();
+    say!("share of phases: {}", shares.join(", "));
+    say!("state_digest {}", s.state_digest);
+    say!(
+        "results in {}; open {} in ParaView",
+        out.display(),
+        out.join("fields").join("fields.pvd").display()
+    );
+}

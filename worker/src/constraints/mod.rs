@@ -1,0 +1,6 @@
+//! constraints
+
+pub mod prescribed;
+pub mod rigid;
+pub mod ties;
+pub mod walls;

@@ -1,0 +1,213 @@
+//! Prescribed motion: nodes that go where the job says, whatever meets them.
+//!
+//! Their records have the prescribed degrees of freedom as not free, so that loads, contact and
+//! walls find no mass to push there. Velocities are those that take a node to its place at the end
+//! of the step, which follows from its initial place and the curve's exact integral: nothing
+//! drifts.
+
+use crate::constraints::ties::Ties;
+use crate::contact::Contact;
+use crate::contact::enforce::Steps;
+use crate::curve::Curve;
+use crate::energy::Work;
+use crate::nodes::{Nodes, xyz};
+use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
+use nalgebra::{Rotation3, Vector3};
+
+/// All prescribed motions, by local numbers.
+#[derive(Debug, Default)]
+pub struct Prescribed {
+    motions: Vec<Motion>,
+}
+
+/// How far a motion has gone.
+#[derive(Debug)]
+pub struct Course {
+    /// How it is given.
+    pub form: MotionForm,
+    amount: Vector3<f64>,
+    curve: Curve,
+}
+
+impl Course {
+    /// Of a motion; `curves` are those of the job.
+    pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
+        let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
+        Self { form: job.form, amount: Vector3::from(job.amount), curve }
+    }
+
+    /// Displacement, or rotation vector, from time 0 to `time`.
+    pub fn amount(&self, time: f64) -> Vector3<f64> {
+        let factor = match self.form {
+            MotionForm::Displacement => self.curve.value(time),
+            MotionForm::Velocity | MotionForm::Spin { .. } => self.curve.integral(time),
+            MotionForm::Acceleration => self.curve.second_integral(time),
+        };
+        self.amount * factor
+    }
+}
+
+#[derive(Debug)]
+struct Motion {
+    job: MotionJob,
+    course: Course,
+    nodes: Vec<u32>,
+}
+
+impl Prescribed {
+    /// From the job; nothing moves before [`Prescribed::settle`].
+    pub fn new(job: &LoadJob) -> Self {
+        let course = |m: &MotionJob| Course::new(m, &job.curves);
+        let motion =
+            |m: &MotionJob| Motion { job: m.clone(), course: course(m), nodes: Vec::new() };
+        Self { motions: job.motions.iter().map(motion).collect() }
+    }
+
+    /// Finds the nodes that are here.
+    pub fn settle(&mut self, nodes: &Nodes) {
+        for m in &mut self.motions {
+            m.nodes = m.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
+        }
+    }
+
+    /// Sets the velocities with which held nodes reach their places at the end of the step.
+    pub fn prescribe(&self, nodes: &mut Nodes, time: f64, dt: f64) {
+        for m in &self.motions {
+            let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
+            let turns = match m.job.form {
+                MotionForm::Spin { centre } => Some((Vector3::from(centre), Rotation3::new(next))),
+                _ => None,
+            };
+            let spin = if turns.is_some() { (next - now) / dt } else { Vector3::zeros() };
+            for &n in &m.nodes {
+                let i = n as usize;
+                let start = Vector3::from(xyz(&nodes.x0[i]));
+                let place = match &turns {
+                    Some((centre, rotation)) => centre + rotation * (start - centre),
+                    None => start + next,
+                };
+                for c in 0..3 {
+                    if m.job.dofs >> c & 1 == 1 {
+                        nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) / dt;
+                    }
+                    if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
+                        nodes.next_w[i][c] = spin[c];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Work of the constraint on owned nodes in the step: what the prescribed velocities take
+    /// beyond all other forces, those of contact included [energy].
+    pub fn work(
+        &self,
+        nodes: &Nodes,
+        (contact, ties): (Option<&Contact>, &Ties),
+        steps: Steps,
+    ) -> Work {
+        let mut work = Work::default();
+        for m in &self.motions {
+            for &n in m.nodes.iter().filter(|&&n| nodes.is_own(n as usize)) {
+                let i = n as usize;
+                let turned = contact.map_or(Vector3::zeros(), |k| k.couple_on(n));
+                let pushed =
+                    contact.map_or(Vector3::zeros(), |k| k.force_on(n) + ties.passed_on(n, nodes));
+                for c in 0..3 {
+                    if m.job.dofs >> c & 1 == 1 {
+                        let (a, b) = (nodes.v[i][c], nodes.next_v[i][c]);
+                        let impulse =
+                            nodes.mass[i] * (b - a) - steps.mid * (nodes.force[i][c] + pushed[c]);
+                        work += Work::of(impulse, a, b);
+                    }
+                    if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
+                        let (a, b) = (nodes.w[i][c], nodes.next_w[i][c]);
+                        let impulse = nodes.inertia[i] * (b - a)
+                            - steps.mid * (nodes.moment[i][c] + turned[c]);
+                        work += Work::of(impulse, a, b);
+                    }
+                }
+            }
+        }
+        work
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::NodeId;
+    use crumple_proto::partition::NodeRecord;
+
+    fn moved(form: MotionForm, amount: [f64; 3], curve: &[[f64; 2]], steps: usize) -> (Nodes, f64) {
+        let record = NodeRecord {
+            id: NodeId(3),
+            fixed: 63,
+            x0: [3.0, 1.0, 0.5],
+            x: [3.0, 1.0, 0.5],
+            mass: 2.0,
+            inertia: 0.4,
+            ..NodeRecord::default()
+        };
+        let mut nodes = Nodes::new(&[record], 0, true);
+        let motion =
+            MotionJob { nodes: vec![NodeId(3), NodeId(9)], dofs: 63, form, amount, curve: Some(0) };
+        let mut p = Prescribed::new(&LoadJob {
+            curves: vec![curve.to_vec()],
+            motions: vec![motion],
+            ..LoadJob::default()
+        });
+        p.settle(&nodes);
+        let dt = 2.0 / steps as f64;
+        let mut work = 0.0;
+        for i in 0..steps {
+            nodes.accelerate(dt);
+            p.prescribe(&mut nodes, i as f64 * dt, dt);
+            work += p
+                .work(&nodes, (None, &Ties::default()), Steps { dt, mid: dt, push: dt, whole: dt })
+                .total();
+            nodes.advance(dt);
+        }
+        (nodes, work)
+    }
+
+    /// Each form ends where its integral says, to round-off; the work is the kinetic energy at the
+    /// last mid-step, since nothing else acts.
+    #[test]
+    fn nodes_go_where_they_have_to_and_the_work_is_their_kinetic_energy() {
+        let ramp = [[0.0, 0.0], [2.0, 1.0]];
+        for (form, distance) in [
+            (MotionForm::Displacement, 1.0),
+            (MotionForm::Velocity, 1.0),
+            (MotionForm::Acceleration, 2.0 / 3.0),
+        ] {
+            let (nodes, work) = moved(form, [0.0, -4.0, 2.0], &ramp, 50);
+            let x = nodes.x[0];
+            assert!(
+                (x[0] - 3.0).abs()
+                    + (x[1] - 1.0 + 4.0 * distance).abs()
+                    + (x[2] - 0.5 - 2.0 * distance).abs()
+                    < 1e-14
+            );
+            let v = nodes.v[0];
+            let kinetic = v[1] * v[1] + v[2] * v[2];
+            assert!(
+                (work - kinetic).abs() < 1e-13 * kinetic,
+                "round-off of 50 sums: {work} {kinetic}"
+            );
+        }
+    }
+
+    /// Ten turns about a slanted axis in 95 steps end where they began, to round-off of the angle.
+    #[test]
+    fn rotation_is_exact() {
+        let centre = [1.0, -1.0, 0.0];
+        let rate = 10.0 * std::f64::consts::TAU / 2.0;
+        let axis = Vector3::new(1.0, 2.0, -2.0) / 3.0;
+        let (nodes, _) =
+            moved(MotionForm::Spin { centre }, (axis * rate).into(), &[[0.0, 1.0]], 95);
+        let off = (0..3).map(|c| (nodes.x[0][c] - nodes.x0[0][c]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-13, "63 radians times eps times a radius of 3: {off}");
+        assert!((Vector3::from(xyz(&nodes.w[0])) - axis * rate).norm() < 1e-12);
+    }
+}

@@ -1,0 +1,332 @@
+//! One rigid body: its state, and how it moves.
+//!
+//! The state is momentum and angular momentum in space, at mid-steps, and place and orientation at
+//! whole steps. Momenta change by impulses only, so a free body keeps them to the last bit.
+//! Orientation follows by the implicit midpoint rule with Cayley's map (Austin, Krishnaprasad &
+//! Wang 1993): the angular momentum P in the body obeys `P1 - P0 = dt (P0 + P1)/2 x J^-1 (P0 +
+//! P1)/2`, which keeps the energy of a free body too. Where rotations are held or prescribed the
+//! exponential map is taken instead, so that a prescribed turn is exact.
+
+use crate::constraints::prescribed::Course;
+use crate::energy::Work;
+use crumple_proto::loads::MotionForm;
+use crumple_proto::rigid::RigidBody as BodyJob;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+type V3 = Vector3<f64>;
+
+/// Most Newton steps and fixed-point steps of a rotation: convergence is quadratic, or by a factor
+/// of the angle per step.
+const NEWTON: usize = 12;
+const FIXED_POINT: usize = 40;
+
+/// A body.
+#[derive(Debug)]
+pub struct Body {
+    /// Mass [mass].
+    pub mass: f64,
+    /// Inertia about the centre, in the axes that are the space's at time 0 [mass length^2].
+    pub inertia: Matrix3<f64>,
+    inverse: Matrix3<f64>,
+    /// Largest change of rotational velocity per unit of angular impulse [1/(mass length^2)].
+    pub softest: f64,
+    /// Held or prescribed: translations, rotations.
+    held: [bool; 6],
+    courses: Vec<(u64, Course)>,
+    start: V3,
+    /// Rotational velocities at the last and next mid-step [1/time].
+    pub last_spin: V3,
+    /// See `last_spin`.
+    pub next_spin: V3,
+    next_turn: UnitQuaternion<f64>,
+    /// Angular impulse of what leads the body in the step.
+    led_angular: V3,
+    /// Centre of mass [length].
+    pub centre: V3,
+    /// Orientation against time 0.
+    pub turn: UnitQuaternion<f64>,
+    /// Velocity and angular momentum about the centre at the last mid-step.
+    pub last: Momentum,
+    /// The same at the next mid-step.
+    pub next: Momentum,
+    /// Change of rotational velocity per angular impulse at the present orientation, zero where
+    /// held.
+    mobility: Matrix3<f64>,
+    /// Rotational velocity without any angular momentum: what is prescribed, and what follows from
+    /// it [1/time].
+    base: V3,
+}
+
+/// Velocity of the centre and angular momentum about it, in space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Momentum {
+    /// Velocity [length/time].
+    pub velocity: V3,
+    /// Angular momentum [mass length^2/time].
+    pub angular: V3,
+    /// Impulse of the step so far, also along what is held [force time].
+    lead: V3,
+}
+
+impl Momentum {
+    /// From velocity and angular momentum.
+    pub fn new(velocity: V3, angular: V3) -> Self {
+        Self { velocity, angular, lead: V3::zeros() }
+    }
+}
+
+impl Body {
+    /// A body at time 0.
+    pub fn new(
+        job: &BodyJob,
+        curves: &[Vec<[f64; 2]>],
+        mass: f64,
+        inertia: Matrix3<f64>,
+        centre: V3,
+        moves: Momentum,
+    ) -> Self {
+        let prescribed = job.motions.iter().fold(job.fixed, |bits, m| bits | m.dofs);
+        let smallest = inertia.symmetric_eigenvalues().min();
+        let inverse = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
+        let mut last = moves;
+        for c in (0..3).filter(|c| job.fixed >> c & 1 == 1) {
+            last.velocity[c] = 0.0;
+        }
+        let mut spin = inverse * last.angular;
+        if job.fixed >> 3 != 0 {
+            (0..3).filter(|c| job.fixed >> (c + 3) & 1 == 1).for_each(|c| spin[c] = 0.0);
+            last.angular = inertia * spin;
+        }
+        Self {
+            mass,
+            inertia,
+            inverse,
+            softest: if smallest > 0.0 { 1.0 / smallest } else { 0.0 },
+            held: std::array::from_fn(|c| prescribed >> c & 1 == 1),
+            courses: job.motions.iter().map(|m| (m.dofs, Course::new(m, curves))).collect(),
+            start: centre,
+            centre,
+            turn: UnitQuaternion::identity(),
+            last,
+            next: last,
+            last_spin: spin,
+            next_spin: spin,
+            next_turn: UnitQuaternion::identity(),
+            led_angular: V3::zeros(),
+            mobility: Matrix3::zeros(),
+            base: V3::zeros(),
+        }
+    }
+
+    /// Whether nothing can push it.
+    pub fn is_led(&self) -> bool {
+        self.held.iter().all(|&h| h)
+    }
+
+    /// Prepares a step: what is held and prescribed, and how the body answers impulses where it is.
+    pub fn begin(&mut self, time: f64, dt: f64) {
+        self.next = self.last;
+        let (velocity, spin) = self.given(time, dt);
+        for c in (0..3).filter(|&c| self.held[c]) {
+            self.next.velocity[c] = velocity[c];
+        }
+        (self.mobility, self.base) = self.answer(&self.turn, &spin);
+    }
+
+    /// What held and prescribed degrees of freedom do in the step.
+    fn given(&self, time: f64, dt: f64) -> (V3, V3) {
+        let (mut velocity, mut spin) = (V3::zeros(), V3::zeros());
+        for (dofs, course) in &self.courses {
+            let (now, next) = (course.amount(time), course.amount(time + dt));
+            let turns = matches!(course.form, MotionForm::Spin { .. });
+            for c in 0..3 {
+                if dofs >> c & 1 == 1 && !turns {
+                    velocity[c] = (self.start[c] + next[c] - self.centre[c]) / dt;
+                }
+                if dofs >> (c + 3) & 1 == 1 && turns {
+                    spin[c] = (next[c] - now[c]) / dt;
+                }
+            }
+        }
+        (velocity, spin)
+    }
+
+    /// Mobility and base at an orientation. With free axes S and the prescribed velocity p,
+    /// `w = p + S (S' J S)^-1 S' (L - J p)`.
+    fn answer(&self, turn: &UnitQuaternion<f64>, spin: &V3) -> (Matrix3<f64>, V3) {
+        let r = turn.to_rotation_matrix().into_inner();
+        let held = &self.held[3..];
+        if !held.contains(&true) {
+            return (r * self.inverse * r.transpose(), V3::zeros());
+        }
+        let inertia = r * self.inertia * r.transpose();
+        let mut free = inertia;
+        for c in (0..3).filter(|&c| held[c]) {
+            free.set_row(c, &nalgebra::RowVector3::zeros());
+            free.set_column(c, &V3::zeros());
+            free[(c, c)] = 1.0;
+        }
+        let mut mobility = free.try_inverse().unwrap_or_else(Matrix3::zeros);
+        for c in (0..3).filter(|&c| held[c]) {
+            mobility[(c, c)] = 0.0;
+        }
+        (mobility, spin - mobility * (inertia * spin))
+    }
+
+    /// Adds an impulse and an angular impulse about the centre.
+    pub fn push(&mut self, impulse: &V3, angular: &V3) {
+        for c in (0..3).filter(|&c| !self.held[c]) {
+            self.next.velocity[c] += impulse[c] / self.mass;
+        }
+        self.next.angular += angular;
+        self.next.lead += impulse;
+    }
+
+    /// Damps by `b` (see `loads.rs`); returns the impulses.
+    pub fn damp(&mut self, b: f64) -> (V3, V3) {
+        if b == 0.0 {
+            return (V3::zeros(), V3::zeros());
+        }
+        let by = -b / (1.0 + b);
+        let impulse = (self.next.velocity + self.last.velocity) * (self.mass * by);
+        self.slow(impulse, (self.next.angular + self.last.angular) * by)
+    }
+
+    /// Adds impulses of damping, which does not act where the body is held; returns those that did
+    /// act.
+    pub fn slow(&mut self, mut impulse: V3, angular: V3) -> (V3, V3) {
+        for c in (0..3).filter(|&c| self.held[c]) {
+            impulse[c] = 0.0;
+        }
+        self.push(&impulse, &angular);
+        (impulse, angular)
+    }
+
+    /// Rotational velocity with an angular momentum at the present orientation [1/time].
+    pub fn spin(&self, angular: &V3) -> V3 {
+        self.base + self.mobility * angular
+    }
+
+    /// Rotational velocity at the next mid-step, as it is felt at the present orientation [1/time].
+    pub fn present_spin(&self) -> V3 {
+        self.spin(&self.next.angular)
+    }
+
+    /// Velocity at the next mid-step of a point that is `arm` off the centre, as it is felt at the
+    /// present orientation.
+    pub fn velocity_at(&self, arm: &V3) -> V3 {
+        self.next.velocity + self.present_spin().cross(arm)
+    }
+
+    /// Change of velocity along `direction` at `arm` per unit impulse in that direction.
+    pub fn compliance(&self, arm: &V3, direction: &V3) -> f64 {
+        let moved: f64 = (0..3)
+            .filter(|&c| !self.held[c])
+            .map(|c| direction[c] * direction[c] / self.mass)
+            .sum();
+        let lever = arm.cross(direction);
+        moved + lever.dot(&(self.mobility * lever))
+    }
+
+    /// Finds the orientation at the end of the step and the rotational velocity that takes the body
+    /// there.
+    pub fn turn_over(&mut self, time: f64, dt: f64) {
+        (self.next_turn, self.next_spin) = self.turned(time, dt);
+        if self.held[3..].contains(&true) {
+            // What is led has the angular momentum that this takes.
+            let r = self.turn.to_rotation_matrix().into_inner();
+            let taken = r * self.inertia * r.transpose() * self.next_spin;
+            self.led_angular = V3::zeros();
+            for c in (0..3).filter(|&c| self.held[c + 3]) {
+                self.led_angular[c] = taken[c] - self.next.angular[c];
+                self.next.angular[c] = taken[c];
+            }
+        }
+    }
+
+    /// Centre and rotation at present: a member is at `c + R r` with its place r against the centre
+    /// at time 0.
+    pub fn frame(&self) -> (V3, Matrix3<f64>) {
+        (self.centre, self.turn.to_rotation_matrix().into_inner())
+    }
+
+    /// The same at the end of the step.
+    pub fn next_frame(&self, dt: f64) -> (V3, Matrix3<f64>) {
+        (self.centre + self.next.velocity * dt, self.next_turn.to_rotation_matrix().into_inner())
+    }
+
+    /// Work of impulses in the step.
+    pub fn work(&self, impulse: &V3, angular: &V3) -> Work {
+        let with = |velocity: &V3, spin: &V3| 0.5 * (impulse.dot(velocity) + angular.dot(spin));
+        Work {
+            before: with(&self.last.velocity, &self.last_spin),
+            after: with(&self.next.velocity, &self.next_spin),
+        }
+    }
+
+    /// Work of what leads the body in the step.
+    pub fn led(&self) -> Work {
+        let mut impulse = (self.next.velocity - self.last.velocity) * self.mass - self.next.lead;
+        for c in (0..3).filter(|&c| !self.held[c]) {
+            impulse[c] = 0.0;
+        }
+        self.work(&impulse, &self.led_angular)
+    }
+
+    fn turned(&self, time: f64, dt: f64) -> (UnitQuaternion<f64>, V3) {
+        let momentum = self.next.angular;
+        if !self.held[3..].contains(&true) {
+            return self.turned_freely(&momentum, dt);
+        }
+        let (_, spin) = self.given(time, dt);
+        let mut w = self.spin(&momentum);
+        for _ in 0..FIXED_POINT {
+            let middle = UnitQuaternion::from_scaled_axis(w * (0.5 * dt)) * self.turn;
+            let (mobility, base) = self.answer(&middle, &spin);
+            let new = base + mobility * momentum;
+            let settled = new == w;
+            w = new;
+            if settled {
+                break;
+            }
+        }
+        (UnitQuaternion::from_scaled_axis(w * dt) * self.turn, w)
+    }
+
+    fn turned_freely(&self, momentum: &V3, dt: f64) -> (UnitQuaternion<f64>, V3) {
+        // In the body: Newton for the mean P of the body's angular momentum before and after.
+        let start = self.turn.inverse_transform_vector(momentum);
+        let mut mean = start;
+        for _ in 0..NEWTON {
+            let w = self.inverse * mean;
+            let left = mean - mean.cross(&w) * (0.5 * dt) - start;
+            let slope = Matrix3::identity()
+                - (mean.cross_matrix() * self.inverse - w.cross_matrix()) * (0.5 * dt);
+            let Some(change) = slope.try_inverse().map(|s| s * left) else { break };
+            mean -= change;
+            if change.norm() <= 0.25 * f64::EPSILON * mean.norm() {
+                break;
+            }
+        }
+        let w = self.inverse * mean;
+        let half = w * (0.5 * dt);
+        // Cayley's rotation, as a quaternion.
+        let by = UnitQuaternion::from_quaternion(Quaternion::new(1.0, half.x, half.y, half.z));
+        let turn = UnitQuaternion::from_quaternion((self.turn * by).into_inner());
+        (turn, self.turn * w)
+    }
+
+    /// Ends the step.
+    pub fn advance(&mut self, dt: f64) {
+        self.turn = self.next_turn;
+        self.centre += self.next.velocity * dt;
+        self.last = Momentum { lead: V3::zeros(), ..self.next };
+        self.last_spin = self.next_spin;
+    }
+
+    /// Kinetic energy of a free body at the present orientation with the last momenta [energy].
+    pub fn energy(&self) -> f64 {
+        let own = self.turn.inverse_transform_vector(&self.last.angular);
+        0.5 * (self.mass * self.last.velocity.norm_squared() + own.dot(&(self.inverse * own)))
+    }
+}

@@ -1,0 +1,580 @@
+//! Rigid bodies: nodes that move together, on any number of workers.
+//!
+//! Every worker has all bodies and computes the same for each, to the bit: what acts on members is
+//! gathered from their owners and added up in ascending node id. Contact is coupled within its
+//! sweeps: all forces on a body are felt by all of its nodes before any is updated again.
+//!
+//! Members are not free to anything else; their velocities are those that take them from place to
+//! place, `x = c + R r`, exactly.
+
+pub mod body;
+#[cfg(test)]
+mod tests;
+mod walls;
+
+use crate::constraints::walls::Walls;
+use crate::contact::enforce::Steps;
+use crate::contact::geometry::V3;
+use crate::energy::Work;
+use crate::nodes::{Nodes, Row, row, xyz};
+use body::{Body, Momentum};
+use bytemuck::{Pod, Zeroable};
+use crumple_proto::ids::NodeId;
+use crumple_proto::partition::Settings;
+use crumple_proto::rigid::RigidBody as BodyJob;
+use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
+use nalgebra::Matrix3;
+use walls::{Meeting, Push};
+
+/// Marks a node that is no member.
+const NONE: u32 = u32::MAX;
+
+/// What acts on a member: force and moment, or a contact force alone.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Acting {
+    body: u64,
+    node: NodeId,
+    force: [f64; 3],
+    angular: [f64; 3],
+}
+
+/// A member as all workers learn of it at the start.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct WireMember {
+    body: u64,
+    node: NodeId,
+    mass: f64,
+    inertia: f64,
+    x: [f64; 3],
+    v: [f64; 3],
+    w: [f64; 3],
+}
+
+/// A member that is local here.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    local: u32,
+    body: u32,
+    /// Place in the body's list.
+    index: u32,
+}
+
+/// Words of what acts on a member, and of what contact touches of a body, in messages.
+pub const ACTING_WORDS: usize = size_of::<Acting>() / 8;
+/// See [`ACTING_WORDS`].
+pub const MET_WORDS: usize = 2;
+
+/// All rigid bodies.
+#[derive(Debug, Default)]
+pub struct Bodies {
+    jobs: Vec<BodyJob>,
+    /// The bodies, in the order of the job.
+    pub bodies: Vec<Body>,
+    /// Inertia that a job gives beyond that of the nodal masses, which the sums over nodes leave
+    /// out.
+    beyond: Vec<Matrix3<f64>>,
+    /// Places of all members against the centre at time 0, per body in ascending node id [length].
+    arms: Vec<Vec<V3>>,
+    members: Vec<Member>,
+    /// Exterior copies of members.
+    copies: Vec<Member>,
+    /// Body of each local node; empty without bodies.
+    body_of: Vec<u32>,
+    /// Momenta without contact and walls.
+    free: Vec<Momentum>,
+    /// Factor on the compliance of single nodal masses that contact sees, per body.
+    share: Vec<f64>,
+    /// Whether contact pairs touch a body in this step.
+    coupled: bool,
+    /// What damping gave each body in this step: without contact, and against its forces.
+    damped: Vec<[(V3, V3); 2]>,
+    /// Impulses of walls in this step.
+    pushes: Vec<Push>,
+    /// Velocities of walls as bodies leave them.
+    wall_velocities: Vec<V3>,
+    acting: Vec<Acting>,
+    words: Vec<u64>,
+}
+
+/// Work on bodies that sums over nodes do not see.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BodyWork {
+    /// Of walls.
+    pub wall: Work,
+    /// Of damping and of what leads bodies.
+    pub external: Work,
+}
+
+impl Bodies {
+    /// Local nodes of the members that something acts on, contact apart: workers tell each other of
+    /// their own.
+    pub fn acted_on<'a>(&'a self, nodes: &'a Nodes) -> impl Iterator<Item = u32> + 'a {
+        let pushed = |n: usize| {
+            nodes.force[n] != [0.0; 4] || nodes.moment.get(n).is_some_and(|m| *m != [0.0; 4])
+        };
+        self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
+    }
+
+    /// Learns of all members from the workers that own them; all workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn start(
+        wire: &mut dyn Transport,
+        settings: &Settings,
+        nodes: &Nodes,
+    ) -> Result<Self, Lost> {
+        let mut all = Self { jobs: settings.rigid.clone(), ..Self::default() };
+        if all.jobs.is_empty() {
+            return Ok(all);
+        }
+        let mut mine: Vec<WireMember> = Vec::new();
+        for (b, job) in all.jobs.iter().enumerate() {
+            let owned =
+                job.nodes.iter().filter_map(|&id| nodes.held_number(id)).map(|n| n as usize);
+            mine.extend(owned.filter(|&i| nodes.is_own(i)).map(|i| WireMember {
+                body: b as u64,
+                node: nodes.id[i],
+                mass: nodes.mass[i],
+                inertia: nodes.inertia[i],
+                x: xyz(&nodes.x[i]),
+                v: xyz(&nodes.v[i]),
+                w: xyz(&nodes.w[i]),
+            }));
+        }
+        let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); wire.size() - 1];
+        let parcels = exchange_all(wire, parcels)?;
+        let mut members: Vec<WireMember> = parcels
+            .iter()
+            .flat_map(|w| bytemuck::cast_slice::<u64, WireMember>(w))
+            .copied()
+            .collect();
+        members.sort_unstable_by_key(|m| (m.body, m.node));
+        for (b, job) in all.jobs.iter().enumerate() {
+            let own: Vec<&WireMember> = members.iter().filter(|m| m.body == b as u64).collect();
+            let (body, beyond) = assemble(job, &settings.loads.curves, &own);
+            all.arms.push(own.iter().map(|m| V3::from(m.x) - body.centre).collect());
+            all.bodies.push(body);
+            all.beyond.push(beyond);
+        }
+        all.share = vec![0.0; all.bodies.len()];
+        all.damped = vec![[(V3::zeros(), V3::zeros()); 2]; all.bodies.len()];
+        Ok(all)
+    }
+
+    /// Finds the members that are here.
+    pub fn settle(&mut self, nodes: &Nodes) {
+        self.members.clear();
+        self.copies.clear();
+        self.body_of.clear();
+        if self.jobs.is_empty() {
+            return;
+        }
+        self.body_of.resize(nodes.len(), NONE);
+        for (b, job) in self.jobs.iter().enumerate() {
+            for (index, &id) in job.nodes.iter().enumerate() {
+                if let Some(n) = nodes.number(id) {
+                    self.body_of[n as usize] = b as u32;
+                    let held = (n as usize) < nodes.held;
+                    let list = if held { &mut self.members } else { &mut self.copies };
+                    list.push(Member { local: n, body: b as u32, index: index as u32 });
+                }
+            }
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// The body of local node `n`.
+    pub fn of(&self, n: u32) -> Option<usize> {
+        self.body_of.get(n as usize).filter(|&&b| b != NONE).map(|&b| b as usize)
+    }
+
+    /// Whether a node and a segment belong to one body: they cannot move against each other.
+    pub fn are_one(&self, slave: u32, segment: &[u32; 4]) -> bool {
+        self.of(slave).is_some_and(|b| segment.iter().all(|&n| self.of(n) == Some(b)))
+    }
+
+    /// Momenta at the next mid-step without contact and walls, and velocities of held members with
+    /// them.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn accelerate(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        time: f64,
+        steps: Steps,
+    ) -> Result<(), Lost> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        self.acting.clear();
+        for m in self.members.iter().filter(|m| nodes.is_own(m.local as usize)) {
+            let i = m.local as usize;
+            if nodes.force[i] == [0.0; 4] && nodes.moment[i] == [0.0; 4] {
+                continue; // most members: their elements bear nothing
+            }
+            let (force, moment) = (V3::from(xyz(&nodes.force[i])), V3::from(xyz(&nodes.moment[i])));
+            let arm = V3::from(xyz(&nodes.x[i])) - self.bodies[m.body as usize].centre;
+            act(
+                &mut self.acting,
+                m.body as usize,
+                nodes.id[i],
+                &force,
+                &(arm.cross(&force) + moment),
+            );
+        }
+        self.gather(wire, false)?;
+        for body in &mut self.bodies {
+            body.begin(time, steps.dt);
+        }
+        self.push_all(steps.mid);
+        let b = steps.given() - 1.0;
+        for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
+            *damped = [body.damp(b), (V3::zeros(), V3::zeros())];
+        }
+        self.free.clear();
+        self.free.extend(self.bodies.iter().map(|b| b.next));
+        self.coupled = false;
+        let motions: Vec<(V3, V3)> =
+            self.bodies.iter().map(|b| (b.next.velocity, b.spin(&b.next.angular))).collect();
+        for m in &self.members {
+            let (velocity, spin) = motions[m.body as usize];
+            let arm =
+                V3::from(xyz(&nodes.x[m.local as usize])) - self.bodies[m.body as usize].centre;
+            nodes.next_v[m.local as usize] = row((velocity + spin.cross(&arm)).into());
+        }
+        Ok(())
+    }
+
+    /// Lets held members spin as their bodies do without contact.
+    pub fn turn(&self, nodes: &mut Nodes) {
+        for m in &self.members {
+            nodes.next_w[m.local as usize] =
+                row(self.bodies[m.body as usize].present_spin().into());
+        }
+    }
+
+    /// Before the sweeps of contact over the local nodes `touched`: whether any pair touches a
+    /// body, on any worker.
+    ///
+    /// Simultaneous updates converge if the compliances they assume bound the real one. The nodal
+    /// masses of a body, were they loose, do so; and so do the compliances of its k touched nodes,
+    /// each times k. The smaller bound is taken, as a factor on the former. With `couples` forces F
+    /// come with moments m: with the arm r of a node to the centre and the inverse s of the least
+    /// inertia a body answers by `|F|^2/M + s |r x F + m|^2 <= |F|^2 (1/M + 2 s r^2) + 2 s |m|^2`
+    /// at most.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn meet(
+        &mut self,
+        wire: &mut dyn Transport,
+        touched: &[u32],
+        nodes: &Nodes,
+        couples: bool,
+    ) -> Result<bool, Lost> {
+        if self.is_empty() {
+            return Ok(false);
+        }
+        let mut met = vec![(0u64, 0.0f64); self.bodies.len()];
+        for &n in touched.iter().filter(|&&n| nodes.is_own(n as usize)) {
+            let Some(b) = self.of(n) else { continue };
+            let (body, i) = (&self.bodies[b], n as usize);
+            let arm = V3::from(xyz(&nodes.x[i])) - body.centre;
+            let times = if couples { 2.0 } else { 1.0 };
+            let mut heavy =
+                nodes.mass[i] * (1.0 / body.mass + times * arm.norm_squared() * body.softest);
+            if couples {
+                heavy = heavy.max(2.0 * nodes.inertia[i] * body.softest);
+            }
+            met[b] = (met[b].0 + 1, met[b].1.max(heavy));
+        }
+        let message: Vec<u64> = met.iter().flat_map(|m| [m.0, m.1.to_bits()]).collect();
+        let mine = wire.rank();
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.send(w, Tag::Bodies, &message)?;
+        }
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.recv(w, Tag::Bodies, &mut self.words)?;
+            for (m, o) in met.iter_mut().zip(self.words.chunks_exact(2)) {
+                *m = (m.0 + o[0], m.1.max(f64::from_bits(o[1])));
+            }
+        }
+        self.coupled = met.iter().any(|m| m.0 > 0);
+        for ((share, body), (count, heavy)) in self.share.iter_mut().zip(&self.bodies).zip(met) {
+            *share = if body.is_led() { 0.0 } else { (count as f64 * heavy).min(1.0) };
+        }
+        Ok(self.coupled)
+    }
+
+    /// Inverse mass that contact sees at local node `n`.
+    pub fn inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
+        match self.of(n) {
+            Some(b) if nodes.mass[n as usize] > 0.0 => [self.share[b] / nodes.mass[n as usize]; 4],
+            _ => nodes.inv_mass[n as usize],
+        }
+    }
+
+    /// Inverse rotational inertia that contact sees at local node `n`.
+    pub fn inv_inertia(&self, n: u32, nodes: &Nodes) -> Row {
+        match self.of(n) {
+            Some(b) if nodes.inertia[n as usize] > 0.0 => {
+                [self.share[b] / nodes.inertia[n as usize]; 4]
+            }
+            _ => nodes.inv_inertia[n as usize],
+        }
+    }
+
+    /// Lets bodies feel the contact forces `total` on the nodes `touched`, and the `couples` there
+    /// if there are any, and walls; brings these nodes' velocities up to date. Returns whether
+    /// `changed` holds on any worker.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn feel(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        (touched, total, couples): (&[u32], &[V3], &[V3]),
+        walls: &Walls,
+        steps: Steps,
+        changed: bool,
+    ) -> Result<bool, Lost> {
+        self.acting.clear();
+        for (k, (&n, force)) in
+            touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_own(**n as usize))
+        {
+            if let Some(b) = self.of(n) {
+                let arm = V3::from(xyz(&nodes.x[n as usize])) - self.bodies[b].centre;
+                let angular =
+                    couples.get(k).map_or(arm.cross(force), |couple| arm.cross(force) + couple);
+                act(&mut self.acting, b, nodes.id[n as usize], force, &angular);
+            }
+        }
+        let changed = self.gather(wire, changed)?;
+        for (body, free) in self.bodies.iter_mut().zip(&self.free) {
+            body.next = *free;
+        }
+        self.push_all(steps.mid);
+        self.slow_all(steps);
+        self.keep_out(walls, steps.dt);
+        for &n in touched {
+            if let Some(b) = self.of(n) {
+                let body = &self.bodies[b];
+                let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;
+                nodes.next_v[n as usize] = row(body.velocity_at(&arm).into());
+                if !couples.is_empty() {
+                    nodes.next_w[n as usize] = row(body.present_spin().into());
+                }
+            }
+        }
+        Ok(changed)
+    }
+
+    /// Lets walls with a mass feel what bodies have given them while contact iterated; nodes meet
+    /// them after that.
+    pub fn push_walls_met(&self, walls: &mut Walls) {
+        if self.coupled {
+            self.push_walls(walls);
+        }
+    }
+
+    fn push_walls(&self, walls: &mut Walls) {
+        self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
+    }
+
+    /// Where bodies go in the step, once all that acts is known: velocities of members and their
+    /// copies. Returns the work on bodies that sums over nodes do not see, on the first worker
+    /// only.
+    pub fn finish(
+        &mut self,
+        nodes: &mut Nodes,
+        walls: &mut Walls,
+        time: f64,
+        steps: Steps,
+    ) -> BodyWork {
+        if self.is_empty() {
+            return BodyWork::default();
+        }
+        if !self.coupled {
+            self.keep_out(walls, steps.dt);
+            self.push_walls(walls);
+        }
+        self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
+        // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
+        let frames: Vec<(V3, Matrix3<f64>)> =
+            self.bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
+        let per_dt = 1.0 / steps.dt;
+        for m in self.members.iter().chain(&self.copies) {
+            let ((centre, turn), i) = (&frames[m.body as usize], m.local as usize);
+            let place = centre + turn * self.arms[m.body as usize][m.index as usize];
+            (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) * per_dt);
+        }
+        for m in self.members.iter().chain(&self.copies) {
+            nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
+        }
+        if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }
+    }
+
+    /// Books impulses of walls and gives the work of walls, damping and constraints.
+    fn book(&self, walls: &mut Walls, steps: Steps) -> BodyWork {
+        let mut work = BodyWork::default();
+        // What a wall gives, and what damping takes of it.
+        let given = steps.given();
+        for p in &self.pushes {
+            let body = &self.bodies[p.body];
+            let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));
+            work.wall += felt * given;
+            work.external += felt * (1.0 - given);
+            (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c] * given);
+        }
+        for (body, damped) in self.bodies.iter().zip(&self.damped) {
+            work.external += body.led();
+            for (impulse, angular) in damped {
+                work.external += body.work(impulse, angular);
+            }
+        }
+        work
+    }
+
+    /// Ends the step: bodies and their held members are at their new places.
+    pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
+        self.bodies.iter_mut().for_each(|b| b.advance(dt));
+        let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(Body::frame).collect();
+        for m in &self.members {
+            let (centre, turn) = &frames[m.body as usize];
+            nodes.x[m.local as usize] =
+                row((centre + turn * self.arms[m.body as usize][m.index as usize]).into());
+        }
+    }
+
+    /// Kinetic energy and angular momentum of inertia beyond that of nodal masses, before and after
+    /// the step.
+    pub fn beyond(&self) -> (f64, V3) {
+        let (mut energy, mut angular) = (0.0, V3::zeros());
+        for (body, inertia) in self.bodies.iter().zip(&self.beyond) {
+            let own = |spin: &V3| body.turn.inverse_transform_vector(spin);
+            let (before, after) = (own(&body.last_spin), own(&body.next_spin));
+            energy += 0.5 * before.dot(&(inertia * after));
+            angular += body.turn * (inertia * (before + after)) * 0.5;
+        }
+        (energy, angular)
+    }
+
+    /// Adds the impulses of what acts, in ascending node id.
+    fn push_all(&mut self, mid: f64) {
+        for run in self.acting.chunk_by(|a, b| a.body == b.body) {
+            let (force, angular) = added_up(run);
+            self.bodies[run[0].body as usize].push(&(force * mid), &(angular * mid));
+        }
+    }
+
+    /// Lets damping take its part of the forces that have just been added.
+    fn slow_all(&mut self, steps: Steps) {
+        let by = steps.push - steps.mid;
+        if by == 0.0 {
+            return;
+        }
+        self.damped.iter_mut().for_each(|d| d[1] = (V3::zeros(), V3::zeros()));
+        for run in self.acting.chunk_by(|a, b| a.body == b.body) {
+            let (body, (force, angular)) = (run[0].body as usize, added_up(run));
+            self.damped[body][1] = self.bodies[body].slow(force * by, angular * by);
+        }
+    }
+
+    /// Adds what acts on other workers' members, in ascending (body, node); returns whether any
+    /// worker says `flag`.
+    fn gather(&mut self, wire: &mut dyn Transport, flag: bool) -> Result<bool, Lost> {
+        let mine = wire.rank();
+        let mut any = flag;
+        self.words.clear();
+        self.words.push(u64::from(flag));
+        self.words.extend_from_slice(bytemuck::cast_slice(&self.acting));
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.send(w, Tag::Bodies, &self.words)?;
+        }
+        for w in (1..wire.size()).filter(|&w| w != mine) {
+            wire.recv(w, Tag::Bodies, &mut self.words)?;
+            any |= self.words[0] != 0;
+            self.acting.extend_from_slice(bytemuck::cast_slice(&self.words[1..]));
+        }
+        self.acting.sort_unstable_by_key(|a| (a.body, a.node));
+        Ok(any)
+    }
+
+    /// Keeps members out of walls.
+    fn keep_out(&mut self, walls: &Walls, dt: f64) {
+        self.pushes.clear();
+        if walls.is_empty() {
+            return;
+        }
+        self.wall_velocities.clear();
+        self.wall_velocities.extend(walls.each().iter().map(|w| w.velocity()));
+        let mut meeting =
+            Meeting { walls, velocity: &mut self.wall_velocities, dt, pushes: &mut self.pushes };
+        for (b, ((body, arms), job)) in
+            self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs).enumerate()
+        {
+            meeting.keep_out(b, body, (arms, &job.nodes));
+        }
+    }
+}
+
+/// Force and moment of what acts on one body, in order.
+fn added_up(run: &[Acting]) -> (V3, V3) {
+    run.iter().fold((V3::zeros(), V3::zeros()), |sum, a| {
+        (sum.0 + V3::from(a.force), sum.1 + V3::from(a.angular))
+    })
+}
+
+/// Notes what acts on an own member, if anything.
+fn act(acting: &mut Vec<Acting>, body: usize, node: NodeId, force: &V3, angular: &V3) {
+    if *force != V3::zeros() || *angular != V3::zeros() {
+        acting.push(Acting {
+            body: body as u64,
+            node,
+            force: (*force).into(),
+            angular: (*angular).into(),
+        });
+    }
+}
+
+/// A body from its members in ascending node id, with the nodes' velocities, and its inertia beyond
+/// theirs.
+fn assemble(
+    job: &BodyJob,
+    curves: &[Vec<[f64; 2]>],
+    members: &[&WireMember],
+) -> (Body, Matrix3<f64>) {
+    let (mut mass, mut first, mut momentum) = (0.0, V3::zeros(), V3::zeros());
+    for m in members {
+        mass += m.mass;
+        first += V3::from(m.x) * m.mass;
+        momentum += V3::from(m.v) * m.mass;
+    }
+    let (centre, velocity) = (first / mass, momentum / mass);
+    let (mut own, mut angular) = (Matrix3::zeros(), V3::zeros());
+    for m in members {
+        let arm = V3::from(m.x) - centre;
+        own += (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * m.mass;
+        own += Matrix3::identity() * m.inertia;
+        angular += arm.cross(&(V3::from(m.v) - velocity)) * m.mass + V3::from(m.w) * m.inertia;
+    }
+    let given = job
+        .inertia
+        .map(|[xx, yy, zz, xy, yz, zx]| Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz));
+    let inertia = given.unwrap_or(own);
+    if given.is_some() {
+        // The spin that the nodes' velocities describe, with the inertia that is given.
+        angular = inertia * own.try_inverse().map_or(V3::zeros(), |i| i * angular);
+    }
+    (Body::new(job, curves, mass, inertia, centre, Momentum::new(velocity, angular)), inertia - own)
+}

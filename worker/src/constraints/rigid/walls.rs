@@ -1,0 +1,134 @@
+//! Rigid bodies against rigid walls: no member may end a step behind one. Coulomb friction.
+//!
+//! Impulses on the members by projected Gauss-Seidel (Moreau 1988; Jean 1999), in ascending (wall,
+//! node). All workers have all members' places, so all compute the same. Like that of single nodes
+//! the impact is plastic.
+
+use super::body::Body;
+use crate::constraints::walls::Walls;
+use crate::contact::geometry::V3;
+use crumple_proto::ids::NodeId;
+
+/// Most sweeps, and the relative change at which they end.
+const SWEEPS: usize = 200;
+const SETTLED: f64 = 1e-10;
+
+/// The impulse of a wall on a member.
+#[derive(Clone, Copy, Debug)]
+pub struct Push {
+    /// The body.
+    pub body: usize,
+    /// The wall.
+    pub wall: usize,
+    /// Place of the member against the centre [length].
+    pub arm: V3,
+    /// Impulse [force time].
+    pub impulse: V3,
+}
+
+/// A member near a wall.
+struct Near {
+    wall: usize,
+    arm: V3,
+    normal: V3,
+    gap: f64,
+    soft: f64,
+    pressed: f64,
+    sheared: V3,
+}
+
+/// Walls as bodies meet them one after the other.
+pub struct Meeting<'a> {
+    /// The walls.
+    pub walls: &'a Walls,
+    /// Their velocities; of those that have a mass, what the bodies so far have left of it
+    /// [length/time].
+    pub velocity: &'a mut [V3],
+    /// Step [time].
+    pub dt: f64,
+    /// Impulses so far.
+    pub pushes: &'a mut Vec<Push>,
+}
+
+impl Meeting<'_> {
+    /// Keeps the members of body number `index` out of all walls; notes the impulses. `members` are
+    /// places against the centre at time 0, with ids.
+    pub fn keep_out(&mut self, index: usize, body: &mut Body, members: (&[V3], &[NodeId])) {
+        let dt = self.dt;
+        let mut near = self.find_near(body, members);
+        for _ in 0..SWEEPS {
+            let (mut change, mut largest) = (0.0f64, 0.0f64);
+            for n in &mut near {
+                let wall = &self.walls.each()[n.wall];
+                let velocity = &mut self.velocity[n.wall];
+                let opening = n.gap / dt + n.normal.dot(&(body.velocity_at(&n.arm) - *velocity));
+                let pressed = (n.pressed - opening / n.soft).max(0.0);
+                let by = n.normal * (pressed - n.pressed);
+                n.pressed = pressed;
+                body.push(&by, &n.arm.cross(&by));
+                *velocity -= wall.recoil(&by);
+                let mut moved = by.norm();
+                if wall.friction > 0.0 && (pressed > 0.0 || n.sheared != V3::zeros()) {
+                    let v = body.velocity_at(&n.arm) - *velocity;
+                    let sliding = v - n.normal * n.normal.dot(&v);
+                    let soft =
+                        sliding.try_normalize(0.0).map_or(0.0, |d| body.compliance(&n.arm, &d));
+                    let wanted = if soft > 0.0 { n.sheared - sliding / soft } else { n.sheared };
+                    let (size, limit) = (wanted.norm(), wall.friction * pressed);
+                    let sheared = if size > limit { wanted * (limit / size) } else { wanted };
+                    let by = sheared - n.sheared;
+                    n.sheared = sheared;
+                    body.push(&by, &n.arm.cross(&by));
+                    moved = moved.max(by.norm());
+                }
+                change = change.max(moved);
+                largest = largest.max(pressed);
+            }
+            if change <= SETTLED * largest {
+                break;
+            }
+        }
+        let pushed = near.iter().filter(|n| n.pressed > 0.0);
+        self.pushes.extend(pushed.map(|n| {
+            let impulse = n.normal * n.pressed + n.sheared;
+            Push { body: index, wall: n.wall, arm: n.arm, impulse }
+        }));
+    }
+
+    /// Members that walls may stop in the step, in ascending (wall, node).
+    fn find_near(&self, body: &Body, (arms, ids): (&[V3], &[NodeId])) -> Vec<Near> {
+        let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
+        let mut near: Vec<Near> = Vec::new();
+        for ((number, wall), velocity) in
+            self.walls.each().iter().enumerate().zip(self.velocity.iter())
+        {
+            let speed =
+                (body.next.velocity - velocity).norm() + far * body.spin(&body.next.angular).norm();
+            // Twice what the body can move in the step: impulses of other walls may speed it up.
+            let reach = 2.0 * self.dt * speed;
+            if wall.surface.distance(&body.centre) - far > reach {
+                continue;
+            }
+            for (a, &id) in arms.iter().zip(ids) {
+                let arm = body.turn * a;
+                let Some((normal, gap)) = wall.surface.near(&(body.centre + arm), self.dt * speed)
+                else {
+                    continue;
+                };
+                let soft = body.compliance(&arm, &normal) + wall.softness();
+                if gap <= reach && soft > 0.0 && wall.admits(id) {
+                    near.push(Near {
+                        wall: number,
+                        arm,
+                        normal,
+                        gap,
+                        soft,
+                        pressed: 0.0,
+                        sheared: V3::zeros(),
+                    });
+                }
+            }
+        }
+        near
+    }
+}

@@ -1,0 +1,360 @@
+//! Rigid walls: a node may not end a step behind one. Coulomb friction on the wall.
+//!
+//! Walls stand still, are led, or have a mass and give way along their normal (`wall/push.rs`).
+//! Every worker has all walls and moves them alike. While contact iterates, a wall with a mass goes
+//! on as it came; what nodes give it is found once contact is known. Those with a mass take their
+//! turn first, so that none moves what another has held.
+
+mod push;
+mod shape;
+#[cfg(test)]
+mod tests;
+
+use crate::constraints::prescribed::Course;
+use crate::contact::enforce::Steps;
+use crate::contact::geometry::V3;
+use crate::energy::Work;
+use crate::nodes::{Nodes, Row, row, xyz};
+use crumple_proto::ids::NodeId;
+use crumple_proto::transport::{Lost, Transport};
+use crumple_proto::wall::{Wall as WallJob, WallMotion};
+use push::{Near, gather, speed_after};
+pub use shape::Surface;
+
+/// One wall.
+#[derive(Debug)]
+pub struct Wall {
+    job: WallJob,
+    /// Where it is now.
+    pub surface: Surface,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    drive: Drive,
+    /// Velocities at the last and the next mid-step [length/time].
+    last: V3,
+    next: V3,
+    /// Whether local nodes meet it; empty if all do.
+    meets: Vec<bool>,
+}
+
+/// What moves a wall.
+#[derive(Debug)]
+enum Drive {
+    Still,
+    /// Its mass [mass].
+    Pushed(f64),
+    /// How far it goes, and where it is at the end of the step [length].
+    Led(Box<Course>, V3),
+}
+
+/// All walls of the scene.
+#[derive(Debug, Default)]
+pub struct Walls {
+    walls: Vec<Wall>,
+    /// Those with a mass, then the others.
+    order: Vec<usize>,
+    /// How many have a mass.
+    pushed: usize,
+    /// Impulse that each wall has given to owned nodes so far [force time].
+    pub impulse: Vec<[f64; 3]>,
+    near: Vec<Near>,
+    words: Vec<u64>,
+}
+
+impl Walls {
+    /// From the job, at time 0; `curves` are those of its loads.
+    pub fn new(jobs: &[WallJob], curves: &[Vec<[f64; 2]>]) -> Self {
+        let walls: Vec<Wall> = jobs.iter().map(|job| Wall::new(job, curves)).collect();
+        let (mut order, others): (Vec<usize>, Vec<usize>) =
+            (0..walls.len()).partition(|&w| walls[w].softness() > 0.0);
+        let pushed = order.len();
+        order.extend(others);
+        Self {
+            order,
+            pushed,
+            impulse: vec![[0.0; 3]; walls.len()],
+            walls,
+            near: Vec::new(),
+            words: Vec::new(),
+        }
+    }
+
+    /// Finds the nodes that are here.
+    pub fn settle(&mut self, nodes: &Nodes) {
+        for w in &mut self.walls {
+            w.meets.clear();
+            if w.job.nodes.is_some() || !w.job.except.is_empty() {
+                w.meets.extend(nodes.id.iter().map(|&id| w.job.admits(id)));
+            }
+        }
+    }
+
+    /// Whether the scene has none.
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty()
+    }
+
+    /// The walls, in the order of the job.
+    pub fn each(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// How many have a mass: of each of them workers tell all others.
+    pub fn pushed(&self) -> usize {
+        self.pushed
+    }
+
+    /// Prepares a step: where walls go that are led, and how the others came.
+    pub fn begin(&mut self, time: f64, dt: f64) {
+        for w in &mut self.walls {
+            w.last = w.next;
+            if let Drive::Led(course, to) = &mut w.drive {
+                *to = V3::from(w.job.point) + course.amount(time + dt);
+                w.next = (*to - w.surface.place()) / dt;
+            }
+        }
+    }
+
+    /// The velocity with which local node `i` that wants to move with `v` ends the step outside of
+    /// all walls. Depends on nothing but the node's state and the walls', so every holder of a node
+    /// computes the same.
+    #[inline]
+    pub fn stop(&self, nodes: &Nodes, i: usize, v: Row, dt: f64) -> Row {
+        self.stop_at(&self.order, nodes, i, v, dt)
+    }
+
+    #[inline]
+    fn stop_at(&self, which: &[usize], nodes: &Nodes, i: usize, mut v: Row, dt: f64) -> Row {
+        for &w in which {
+            if let Some(change) = self.walls[w].change(nodes, i, &v, dt) {
+                for c in 0..3 {
+                    v[c] += if nodes.inv_mass[i][c] > 0.0 { change[c] } else { 0.0 };
+                }
+            }
+        }
+        v
+    }
+
+    /// Keeps all held nodes out, starting from their velocities in `next_v`, or from those in
+    /// `pushed` for nodes that contact pairs touch (ascending). Returns the work done on owned
+    /// nodes [energy].
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn keep_out(
+        &mut self,
+        wire: &mut dyn Transport,
+        nodes: &mut Nodes,
+        pushed: &[(u32, Row)],
+        steps: Steps,
+    ) -> Result<Work, Lost> {
+        let dt = steps.dt;
+        for k in 0..self.pushed {
+            self.meet(k, wire, nodes, pushed, dt)?;
+        }
+        let mut pushed = pushed.iter().peekable();
+        let mut work = Work::default();
+        for i in 0..nodes.held {
+            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
+            if self.walls.iter().all(|w| w.misses(&nodes.x[i], &free, dt)) {
+                nodes.next_v[i] = free;
+                continue;
+            }
+            nodes.next_v[i] = self.stop(nodes, i, free, dt);
+            if nodes.is_own(i) && nodes.next_v[i] != free {
+                work += self.book(nodes, i, free, steps);
+            }
+        }
+        // Exterior copies too, where walls go on otherwise than contact took them to: it remembers
+        // how far pairs have slipped.
+        for &(i, free) in pushed.filter(|_| self.pushed > 0) {
+            nodes.next_v[i as usize] = self.stop(nodes, i as usize, free, dt);
+        }
+        Ok(work)
+    }
+
+    /// Velocity of the `k`-th wall with a mass after it has met the nodes of all workers, as the
+    /// walls before it leave them.
+    fn meet(
+        &mut self,
+        k: usize,
+        wire: &mut dyn Transport,
+        nodes: &Nodes,
+        pushed: &[(u32, Row)],
+        dt: f64,
+    ) -> Result<(), Lost> {
+        let mut near = std::mem::take(&mut self.near);
+        near.clear();
+        let (before, at) = (&self.order[..k], self.order[k]);
+        let mut pushed = pushed.iter().peekable();
+        for i in 0..nodes.held {
+            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
+            if nodes.is_own(i) {
+                near.extend(self.walls[at].near(
+                    nodes,
+                    i,
+                    &self.stop_at(before, nodes, i, free, dt),
+                    dt,
+                ));
+            }
+        }
+        gather(wire, &mut near, &mut self.words)?;
+        let wall = &mut self.walls[at];
+        if let Drive::Pushed(mass) = wall.drive {
+            let normal = wall.surface.direction;
+            wall.next = normal * speed_after(mass, wall.next.dot(&normal), &mut near);
+        }
+        self.near = near;
+        Ok(())
+    }
+
+    /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the
+    /// work [energy].
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: Steps) -> Work {
+        let mut work = Work::default();
+        for &w in &self.order {
+            let Some(change) = self.walls[w].change(nodes, i, &v, steps.dt) else { continue };
+            for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
+                v[c] += change[c];
+                let p = nodes.mass[i] * change[c] * steps.given();
+                self.impulse[w][c] += p;
+                work += Work::of(p, nodes.v[i][c], nodes.next_v[i][c]);
+            }
+        }
+        work
+    }
+
+    /// Lets a wall feel the impulse that it has given to a rigid body.
+    pub fn give_way(&mut self, wall: usize, impulse: &V3) {
+        let w = &mut self.walls[wall];
+        w.next -= w.recoil(impulse);
+    }
+
+    /// Work in the step of what nodes and bodies gave to walls that have a mass [energy].
+    pub fn work_on_masses(&self) -> Work {
+        let on = |w: &Wall, mass: f64| {
+            let impulse = row(((w.next - w.last) * mass).into());
+            Work::of_all(&impulse, &row(w.last.into()), &row(w.next.into()))
+        };
+        self.masses().map(|(w, mass)| on(w, mass)).sum()
+    }
+
+    /// Kinetic energy of walls that have a mass, and their momentum, at the present time; at the
+    /// last mid-step if the run has `ended`.
+    pub fn carried(&self, ended: bool) -> (f64, V3) {
+        let kinetic = self.masses().map(|(w, mass)| 0.5 * mass * w.last.dot(&w.next)).sum();
+        let velocity = |w: &Wall| if ended { w.next } else { (w.last + w.next) * 0.5 };
+        (kinetic, self.masses().map(|(w, mass)| velocity(w) * mass).sum())
+    }
+
+    fn masses(&self) -> impl Iterator<Item = (&Wall, f64)> {
+        self.order[..self.pushed].iter().filter_map(|&w| match self.walls[w].drive {
+            Drive::Pushed(mass) => Some((&self.walls[w], mass)),
+            _ => None,
+        })
+    }
+
+    /// Ends the step: walls are at their new places.
+    pub fn advance(&mut self, dt: f64) {
+        for w in &mut self.walls {
+            let to = match &w.drive {
+                Drive::Still => continue,
+                Drive::Pushed(_) => w.surface.place() + w.next * dt,
+                Drive::Led(_, to) => *to,
+            };
+            w.surface.move_to(&to);
+        }
+    }
+}
+
+impl Wall {
+    fn new(job: &WallJob, curves: &[Vec<[f64; 2]>]) -> Self {
+        let surface = Surface::new(job);
+        let (drive, velocity) = match &job.motion {
+            WallMotion::Still => (Drive::Still, V3::zeros()),
+            WallMotion::Pushed { mass, speed } => {
+                (Drive::Pushed(*mass), surface.direction * *speed)
+            }
+            WallMotion::Led(motion) => {
+                (Drive::Led(Box::new(Course::new(motion, curves)), surface.place()), V3::zeros())
+            }
+        };
+        let friction = job.friction;
+        Self {
+            job: job.clone(),
+            surface,
+            friction,
+            drive,
+            last: velocity,
+            next: velocity,
+            meets: Vec::new(),
+        }
+    }
+
+    /// How far it has gone since the start [length].
+    pub fn displacement(&self) -> V3 {
+        self.surface.place() - V3::from(self.job.point)
+    }
+
+    /// Velocity at the next mid-step as far as it is known [length/time].
+    pub fn velocity(&self) -> V3 {
+        self.next
+    }
+
+    /// Change of its velocity along its normal per unit impulse [1/mass].
+    pub fn softness(&self) -> f64 {
+        if let Drive::Pushed(mass) = self.drive { 1.0 / mass } else { 0.0 }
+    }
+
+    /// Change of its velocity by the impulse that it gives, but for the sign [length/time].
+    pub fn recoil(&self, impulse: &V3) -> V3 {
+        self.surface.direction * (self.surface.direction.dot(impulse) * self.softness())
+    }
+
+    /// Whether a node meets it at all.
+    pub fn admits(&self, node: NodeId) -> bool {
+        self.job.admits(node)
+    }
+
+    /// Whether a node at `x` with velocity `v` does not meet the wall in the step, as most do not.
+    #[inline(always)]
+    fn misses(&self, x: &Row, v: &Row, dt: f64) -> bool {
+        self.surface.misses(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
+    }
+
+    /// Change of the velocity `v` that keeps local node `i` out, friction included.
+    #[inline]
+    fn change(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<V3> {
+        if self.meets.get(i) == Some(&false) || self.misses(&nodes.x[i], v, dt) {
+            return None;
+        }
+        let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
+        let against = v - self.next;
+        let (along, gap) = self.surface.meet(&x, &against, &(v - self.last), dt)?;
+        let normal = -gap / dt;
+        let sliding = against - along * along.dot(&against);
+        let speed = sliding.norm();
+        let held =
+            if speed > self.friction * normal { self.friction * normal / speed } else { 1.0 };
+        Some(along * normal - sliding * held)
+    }
+
+    /// Own node `i` with velocity `v` as a wall with a mass sees it, if it may touch the wall in
+    /// this step.
+    fn near(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<Near> {
+        if self.meets.get(i) == Some(&false) {
+            return None;
+        }
+        let normal = self.surface.direction;
+        let free = (0..3)
+            .filter(|&c| nodes.inv_mass[i][c] > 0.0)
+            .map(|c| normal[c] * normal[c])
+            .sum::<f64>();
+        let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
+        // Nodes only slow a wall down: what it would not reach as it came it does not reach at all.
+        let against = v - self.last;
+        self.surface.meet(&x, &against, &against, dt).filter(|_| free > 0.0)?;
+        let touching = self.surface.distance(&x) / dt + normal.dot(&v);
+        Some(Near { node: nodes.id[i], mass: nodes.mass[i] * free, touching })
+    }
+}

@@ -1,0 +1,306 @@
+//! Single masses against walls of all kinds.
+
+use super::*;
+use crumple_proto::loads::{Motion, MotionForm};
+use crumple_proto::partition::NodeRecord;
+use crumple_proto::transport::threads;
+use crumple_proto::wall::WallForm;
+
+fn wall(friction: f64) -> Walls {
+    Walls::new(&[WallJob::plane([0.0, 0.0, 1.0], [0.0, 0.0, 2.0], friction)], &[])
+}
+
+/// Masses at some places with some velocities.
+fn masses(of: &[([f64; 3], [f64; 3], f64)]) -> Nodes {
+    let record = |(id, &(at, v, mass)): (u64, &([f64; 3], [f64; 3], f64))| NodeRecord {
+        id: NodeId(id),
+        x0: at,
+        x: at,
+        v,
+        mass,
+        ..NodeRecord::default()
+    };
+    Nodes::new(&(1..).zip(of).map(record).collect::<Vec<_>>(), 0, true)
+}
+
+/// The velocity that walls leave a mass of 1.
+fn stop(walls: &Walls, x: [f64; 3], v: [f64; 3], dt: f64) -> Row {
+    walls.stop(&masses(&[(x, v, 1.0)]), 0, row(v), dt)
+}
+
+/// One step of nodes and walls on one worker that begins at `time`; returns the work on nodes and
+/// on walls with a mass.
+fn step(walls: &mut Walls, nodes: &mut Nodes, time: f64, dt: f64) -> [Work; 2] {
+    let mut wire = threads::connect(2).remove(1);
+    nodes.accelerate(dt);
+    walls.begin(time, dt);
+    let work =
+        walls.keep_out(&mut wire, nodes, &[], Steps { dt, mid: dt, push: dt, whole: dt }).unwrap();
+    let on_masses = walls.work_on_masses();
+    nodes.advance(dt);
+    walls.advance(dt);
+    [work, on_masses]
+}
+
+#[test]
+fn node_ends_on_the_wall_and_friction_obeys_the_cone() {
+    let v = stop(&wall(0.1), [0.0, 0.0, 1.5], [10.0, 0.0, -10.0], 0.1);
+    assert!((v[2] + 5.0).abs() < 1e-12, "stops at the plane: {v:?}");
+    assert!((v[0] - 9.5).abs() < 1e-12, "slowed by mu times the normal change of 5: {v:?}");
+    let v = stop(&wall(10.0), [0.0, 0.0, 1.0], [1.0, 0.0, -1.0], 0.1);
+    assert_eq!([v[0], v[2]], [0.0, 0.0], "sticks");
+    let v = stop(&wall(0.1), [0.0, 0.0, 1.0], [1.0, 0.0, 0.1], 0.1);
+    assert_eq!(v, [1.0, 0.0, 0.1, 0.0], "leaves freely");
+}
+
+/// A mass on the wall under a constant force, for `steps` steps of 1e-3. Returns velocity, place
+/// and booked work.
+fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
+    let mut nodes = masses(&[([0.0, 0.0, 1.0], v, 2.0)]);
+    nodes.force[0] = row(force);
+    let work = (0..steps).map(|i| step(walls, &mut nodes, i as f64 * 1e-3, 1e-3)[0].total()).sum();
+    (nodes.v[0], nodes.x[0], work)
+}
+
+/// A07: friction slows a sliding block of mass m under a force N with `mu N / m` until it rests,
+/// holds it against a pull below mu N and lets it go above. The wall's force is constant, so steps
+/// add no error but round-off, and the last of them, in which the block stops.
+#[test]
+fn coulomb_friction_slows_holds_and_lets_go() {
+    let (mu, n, m) = (0.3, 50.0, 2.0);
+    let slowing = mu * n / m;
+    let mut walls = wall(mu);
+    let (v, x, _) = slide(&mut walls, [10.0, 0.0, 0.0], [0.0, 0.0, -n], 1000);
+    assert!((v[0] - (10.0 - slowing)).abs() < 1e-10 && v[2] == 0.0, "{v:?}");
+    assert!(
+        (x[0] - (10.0 - 0.5 * slowing)).abs() < 0.5e-3 * slowing * 1.01,
+        "mid-step velocities: {x:?}"
+    );
+    let impulse = walls.impulse[0];
+    assert!(
+        (impulse[2] - n).abs() < 1e-9 && (impulse[0] + mu * n).abs() < 1e-9,
+        "over a time of 1: {impulse:?}"
+    );
+
+    let (v, x, work) = slide(&mut wall(mu), [10.0, 0.0, 0.0], [0.0, 0.0, -n], 2000);
+    assert_eq!(v[0], 0.0, "rests");
+    assert!(
+        (x[0] / (100.0 / (2.0 * slowing)) - 1.0).abs() < 1e-3,
+        "stopping way, to a step: {x:?}"
+    );
+    assert!((work / (-0.5 * m * 100.0) - 1.0).abs() < 1e-3, "friction took all of it: {work}");
+
+    let (v, x, _) = slide(&mut wall(mu), [0.0; 3], [0.9 * mu * n, 0.0, -n], 1000);
+    assert_eq!([v[0], x[0]], [0.0, 0.0], "held");
+    let (v, ..) = slide(&mut wall(mu), [0.0; 3], [1.1 * mu * n, 0.0, -n], 1000);
+    assert!((v[0] - 0.1 * slowing).abs() < 1e-10, "let go: {v:?}");
+}
+
+/// Coming down on the wall is a plastic impact: all of the normal part of the energy is lost,
+/// friction takes its part of the sliding at once, and no more than the cone allows.
+#[test]
+fn an_impact_loses_its_normal_part_and_friction_its_share() {
+    for mu in [0.0, 0.2, 5.0] {
+        let mut walls = wall(mu);
+        let (v, x, work) = slide(&mut walls, [3.0, 0.0, -10.0], [0.0; 3], 3);
+        let slid = (3.0 - mu * 10.0f64).max(0.0);
+        assert!(
+            (v[0] - slid).abs() < 1e-12 && v[2].abs() < 1e-12 && (x[2] - 1.0).abs() < 1e-12,
+            "{v:?} {x:?}"
+        );
+        let lost = 0.5 * 2.0 * (9.0 + 100.0 - slid * slid);
+        assert!((work + lost).abs() < 1e-9, "mu {mu}: {work}, not {lost}");
+        let p = walls.impulse[0];
+        assert!((p[0] - 2.0 * (slid - 3.0)).abs() < 1e-12 && (p[2] - 20.0).abs() < 1e-12, "{p:?}");
+    }
+}
+
+/// In the corner of two walls a node keeps out of both; one that is held fixed is not moved by any.
+#[test]
+fn a_corner_keeps_out_and_a_held_node_stays() {
+    let to = |normal| WallJob::plane([0.0; 3], normal, 0.0);
+    let corner = Walls::new(&[to([1.0, 0.0, 0.0]), to([0.0, 1.0, 0.0])], &[]);
+    let v = stop(&corner, [0.1, 0.2, 0.0], [-5.0, -5.0, 1.0], 0.1);
+    assert!((v[0] + 1.0).abs() < 1e-12 && (v[1] + 2.0).abs() < 1e-12 && v[2] == 1.0, "{v:?}");
+    let held = NodeRecord { fixed: 0b111, x: [-1.0, 0.0, 0.0], mass: 1.0, ..NodeRecord::default() };
+    assert_eq!(corner.stop(&Nodes::new(&[held], 0, true), 0, [0.0; 4], 0.1), [0.0; 4]);
+}
+
+/// Masses that meet a wall of mass M, two at once and one later, are a perfectly plastic impact
+/// each time: they go on with the wall at the velocity that momentum gives, and the energy that is
+/// lost is booked. The first two are not held when the third slows the wall down. One that is
+/// ahead, and one in the set of those that pass, are left alone.
+#[test]
+fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
+    let (mass, speed, dt) = (3.0, 4.0, 1e-3);
+    let motion = WallMotion::Pushed { mass, speed };
+    let job = WallJob {
+        motion,
+        except: vec![NodeId(5)],
+        ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0)
+    };
+    let mut walls = Walls::new(&[job], &[]);
+    let still = [0.0; 3];
+    let mut nodes = masses(&[
+        ([0.0, 0.0, 0.0], [1.0, 0.0, -2.0], 1.0),
+        ([5.0, 0.0, 0.0], still, 2.0),
+        ([9.0, 0.0, 0.1], still, 4.0),
+        ([2.0, 0.0, 1.0], [0.0, 0.0, 9.0], 7.0),
+        ([0.0, 7.0, 0.0], still, 5.0),
+    ]);
+    walls.settle(&nodes);
+    let at_first = (mass * speed - 2.0) / (mass + 3.0);
+    let at_last = mass * at_first / (mass + 4.0);
+    let kinetic = |nodes: &Nodes, walls: &Walls| {
+        let of = |i: usize| 0.5 * nodes.mass[i] * V3::from(xyz(&nodes.v[i])).norm_squared();
+        (0..5).map(of).sum::<f64>() + 0.5 * mass * walls.walls[0].next.norm_squared()
+    };
+    let before = kinetic(&nodes, &walls);
+    let mut work = 0.0;
+    for i in 0..200 {
+        work +=
+            step(&mut walls, &mut nodes, i as f64 * dt, dt).iter().map(Work::total).sum::<f64>();
+        if nodes.v[2][2] == 0.0 {
+            let v = walls.walls[0].next.z;
+            assert!((v - at_first).abs() < 1e-12 * at_first, "step {i}, two met: {v} {at_first}");
+        }
+    }
+    let v = walls.walls[0].next.z;
+    assert!((v - at_last).abs() < 1e-12 * at_last, "round-off: {v} {at_last}");
+    let place = walls.walls[0].surface.place().z;
+    assert!(
+        (nodes.v[2][2] - v).abs() < 1e-12 && (nodes.x[2][2] - place).abs() < 1e-12,
+        "{:?}",
+        nodes.v[2]
+    );
+    assert!(
+        (0..2).all(|i| (nodes.v[i][2] - at_first).abs() < 1e-12 && nodes.x[i][2] > place),
+        "{:?}",
+        nodes.v
+    );
+    assert_eq!((nodes.v[0][0], nodes.v[3], nodes.v[4]), (1.0, [0.0, 0.0, 9.0, 0.0], [0.0; 4]));
+    let given: f64 = (0..3).map(|i| nodes.mass[i] * nodes.v[i][2]).sum::<f64>() + 2.0;
+    assert!(
+        (walls.impulse[0][2] - given).abs() < 1e-12 && (given - mass * (speed - v)).abs() < 1e-12,
+        "{given}"
+    );
+    let lost = before - kinetic(&nodes, &walls);
+    assert!((work + lost).abs() < 1e-12 * before && lost > 0.0, "booked {work}, lost {lost}");
+}
+
+/// A wall that is led pushes what it meets to its own velocity, sideways within the cone of
+/// friction, and does the work.
+#[test]
+fn a_led_wall_takes_along_what_it_meets() {
+    let dt = 1e-3;
+    let motion = Motion {
+        nodes: Vec::new(),
+        dofs: 0b111,
+        form: MotionForm::Velocity,
+        amount: [2.0, 0.0, 1.0],
+        curve: Some(0),
+    };
+    let job = WallJob {
+        motion: WallMotion::Led(motion),
+        ..WallJob::plane([0.0, 0.0, -0.05], [0.0, 0.0, 1.0], 0.5)
+    };
+    let mut walls = Walls::new(&[job], &[vec![[0.0, 1.0], [0.1, 1.0], [0.2, 3.0]]]);
+    let mut nodes = masses(&[([0.0; 3], [0.0; 3], 2.0)]);
+    let mut work = 0.0;
+    let mut at = |from: usize, to: usize| {
+        for i in from..to {
+            work += step(&mut walls, &mut nodes, i as f64 * dt, dt)[0].total();
+        }
+        (nodes.v[0], nodes.x[0], work)
+    };
+    let (v, x, _) = at(0, 45);
+    assert_eq!((v, x), ([0.0; 4], [0.0; 4]), "not yet met");
+    let (v, x, work) = at(45, 100);
+    assert!(
+        (v[2] - 1.0).abs() < 1e-9 && (v[0] - 0.5).abs() < 1e-9,
+        "mu times the normal change of 1: {v:?}"
+    );
+    assert!((x[2] - 0.05).abs() < 1e-9, "on the wall: {x:?}");
+    assert!((work - 0.5 * 2.0 * (1.0 + 0.25)).abs() < 1e-9, "{work}");
+    let (v, x, _) = at(100, 300);
+    assert!(
+        (v[2] - 3.0).abs() < 1e-9 && (v[0] - 1.5).abs() < 1e-9,
+        "half of the normal change of 2 more: {v:?}"
+    );
+    assert!((x[2] - 0.55).abs() < 1e-9, "the integral of the curve: {x:?}");
+}
+
+/// A rectangle stops what comes down on it, lets pass what is beside it, and does not throw out
+/// what gets behind it from the side.
+#[test]
+fn a_rectangle_ends_where_it_ends() {
+    let form = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [2.0, 1.0] };
+    let mut walls =
+        Walls::new(&[WallJob { form, ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }], &[]);
+    let down = [0.0, 0.0, -10.0];
+    let mut nodes = masses(&[
+        ([1.0, 0.5, 0.1], down, 1.0),
+        ([2.0, 1.0, 0.1], down, 1.0),
+        ([2.1, 0.5, 0.1], down, 1.0),
+        ([1.0, -0.1, 0.1], down, 1.0),
+        ([-0.5, 0.5, -0.2], [10.0, 0.0, 0.0], 1.0),
+    ]);
+    for i in 0..200 {
+        step(&mut walls, &mut nodes, i as f64 * 1e-3, 1e-3);
+    }
+    let z = [0, 1, 2, 3, 4].map(|i| nodes.x[i][2]);
+    assert!(z[..2].iter().all(|z| z.abs() < 1e-12), "stopped: {z:?}");
+    assert!(z[2..4].iter().all(|z| (z + 1.9).abs() < 1e-12), "passed beside: {z:?}");
+    assert_eq!((nodes.v[4], z[4]), ([10.0, 0.0, 0.0, 0.0], -0.2), "behind all the while");
+    let ends = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [0.0, 1.0] };
+    let long = Walls::new(
+        &[WallJob { form: ends, ..WallJob::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0) }],
+        &[],
+    );
+    assert_eq!(stop(&long, [-1e6, 0.5, 0.0], down, 0.1)[2], 0.0, "a side without end");
+}
+
+/// A cylinder stops what comes from any side as far as it reaches; what a force presses on it
+/// without friction runs around it: a mass that is pressed on at the angle a from the top is at
+/// rest against the normal, and one that slides off with a speed v leaves when gravity no longer
+/// holds it, at cos a = 2/3 from the top (a textbook case). What is inside stays.
+#[test]
+fn a_cylinder_catches() {
+    let form = WallForm::Cylinder { radius: 1.0, length: 3.0 };
+    let job = WallJob { form, ..WallJob::plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.0) };
+    let mut walls = Walls::new(&[job], &[]);
+    let mut nodes = masses(&[
+        ([0.6, 0.0, 2.0], [0.0, 0.0, -5.0], 1.0),
+        ([-3.0, 1.9, 0.0], [5.0, 0.0, 0.0], 1.0),
+        ([-3.0, 2.1, 0.0], [5.0, 0.0, 0.0], 1.0),
+        ([0.2, 0.0, 0.0], [0.0, 1.0, 0.0], 1.0),
+    ]);
+    for i in 0..1000 {
+        step(&mut walls, &mut nodes, i as f64 * 1e-3, 1e-3);
+    }
+    let off = |i: usize| (nodes.x[i][0].powi(2) + nodes.x[i][2].powi(2)).sqrt();
+    // The normal part of 5 is lost where it lands, the rest slides off along the tangent.
+    let v = nodes.v[0];
+    assert!((v[0].hypot(v[2]) - 5.0 * 0.6).abs() < 0.02 && off(0) > 1.0, "to a step: {v:?}");
+    assert!(
+        nodes.v[1][0].abs() < 1e-9 && (nodes.x[1][0] + 1.0).abs() < 1e-9,
+        "head on: {:?}",
+        nodes.x[1]
+    );
+    assert_eq!((nodes.v[2][0], nodes.v[3][1]), (5.0, 1.0), "beside its end, and inside");
+
+    let mut nodes = masses(&[([1e-3, 0.0, 1.0], [0.0; 3], 1.0)]);
+    nodes.force[0] = row([0.0, 0.0, -1.0]);
+    let mut left = None;
+    for i in 0..200_000 {
+        step(&mut walls, &mut nodes, i as f64 * 1e-4, 1e-4);
+        let off = nodes.x[0][0].hypot(nodes.x[0][2]);
+        assert!(off > 1.0 - 1e-9, "it never sinks in: {off}");
+        if off > 1.0 + 1e-6 {
+            left = Some(nodes.x[0][2] / off);
+            break;
+        }
+    }
+    // It is 1e-6 off after t = 0.015 by 3 g sin(a) v t^3 / 6 R: 0.01 later in the cosine.
+    assert!(left.is_some_and(|cosine| (cosine - (2.0 / 3.0 - 0.01)).abs() < 2e-3), "{left:?}");
+}

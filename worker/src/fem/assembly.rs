@@ -1,0 +1,147 @@
+//! Which corner slots each held node adds up, and when: a plan for steps with all elements, and one
+//! for those without slow ones.
+
+use crate::nodes::Row;
+use std::ops::Range;
+
+/// Order in which elements are computed and nodes gather.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// For each held node, where its slots start.
+    start: Vec<u32>,
+    /// Corner slots, node after node, in ascending global element id.
+    slots: Vec<u32>,
+    /// Groups in the order in which they are computed: those that other workers wait for, then the
+    /// rest.
+    pub batches: [Vec<Batch>; 2],
+    /// Nodes that batches gather, batch after batch.
+    pub early: Vec<u32>,
+    /// Held nodes that are gathered at the end: what others send is part of their sum, or they have
+    /// no slots.
+    pub late: Vec<u32>,
+}
+
+/// Groups of a block that are computed together, and the nodes whose corners are then complete:
+/// they gather while these are still in the cache.
+#[derive(Debug)]
+pub struct Batch {
+    /// The block.
+    pub block: usize,
+    /// Its groups.
+    pub groups: Range<usize>,
+    /// Range of `Plan::early`.
+    pub nodes: Range<usize>,
+}
+
+/// An element's corners at held nodes, own or received.
+pub struct Corners<'a> {
+    /// Local nodes.
+    pub nodes: &'a [u32],
+    /// Slot of the first; the others follow.
+    pub first: usize,
+}
+
+impl Plan {
+    /// A plan in which nodes take corners in the order of `elements`.
+    pub fn new<'a>(held: usize, elements: impl Iterator<Item = Corners<'a>> + Clone) -> Self {
+        let mut start = vec![0; held + 1];
+        for e in elements.clone() {
+            e.nodes.iter().for_each(|&n| start[n as usize + 1] += 1);
+        }
+        for i in 0..held {
+            start[i + 1] += start[i];
+        }
+        let mut next = start.clone();
+        let mut slots = vec![0; start[held] as usize];
+        for e in elements {
+            for (&n, slot) in e.nodes.iter().zip(e.first as u32..) {
+                slots[next[n as usize] as usize] = slot;
+                next[n as usize] += 1;
+            }
+        }
+        Self { start, slots, ..Self::default() }
+    }
+
+    /// Lays down when nodes gather: with the last of the batches that complete them, `front` ones
+    /// before the rest, and at the end with a slot from `received` on or in `loaded`, to which
+    /// something is added until then. `slots_of` are the corner slots that a batch fills.
+    pub fn lay_batches(
+        &mut self,
+        batches: [Vec<Batch>; 2],
+        received: usize,
+        loaded: &[Range<usize>],
+        slots_of: impl Fn(&Batch) -> Range<usize>,
+    ) {
+        self.batches = batches;
+        // When each slot is complete; those of idle elements always are.
+        let mut when = vec![0u32; received];
+        for (number, batch) in self.batches.iter().flatten().enumerate() {
+            let slots = slots_of(batch);
+            when[slots].fill(number as u32);
+        }
+        for slots in loaded {
+            when[slots.clone()].fill(u32::MAX);
+        }
+        let count = self.batches[0].len() + self.batches[1].len();
+        let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];
+        self.late.clear();
+        for i in 0..self.start.len().saturating_sub(1) {
+            let complete = self
+                .slots_of(i)
+                .iter()
+                .map(|&slot| when.get(slot as usize).copied())
+                .max_by_key(|w| w.unwrap_or(u32::MAX));
+            match complete.flatten().and_then(|w| ready.get_mut(w as usize)) {
+                Some(batch) => batch.push(i as u32),
+                None => self.late.push(i as u32),
+            }
+        }
+        self.early.clear();
+        for (batch, nodes) in self.batches.iter_mut().flatten().zip(ready) {
+            let first = self.early.len();
+            self.early.extend(nodes);
+            batch.nodes = first..self.early.len();
+        }
+    }
+
+    /// Corner slots of held node `i`, in ascending element id.
+    #[inline]
+    pub fn slots_of(&self, i: usize) -> &[u32] {
+        &self.slots[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+
+    /// Minus the sum of the corners in `column`, for some held nodes, in ascending element id.
+    pub fn gather(&self, column: &[Row], sums: &mut [Row], which: &[u32]) {
+        for i in which.iter().map(|&i| i as usize) {
+            let mut sum = [0.0; 4];
+            for &slot in self.slots_of(i) {
+                (0..4).for_each(|c| sum[c] -= column[slot as usize][c]);
+            }
+            sums[i] = sum;
+        }
+    }
+
+    /// The same of two columns at once.
+    pub fn gather_both(&self, columns: [&[Row]; 2], sums: [&mut [Row]; 2], which: &[u32]) {
+        let ([forces, moments], [force, moment]) = (columns, sums);
+        for i in which.iter().map(|&i| i as usize) {
+            let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
+            for &slot in self.slots_of(i) {
+                let (sf, sm) = (&forces[slot as usize], &moments[slot as usize]);
+                for c in 0..4 {
+                    f[c] -= sf[c];
+                    m[c] -= sm[c];
+                }
+            }
+            (force[i], moment[i]) = (f, m);
+        }
+    }
+
+    /// Bytes in use, spare room of lists left out.
+    pub fn bytes(&self) -> usize {
+        [&self.slots, &self.start, &self.early, &self.late]
+            .map(|l| size_of_val(&l[..]))
+            .iter()
+            .sum()
+    }
+}

@@ -1,0 +1,629 @@
+//! Elements in blocks of one part and shape, their history columns, and the corner forces that
+//! nodes gather.
+//!
+//! A node adds its corners in ascending global element id, own and received ones alike:
+//! the sum has the same bits whoever computes it.
+
+use crate::fem::assembly::{Batch, Corners, Plan};
+use crate::fem::columns::{Columns, State};
+use crate::fem::elements::{CornerForces, Element, NodeView, Pass, PassTotals, build_block};
+use crate::nodes::{Nodes, Row, xyz};
+use crumple_proto::ids::ElemId;
+use crumple_proto::job::Precision;
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::{ElementRecord, Settings};
+use std::ops::Range;
+
+/// An own element, with local node numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalElement {
+    /// The element as it travels.
+    pub record: ElementRecord,
+    /// Local nodes of the corners, the last repeated.
+    pub nodes: [u32; 8],
+    /// Whether one of its nodes is held by another worker too.
+    pub shared: bool,
+}
+
+/// Elements of one part and shape.
+pub struct Block {
+    /// Formulation with its parameters.
+    pub element: Box<dyn Element>,
+    /// First of its elements in [`Blocks::elements`].
+    pub first: usize,
+    /// Number of elements.
+    pub count: usize,
+    /// Groups that hold all the shared elements; these are computed first.
+    pub front: usize,
+    /// Whether the part is rigid or a skin: its elements compute no forces and set no step.
+    pub idle: bool,
+    /// Whether its elements are computed in the first cycle of an outer step only.
+    pub slow: bool,
+    /// First of its corner slots.
+    base: usize,
+    /// Slots per element.
+    slots: usize,
+    /// Local nodes: per group one row per slot.
+    groups: Vec<u32>,
+    /// History columns.
+    history: Columns,
+    /// Groups that nothing has strained yet: their forces are nought while their nodes move alike.
+    unstrained: Vec<bool>,
+}
+
+/// All own elements.
+#[derive(Default)]
+pub struct Blocks {
+    /// Elements, block after block, shared ones first in each.
+    pub elements: Vec<LocalElement>,
+    /// The blocks.
+    pub blocks: Vec<Block>,
+    /// Internal forces of corners, own then received ones [force].
+    pub force: Vec<Row>,
+    /// Internal moments of corners; empty where nothing can turn [force length].
+    pub moment: Vec<Row>,
+    /// Stable step of own elements without mass, whose kernels do not know it [time].
+    massless_dt: f64,
+    /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
+    mass_scaled: bool,
+    /// Own elements, by block and place, that count on less than their mass: their stable step is
+    /// shorter than the kernels'.
+    weak: Vec<[usize; 2]>,
+    /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless
+    /// histories ask for it [energy].
+    pub by_part: Vec<[f64; 2]>,
+    /// Whether [`Self::compute_all`] was asked for.
+    pub all_computed: bool,
+    /// Cycles of an outer step.
+    subcycles: u64,
+    /// Step that slow own elements left when they were last computed [time].
+    pub slow_dt: f64,
+    /// Held nodes with slow and with fast elements.
+    between: Vec<u32>,
+    /// How nodes gather in steps with all elements, and in those without slow ones.
+    plans: [Plan; 2],
+}
+
+/// Elements of a batch: their corner forces and history fit into the second level of a cache beside
+/// all else.
+const BATCH: usize = 256;
+
+/// Bytes of the columns of elements, by what they are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockBytes {
+    /// History columns of laws and elements.
+    pub history: usize,
+    /// Corner forces.
+    pub force: usize,
+    /// Corner moments.
+    pub moment: usize,
+    /// Records, connectivity and marks in groups, and the lists that nodes gather by.
+    pub connectivity: usize,
+}
+
+/// A corner of another worker's element at a held node.
+#[derive(Clone, Copy, Debug)]
+pub struct ForeignCorner {
+    /// Local node.
+    pub node: u32,
+    /// The element.
+    pub elem: ElemId,
+    /// Whether it is slow.
+    pub slow: bool,
+}
+
+impl Block {
+    /// History columns of one element.
+    pub fn state(&self, index: usize) -> State<'_> {
+        self.history.of(index)
+    }
+
+    /// Elements of a group.
+    pub fn lanes(&self) -> usize {
+        self.history.lanes()
+    }
+}
+
+impl Blocks {
+    /// Sorts elements into blocks. `history[i]` are the columns of `elements[i]`, empty for a fresh
+    /// element.
+    ///
+    /// # Panics
+    /// When a part cannot be built; the master checks parts before it deals out work.
+    pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
+        let mut elements = elements;
+        let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8, e.record.slow);
+        elements.sort_by_key(|(e, _)| (block_of(e), !e.shared, e.record.id));
+        let (elements, histories): (Vec<_>, Vec<_>) = elements.into_iter().unzip();
+        let mut blocks: Vec<Block> = Vec::new();
+        let mut first = 0;
+        for run in elements.chunk_by(|a, b| block_of(a) == block_of(b)) {
+            let base = blocks.last().map_or(0, |b| b.base + b.corner_slots());
+            blocks.push(Block::new(
+                settings,
+                run,
+                &histories[first..first + run.len()],
+                [first, base],
+            ));
+            first += run.len();
+        }
+        let is_weak = |block: usize, i: &usize| {
+            let record = &elements[blocks[block].first + i].record;
+            record.share < 1.0 && !record.failed && !blocks[block].idle
+        };
+        let weak = (0..blocks.len()).flat_map(|block| {
+            let places = (0..blocks[block].count).filter(move |i| is_weak(block, i));
+            places.map(move |i| [block, i])
+        });
+        let weak = weak.collect();
+        let mut all = Self {
+            weak,
+            mass_scaled: elements.iter().any(|e: &LocalElement| {
+                e.record.mass_factor != 1.0 && !is_idle(settings, e.record.part)
+            }),
+            massless_dt: elements
+                .iter()
+                .map(|e| e.record.stable_dt / cycles_of(&e.record, settings.subcycles))
+                .fold(f64::INFINITY, f64::min),
+            elements,
+            blocks,
+            by_part: Vec::new(),
+            all_computed: false,
+            force: Vec::new(),
+            moment: Vec::new(),
+            subcycles: settings.subcycles,
+            slow_dt: f64::INFINITY,
+            between: Vec::new(),
+            plans: Default::default(),
+        };
+        all.force = vec![[0.0; 4]; all.own_slots()];
+        all.moment = vec![[0.0; 4]; if settings.rotations { all.own_slots() } else { 0 }];
+        all
+    }
+
+    /// Own elements that have failed and are still in the contact surface, as indices into
+    /// `elements`.
+    pub fn newly_failed(&self) -> impl Iterator<Item = usize> + '_ {
+        let fallible = self.blocks.iter().filter(|b| b.element.can_fail());
+        fallible.flat_map(|b| {
+            let has = move |i: &usize| b.element.failed(b.state(*i));
+            (0..b.count)
+                .filter(has)
+                .map(|i| b.first + i)
+                .filter(|&i| !self.elements[i].record.failed)
+        })
+    }
+
+    /// Whether an own element has failed because it was inverted.
+    pub fn is_deleted(&self, id: ElemId) -> bool {
+        let deleting = |b: &&Block| b.element.can_fail();
+        self.blocks.iter().filter(deleting).any(|b| {
+            let place =
+                self.elements[b.first..b.first + b.count].iter().position(|e| e.record.id == id);
+            place.is_some_and(|i| b.element.is_deleted(b.state(i)))
+        })
+    }
+
+    /// From here on forces of unstrained elements are computed too: for those who time kernels that
+    /// are to stand for strained ones.
+    pub fn compute_all(&mut self) {
+        self.all_computed = true;
+        self.blocks.iter_mut().for_each(|b| b.unstrained.fill(false));
+    }
+
+    /// Bytes in use, spare room of lists left out.
+    pub fn bytes(&self) -> BlockBytes {
+        let groups = |b: &Block| size_of_val(&b.groups[..]) + size_of_val(&b.unstrained[..]);
+        let lists = self.plans.iter().map(Plan::bytes).sum::<usize>();
+        let records =
+            size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
+        BlockBytes {
+            history: self.blocks.iter().map(|b| b.history.bytes()).sum(),
+            force: size_of_val(&self.force[..]),
+            moment: size_of_val(&self.moment[..]),
+            connectivity: records + lists,
+        }
+    }
+
+    /// Corner slots of own elements.
+    pub fn own_slots(&self) -> usize {
+        self.blocks.iter().map(Block::corner_slots).sum()
+    }
+
+    /// First corner slot of each element, in the order of `elements`.
+    pub fn first_slots(&self) -> Vec<usize> {
+        self.blocks.iter().flat_map(|b| (0..b.count).map(|i| b.base + b.slots * i)).collect()
+    }
+
+    /// Lays down in which order each held node gathers corners, and when; received corners take the
+    /// slots after the own ones. Nodes of loaded elements gather at the end, since something is
+    /// added to the corners until then.
+    pub fn lay_gather(
+        &mut self,
+        held: usize,
+        foreign: &[ForeignCorner],
+        is_loaded: impl Fn(ElemId) -> bool,
+    ) {
+        let (own, count) = (self.own_slots(), self.elements.len());
+        // Own elements, then received corners, by element id: nodes take them in this order.
+        let mut order: Vec<(ElemId, u32)> =
+            self.elements.iter().zip(0..).map(|(e, i)| (e.record.id, i)).collect();
+        order.extend(foreign.iter().zip(count as u32..).map(|(f, i)| (f.elem, i)));
+        order.sort_unstable();
+        let slots = self.first_slots();
+        let corners = |i: usize| match self.elements.get(i) {
+            Some(e) => Corners { nodes: &e.nodes[..e.record.shape.corners()], first: slots[i] },
+            None => Corners {
+                nodes: std::slice::from_ref(&foreign[i - count].node),
+                first: own + i - count,
+            },
+        };
+        let loaded = self.elements.iter().zip(&slots).filter(|(e, _)| is_loaded(e.record.id));
+        let loaded: Vec<_> =
+            loaded.map(|(e, &first)| first..first + e.record.shape.corners()).collect();
+        let is_slow = |i: usize| {
+            self.elements.get(i).map_or_else(|| foreign[i - count].slow, |e| e.record.slow)
+        };
+        let of = |all: bool| {
+            let picked = order.iter().map(|o| o.1 as usize).filter(|&i| all || !is_slow(i));
+            let mut plan = Plan::new(held, picked.map(corners));
+            let batches = [true, false].map(|front| self.batches(front, all));
+            plan.lay_batches(batches, own, &loaded, |batch| {
+                self.blocks[batch.block].slots_of(&batch.groups)
+            });
+            plan
+        };
+        self.plans = [of(true), if self.subcycles > 1 { of(false) } else { Plan::default() }];
+        if self.subcycles > 1 {
+            let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
+            let is_between =
+                |i: &usize| matches!(corners(*i), [all, fast] if 0 < fast && fast < all);
+            self.between = (0..held).filter(is_between).map(|i| i as u32).collect();
+        }
+        self.force.resize(own + foreign.len(), [0.0; 4]);
+        if !self.moment.is_empty() {
+            self.moment.resize(own + foreign.len(), [0.0; 4]);
+        }
+    }
+
+    /// Cuts the groups that other workers wait for, or the rest, into batches; with `all` those of
+    /// slow elements too.
+    fn batches(&self, front: bool, all: bool) -> Vec<Batch> {
+        let cut = |(block, b): (usize, &Block)| {
+            let groups = if b.idle || b.slow && !all {
+                0..0
+            } else if front {
+                0..b.front
+            } else {
+                b.front..b.group_count()
+            };
+            let (end, size) = (groups.end, BATCH / b.lanes());
+            groups
+                .step_by(size)
+                .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
+                .collect::<Vec<_>>()
+        };
+        self.blocks.iter().enumerate().flat_map(cut).collect()
+    }
+
+    /// Internal forces, batch by batch; nodes whose corners are then complete get minus their sum.
+    /// Trouble is an index into `elements`; `front` selects the groups that other workers wait for,
+    /// or the rest.
+    ///
+    /// When an outer step begins, with `all`, slow elements look back on the mean motion of the one
+    /// before, and their forces are those that act in one cycle for all of its cycles.
+    pub fn add_internal_forces(
+        &mut self,
+        nodes: &mut Nodes,
+        dt: f64,
+        all: bool,
+        front: bool,
+    ) -> PassTotals {
+        let mut totals = PassTotals { stable_dt: self.massless_dt, ..PassTotals::NONE };
+        if all && front {
+            self.slow_dt = f64::INFINITY;
+        }
+        let plan = std::mem::take(&mut self.plans[usize::from(!all)]);
+        for batch in &plan.batches[usize::from(!front)] {
+            let b = &mut self.blocks[batch.block];
+            let slots = b.base..b.base + b.corner_slots();
+            let moment =
+                if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
+            let out = CornerForces { force: &mut self.force[slots], moment };
+            let mut pass = if b.slow {
+                let cycles = self.subcycles as f64;
+                let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), cycles * dt, out);
+                let filled = b.slots_of(&batch.groups);
+                self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
+                if !self.moment.is_empty() {
+                    self.moment[filled].as_flattened_mut().iter_mut().for_each(|m| *m *= cycles);
+                }
+                self.slow_dt = self.slow_dt.min(pass.stable_dt / cycles);
+                pass.stable_dt = f64::INFINITY;
+                pass
+            } else {
+                b.forces(batch.groups.clone(), nodes.view(), dt, out)
+            };
+            pass.trouble = pass.trouble.map(|i| b.first + i);
+            if let Some(energy) = self.by_part.get_mut(self.elements[b.first].record.part as usize)
+            {
+                *energy = [energy[0] + pass.internal, energy[1] + pass.hourglass];
+            }
+            totals.add(&pass);
+            self.gather(&plan, nodes, &plan.early[batch.nodes.clone()]);
+        }
+        self.plans[usize::from(!all)] = plan;
+        totals.stable_dt = totals.stable_dt.min(self.slow_dt);
+        totals
+    }
+
+    /// Whether held node `i` has slow elements, and no others.
+    pub fn is_slow_only(&self, i: usize) -> bool {
+        self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
+    }
+
+    /// Sum of `f_s f_f / m` over own nodes between slow and fast elements when an outer step
+    /// begins: f_s are the forces of slow elements, f_f all others but those of contact, m masses,
+    /// or inertias [energy/time^2].
+    pub fn coupling(&self, nodes: &Nodes) -> f64 {
+        let cycles = self.subcycles as f64;
+        let [all, fast] = &self.plans;
+        let product = |column: &[Row], force: &Row, inverse: &Row, i: usize| {
+            let sum = |plan: &Plan, c: usize| {
+                plan.slots_of(i).iter().map(|&s| column[s as usize][c]).sum::<f64>()
+            };
+            let of = |c: usize| {
+                let slow = sum(fast, c) - sum(all, c);
+                inverse[c] * (slow / cycles) * (force[c] - slow)
+            };
+            (0..3).map(of).sum::<f64>()
+        };
+        let of = |i: usize| {
+            let turning = match self.moment.is_empty() {
+                true => 0.0,
+                false => product(&self.moment, &nodes.moment[i], &nodes.inv_inertia[i], i),
+            };
+            product(&self.force, &nodes.force[i], &nodes.inv_mass[i], i) + turning
+        };
+        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_own(i)).map(of).sum()
+    }
+
+    /// Gives the held nodes that have not gathered yet minus the sum of their corners; with `all`
+    /// those of slow elements too.
+    pub fn assemble(&self, nodes: &mut Nodes, all: bool) {
+        let plan = &self.plans[usize::from(!all)];
+        self.gather(plan, nodes, &plan.late);
+    }
+
+    fn gather(&self, plan: &Plan, nodes: &mut Nodes, which: &[u32]) {
+        if self.moment.is_empty() {
+            plan.gather(&self.force, &mut nodes.force, which);
+        } else {
+            let sums = [&mut nodes.force[..], &mut nodes.moment[..]];
+            plan.gather_both([&self.force, &self.moment], sums, which);
+        }
+    }
+
+    /// Lets fresh elements know the shape that their masses go by.
+    pub fn measure(&mut self, nodes: &Nodes) {
+        for b in &mut self.blocks {
+            for place in 0..b.unstrained.len() * b.lanes() {
+                let e = &self.elements[b.first + place.min(b.count - 1)];
+                let mut history = b.history.of(place).to_vec();
+                let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+                b.element.measure(&mut history, &x, e.record.thickness);
+                b.history.set(place, &history);
+            }
+        }
+    }
+
+    /// Puts the corner masses and inertias of own elements at initial coordinates into the corner
+    /// slots.
+    pub fn lay_masses(&mut self, nodes: &Nodes) {
+        let slots = self.first_slots();
+        for b in &self.blocks {
+            let own = b.first..b.first + b.count;
+            for (e, &slot) in self.elements[own.clone()].iter().zip(&slots[own]) {
+                let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+                let (m, j) = b.element.corner_mass(&x, e.record.thickness);
+                for c in 0..e.record.shape.corners() {
+                    self.force[slot + c] =
+                        [m * e.record.mass_factor, j * e.record.mass_factor, 0.0, 0.0];
+                }
+            }
+        }
+    }
+
+    /// Adds the gathered corner masses to the nodes, in ascending element id.
+    pub fn gather_masses(&mut self, nodes: &mut Nodes) {
+        for i in 0..nodes.held {
+            for &slot in self.plans[0].slots_of(i) {
+                nodes.mass[i] += self.force[slot as usize][0];
+                if nodes.rotations {
+                    nodes.inertia[i] += self.force[slot as usize][1];
+                }
+            }
+            nodes.invert_mass(i);
+        }
+        // Rigid elements leave their slots as they are.
+        self.force.fill([0.0; 4]);
+    }
+
+    /// Smallest step that own elements leave at the present coordinates and the element that does
+    /// (lowest id among equals): its stable step, by the cycles of an outer step if it is slow. An
+    /// element whose step is not a number comes first, with a step of 0.
+    pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
+        let of_block = |b: &Block| {
+            let own = (0..b.count).filter(|i| !self.elements[b.first + i].record.failed);
+            own.map(|i| (self.step_of(b, i, nodes), self.elements[b.first + i].record.id))
+                .collect::<Vec<_>>()
+        };
+        self.blocks
+            .iter()
+            .filter(|b| !b.idle)
+            .flat_map(of_block)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    }
+
+    /// Step that the element at place `i` of a block leaves, 0 if it is not a number.
+    fn step_of(&self, b: &Block, i: usize, nodes: &Nodes) -> f64 {
+        let e = &self.elements[b.first + i];
+        if b.element.can_fail() && b.element.failed(b.state(i)) {
+            return f64::INFINITY;
+        }
+        let dt = b.element.stable_dt_now(b.state(i), &e.nodes.map(|n| xyz(&nodes.x[n as usize])));
+        let dt =
+            if dt.is_nan() { 0.0 } else { dt * (e.record.mass_factor * e.record.share).sqrt() };
+        dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles)
+    }
+
+    /// Smallest step that own elements leave, when a pass over them has told `of_kernels`: these
+    /// know neither of mass scaling nor of what shares the masses of nodes.
+    pub fn stable_step(&self, nodes: &Nodes, of_kernels: f64) -> f64 {
+        if self.mass_scaled {
+            return self.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
+        }
+        let weak = self.weak.iter().map(|&[block, i]| self.step_of(&self.blocks[block], i, nodes));
+        weak.fold(of_kernels, f64::min)
+    }
+
+    /// What is wrong with an own element, and what to try; `None` for another worker's.
+    pub fn diagnose(
+        &self,
+        nodes: &Nodes,
+        id: ElemId,
+        safety: f64,
+        first_dt: f64,
+    ) -> Option<String> {
+        let i = self.elements.iter().position(|e| e.record.id == id)?;
+        let (b, e) = (
+            self.blocks.iter().find(|b| (b.first..b.first + b.count).contains(&i))?,
+            &self.elements[i],
+        );
+        let dt = b
+            .element
+            .stable_dt_now(b.state(i - b.first), &e.nodes.map(|n| xyz(&nodes.x[n as usize])));
+        let dt = dt * (e.record.mass_factor * e.record.share).sqrt()
+            / cycles_of(&e.record, self.subcycles);
+        let what = if dt.is_nan() {
+            "is inverted, or its coordinates are no numbers".to_string()
+        } else if safety * dt < 0.5 * first_dt {
+            format!("needs a step of {:.3e}, against {first_dt:.3e} at the start", safety * dt)
+        } else {
+            "was strained by more than a half in one step, or its forces are no numbers".to_string()
+        };
+        let try_this = if safety > 1.0 {
+            format!("time.safety = {safety} is above the stability limit: use 0.9 or less")
+        } else {
+            "look at the last fields around it; a finer mesh, a lower time.safety or another hourglass form may help"
+                .into()
+        };
+        Some(format!("element {id} {what}; {try_this}"))
+    }
+}
+
+/// Cycles from one computation of an element to the next.
+fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
+    if record.slow { subcycles as f64 } else { 1.0 }
+}
+
+/// Whether the elements of a part bear nothing: it belongs to a rigid body, or is a skin.
+fn is_idle(settings: &Settings, part: u32) -> bool {
+    settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
+}
+
+impl Block {
+    fn new(
+        settings: &Settings,
+        run: &[LocalElement],
+        histories: &[Vec<f64>],
+        [first, base]: [usize; 2],
+    ) -> Self {
+        let (part, shape): (usize, Shape) = (run[0].record.part as usize, run[0].record.shape);
+        let element = build_block(settings, part, shape).unwrap_or_else(|problems| {
+            panic!("part {part} cannot be built: {problems:?}; `crumple check` should have said so")
+        });
+        let precision =
+            if element.any_precision() { settings.precision } else { Precision::Double };
+        let history = Columns::new(precision, run.len(), element.columns());
+        let (lanes, slots) = (history.lanes(), shape.slots());
+        let groups = run.len().div_ceil(lanes);
+        let mut b = Self {
+            base,
+            slots,
+            groups: vec![0; groups * slots * lanes],
+            history,
+            unstrained: vec![false; groups],
+            front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
+            count: run.len(),
+            idle: is_idle(settings, run[0].record.part),
+            slow: run[0].record.slow,
+            first,
+            element,
+        };
+        let mut fresh = vec![0.0; b.element.columns()];
+        for place in 0..groups * lanes {
+            // Padding repeats the last element, so that it computes nothing unusual.
+            let i = place.min(run.len() - 1);
+            (0..slots).for_each(|c| {
+                b.groups[(place / lanes * slots + c) * lanes + place % lanes] = run[i].nodes[c]
+            });
+            if histories[i].is_empty() {
+                fresh.fill(0.0);
+                b.element.start(&mut fresh, run[i].record.thickness);
+                if let Ok(at) = settings.axes.binary_search_by_key(&run[i].record.id, |a| a.0) {
+                    b.element.orient(&mut fresh, settings.axes[at].1);
+                }
+                b.history.set(place, &fresh);
+            } else {
+                b.history.set(place, &histories[i]);
+            }
+        }
+        for (group, unstrained) in b.unstrained.iter_mut().enumerate() {
+            *unstrained = (group * lanes..(group + 1) * lanes)
+                .all(|i| b.element.is_unstrained(b.history.of(i)));
+        }
+        b
+    }
+
+    /// Corner slots of a group.
+    fn group_slots(&self) -> usize {
+        self.slots * self.lanes()
+    }
+
+    fn group_count(&self) -> usize {
+        self.groups.len() / self.group_slots()
+    }
+
+    /// Corner slots, those of padding included.
+    fn corner_slots(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Corner slots of some groups.
+    fn slots_of(&self, groups: &Range<usize>) -> Range<usize> {
+        let each = self.group_slots();
+        self.base + groups.start * each..self.base + groups.end * each
+    }
+
+    fn forces(
+        &mut self,
+        range: Range<usize>,
+        nodes: NodeView<'_>,
+        dt: f64,
+        out: CornerForces<'_>,
+    ) -> PassTotals {
+        let (groups, history, unstrained) =
+            (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
+        self.element.forces(Pass {
+            range,
+            count: self.count,
+            groups,
+            history,
+            unstrained,
+            nodes,
+            dt,
+            out,
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! History columns of the elements of a block, group by group, in the lanes that its kernels
+//! compute in.
+
+use crate::math::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
+use crumple_proto::job::Precision;
+
+/// Columns in lanes of one kind.
+#[derive(Clone)]
+pub enum Numbers<D, S> {
+    /// Of [`LANES`] elements each.
+    Double(D),
+    /// Of [`LANES32`] elements each.
+    Single(S),
+}
+
+/// Columns of a block, as its kernels see them.
+pub type ColumnsMut<'a> = Numbers<&'a mut [Lane], &'a mut [Lane32]>;
+
+/// All columns of a block.
+#[derive(Clone)]
+pub struct Columns {
+    /// Columns of an element.
+    each: usize,
+    numbers: Numbers<Vec<Lane>, Vec<Lane32>>,
+}
+
+impl Columns {
+    /// So many columns of nought for each of so many elements.
+    pub fn new(precision: Precision, elements: usize, each: usize) -> Self {
+        let numbers = match precision {
+            Precision::Double => Numbers::Double(vec![Lane::ZERO; elements.div_ceil(LANES) * each]),
+            Precision::Single => {
+                Numbers::Single(vec![Lane32::ZERO; elements.div_ceil(LANES32) * each])
+            }
+        };
+        Self { each, numbers }
+    }
+
+    /// Elements of a group.
+    pub fn lanes(&self) -> usize {
+        match self.numbers {
+            Numbers::Double(_) => LANES,
+            Numbers::Single(_) => LANES32,
+        }
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        match &self.numbers {
+            Numbers::Double(columns) => size_of_val(&columns[..]),
+            Numbers::Single(columns) => size_of_val(&columns[..]),
+        }
+    }
+
+    /// The columns of one element.
+    pub fn of(&self, element: usize) -> State<'_> {
+        State { columns: self, element }
+    }
+
+    /// Puts columns in for one element, rounded where numbers are short.
+    pub fn set(&mut self, element: usize, state: &[f64]) {
+        match &mut self.numbers {
+            Numbers::Double(columns) => set(columns, self.each, element, state),
+            Numbers::Single(columns) => set(columns, self.each, element, state),
+        }
+    }
+
+    /// For kernels.
+    pub fn as_mut(&mut self) -> ColumnsMut<'_> {
+        match &mut self.numbers {
+            Numbers::Double(columns) => Numbers::Double(columns),
+            Numbers::Single(columns) => Numbers::Single(columns),
+        }
+    }
+}
+
+/// The columns of one element.
+#[derive(Clone, Copy)]
+pub struct State<'a> {
+    columns: &'a Columns,
+    element: usize,
+}
+
+impl State<'_> {
+    /// The number in one of them.
+    #[inline]
+    pub fn at(&self, column: usize) -> f64 {
+        let (e, each) = (self.element, self.columns.each);
+        match &self.columns.numbers {
+            Numbers::Double(columns) => columns[e / LANES * each + column].lane(e % LANES),
+            Numbers::Single(columns) => columns[e / LANES32 * each + column].lane(e % LANES32),
+        }
+    }
+
+    /// Whether those for which `which` holds are zero.
+    pub fn is_nought_where(&self, which: impl Fn(usize) -> bool) -> bool {
+        (0..self.columns.each).all(|c| !which(c) || self.at(c) == 0.0)
+    }
+
+    /// All of them.
+    pub fn to_vec(&self) -> Vec<f64> {
+        (0..self.columns.each).map(|column| self.at(column)).collect()
+    }
+}
+
+fn set<L: Lanes<W>, const W: usize>(columns: &mut [L], each: usize, element: usize, state: &[f64]) {
+    for (column, &s) in columns[element / W * each..][..each].iter_mut().zip(state) {
+        let mut numbers = column.to_array();
+        numbers[element % W] = s;
+        *column = L::from_array(numbers);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_put_in_comes_out_beside_what_was_there() {
+        for precision in [Precision::Double, Precision::Single] {
+            let mut columns = Columns::new(precision, 9, 3);
+            let state = |element: usize| [0, 1, 2].map(|column| (10 * element + column) as f64);
+            (0..9).rev().for_each(|element| columns.set(element, &state(element)));
+            assert!(
+                (0..9).all(|element| columns.of(element).to_vec() == state(element)),
+                "{precision:?}"
+            );
+            columns.set(4, &[0.1, 0.0, 0.0]);
+            let rounded = if precision == Precision::Double { 0.1 } else { f64::from(0.1f32) };
+            assert_eq!((columns.of(4).at(0), columns.of(5).to_vec()), (rounded, state(5).to_vec()));
+            let numbers = columns.bytes() / 3;
+            assert_eq!(
+                numbers,
+                if precision == Precision::Double { 12 * 8 } else { 16 * 4 },
+                "whole groups"
+            );
+        }
+    }
+}

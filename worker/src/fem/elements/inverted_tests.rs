@@ -1,0 +1,142 @@
+//! Shells that are inverted are trouble, or fail where their part lets them; numbers that are none
+//! are trouble in either case.
+
+use super::testing::{BOTH, FORMULATIONS, Patch, elastic, part_of, steel};
+use crumple_proto::job::{Inverted, Part, Precision};
+use crumple_proto::partition::{Material, Param};
+
+/// Two squares of side 1, or triangles, beside each other; nodes 4 and 5 belong to the second
+/// alone.
+fn pair(
+    element: &str,
+    triangular: bool,
+    inverted: Inverted,
+    steel: Material,
+    precision: Precision,
+) -> Patch {
+    let nodes = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 1.0, 0.0],
+    ];
+    let cells =
+        if triangular { [[0, 1, 2, 2], [1, 4, 5, 5]] } else { [[0, 1, 2, 3], [1, 4, 5, 2]] };
+    let part = Part { inverted, thinning: true, ..part_of(element, 0.1) };
+    let mut patch = Patch::in_precision(precision, part, steel, &nodes, &cells);
+    assert_eq!(patch.forces(0.0).trouble, None);
+    patch
+}
+
+/// Moves the far side of the second shell to this x in one step of 1, and stops it there.
+fn fold(patch: &mut Patch, to: f64) -> super::PassTotals {
+    patch.aim(1.0, |x| [if x[0] > 1.5 { to } else { 1.0001 * x[0] }, x[1], x[2]], [0.0; 3]);
+    let totals = patch.step(1.0);
+    patch.v.fill([0.0; 4]);
+    totals
+}
+
+/// Onto a line, and through it.
+const FOLDS: [f64; 2] = [1.0, 0.8];
+
+#[test]
+fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
+    for ((element, triangular), precision) in
+        FORMULATIONS.into_iter().flat_map(|f| BOTH.map(|p| (f, p)))
+    {
+        for to in FOLDS {
+            let sheet = elastic(210.0, 0.3, 7.85e-6);
+            let mut stops = pair(element, triangular, Inverted::Stop, sheet.clone(), precision);
+            assert_eq!(fold(&mut stops, to).trouble, Some(1), "{element} {to}");
+            assert!(!stops.element.can_fail() && !stops.element.failed(stops.history.of(1)));
+
+            let mut patch = pair(element, triangular, Inverted::Delete, sheet, precision);
+            let healthy = patch.forces(0.0).stable_dt;
+            for step in 0..3 {
+                let totals = if step == 0 { fold(&mut patch, to) } else { patch.step(1.0) };
+                assert_eq!(totals.trouble, None, "{element} {to}");
+                assert!(totals.internal.is_finite() && totals.hourglass.is_finite());
+                assert!(
+                    totals.stable_dt > 0.9 * healthy && totals.stable_dt < 1.1 * healthy,
+                    "that of the other"
+                );
+                let at = |i: usize| {
+                    (
+                        patch.element.failed(patch.history.of(i)),
+                        patch.element.is_deleted(patch.history.of(i)),
+                    )
+                };
+                assert_eq!([at(0), at(1)], [(false, false), (true, true)]);
+                for corner in 0..4 {
+                    assert_eq!(
+                        patch.corner(1, corner),
+                        ([0.0; 3], [0.0; 3]),
+                        "{element}: it bears nothing"
+                    );
+                }
+                assert!(
+                    patch.largest().0 > 0.0 && patch.largest().0.is_finite(),
+                    "the other bears its stretch"
+                );
+                assert!(
+                    !patch.element.is_unstrained(patch.history.of(1)),
+                    "its step is not to be asked for"
+                );
+                assert!(
+                    patch.history.of(1).to_vec().iter().all(|c| c.is_finite()),
+                    "what travels is sound"
+                );
+                assert!(patch.fields(1).failed && !patch.fields(0).failed);
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
+    for ((element, triangular), precision) in
+        FORMULATIONS.into_iter().flat_map(|f| BOTH.map(|p| (f, p)))
+    {
+        for what in 0..3 {
+            let sheet = elastic(210.0, 0.3, 7.85e-6);
+            let mut patch = pair(element, triangular, Inverted::Delete, sheet, precision);
+            let column = [&mut patch.x, &mut patch.v, &mut patch.w].into_iter().nth(what).unwrap();
+            column[4][1] = f64::NAN;
+            assert_eq!(patch.forces(1.0).trouble, Some(1), "{element}, column {what}");
+            assert!(!patch.element.failed(patch.history.of(1)));
+        }
+        // Stress that is none in a shell that lies well: the law's fault, or that of a state read
+        // back.
+        let mut patch =
+            pair(element, triangular, Inverted::Delete, elastic(210.0, 0.3, 7.85e-6), precision);
+        let mut state = patch.history.of(0).to_vec();
+        state[6] = f64::NAN;
+        patch.history.set(0, &state);
+        assert_eq!(patch.forces(1.0).trouble, Some(0), "{element}: a stress");
+    }
+}
+
+/// What failed by its law before is not counted as inverted.
+#[test]
+fn what_its_law_failed_is_not_inverted() {
+    for (element, triangular) in FORMULATIONS {
+        let brittle = steel(
+            "j2",
+            &[("yield_stress", Param::Number(0.25)), ("failure_strain", Param::Number(0.1))],
+        );
+        let mut patch = pair(element, triangular, Inverted::Delete, brittle, Precision::Double);
+        for _ in 0..10 {
+            patch.aim(1.0, |x| [if x[0] > 1.5 { 1.03 * x[0] } else { x[0] }, x[1], x[2]], [0.0; 3]);
+            patch.step(1.0);
+        }
+        assert!(patch.element.failed(patch.history.of(1)), "{element}");
+        assert_eq!(fold(&mut patch, 1.0).trouble, None);
+        assert!(
+            patch.element.failed(patch.history.of(1))
+                && !patch.element.is_deleted(patch.history.of(1)),
+            "{element}"
+        );
+    }
+}

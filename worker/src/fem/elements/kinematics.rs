@@ -1,0 +1,115 @@
+//! Axes of a shell, and the finite strains and rotations that its velocity gradient means.
+
+use crate::math::lanes::{Real, cross, dot};
+
+/// Axes e1, e2 and normal of an element.
+pub struct Frame<R> {
+    pub e1: [R; 3],
+    pub e2: [R; 3],
+    pub n: [R; 3],
+}
+
+impl<R: Real> Frame<R> {
+    /// Components of a vector in these axes.
+    #[inline(always)]
+    pub fn local(&self, v: [R; 3]) -> [R; 3] {
+        [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
+    }
+
+    /// The vector with these components in these axes.
+    #[inline(always)]
+    pub fn global(&self, v: [R; 3]) -> [R; 3] {
+        std::array::from_fn(|i| {
+            v[0].mul_add(self.e1[i], v[1].mul_add(self.e2[i], v[2] * self.n[i]))
+        })
+    }
+}
+
+/// What a step does to the plane of an element.
+pub struct PlaneMotion<R> {
+    /// Almansi strain xx, yy, xy.
+    pub almansi: [R; 3],
+    /// Logarithmic strain to second order: xx, yy, and twice xy.
+    pub eps: [R; 3],
+    /// xz and yz of K, as if I - K were a rotation.
+    pub k_z: [R; 2],
+    /// The axis of the rotation of the plane times its sine: about -y, about x, about the normal.
+    pub sine: [R; 3],
+    /// The angle over its sine.
+    pub angle: R,
+}
+
+impl<R: Real> PlaneMotion<R> {
+    /// From `k[i][j]`, the increment of displacement i differentiated by coordinate j; see
+    /// `quad.rs`.
+    #[inline(always)]
+    pub fn new(k: &[[R; 2]; 3]) -> Self {
+        let half = R::splat(0.5);
+        let product = |i: usize, j: usize| {
+            k[0][i].mul_add(k[0][j], k[1][i].mul_add(k[1][j], k[2][i] * k[2][j]))
+        };
+        let e_xx = half.neg_mul_add(product(0, 0), k[0][0]);
+        let e_yy = half.neg_mul_add(product(1, 1), k[1][1]);
+        let e_xy = half * (k[0][1] + k[1][0] - product(0, 1));
+        let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
+        let xy2 = e_xy * e_xy;
+        let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
+        // The third column of K, and from it the angles that the plane turned by.
+        let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
+        let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
+        let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
+        Self {
+            almansi: [e_xx, e_yy, e_xy],
+            eps,
+            k_z: [k_xz, k_yz],
+            sine,
+            angle: angle_by_sine(dot(sine, sine)),
+        }
+    }
+}
+
+impl<R: Real> PlaneMotion<R> {
+    /// What a node's increment of rotation is beside the element's own t_e, in axes that have
+    /// turned with the element: `t + t_e x t / 2`, since exp(t) exp(-t_e) is exp(t - t_e + t_e x (t
+    /// - t_e)/2 ...) (Baker, Campbell & Hausdorff). Without the second term stress of one shear
+    /// strain follows from the other at half the turn of a step, like a force that is not that of a
+    /// potential: the two shear modes of a square that spins grow by an e-fold in about a turn.
+    #[inline(always)]
+    pub fn beside(&self, t: [R; 3]) -> [R; 3] {
+        let half = R::splat(0.5) * self.angle;
+        let own = [half * self.sine[1], -(half * self.sine[0]), half * self.sine[2]];
+        let more = cross(own, t);
+        std::array::from_fn(|i| t[i] + more[i])
+    }
+}
+
+/// Curvature increments xx, yy and twice xy from the gradients of the rotations tx and ty.
+#[inline(always)]
+pub fn curvature<R: Real>(tx: [R; 2], ty: [R; 2]) -> [R; 3] {
+    [ty[0], -tx[1], ty[1] - tx[0]]
+}
+
+/// Components xx, yy and twice xy of a strain in axes that are turned by a small angle.
+#[inline(always)]
+pub fn turned<R: Real>(angle: R, [xx, yy, xy]: [R; 3]) -> [R; 3] {
+    [angle.mul_add(xy, xx), angle.neg_mul_add(xy, yy), (angle + angle).mul_add(yy - xx, xy)]
+}
+
+/// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh
+/// order, off by 1e-12 at a rotation of 4 degrees a step.
+#[inline(always)]
+fn angle_by_sine<R: Real>(sine_squared: R) -> R {
+    let s = sine_squared;
+    let [a, b, c] = [15.0 / 336.0, 3.0 / 40.0, 1.0 / 6.0].map(R::splat);
+    s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
+}
+
+/// A vector of length `e` along the cross product; nought where that is, as in elements that have
+/// failed and collapsed.
+#[inline(always)]
+pub fn along_normal<R: Real>(e: R, a: [R; 3], b: [R; 3]) -> [R; 3] {
+    let normal = cross(a, b);
+    let length = dot(normal, normal).sqrt();
+    let scale = R::select(length.gt(R::zero()), e / length, R::zero());
+    normal.map(|c| c * scale)
+}

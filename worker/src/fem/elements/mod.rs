@@ -1,0 +1,685 @@
+//! Element formulations. One file per formulation, one row in [`ELEMENTS`].
+//!
+//! Elements are worked on in groups: lane l of every vector belongs to element l of the group.
+
+mod beam;
+mod belytschko_tsay;
+mod bounds;
+mod c0_triangle;
+mod fully_integrated_quad;
+mod hexahedron;
+#[cfg(test)]
+mod inverted_tests;
+mod kinematics;
+#[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
+mod offset_tests;
+#[cfg(test)]
+mod plate_tests;
+#[cfg(test)]
+mod precision_tests;
+mod quad;
+mod section;
+mod shell;
+#[cfg(test)]
+mod shell_benchmarks;
+mod sides;
+#[cfg(test)]
+pub(crate) mod solid_testing;
+mod spring;
+mod stabilised_quad;
+#[cfg(test)]
+mod statics;
+#[cfg(test)]
+mod stretched_tests;
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod unstrained_tests;
+
+use crate::fem::columns::{ColumnsMut, Numbers, State};
+use crate::fem::materials::{self, PlaneStress, Solid, unknown_name};
+use crate::math::lanes::{LANES, LANES32, Lane, Lanes, Real};
+use crumple_proto::job::Part;
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::Settings;
+use crumple_proto::problem::Problem;
+use std::ops::Range;
+
+/// Nodal columns as elements see them, indexed by local node; the fourth component is padding.
+#[derive(Clone, Copy)]
+pub struct NodeView<'a> {
+    /// Coordinates [length].
+    pub x: &'a [[f64; 4]],
+    /// Velocities at mid-step [length/time].
+    pub v: &'a [[f64; 4]],
+    /// Rotational velocities at mid-step [1/time].
+    pub w: &'a [[f64; 4]],
+}
+
+/// Forces of element corners. Slot `(group * lanes + lane) * slots + corner`, with [`Shape::slots`]
+/// slots per element; components x, y, z, padding.
+pub struct CornerForces<'a> {
+    /// Internal force on the corner, to be subtracted from what drives the node [force].
+    pub force: &'a mut [[f64; 4]],
+    /// Internal moment on the corner [force length]. Solids give none and leave it alone.
+    pub moment: &'a mut [[f64; 4]],
+}
+
+/// What a pass over elements adds up.
+#[derive(Clone, Copy, Debug)]
+pub struct PassTotals {
+    /// Smallest stable step of the elements passed, before the safety factor [time].
+    pub stable_dt: f64,
+    /// Increase of internal energy [energy].
+    pub internal: f64,
+    /// Increase of hourglass and drilling energy [energy].
+    pub hourglass: f64,
+    /// First element of the pass that is inverted, not finite, or strained by more than half in one
+    /// step.
+    pub trouble: Option<usize>,
+}
+
+impl PassTotals {
+    /// Of no elements.
+    pub const NONE: Self =
+        Self { stable_dt: f64::INFINITY, internal: 0.0, hourglass: 0.0, trouble: None };
+
+    /// Adds another pass.
+    pub fn add(&mut self, o: &Self) {
+        self.stable_dt = self.stable_dt.min(o.stable_dt);
+        self.internal += o.internal;
+        self.hourglass += o.hourglass;
+        self.trouble = self.trouble.or(o.trouble);
+    }
+}
+
+/// A group of W elements of C slots: local nodes per corner and lane. Padding lanes repeat the last
+/// real element.
+pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
+
+/// What a group of W elements of C slots gives to corners: rows x, y, z, padding by element and
+/// slot.
+type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
+
+/// Groups of a block to be worked on, and what belongs to them.
+pub struct Pass<'a, H = ColumnsMut<'a>> {
+    /// Which groups.
+    pub range: Range<usize>,
+    /// Real elements of the block; the rest of the last group is padding and adds nothing to
+    /// totals.
+    pub count: usize,
+    /// Local nodes of the whole block: per group one row per slot.
+    pub groups: &'a [u32],
+    /// History of the whole block.
+    pub history: H,
+    /// Groups of the whole block whose elements are unstrained, see [`Element::is_unstrained`].
+    /// Taken back where their nodes no longer move alike.
+    pub unstrained: &'a mut [bool],
+    /// Nodal columns.
+    pub nodes: NodeView<'a>,
+    /// Last step [time].
+    pub dt: f64,
+    /// Corner forces of the whole block.
+    pub out: CornerForces<'a>,
+}
+
+/// What an element tells of itself for output.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElementFields {
+    /// Largest effective plastic strain over the thickness.
+    pub plastic_strain: f64,
+    /// Global stress at mid-surface: xx, yy, zz, xy, yz, zx [force/length^2].
+    pub stress: [f64; 6],
+    /// Largest von Mises stress over the thickness [force/length^2].
+    pub von_mises: f64,
+    /// Current thickness [length], nought for solids.
+    pub thickness: f64,
+    /// Whether its law has failed at every point: it bears nothing any more.
+    pub failed: bool,
+}
+
+/// Elements of one part, all of one shape. Holds parameters only; the state is in the history
+/// columns.
+pub trait Element: Send + Sync {
+    /// History columns per element.
+    fn columns(&self) -> usize;
+
+    /// Whether its kernels come in any precision; they are in double precision otherwise.
+    fn any_precision(&self) -> bool {
+        false
+    }
+
+    /// Sets what is not nought in the history of a fresh element. `own` is the thickness of a shell
+    /// that has one of its own, else nought, here and below [length].
+    fn start(&self, _history: &mut [f64], _own: f64) {}
+
+    /// Lets the history of a fresh element know the shape that its mass goes by, at the coordinates
+    /// `x` of its slots at the start.
+    fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: f64) {}
+
+    /// Turns a fresh beam with this history: its second axis lies towards the vector `towards`.
+    fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
+
+    /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its
+    /// corners. `x` are the coordinates of its slots.
+    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64);
+
+    /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the
+    /// mid-step velocities.
+    fn forces(&self, pass: Pass<'_>) -> PassTotals;
+
+    /// Whether an element with this history gives no force and keeps bearing nothing as long as its
+    /// nodes have one velocity and do not turn: at rest, or in uniform flight. Elements that never
+    /// say so are always computed.
+    fn is_unstrained(&self, _history: State<'_>) -> bool {
+        false
+    }
+
+    /// Stable step of one element at the density of its material, before the safety factor [time];
+    /// NaN if it is inverted or not finite. `x` are the coordinates of its slots.
+    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64;
+
+    /// The same of an element with this history, with the mass that it has had since the start.
+    fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
+        self.stable_dt(x, 0.0)
+    }
+
+    /// Fraction of its stable step that an element bears alone, without others of its kind around
+    /// it.
+    fn alone(&self) -> f64 {
+        1.0
+    }
+
+    /// What a spring or damper is between its nodes: it has no mass, and the masses of its nodes
+    /// set its step.
+    fn discrete(&self) -> Option<Discrete> {
+        None
+    }
+
+    /// Whether the law of the element with this history has failed at every point, or it was
+    /// inverted and its part lets such elements fail. Such an element gives no force, limits no
+    /// step and is never in trouble.
+    fn failed(&self, history: State<'_>) -> bool;
+
+    /// Whether it has failed because it was inverted.
+    fn is_deleted(&self, _history: State<'_>) -> bool {
+        false
+    }
+
+    /// Whether it can fail at all.
+    fn can_fail(&self) -> bool;
+
+    /// Fields of the element with this history at slot coordinates `x`.
+    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields;
+}
+
+/// A spring or damper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discrete {
+    /// Largest change of its force with its elongation [force/length].
+    pub stiffness: f64,
+    /// Largest change of its force with the rate of its elongation [force time/length].
+    pub damping: f64,
+    /// Whether it acts along the line between its nodes.
+    pub along_line: bool,
+}
+
+impl Discrete {
+    /// Stable step between nodes whose inverse masses have the sum `softness` [1/mass], before the
+    /// safety factor [time].
+    pub fn stable_dt(&self, softness: f64) -> f64 {
+        let (k, c) = (self.stiffness * softness, self.damping * softness);
+        4.0 / (c + (c * c + 4.0 * k).sqrt())
+    }
+
+    /// Fraction of the masses at its ends with which its stable step would be `dt`; `softness` as
+    /// in [`Self::stable_dt`].
+    pub fn need(&self, softness: f64, dt: f64) -> f64 {
+        softness * dt * (0.25 * self.stiffness * dt + 0.5 * self.damping)
+    }
+}
+
+/// The four slots of a shell.
+///
+/// # Panics
+/// When there are fewer: shells are called with all of theirs.
+fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
+    x.first_chunk().expect("a shell has four slots")
+}
+
+/// An element, or everything that is wrong with its part.
+pub type Built = Result<Box<dyn Element>, Vec<Problem>>;
+
+/// A row of [`ELEMENTS`].
+pub struct ElementRow {
+    /// Name in jobs.
+    pub name: &'static str,
+    /// What it is, in a line.
+    pub meaning: &'static str,
+    /// Shape that the formulation is for.
+    pub shape: Shape,
+    /// Checks what the formulation needs of a part; paths of problems are relative to the part.
+    pub build: Build,
+}
+
+/// How a formulation is made, with a law for the state of stress that it works in.
+#[derive(Clone, Copy)]
+pub enum Build {
+    /// In plane stress.
+    Shell(fn(&Part, Box<dyn PlaneStress>) -> Built),
+    /// In three dimensions.
+    Solid(fn(&Part, Box<dyn Solid>) -> Built),
+    /// Without a law.
+    Discrete(fn(&Part) -> Built),
+}
+
+/// Every formulation; the first of a shape is what parts get that name none. Of the quads
+/// `stabilised_quad`: in folds it is nearer to converged crush forces than `belytschko_tsay` on
+/// every mesh, at the same cost of the run (`cases/studies/README.md`, crush).
+pub const ELEMENTS: &[ElementRow] = &[
+    stabilised_quad::ROW,
+    belytschko_tsay::ROW,
+    fully_integrated_quad::ROW,
+    c0_triangle::ROW,
+    hexahedron::ROW,
+    beam::ROW,
+    spring::ROW,
+];
+
+/// The element of a part's elements of one shape, or everything that is wrong with the part and its
+/// material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
+///
+/// Quads and hexahedra take the part's formulation, others the only one there is for them.
+pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Built {
+    let part = &settings.parts[part_index];
+    let mut problems = Vec::new();
+    let mut note = |prefix: String, found: Vec<Problem>| {
+        problems.extend(
+            found
+                .into_iter()
+                .map(|problem| Problem { path: format!("{prefix}.{}", problem.path), ..problem }),
+        );
+    };
+
+    let materials = &settings.materials;
+    let index = materials.iter().position(|material| material.name == part.material);
+    let row = row_for(part, shape).map(|row| row.build);
+    let lawless = matches!(row, Ok(Build::Discrete(_)));
+    if index.is_none() && !lawless {
+        let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
+        let what =
+            format!("part {}: there is no material '{}'", section::label(part), part.material);
+        note(
+            format!("part.{part_index}"),
+            vec![unknown_name("material", what, &part.material, &names)],
+        );
+    }
+    // A part is checked even where its material is wrong, so that one run of the checks tells all.
+    let mut stand_in = index.is_none() && !lawless;
+    let mut law_problems = |found: Vec<Problem>| {
+        stand_in = true;
+        note(format!("material.{}", index.unwrap_or(0)), found);
+    };
+    let material = index.map(|index| &materials[index]);
+    let built = match row {
+        Ok(Build::Discrete(build)) => build(part),
+        Ok(Build::Shell(build)) => {
+            let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
+            build(part, law.unwrap_or_else(materials::stand_in))
+        }
+        Ok(Build::Solid(build)) => {
+            let law =
+                material.and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
+            build(part, law.unwrap_or_else(materials::solid_stand_in))
+        }
+        Err(problem) => {
+            if let Some(found) = material.and_then(|m| materials::build(m).err()) {
+                law_problems(found);
+            }
+            Err(vec![problem])
+        }
+    };
+    match built.map_err(|found| note(format!("part.{part_index}"), found)) {
+        Ok(element) if !stand_in => Ok(element),
+        _ => Err(problems),
+    }
+}
+
+/// Name of the formulation that a part's elements of a shape get, if there is such.
+pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
+    row_for(part, shape).ok().map(|row| row.name)
+}
+
+/// The formulation that a part wants for a shape: the first of the shape if it does not say.
+fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
+    if part.spring.is_some() && shape != Shape::Line2 {
+        let what =
+            format!("part {}: it is one of springs, and has other elements", section::label(part));
+        return Err(Problem::error(
+            "spring",
+            what,
+            "take [part.spring] out, or give its elements another part",
+        ));
+    }
+    if part.beam.is_some() && shape != Shape::Beam2 {
+        let what =
+            format!("part {}: it is one of beams, and has other elements", section::label(part));
+        return Err(Problem::error(
+            "beam",
+            what,
+            "take [part.beam] out, or give its elements another part",
+        ));
+    }
+    let of_shape = |row: &&ElementRow| row.shape == shape;
+    let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
+    let row =
+        ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
+    row.ok_or_else(|| {
+        let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
+        let (corners, name) = (shape.corners(), wanted.unwrap_or_default());
+        let what = format!("part {}: no {corners}-node element '{name}'", section::label(part));
+        unknown_name("element", what, name, &names)
+    })
+}
+
+/// The column in which a law marks its failed points, if it does, among its history columns.
+fn failed_column(history: &[&str]) -> Option<usize> {
+    history.iter().position(|&name| name == "failed")
+}
+
+/// Noughts in the lanes that have failed.
+#[inline(always)]
+fn let_go<R: Real>(failed: R::Mask, values: &mut [R]) {
+    values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
+}
+
+/// What a kernel tells of an element, beside its forces.
+struct Totals<R: Real> {
+    /// Stable step [time].
+    stable_dt: R,
+    /// Increase of internal energy, and of hourglass and drilling energy [energy].
+    internal: R,
+    hourglass: R,
+    /// Lanes whose element is sound.
+    sound: R::Mask,
+}
+
+impl<R: Real> Totals<R> {
+    /// Of elements without forces.
+    #[inline(always)]
+    fn forceless(stable_dt: R, sound: R::Mask) -> Self {
+        Self { stable_dt, internal: R::zero(), hourglass: R::zero(), sound }
+    }
+
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    fn let_go(&mut self, failed: R::Mask) {
+        self.internal = R::select(failed, R::zero(), self.internal);
+        self.hourglass = R::select(failed, R::zero(), self.hourglass);
+        self.stable_dt = R::select(failed, R::splat(f64::INFINITY), self.stable_dt);
+        self.sound = R::either(self.sound, failed);
+    }
+}
+
+/// Whether a group is unstrained and stays so in this step; takes its mark back if not.
+#[inline(always)]
+fn stays_unstrained<const C: usize, const W: usize>(
+    unstrained: &mut bool,
+    group: &GroupNodes<C, W>,
+    nodes: &NodeView<'_>,
+    turning: bool,
+) -> bool {
+    if *unstrained {
+        *unstrained = move_alike(group, nodes.v) && !(turning && turn(group, nodes.w));
+    }
+    *unstrained
+}
+
+/// Whether the nodes of each element of a group have the same velocity. Not inlined, as all that
+/// strained groups need not: the kernel beside it wants the registers.
+#[inline(never)]
+fn move_alike<const C: usize, const W: usize>(group: &GroupNodes<C, W>, v: &[[f64; 4]]) -> bool {
+    group[1..].iter().all(|nodes| {
+        nodes.iter().zip(&group[0]).all(|(&i, &first)| v[i as usize] == v[first as usize])
+    })
+}
+
+/// Whether a node of a group turns.
+#[inline(never)]
+fn turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
+    group.iter().flatten().any(|&i| w[i as usize] != [0.0; 4])
+}
+
+/// Groups of shells, in lanes of any kind.
+trait ShellGroups {
+    /// Corner forces and moments of a group, from its connectivity and its history.
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L>;
+
+    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are
+    /// nought.
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L>;
+}
+
+/// Groups of eight-node solids, in lanes of any kind.
+trait SolidGroups {
+    /// Corner forces of a group, from its connectivity and its history.
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        force: &mut GroupCorners<8, W>,
+    ) -> Totals<L>;
+
+    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are
+    /// nought.
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<8, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+    ) -> Totals<L>;
+}
+
+impl<'a> Pass<'a> {
+    /// Calls `kernel` for each group of shells with this many columns an element, and adds up.
+    #[inline(always)]
+    fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        match history {
+            Numbers::Double(history) => {
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+                    .shells_in::<LANES>(columns, kernel)
+            }
+            Numbers::Single(history) => {
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+                    .shells_in::<LANES32>(columns, kernel)
+            }
+        }
+    }
+
+    /// The same for eight-node solids.
+    #[inline(always)]
+    fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        match history {
+            Numbers::Double(history) => {
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+                    .solids_in::<LANES>(columns, kernel)
+            }
+            Numbers::Single(history) => {
+                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+                    .solids_in::<LANES32>(columns, kernel)
+            }
+        }
+    }
+
+    /// The same in double precision, for elements that come in no other.
+    ///
+    /// # Panics
+    /// When a block has laid its columns otherwise.
+    fn double(self) -> Pass<'a, &'a mut [Lane]> {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let Numbers::Double(history) = history else {
+            panic!("an element is in double precision unless it says so")
+        };
+        Pass { range, count, groups, history, unstrained, nodes, dt, out }
+    }
+}
+
+impl<L> Pass<'_, &mut [L]> {
+    #[inline(always)]
+    fn shells_in<const W: usize>(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals
+    where
+        L: Lanes<W>,
+    {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let corners = range.start * W..range.end * W;
+        let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
+        let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
+        let each = groups
+            .iter()
+            .zip(states)
+            .zip(&mut unstrained[range.clone()])
+            .zip(force.iter_mut().zip(moment));
+        let respond = |(((group, state), unstrained), (force, moment)): (
+            ((&_, &mut [L]), &mut bool),
+            (&mut _, &mut _),
+        )| {
+            if stays_unstrained(unstrained, group, &nodes, true) {
+                (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
+                return kernel.forceless(group, &nodes, state);
+            }
+            kernel.group(group, &nodes, state, dt, [force, moment])
+        };
+        total(range, count, each.map(respond))
+    }
+
+    #[inline(always)]
+    fn solids_in<const W: usize>(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals
+    where
+        L: Lanes<W>,
+    {
+        let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
+        let force =
+            out.force.as_chunks_mut::<8>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
+        let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
+        let groups = &groups.as_chunks::<W>().0.as_chunks::<8>().0[range.clone()];
+        let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
+        let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
+            if stays_unstrained(unstrained, group, &nodes, false) {
+                *force = [[[0.0; 4]; 8]; W];
+                return kernel.forceless(group, &nodes, state);
+            }
+            kernel.group(group, &nodes, state, dt, force)
+        };
+        total(range, count, each.map(respond))
+    }
+}
+
+/// Adds up what the groups in `range` tell. Padding lanes add nothing.
+#[inline(always)]
+fn total<L: Lanes<W>, const W: usize>(
+    range: Range<usize>,
+    count: usize,
+    groups: impl Iterator<Item = Totals<L>>,
+) -> PassTotals {
+    let mut sum = GroupSum::<L, W>::new();
+    range.zip(groups).for_each(|(index, totals)| sum.add(index, count, &totals));
+    sum.finish()
+}
+
+/// Totals of groups, lane by lane.
+struct GroupSum<L, const W: usize> {
+    stable_dt: L,
+    /// Long in any precision: what a group adds is little beside what there is.
+    internal: [f64; W],
+    hourglass: [f64; W],
+    trouble: Option<usize>,
+}
+
+/// Factor on a stable step in single precision: round-off must not make a step longer. Least where
+/// a root is taken of a difference of equal numbers, as for squares at nu = 0: `sqrt(3 * 2^-24)` of
+/// it is lost there, of the step half as much.
+const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
+
+impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            stable_dt: L::splat(f64::INFINITY),
+            internal: [0.0; W],
+            hourglass: [0.0; W],
+            trouble: None,
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, index: usize, count: usize, totals: &Totals<L>) {
+        // Padding repeats a real element, so its step and its health are true; only sums must leave
+        // it out.
+        let real = count.saturating_sub(index * W);
+        let counted = |values: L| {
+            if real >= W { values.to_array() } else { first_lanes(values.to_array(), real) }
+        };
+        let (internal, hourglass) = (counted(totals.internal), counted(totals.hourglass));
+        for lane in 0..W {
+            self.internal[lane] += internal[lane];
+            self.hourglass[lane] += hourglass[lane];
+        }
+        self.stable_dt = Real::min(totals.stable_dt, self.stable_dt);
+        let sound = L::select(totals.sound, L::zero(), L::splat(1.0));
+        if L::any(sound.gt(L::zero())) && self.trouble.is_none() {
+            let lane = sound.to_array().iter().position(|&l| l > 0.0).unwrap_or(0);
+            self.trouble = Some((index * W + lane).min(count - 1));
+        }
+    }
+
+    fn finish(self) -> PassTotals {
+        let stable_dt = self.stable_dt.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        PassTotals {
+            stable_dt: if L::SHORT { SHORT_STEP * stable_dt } else { stable_dt },
+            internal: self.internal.iter().sum(),
+            hourglass: self.hourglass.iter().sum(),
+            trouble: self.trouble,
+        }
+    }
+}
+
+/// The first `count` lanes, and nought in the others.
+fn first_lanes<const W: usize>(mut values: [f64; W], count: usize) -> [f64; W] {
+    values[count..].fill(0.0);
+    values
+}
+
+/// Runs `$call` with the constant `$n` set to the number of points: loops over the thickness
+/// unroll.
+macro_rules! with_points {
+    ($points:expr, $n:ident => $call:expr) => {
+        with_points!($points, $n => $call; 1 2 3 4 5 6 7 8 9 10)
+    };
+    ($points:expr, $n:ident => $call:expr; $($value:literal)*) => {
+        match $points {
+            $($value => { const $n: usize = $value; $call })*
+            points => unreachable!("a section of {points} points was built"),
+        }
+    };
+}
+use with_points;

@@ -1,0 +1,629 @@
+//! What four-node shells with one point in their plane share: frame, gradients, strains, drilling,
+//! corner forces.
+//!
+//! Frame at x(t): normal n along `r31 x r42`; in-plane axes from the bisector frame, `e1 ~ a/|a| +
+//! (b/|b|) x n`, `e2 = n x e1` with a, b the mean directions of xi and eta, so that numbering an
+//! element from another corner only turns its axes by a right angle. With `y24 = y2 - y4` and so on
+//! ```text
+//! A = |r31 x r42| / 2,   B1 = [y24, y31, y42, y13] / 2A,   B2 = [x42, x13, x24, x31] / 2A
+//! K = dt grad v (3 x 2)           velocity gradient at the centre times the step, on x(t)
+//! e = sym K - K'K/2,  eps = P (e + ee) P'
+//! kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]          gamma = dt [B1 vz + mean ty, B2 vz - mean tx]
+//! ```
+//! I - K is the inverse of the deformation gradient of the step, so e is its Almansi strain: it
+//! vanishes in any finite rigid rotation; e + ee is the logarithmic strain to second order. The
+//! axes turn in a step by `delta = (e_yy - e_xx) a.b/(2 |a| |b|)` more than the material (the mean
+//! of what its strain turns a and b); P sees the strain in axes that lag by half of that, between
+//! those before and those after the step. In the latter alone the stress in finite shear would be
+//! off by the first order of the step (A26). Curvatures likewise. gamma takes the rotation of the
+//! plane from K as a finite one, so that it vanishes too when the nodes turn with the element.
+//!
+//! Corner forces by virtual power with the same B. Two additions:
+//! - Hourglass rates `gam (tx, ty, vz, vx, vy)` with `gam_I = h_I - (h x) B1_I - (h y) B2_I`
+//!   (Flanagan & Belytschko 1981). They leave out what a finite rotation of a warped element does
+//!   to its corners off the plane, and the forces carry the couple that belongs to it; without it a
+//!   warped element resists rigid rotation and feeds it angular momentum.
+//! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element. In
+//!   plastic parts its moments are bounded: at a fold the spin of one face is the bending of the
+//!   other, and a stiffness that never yields would carry more than the plastic hinge there, all
+//!   the more in coarse meshes (`bounds.rs`).
+//!
+//! Concave quads are sound: one point needs the area between the diagonals, and nothing at the
+//! corners. Crushed corners of tubes pass through such shapes, and the established codes go on
+//! there.
+//!
+//! Stable step: `L/c`, L = A over the longest side and c the plate wave speed, is that of a wave
+//! through many elements. A lone element may bear less. With mass m/4 at each corner the
+//! frequencies of its membrane stiffness are those of `(4/rho) C B B'`, of which the largest is,
+//! with `S = sum b_I b_I'` of the mean gradient (its determinant is 1/A^2 for any quad, its trace
+//! D/A^2, D half the sum of the squared diagonals),
+//! ```text
+//! omega^2 = 2 c^2 (tr S + sqrt(tr^2 S - 4 (1-nu^2) det S)) = 2 (c/A)^2 (D + sqrt(D^2 - 4 (1-nu^2) A^2))
+//! ```
+//! The step is the lesser of `L/c` and [`LONE`] times `2/omega`, at the density of the material.
+//! The mass of an element stays as it was laid down while its area and thickness change:
+//! [`Section::step_factor`].
+//!
+//! Everything about four corners is held as three or four modes, of which the corners are sums: the
+//! differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the
+//! first two only.
+
+use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, turned};
+use super::section::{Limits, Section, Strains};
+use super::shell::Formulation;
+use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
+use crate::fem::materials::PointReal;
+use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
+
+/// Generalised hourglass rates: of tx, ty, vz, vx, vy.
+pub const HOURGLASS: usize = 5;
+/// Columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
+pub const DRILLING: usize = 4;
+
+/// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a
+/// lone square or strip is stable by 5 %. A value of 1 would be safe at any safety below 1, but
+/// slow meshes of squares, which bear L/c, by as much again.
+const LONE: f64 = 1.05;
+
+/// Least area over the sum of the squared diagonals: what is below has collapsed to a line.
+const LEAST_AREA: f64 = 1e-6;
+
+/// Corner vectors of an element as modes.
+pub struct Modes<R> {
+    /// 1 - 3, 2 - 4 and h of coordinates [length].
+    pub x: [[R; 3]; 3],
+    /// The same of velocities [length/time].
+    pub v: [[R; 3]; 3],
+    /// The same and the sum, of rotational velocities [1/time].
+    pub w: [[R; 3]; 4],
+}
+
+impl<R: Real> Modes<R> {
+    /// Sum of all magnitudes: not finite where one of them is not.
+    #[inline(always)]
+    fn sum(&self) -> R {
+        let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
+        all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
+    }
+
+    /// Turns velocities of nodes into those of the middle of the thickness, `v + w x e n`, which is
+    /// `e` from them along the normal [length]; gives `e n`. Modes of the coordinates are the same
+    /// of both.
+    #[inline(always)]
+    fn shift_to_middle(&mut self, e: R) -> [R; 3] {
+        let arm = along_normal(e, self.x[0], self.x[1]);
+        for (v, w) in self.v.iter_mut().zip(&self.w) {
+            let more = cross(*w, arm);
+            (0..3).for_each(|i| v[i] += more[i]);
+        }
+        arm
+    }
+}
+
+/// What one pass over a group gives, in global axes.
+pub struct Response<R: Real> {
+    /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
+    pub force: [[R; 3]; 3],
+    /// Corner moments: the same with `+ sum` everywhere [force length].
+    pub moment: [[R; 3]; 4],
+    /// The stable step is that of the density of the material.
+    pub totals: Totals<R>,
+    /// Lanes that have an area and the strains of a healthy step.
+    calm: R::Mask,
+    size: Size<R>,
+}
+
+/// Of the shape of an element, what its stable step depends on.
+#[derive(Clone, Copy)]
+struct Size<R> {
+    area: R,
+    /// See [`Geometry::stable_length`].
+    length: R,
+    /// Larger principal value of S [1/length^2].
+    s: R,
+    /// H^2 [length^2].
+    h2: R,
+}
+
+impl<R: Real> Size<R> {
+    /// With the inertia of shear of this kernel.
+    #[inline(always)]
+    fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
+        let Self { area, length, s, h2 } = *self;
+        let taper = R::splat(K::TAPER) * h2;
+        Limits {
+            area,
+            length,
+            corners: 4.0,
+            s,
+            taper,
+            floor: R::splat(section.inertia_floor()) * (area + taper),
+        }
+    }
+}
+
+impl<R: Real> Response<R> {
+    /// Adds to the moments those of the forces, which act at `arm` from the nodes: the work on
+    /// nodes is that on the middle ([`Modes::shift_to_middle`]).
+    #[inline(always)]
+    fn shift_to_nodes(&mut self, arm: [R; 3]) {
+        for (m, f) in self.moment.iter_mut().zip(&self.force) {
+            let more = cross(arm, *f);
+            (0..3).for_each(|i| m[i] += more[i]);
+        }
+    }
+
+    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    #[inline(always)]
+    pub fn let_go(&mut self, failed: R::Mask) {
+        let_go(failed, self.force.as_flattened_mut());
+        let_go(failed, self.moment.as_flattened_mut());
+        self.totals.let_go(failed);
+    }
+}
+
+/// Frame and shape of an element.
+pub struct Geometry<R: Real> {
+    pub frame: Frame<R>,
+    pub area: R,
+    /// 1/2A [1/length^2].
+    pub inv_2a: R,
+    /// Modes 13, 24 and h of the coordinates in the plane, and h off it [length].
+    pub x: [R; 3],
+    pub y: [R; 3],
+    pub hz: R,
+    /// Cosine of the angle between the mean directions of xi and eta.
+    skew: R,
+    /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
+    pub b1: [R; 2],
+    pub b2: [R; 2],
+    /// Square of the longest side, and D: half the sum of the squared diagonals [length^2].
+    longest: R,
+    diagonals: R,
+    /// Lanes that have not collapsed.
+    pub has_area: R::Mask,
+}
+
+impl<R: Real> Geometry<R> {
+    #[inline(always)]
+    pub fn new(x: &[[R; 3]; 3]) -> Self {
+        let [x13, x24, h] = *x;
+        let one = R::splat(1.0);
+        let half = R::splat(0.5);
+        let raw = cross(x13, x24);
+        let two_a = dot(raw, raw).sqrt();
+        let inv_2a = one / two_a;
+        let n = raw.map(|c| c * inv_2a);
+        // Both lie in the plane already. Scaled by each other's length instead of divided by their
+        // own.
+        let a: [R; 3] = std::array::from_fn(|i| x24[i] - x13[i]);
+        let b: [R; 3] = std::array::from_fn(|i| -(x13[i] + x24[i]));
+        let (len_a, len_b) = (dot(a, a).sqrt(), dot(b, b).sqrt());
+        let bxn = cross(b, n);
+        let e1: [R; 3] = std::array::from_fn(|i| a[i].mul_add(len_b, bxn[i] * len_a));
+        let inv = one / dot(e1, e1).sqrt();
+        let e1 = e1.map(|c| c * inv);
+        let e2 = cross(n, e1);
+        let x = [dot(e1, x13), dot(e1, x24), dot(e1, h)];
+        let y = [dot(e2, x13), dot(e2, x24), dot(e2, h)];
+        let hz = dot(n, h);
+
+        // Half the sides of the element that its plane sees: 2 - 1 = -(p + s), 3 - 2 = -(q - s),
+        // ...
+        let side = |ux: R, uy: R| ux.mul_add(ux, uy * uy);
+        let [px, py] = [x[0] - x[1], y[0] - y[1]];
+        let [qx, qy] = [x[0] + x[1], y[0] + y[1]];
+        let [sx, sy] = [x[2], y[2]];
+        let longest = Real::max(
+            Real::max(side(px + sx, py + sy), side(px - sx, py - sy)),
+            Real::max(side(qx + sx, qy + sy), side(qx - sx, qy - sy)),
+        );
+        // Sides above are doubled; every side also climbs by half of hz. What twisted sides stretch
+        // (`sides.rs`) needs half as much again (`plate_tests.rs`).
+        let longest = (R::splat(1.5) * hz).mul_add(hz, longest);
+        // |a| |b| (1 + sine) is half the square of the length that e1 had.
+        let (sides, rise) = (len_a * len_b, R::splat(2.0) * two_a);
+        let skew = (px * qx + py * qy) * (sides + rise) * (inv * inv);
+        let area = half * two_a;
+        let diagonals = half * (side(x[0], y[0]) + side(x[1], y[1]));
+        Self {
+            frame: Frame { e1, e2, n },
+            area,
+            inv_2a,
+            b1: [y[1] * inv_2a, -(y[0] * inv_2a)],
+            b2: [-(x[1] * inv_2a), x[0] * inv_2a],
+            x,
+            y,
+            hz,
+            skew: skew + skew,
+            longest: R::splat(0.25) * longest,
+            diagonals,
+            has_area: area.gt(R::splat(LEAST_AREA) * diagonals),
+        }
+    }
+
+    /// Stable step at the density of the material [time].
+    #[inline(always)]
+    fn stable_dt(&self, section: &Section) -> R {
+        let elastic = &section.elastic;
+        self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
+    }
+
+    #[inline(always)]
+    fn size(&self, poisson: f64) -> Size<R> {
+        let (d, a) = (self.diagonals, self.area);
+        // Of S, whose trace is D/A^2 and whose determinant is 1/A^2. D is at least 2 A, but for
+        // round-off.
+        let root = Real::max(d.mul_add(d, -(R::splat(4.0) * a * a)), R::zero()).sqrt();
+        let s = R::splat(0.5) * (d + root) / (a * a);
+        let h2 = self.x[2].mul_add(self.x[2], self.y[2] * self.y[2]);
+        Size { area: a, length: self.stable_length(poisson), s, h2 }
+    }
+
+    /// Stable step times the plate wave speed [length].
+    #[inline(always)]
+    pub fn stable_length(&self, poisson: f64) -> R {
+        let root = (4.0 * (1.0 - poisson * poisson)).sqrt();
+        let (d, a) = (self.diagonals, R::splat(root) * self.area);
+        // D is at least 2 A, but for round-off.
+        let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
+        self.area / Real::max(self.longest, R::splat(0.5 / (LONE * LONE)) * lone).sqrt()
+    }
+
+    /// B1 and B2 on a nodal column that has the modes u13 and u24.
+    #[inline(always)]
+    pub fn gradient(&self, u13: R, u24: R) -> [R; 2] {
+        [self.b1[0].mul_add(u13, self.b1[1] * u24), self.b2[0].mul_add(u13, self.b2[1] * u24)]
+    }
+
+    /// gam on a nodal column that has the mode h and this gradient.
+    #[inline(always)]
+    pub fn gamma(&self, h: R, gradient: [R; 2]) -> R {
+        self.x[2].neg_mul_add(gradient[0], self.y[2].neg_mul_add(gradient[1], h))
+    }
+
+    /// Modes 13 and 24 of `B1_I s1 + B2_I s2`.
+    #[inline(always)]
+    pub fn spread(&self, s1: R, s2: R) -> [R; 2] {
+        [self.b1[0].mul_add(s1, self.b2[0] * s2), self.b1[1].mul_add(s1, self.b2[1] * s2)]
+    }
+}
+
+/// Motion of an element in a step, in its axes: increments of the step.
+pub struct Motion<R> {
+    /// Modes 13, 24 and h of displacement [length].
+    pub u: [[R; 3]; 3],
+    /// The same and the sum, of rotation.
+    pub t: [[R; 3]; 4],
+    /// Gradients: k[i][j] of displacement i by coordinate j, tx and ty of the rotations [1/length].
+    pub k: [[R; 2]; 3],
+    pub tx: [R; 2],
+    pub ty: [R; 2],
+    /// Almansi strain xx, yy, xy.
+    pub almansi: [R; 3],
+    /// Rotation of the element about its normal.
+    pub spin: R,
+    /// Third column of K, as if I - K were a rotation.
+    k_z: [R; 3],
+}
+
+impl<R: Real> Motion<R> {
+    /// The motion and the strains that go with it.
+    #[inline(always)]
+    pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
+        let step = R::splat(dt);
+        let [half, quarter] = [0.5, 0.25].map(R::splat);
+        let u = modes.v.map(|v| g.frame.local(v).map(|c| c * step));
+        let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
+        let plane = PlaneMotion::new(&k);
+        let t = modes.w.map(|w| plane.beside(g.frame.local(w).map(|c| c * step)));
+        let tx = g.gradient(t[0][0], t[1][0]);
+        let ty = g.gradient(t[0][1], t[1][1]);
+
+        let PlaneMotion { almansi, eps, k_z: [k_xz, k_yz], sine, angle } = plane;
+        let tilt2 = k_xz.mul_add(k_xz, k_yz * k_yz);
+        // 1 - sqrt(1 - tilt2)
+        let [c4, c3, c2] = [5.0 / 64.0, 0.125, 0.25].map(R::splat);
+        let k_zz =
+            half * tilt2 * tilt2.mul_add(tilt2.mul_add(tilt2.mul_add(c4, c3), c2), R::splat(1.0));
+        let gamma = [
+            angle.mul_add(sine[0], quarter * t[3][1]),
+            (-quarter).mul_add(t[3][0], angle * sine[1]),
+        ];
+        let spin = angle * sine[2];
+        let motion = Self { u, t, k, tx, ty, almansi, spin, k_z: [k_xz, k_yz, k_zz] };
+        let ahead = quarter * g.skew * (eps[0] - eps[1]);
+        let between = |c: [R; 3]| turned(ahead, c);
+        (motion, Strains { eps: between(eps), kappa: between(curvature(tx, ty)), gamma })
+    }
+
+    /// Increments of the hourglass modes tx, ty, vz, vx, vy.
+    #[inline(always)]
+    pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
+        let Self { u, t, k, .. } = self;
+        let [k_xz, k_yz, k_zz] = self.k_z;
+        // I - K turns back: this is what the shape gained, as it lay before the step.
+        let back: [R; 3] = std::array::from_fn(|i| {
+            g.gamma([k_xz, k_yz, k_zz][i].neg_mul_add(g.hz, u[2][i]), k[i])
+        });
+        // As it lies now. The turn of a step tilts a vibration, and the tilt feeds it from the
+        // rotation: by omega^2 dt an e-fold, with omega the rate of rotation.
+        let now = |i: usize, k_z: R| {
+            k[i][0].mul_add(back[0], k[i][1].mul_add(back[1], k_z.mul_add(back[2], back[i])))
+        };
+        [
+            g.gamma(t[2][0], self.tx),
+            g.gamma(t[2][1], self.ty),
+            now(2, k_zz),
+            now(0, k_xz),
+            now(1, k_yz),
+        ]
+    }
+
+    /// How far nodes turn about n beyond the element: modes 13, 24, h and sum.
+    #[inline(always)]
+    pub fn ahead(&self) -> [R; DRILLING] {
+        let t = &self.t;
+        [t[0][2], t[1][2], t[2][2], R::splat(4.0).neg_mul_add(self.spin, t[3][2])]
+    }
+}
+
+/// What acts on the motions of an element, in its axes.
+pub struct Generalised<'a, R> {
+    /// Resultants times the area: membrane [force], moments [force length], shear [force].
+    pub n: [R; 3],
+    pub m: [R; 3],
+    pub q: [R; 2],
+    /// On the hourglass increments [force length] twice, [force] thrice.
+    pub hourglass: [R; HOURGLASS],
+    /// Drilling moments [force length].
+    pub drilling: &'a [R],
+    /// Couple on the spin, beyond that of drilling, shared by the in-plane forces [force length].
+    pub couple: R,
+}
+
+impl<R: Real> Generalised<'_, R> {
+    /// Modes of the corner forces and moments, in the axes of the element.
+    #[inline(always)]
+    pub fn corners(&self, g: &Geometry<R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
+        let [half, quarter] = [0.5, 0.25].map(R::splat);
+        let ([nx, ny, nxy], [mx, my, mxy], [qx, qy]) = (self.n, self.m, self.q);
+        let [hg_tx, hg_ty, hg_z, hg_x, hg_y] = self.hourglass;
+        let drill = self.drilling;
+        let couple = half * (R::splat(-4.0).mul_add(drill[3], self.couple));
+        let (hx, hy) = (g.x[2], g.y[2]);
+        let fx = g.spread(hx.neg_mul_add(hg_x, nx), hy.neg_mul_add(hg_x, nxy) - couple);
+        let fy = g.spread(hx.neg_mul_add(hg_y, nxy) + couple, hy.neg_mul_add(hg_y, ny));
+        let fz = g.spread(
+            hx.neg_mul_add(hg_z, g.hz.mul_add(hg_x, qx)),
+            hy.neg_mul_add(hg_z, g.hz.mul_add(hg_y, qy)),
+        );
+        let mtx = g.spread(-hx.mul_add(hg_tx, mxy), -hy.mul_add(hg_tx, my));
+        let mty = g.spread(hx.neg_mul_add(hg_ty, mx), hy.neg_mul_add(hg_ty, mxy));
+        let force = [[fx[0], fy[0], fz[0]], [fx[1], fy[1], fz[1]], [hg_x, hg_y, hg_z]];
+        let moment = [
+            [mtx[0], mty[0], drill[0]],
+            [mtx[1], mty[1], drill[1]],
+            [hg_tx, hg_ty, drill[2]],
+            [-(quarter * qy), quarter * qx, drill[3]],
+        ];
+        (force, moment)
+    }
+}
+
+impl<R: Real> Response<R> {
+    /// From corner modes in the axes of the element; `energies` are the internal and the hourglass
+    /// one; `healthy` are the lanes whose strains are those of a healthy step.
+    #[inline(always)]
+    pub fn new(
+        g: &Geometry<R>,
+        section: &Section,
+        (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
+        [internal, hourglass]: [R; 2],
+        healthy: R::Mask,
+    ) -> Self {
+        let force = force.map(|f| g.frame.global(f));
+        let moment = moment.map(|m| g.frame.global(m));
+        // A sum tells of what is not finite wherever it is.
+        let mut total = R::zero();
+        for c in 0..3 {
+            total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
+            total += moment[1][c].abs() + moment[2][c].abs() + moment[3][c].abs();
+        }
+        let calm = R::both(healthy, g.has_area);
+        let sound = R::both(calm, total.le(R::splat(R::LARGEST)));
+        let size = g.size(section.elastic.poisson);
+        let stable_dt = size.length * R::splat(1.0 / section.elastic.plate_wave_speed());
+        Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm, size }
+    }
+}
+
+/// What differs from quad to quad.
+pub trait Kernel: Send + Sync {
+    /// Columns of its own, after those of the section.
+    const OWN: usize;
+    /// How much rotations that vary over a tapered element turn into shear, for its rotational
+    /// inertia: shear has the frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`, s the larger
+    /// principal value of S and I the inertia per mass.
+    const TAPER: f64;
+    /// Fraction of the step of [`Geometry::stable_length`] that it takes.
+    const STEP: f64 = 1.0;
+
+    /// What it does through the thickness.
+    fn section(&self) -> &Section;
+
+    /// One element in each lane; the reference and the fast kernel are this one function.
+    fn respond<R: PointReal, const N: usize>(
+        &self,
+        modes: &Modes<R>,
+        history: &mut [R],
+        dt: f64,
+    ) -> Response<R>;
+}
+
+/// A quad with this kernel.
+pub struct Quad<K>(pub K);
+
+impl<K: Kernel> Formulation for Quad<K> {
+    const OWN: usize = K::OWN;
+    /// Shear may need up to 7 % more than `L/c`; the membrane of a lone square bears `L/c` where nu
+    /// = 0 alone.
+    const ALONE: f64 = 1.0 / LONE;
+
+    fn section(&self) -> &Section {
+        self.0.section()
+    }
+
+    /// s is at least 1/A, so that an inertia of [`Section::inertia_floor`] times `A + TAPER H^2`
+    /// holds the frequency of shear to that of the membrane, but for 7 %.
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
+        let (section, [area, floor]) = (self.section(), self.size(x));
+        let mass = 0.25 * section.elastic.density * section.thickness_at_start(own) * area;
+        (mass, mass * section.inertia_per_mass(own, floor))
+    }
+
+    fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2] {
+        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        [g.area, g.size(section.elastic.poisson).limits::<K>(section).floor]
+    }
+
+    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64 {
+        let (section, g) = (self.section(), Geometry::new(&coordinate_modes(x)));
+        section.step_factor(history, &g.size(section.elastic.poisson).limits::<K>(section))
+    }
+
+    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64 {
+        let geometry = Geometry::new(&coordinate_modes(x));
+        if !geometry.has_area {
+            return f64::NAN;
+        }
+        geometry.stable_dt(self.section()) * K::STEP
+    }
+
+    fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+        let Frame { e1, e2, n } = Geometry::new(&coordinate_modes(x)).frame;
+        [e1, e2, n]
+    }
+
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        [force, moment]: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L> {
+        let (section, mut modes) = (self.section(), gather(group, nodes));
+        let arm = section.arm(history).map(|arm| modes.shift_to_middle(arm));
+        let mut response = self.0.respond::<L, N>(&modes, history, dt);
+        if let Some(arm) = arm {
+            response.shift_to_nodes(arm);
+        }
+        let factor = section.step_factor(history, &response.size.limits::<K>(section));
+        response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
+        let (calm, sound) = (response.calm, response.totals.sound);
+        if let Some(gone) = section.delete_inverted(history, calm, sound, modes.sum()) {
+            response.let_go(gone);
+        }
+        scatter(&response, force, moment);
+        response.totals
+    }
+
+    #[inline(never)]
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L> {
+        let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
+        let step = L::splat(K::STEP);
+        let step = self.section().offset_factor(history).map_or(step, |factor| factor * step);
+        Totals::forceless(geometry.stable_dt(self.section()) * step, geometry.has_area)
+    }
+}
+
+/// Corner values of a group as modes. Differences are taken row by row, before the rows become
+/// lanes.
+#[inline(always)]
+fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Modes<L> {
+    // One length for all three columns: one check for each node.
+    let n = nodes.x.len();
+    let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
+    let zero = L::row(Lane::splat(0.0));
+    let (mut mx, mut mv, mut mw) = ([[zero; W]; 3], [[zero; W]; 3], [[zero; W]; 4]);
+    for lane in 0..W {
+        let corner = group.map(|corner| corner[lane] as usize);
+        let modes = |column: &[[f64; 4]]| {
+            let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
+            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
+        };
+        [mx[0][lane], mx[1][lane], mx[2][lane]] = rows_of_coordinates(x, corner).map(L::row);
+        let rows = modes(v);
+        (mv[0][lane], mv[1][lane], mv[2][lane]) = (rows[0], rows[1], rows[2]);
+        let rows = modes(w);
+        (mw[0][lane], mw[1][lane], mw[2][lane], mw[3][lane]) = (rows[0], rows[1], rows[2], rows[3]);
+    }
+    Modes { x: mx.map(L::from_rows), v: mv.map(L::from_rows), w: mw.map(L::from_rows) }
+}
+
+/// Corner coordinates of a group as modes.
+#[inline(always)]
+fn gather_coordinates<L: Lanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    x: &[[f64; 4]],
+) -> [[L; 3]; 3] {
+    let mut modes = [[L::row(Lane::splat(0.0)); W]; 3];
+    for lane in 0..W {
+        let rows = rows_of_coordinates(x, group.map(|corner| corner[lane] as usize)).map(L::row);
+        [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
+    }
+    modes.map(L::from_rows)
+}
+
+/// Modes of the coordinates of an element; h from differences of neighbours, which are small: `(1 -
+/// 2) + (3 - 4)`.
+#[inline(always)]
+fn rows_of_coordinates(x: &[[f64; 4]], corner: [usize; 4]) -> [Lane; 3] {
+    let [a, b, c, d] = corner.map(|node| Lane::new(x[node]));
+    [a - c, b - d, (a - b) + (c - d)]
+}
+
+/// Modes to corners, lanes to rows.
+#[inline(always)]
+fn scatter<L: Lanes<W>, const W: usize>(
+    response: &Response<L>,
+    force: &mut GroupCorners<4, W>,
+    moment: &mut GroupCorners<4, W>,
+) {
+    let [f13, f24, fh] = response.force.map(L::to_rows);
+    let [m13, m24, mh, ms] = response.moment.map(L::to_rows);
+    for lane in 0..W {
+        let force = &mut force[lane];
+        force[0] = (fh[lane] + f13[lane]).to_array();
+        force[1] = (f24[lane] - fh[lane]).to_array();
+        force[2] = (fh[lane] - f13[lane]).to_array();
+        force[3] = (-(f24[lane] + fh[lane])).to_array();
+        let moment = &mut moment[lane];
+        let (even, odd) = (ms[lane] + mh[lane], ms[lane] - mh[lane]);
+        moment[0] = (even + m13[lane]).to_array();
+        moment[1] = (odd + m24[lane]).to_array();
+        moment[2] = (even - m13[lane]).to_array();
+        moment[3] = (odd - m24[lane]).to_array();
+    }
+}
+
+/// Modes 13, 24 and h of the corners of one element.
+pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
+    let mode = |f: &dyn Fn(usize) -> f64| std::array::from_fn(f);
+    [
+        mode(&|i| x[0][i] - x[2][i]),
+        mode(&|i| x[1][i] - x[3][i]),
+        mode(&|i| (x[0][i] - x[1][i]) + (x[2][i] - x[3][i])),
+    ]
+}
+
+#[cfg(test)]
+#[path = "quad_tests.rs"]
+pub mod tests;

@@ -1,0 +1,68 @@
+//! What tests of quads share: kernels on lanes against the same on single numbers.
+
+use super::super::testing::Noise;
+use super::super::{Element, ElementFields};
+use super::*;
+use crate::fem::columns::Columns;
+use crate::math::lanes::LANES;
+use crumple_proto::job::Precision;
+
+/// Runs one kernel on lanes and on single numbers through the same motions, small in the first lane
+/// and large in the last, and compares bits; gives the fields of the lanes.
+pub fn singles_and_lanes(
+    shell: &dyn Element,
+    lanes_of: impl Fn(&Modes<Lane>, &mut [Lane]) -> Response<Lane>,
+    one_of: impl Fn(&Modes<f64>, &mut [f64]) -> Response<f64>,
+) -> [ElementFields; LANES] {
+    let mut noise = Noise(41);
+    let mut fresh = vec![0.0; shell.columns()];
+    shell.start(&mut fresh, 0.0);
+    let mut wide: Vec<Lane> = fresh.iter().map(|&c| Lane::splat(c)).collect();
+    let mut alone = vec![fresh; LANES];
+    for _ in 0..40 {
+        let mut random = |size: f64| -> [f64; LANES] {
+            let sizes = [0.0, 0.01, 1.0, 10.0];
+            std::array::from_fn(|lane| size * sizes[lane] * noise.next())
+        };
+        let shape = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.1, 0.05]];
+        let x: [[[f64; LANES]; 3]; 3] = shape.map(|row| row.map(|c| random(0.002).map(|r| c + r)));
+        let v: [[[f64; LANES]; 3]; 3] =
+            std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+        let w: [[[f64; LANES]; 3]; 4] =
+            std::array::from_fn(|_| std::array::from_fn(|_| random(1e-3)));
+        let to = |v: [f64; LANES]| Lane::new(v);
+        let modes =
+            Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+        let lanes = lanes_of(&modes, &mut wide);
+        for (lane, history) in alone.iter_mut().enumerate() {
+            let to = |v: [f64; LANES]| v[lane];
+            let modes =
+                Modes { x: x.map(|r| r.map(to)), v: v.map(|r| r.map(to)), w: w.map(|r| r.map(to)) };
+            let one = one_of(&modes, history);
+            let pairs =
+                lanes.force.iter().zip(&one.force).chain(lanes.moment.iter().zip(&one.moment));
+            for (many, one) in pairs.flat_map(|(many, one)| many.iter().zip(one)) {
+                assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+            }
+            for (many, one) in wide.iter().zip(history) {
+                assert_eq!(many.as_array()[lane].to_bits(), one.to_bits());
+            }
+            assert_eq!(
+                lanes.totals.stable_dt.as_array()[lane].to_bits(),
+                one.totals.stable_dt.to_bits()
+            );
+            assert_eq!(
+                lanes.totals.internal.as_array()[lane].to_bits(),
+                one.totals.internal.to_bits()
+            );
+            assert_eq!(
+                lanes.totals.hourglass.as_array()[lane].to_bits(),
+                one.totals.hourglass.to_bits()
+            );
+        }
+    }
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut columns = Columns::new(Precision::Double, LANES, shell.columns());
+    alone.iter().enumerate().for_each(|(lane, state)| columns.set(lane, state));
+    std::array::from_fn(|lane| shell.fields(columns.of(lane), &square))
+}

@@ -1,0 +1,702 @@
+//! What every shell does through its thickness: Gauss points, resultants, transverse shear,
+//! thinning, stable step.
+//!
+//! Over the thickness t, with Gauss-Legendre points `zeta_k` of weights `W_k` (1 to 10 of them),
+//! ```text
+//! eps(z) = eps_m + z kappa,  z = zeta t/2,   N = sum sig w,  M = sum sig z w,  w = W t/2,   Q = t tau
+//! tau <- tau + 5/6 G gamma   (elastic, constant over the thickness, not part of the yield condition)
+//! ```
+//! Where the middle is beside the nodes (`offset` of a part) all of this is about the middle: an
+//! element turns the velocities of its nodes into those of the middle and moves its forces back, so
+//! that hourglass and drilling forces are of the middle too.
+//!
+//! Gauss points are as few as the accuracy needs (5 give linear bending exactly and the plastic
+//! hinge within 2 %); the outer fibres themselves carry none.
+
+use crate::fem::columns::State;
+use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
+use crate::math::lanes::Real;
+use crumple_proto::job::{HourglassForm, Inverted, Part};
+use crumple_proto::problem::Problem;
+
+use super::{ElementFields, failed_column, let_go};
+
+/// Shear correction of a homogeneous section.
+pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
+/// Square of the frequency that shear of square elements may have, over that of the membrane, `(2
+/// c/L)^2`: they then bear 0.934 of L/c, more than the usual safety factor of 0.9.
+const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
+/// Hourglass coefficient where the job gives none.
+const HOURGLASS_COEFFICIENT: f64 = 0.03;
+/// Of a change of mass per area, in single precision: less is none, so that what only flies and
+/// turns keeps its step to the bit.
+const ROUND_OFF: f64 = 4e-6;
+/// Largest offset of the middle from the nodes, by half the thickness.
+const LARGEST_OFFSET: f64 = 10.0;
+/// Largest strain increment of a healthy step.
+const STRAIN_LIMIT: f64 = 0.5;
+
+/// First columns of every shell: thickness [length], volume at the start [length^3] and rotational
+/// inertia of its corners per mass [length^2], transverse shear stress xz and yz [force/length^2].
+const THICKNESS: usize = 0;
+const VOLUME: usize = 1;
+const INERTIA: usize = 2;
+const SHEAR: usize = 3;
+const POINTS: usize = 5;
+
+/// Section of a part: material and points through the thickness.
+pub struct Section {
+    law: Box<dyn PlaneStress>,
+    /// Elastic constants of the law.
+    pub elastic: Elastic,
+    /// Initial thickness of elements that have none of their own [length].
+    pub thickness: f64,
+    /// Where the middle lies from the nodes along the normal, by half the thickness.
+    offset: f64,
+    /// Points through the thickness.
+    pub points: usize,
+    /// Points in the plane of an element; each has columns of its own.
+    planar: usize,
+    /// Hourglass coefficient.
+    pub hourglass_coefficient: f64,
+    zeta: [f64; MAX_POINTS],
+    weight: [f64; MAX_POINTS],
+    /// Columns of a point: stress xx, yy, xy and the law's own.
+    stride: usize,
+    thinning: bool,
+    /// Whether inverted elements fail, instead of ending the run. Such a part has one column more,
+    /// the last: 1 where one has.
+    pub deletes: bool,
+    /// Where a point keeps its effective plastic strain, if its law has any.
+    plastic_strain: Option<usize>,
+    /// Where it marks that it has failed, if its law does.
+    failed: Option<usize>,
+}
+
+/// Strain increments of a step, in the element's axes.
+#[derive(Clone, Copy)]
+pub struct Strains<R> {
+    /// Membrane xx, yy, and twice xy.
+    pub eps: [R; 3],
+    /// Curvature xx, yy, and twice xy [1/length].
+    pub kappa: [R; 3],
+    /// Twice the transverse shear xz and yz.
+    pub gamma: [R; 2],
+}
+
+/// Means over the thickness for membrane, and weighed by `3 zeta^2` for bending.
+pub struct Yielded<R> {
+    /// Effective plastic strain.
+    plastic_strain: [R; 2],
+    /// Von Mises stress, by its square [force/length^2].
+    stress: [R; 2],
+    /// The same without what the rate adds to the yield stress.
+    at_no_rate: [R; 2],
+}
+
+/// What the stable step of a shell as it lies now depends on. Its shear has the frequency
+/// `5/6 G/rho (corners s + (1 + taper s)/I)`, I the rotational inertia per mass.
+pub struct Limits<R> {
+    /// Area [length^2].
+    pub area: R,
+    /// Stable step of its membrane times the plate wave speed, at the density of the material
+    /// [length].
+    pub length: R,
+    /// Corners of the element.
+    pub corners: f64,
+    /// Larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
+    pub s: R,
+    /// See above [length^2].
+    pub taper: R,
+    /// Least I that an element of this shape would be given at the start [length^2].
+    pub floor: R,
+}
+
+/// Stress resultants, in the element's axes.
+#[derive(Clone, Copy)]
+pub struct Resultants<R> {
+    /// Membrane forces xx, yy, xy [force/length].
+    pub n: [R; 3],
+    /// Moments xx, yy, xy [force].
+    pub m: [R; 3],
+    /// Shear forces xz and yz [force/length].
+    pub q: [R; 2],
+    /// Increase of internal energy per area [force/length].
+    pub work: R,
+    /// Thickness that the resultants were taken with [length].
+    pub thickness: R,
+}
+
+impl Section {
+    /// Section of a part; notes all that is wrong with it, with paths relative to the part.
+    pub fn new(part: &Part, law: Box<dyn PlaneStress>) -> Result<Self, Vec<Problem>> {
+        let mut problems = Vec::new();
+        if part.thickness == 0.0 {
+            let message = format!("part {}: its shells have no `thickness`", label(part));
+            problems.push(Problem::error("thickness", message, "give it: a length above 0"));
+        }
+        let mut check = |right: bool, key: &str, value: &dyn std::fmt::Display, wanted: &str| {
+            if !right {
+                let message = format!("part {}: {key} is {value}", label(part));
+                problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
+            }
+        };
+        let r = part.hourglass_coefficient.unwrap_or(HOURGLASS_COEFFICIENT);
+        let for_shells = part.hourglass != Some(HourglassForm::AssumedStrain);
+        check(
+            part.thickness.is_finite() && part.thickness >= 0.0,
+            "thickness",
+            &part.thickness,
+            "above 0",
+        );
+        check(
+            part.offset.abs() <= LARGEST_OFFSET,
+            "offset",
+            &part.offset,
+            "from -10 to 10 (-1 to 1 is usual)",
+        );
+        let given = part.contact_thickness.unwrap_or(1.0);
+        check(given > 0.0 && given.is_finite(), "contact_thickness", &given, "above 0");
+        let scale = part.contact_thickness_scale;
+        check(
+            scale > 0.0 && scale.is_finite(),
+            "contact_thickness_scale",
+            &scale,
+            "above 0; 1 is usual",
+        );
+        check((1..=MAX_POINTS).contains(&part.points), "points", &part.points, "from 1 to 10");
+        check(
+            (0.0..=1.0).contains(&r),
+            "hourglass_coefficient",
+            &r,
+            "from 0 to 1 (0.01 to 0.1 is usual)",
+        );
+        check(
+            for_shells,
+            "hourglass",
+            &"assumed_strain",
+            "stiffness or viscous: the assumed-strain form is for solids",
+        );
+        check(
+            (0.0..=1.0).contains(&part.drilling),
+            "drilling",
+            &part.drilling,
+            "from 0 to 1 (0.01 is usual)",
+        );
+        if part.bulk_viscosity.is_some() {
+            let message =
+                format!("part {}: bulk_viscosity is given, but shells have none", label(part));
+            problems.push(Problem::error(
+                "bulk_viscosity",
+                message,
+                "take it out: it is for solids",
+            ));
+        }
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let (zeta, weight) = gauss_legendre(part.points);
+        let elastic = law.elastic();
+        let history = law.history();
+        Ok(Self {
+            elastic,
+            thickness: part.thickness,
+            offset: part.offset,
+            points: part.points,
+            planar: 1,
+            hourglass_coefficient: r,
+            zeta,
+            weight,
+            stride: 3 + history.len(),
+            thinning: part.thinning,
+            deletes: part.inverted == Inverted::Delete,
+            plastic_strain: history
+                .iter()
+                .position(|&name| name == "plastic_strain")
+                .map(|column| 3 + column),
+            failed: failed_column(history).map(|column| 3 + column),
+            law,
+        })
+    }
+
+    /// The same section at so many points in the plane of an element.
+    pub fn at_points(self, planar: usize) -> Self {
+        Self { planar, ..self }
+    }
+
+    /// Columns that the section needs of an element's history; an element's own come after them.
+    pub fn columns(&self) -> usize {
+        self.planar * self.each()
+    }
+
+    /// Columns of one point in the plane.
+    pub fn each(&self) -> usize {
+        POINTS + self.points * self.stride
+    }
+
+    /// Initial thickness of an element, that of the part if `own` is nought [length].
+    pub fn thickness_at_start(&self, own: f64) -> f64 {
+        if own > 0.0 { own } else { self.thickness }
+    }
+
+    /// Thickness; all else is nought at the start, until [`Self::measure`].
+    pub fn start(&self, history: &mut [f64], own: f64) {
+        let thickness = self.thickness_at_start(own);
+        (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = thickness);
+    }
+
+    /// Notes what keeps the mass of an element: its area at the start [length^2] and its
+    /// [`Self::inertia_per_mass`].
+    pub fn measure(&self, history: &mut [f64], own: f64, area: f64, floor: f64) {
+        (history[VOLUME], history[INERTIA]) =
+            (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
+    }
+
+    /// Where the middle lies from the nodes along the normal, `e` [length]; `None` if it is where
+    /// they are. Points stay where they are about the middle: an element moves its velocities there
+    /// and its forces back.
+    #[inline(always)]
+    pub fn arm<R: Real>(&self, history: &[R]) -> Option<R> {
+        if self.offset == 0.0 {
+            return None;
+        }
+        Some(R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history))
+    }
+
+    /// Sum of the thicknesses of the points in the plane [length].
+    #[inline(always)]
+    fn thicknesses<R: Real>(&self, history: &[R]) -> R {
+        history[..self.columns()]
+            .chunks_exact(self.each())
+            .fold(R::zero(), |sum, at| sum + at[THICKNESS])
+    }
+
+    /// Factor by which an offset shortens the stable step of an element at rest, since it couples
+    /// the motion of nodes to their rotation; `None` without an offset. What holds of the middle,
+    /// `K <= omega^2 diag(m, m i)` of displacements and rotations, with i the rotational inertia
+    /// about it per mass, is of the nodes `K <= omega^2 m [1 e; e i + e^2]`, of which `diag(m, m (i
+    /// + e^2))` is no less than `1/(1 + a)`, `a = |e|/sqrt(i + e^2)`.
+    #[inline(always)]
+    pub fn offset_factor<R: Real>(&self, history: &[R]) -> Option<R> {
+        let (arm, inertia, one) = (self.arm(history)?, history[INERTIA], R::splat(1.0));
+        let ratio = R::select(inertia.gt(R::zero()), arm.abs() / inertia.sqrt(), R::zero());
+        Some(one / (one + ratio).sqrt())
+    }
+
+    /// The same of an element at the start.
+    pub fn offset_factor_at_start(&self, own: f64, floor: f64) -> f64 {
+        let arm = 0.5 * self.offset * self.thickness_at_start(own);
+        let ratio = arm.abs() / self.inertia_per_mass(own, floor).sqrt();
+        if self.offset == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
+    }
+
+    /// Factor on the membrane's stable step at the density of the material, for the mass that an
+    /// element has had since the start while its area A and its thickness t change: `sqrt(A0 t0 /
+    /// (A t))`, and less where its rotational inertia, that of the start too, has become too little
+    /// for shear. One for an element that was not measured.
+    #[inline(always)]
+    pub fn step_factor<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
+        let one = R::splat(1.0);
+        // Squared frequencies by that of the plate wave, 5/6 G over E/(1 - nu^2).
+        let ratio = R::splat(0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson));
+        let shear = |inertia: R| {
+            ratio * of.taper.mul_add(of.s, one).mul_add(one / inertia, R::splat(of.corners) * of.s)
+        };
+        let membrane = R::splat(4.0) / (of.length * of.length);
+        // At the start shear may need a little more than the membrane; that is the margin of
+        // `inertia_per_mass`.
+        let borne = Real::max(membrane, shear(of.floor));
+        let thickness = self.thicknesses(history);
+        let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
+        let known = history[INERTIA];
+        // About the middle, which is what shear turns. One that has become too little for shear may
+        // be taken as more, which then counts on more than the nodes have.
+        let arm2 = self.arm(history).map(|arm| arm * arm);
+        let inertia = arm2.map_or(known, |arm2| Real::max(known - arm2, of.floor));
+        let squared = kept * Real::min(one, borne / shear(inertia));
+        let is_known = history[VOLUME].gt(R::zero());
+        let factor = R::select(
+            R::both(is_known, (squared - one).abs().gt(R::splat(ROUND_OFF))),
+            squared,
+            one,
+        )
+        .sqrt();
+        let Some(arm2) = arm2 else { return factor };
+        // The larger eigenvalue of `[1 e; e i + e^2]` over `diag(1, I)`, see `offset_factor`.
+        let [i, both] =
+            [inertia, inertia + arm2].map(|of| R::select(is_known, of / known, R::zero()));
+        let half_trace = R::splat(0.5) * (one + both);
+        let root = Real::max(half_trace.mul_add(half_trace, R::zero() - i), R::zero()).sqrt();
+        factor / Real::max(half_trace + root, one).sqrt()
+    }
+
+    /// Current thickness [length].
+    #[inline(always)]
+    pub fn current_thickness<R: Real>(&self, history: &[R]) -> R {
+        history[THICKNESS]
+    }
+
+    /// Whether all but what it has from the start is nought.
+    pub fn is_unstrained(&self, history: State<'_>) -> bool {
+        let (each, all) = (self.each(), self.columns());
+        history.is_nought_where(|column| column >= all || column % each >= SHEAR)
+    }
+
+    /// Least rotational inertia of a corner of a quad per mass and area, with which membrane waves
+    /// govern the step and not rotation (Hughes, Cohen & Haroun 1978). Shear of squares of side L
+    /// has the frequency `4 (5/6 G/rho) (1/L^2 + 1/(4 I))`, and `5/6 G/rho = c^2 5/12 (1 - nu)`;
+    /// with I = f L^2 it stays below [`SHEAR_OVER_MEMBRANE`] times `(2 c/L)^2` where `5/12 (1 - nu)
+    /// (1 + 1/(4 f))` does: f = 1/7 where nu = 0, 1/11.7 where nu = 0.3.
+    pub fn inertia_floor(&self) -> f64 {
+        let softer = 0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson);
+        0.25 / (SHEAR_OVER_MEMBRANE / softer - 1.0)
+    }
+
+    /// Rotational inertia of a corner about its node per mass of it [length^2]: that of the
+    /// section, but not below `floor` about the middle.
+    pub fn inertia_per_mass(&self, own: f64, floor: f64) -> f64 {
+        let thickness = self.thickness_at_start(own);
+        let arm = 0.5 * self.offset * thickness;
+        (thickness * thickness / 12.0).max(floor) + arm * arm
+    }
+
+    /// Stress at all points over a step, and its resultants. N is the number of points.
+    #[inline(always)]
+    pub fn update<R: PointReal, const N: usize>(
+        &self,
+        history: &mut [R],
+        strains: &Strains<R>,
+        dt: f64,
+    ) -> Resultants<R> {
+        let half = R::splat(0.5);
+        let failed = self.failed_lanes(history);
+        let (front, points) = history.split_at_mut(POINTS);
+        let points = &mut points[..N * self.stride];
+        let thickness = front[THICKNESS];
+        let half_t = half * thickness;
+
+        let mut eps = [[R::zero(); 3]; N];
+        let mut work = R::zero();
+        for k in 0..N {
+            let z = R::splat(self.zeta[k]) * half_t;
+            for (c, e) in eps[k].iter_mut().enumerate() {
+                *e = z.mul_add(strains.kappa[c], strains.eps[c]);
+            }
+            work =
+                R::splat(self.weight[k]).mul_add(power(&points[k * self.stride..], &eps[k]), work);
+        }
+
+        let mut eps_z = [R::zero(); N];
+        R::update(
+            &*self.law,
+            Points { state: points, strain: &eps, thickness_strain: &mut eps_z },
+            dt,
+        );
+
+        let mut n = [R::zero(); 3];
+        let mut m = [R::zero(); 3];
+        for k in 0..N {
+            let sig = &points[k * self.stride..];
+            let weight = R::splat(self.weight[k]);
+            let moment = R::splat(self.weight[k] * self.zeta[k]);
+            work = weight.mul_add(power(sig, &eps[k]), work);
+            for c in 0..3 {
+                n[c] = weight.mul_add(sig[c], n[c]);
+                m[c] = moment.mul_add(sig[c], m[c]);
+            }
+        }
+        // The two passes over stress made the sum of old and new: half of it is the trapezoid, half
+        // the weight.
+        work = half * half_t * work;
+        let to_moment = half_t * half_t;
+
+        let shear = R::splat(SHEAR_CORRECTION * self.elastic.shear_modulus());
+        let mut q = [R::zero(); 2];
+        for c in 0..2 {
+            let old = front[SHEAR + c];
+            let new = shear.mul_add(strains.gamma[c], old);
+            let new = failed.map_or(new, |failed| R::select(failed, R::zero(), new));
+            front[SHEAR + c] = new;
+            work = (half_t * (old + new)).mul_add(strains.gamma[c], work);
+            q[c] = thickness * new;
+        }
+
+        if self.thinning {
+            // Mean over the thickness (weights sum to two), and exp() to second order.
+            let mut mean = R::zero();
+            for (eps_z, weight) in eps_z.iter().zip(&self.weight) {
+                mean = R::splat(0.5 * weight).mul_add(*eps_z, mean);
+            }
+            front[THICKNESS] = thickness.mul_add(mean.mul_add(half * mean, mean), thickness);
+        }
+        Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
+    }
+
+    /// Flow stress of the section [force/length^2], for bounds on forces that the points do not
+    /// see: the root mean square of the von Mises stress over all points, but at least the yield
+    /// stress at no plastic strain. `None` if the law never flows.
+    #[inline(always)]
+    pub fn flow_stress<R: Real, const N: usize>(&self, history: &[R]) -> Option<R> {
+        self.plastic_strain?;
+        let mut mean_square = R::zero();
+        let share = 0.5 / self.planar as f64;
+        for section in history[..self.columns()].chunks_exact(self.each()) {
+            for k in 0..N {
+                let square = von_mises_squared(&section[POINTS + k * self.stride..]);
+                mean_square = R::splat(share * self.weight[k]).mul_add(square, mean_square);
+            }
+        }
+        Some(Real::max(mean_square.sqrt(), R::splat(self.law.initial_yield_stress())))
+    }
+
+    /// How far the material is, for [`Self::flow`].
+    #[inline(always)]
+    pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
+        let Some(column) = self.plastic_strain else {
+            return Yielded {
+                plastic_strain: [R::zero(); 2],
+                stress: [R::zero(); 2],
+                at_no_rate: [R::zero(); 2],
+            };
+        };
+        let rated = self.law.rated();
+        let (mut plastic_strain, mut squares, mut capped) =
+            ([R::zero(); 2], [R::zero(); 2], [R::zero(); 2]);
+        for k in 0..N {
+            let point = &history[POINTS + k * self.stride..];
+            let square = von_mises_squared(point);
+            let least = rated.map_or(square, |law| {
+                let yields = law.static_yield_stress(&point[column..]);
+                Real::min(square, yields * yields)
+            });
+            let weight = 0.5 * self.weight[k];
+            for (c, weight) in
+                [weight, 3.0 * self.zeta[k] * self.zeta[k] * weight].into_iter().enumerate()
+            {
+                plastic_strain[c] = R::splat(weight).mul_add(point[column], plastic_strain[c]);
+                squares[c] = R::splat(weight).mul_add(square, squares[c]);
+                capped[c] = R::splat(weight).mul_add(least, capped[c]);
+            }
+        }
+        Yielded { plastic_strain, stress: squares.map(R::sqrt), at_no_rate: capped.map(R::sqrt) }
+    }
+
+    /// What plastic flow since `before` does to stresses beside those of the points, for membrane
+    /// and for bending: the factor `sig / (sig + 3 G d eps_p)` by which the radial return shrinks
+    /// them, and the ratio `d sig / (d sig + 3 G d eps_p)` of tangent to elastic stiffness. Both
+    /// are one where nothing flowed.
+    ///
+    /// The rate is that of a step, unfiltered: what it adds to the stress goes up and down with
+    /// every wave. Of that only the rises would count, as hardening that is not there; so `d sig`
+    /// is without it.
+    #[inline(always)]
+    pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
+        let one = R::splat(1.0);
+        if self.plastic_strain.is_none() {
+            return [[one; 2]; 2];
+        }
+        let after = self.yielded::<R, N>(history);
+        let three_g = R::splat(3.0 * self.elastic.shear_modulus());
+        let tiny = R::splat(R::SMALLEST);
+        let lost: [R; 2] =
+            std::array::from_fn(|c| three_g * (after.plastic_strain[c] - before.plastic_strain[c]));
+        let left =
+            |stress: R, lost: R| one - lost / Real::max(Real::max(stress, R::zero()) + lost, tiny);
+        [
+            std::array::from_fn(|c| left(after.stress[c], lost[c])),
+            std::array::from_fn(|c| left(after.at_no_rate[c] - before.at_no_rate[c], lost[c])),
+        ]
+    }
+
+    /// Lanes all of whose points have failed; `None` if the law never fails.
+    #[inline(always)]
+    pub fn failed_lanes<R: Real>(&self, history: &[R]) -> Option<R::Mask> {
+        let column = self.failed?;
+        let marks = (0..self.points).map(|k| history[POINTS + k * self.stride + column]);
+        Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
+    }
+
+    /// Where the points through the thickness have failed at all but one of the points in the
+    /// plane, lets the last ones fail too; lanes where that is so, `None` if the law never fails.
+    /// What one point bears holds no shape.
+    #[inline(always)]
+    pub fn fail_with_the_last<R: Real>(&self, history: &mut [R]) -> Option<R::Mask> {
+        let column = self.failed?;
+        let (each, one) = (self.each(), R::splat(1.0));
+        let mut gone = R::zero();
+        for point in history[..self.columns()].chunks_exact(each) {
+            gone += R::select(self.failed_lanes(point)?, one, R::zero());
+        }
+        let failed = gone.gt(R::splat(self.planar as f64 - 1.5));
+        for point in history[..self.columns()].chunks_exact_mut(each) {
+            let_go(failed, &mut point[SHEAR..POINTS]);
+            for k in 0..self.points {
+                let point = &mut point[POINTS + k * self.stride..][..self.stride];
+                let_go(failed, &mut point[..3]);
+                point[column] = R::select(failed, one, point[column]);
+            }
+        }
+        Some(failed)
+    }
+
+    /// Lets inverted elements fail; lanes where one has, now or before, `None` if the part does not
+    /// want that. `calm` are the lanes that have an area and the strains of a healthy step, `sound`
+    /// those that are not in trouble, `moves` is a sum over what moves: where it is not finite
+    /// nothing is known, and the run has to end. What has failed keeps no state, since its shape
+    /// gives none.
+    #[inline(always)]
+    pub fn delete_inverted<R: Real>(
+        &self,
+        history: &mut [R],
+        calm: R::Mask,
+        sound: R::Mask,
+        moves: R,
+    ) -> Option<R::Mask> {
+        if !self.deletes {
+            return None;
+        }
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let (columns, each) = (self.columns(), self.each());
+        let (mark, state) = history.split_last_mut()?;
+        let inverted = R::select(
+            R::either(calm, sound),
+            zero,
+            R::select(moves.le(R::splat(R::LARGEST)), one, zero),
+        );
+        *mark = Real::max(*mark, inverted);
+        let gone = mark.gt(R::splat(0.5));
+        if !R::any(gone) {
+            return Some(gone);
+        }
+        for (column, value) in state.iter_mut().enumerate() {
+            let kept = match column {
+                VOLUME | INERTIA => *value,
+                _ if column < columns && column % each == THICKNESS => R::splat(self.thickness),
+                _ => zero,
+            };
+            *value = R::select(gone, kept, *value);
+        }
+        Some(gone)
+    }
+
+    /// Whether elements can fail, by their law or where they are inverted.
+    pub fn can_fail(&self) -> bool {
+        self.failed.is_some() || self.deletes
+    }
+
+    /// Whether all points of one element have failed.
+    pub fn has_failed(&self, history: State<'_>) -> bool {
+        let each = self.each();
+        let mark = |p: usize, k: usize, column: usize| {
+            history.at(p * each + POINTS + k * self.stride + column)
+        };
+        self.failed.is_some_and(|column| {
+            (0..self.planar).all(|p| (0..self.points).all(|k| mark(p, k, column) > 0.5))
+        })
+    }
+
+    /// Whether the strain increments at both faces are those of a healthy step (false if not a
+    /// number).
+    #[inline(always)]
+    pub fn healthy<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
+        let half_t = R::splat(0.5) * thickness;
+        let face = |c: usize| half_t.mul_add(strains.kappa[c].abs(), strains.eps[c].abs());
+        // Twice the shear is compared with twice the limit. Maxima swallow what is not a number,
+        // sums do not.
+        let direct = Real::max(face(0), face(1)) + R::zero() * (face(0) + face(1));
+        let shear = half_of(face(2)) + R::zero() * (strains.gamma[0] + strains.gamma[1]);
+        R::both(direct.le(R::splat(STRAIN_LIMIT)), shear.le(R::splat(STRAIN_LIMIT)))
+    }
+
+    /// Fields of one element, stress and thickness as means of its points in the plane; `axes` are
+    /// its e1, e2 and normal.
+    pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
+        let mean = |column: usize| {
+            let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
+            values.sum::<f64>() / self.planar as f64
+        };
+        let (mut von_mises, mut plastic_strain) = (0.0_f64, 0.0_f64);
+        for (p, k) in (0..self.planar).flat_map(|p| (0..self.points).map(move |k| (p, k))) {
+            let point = |c: usize| history.at(p * self.each() + POINTS + k * self.stride + c);
+            let [x, y, t] = [0, 1, 2].map(point);
+            von_mises = von_mises.max((x * x + y * y - x * y + 3.0 * t * t).sqrt());
+            plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, point));
+        }
+        // The middle point, or the mean of the two beside the middle.
+        let layer = |k: usize, c: usize| mean(POINTS + k * self.stride + c);
+        let (below, above) = ((self.points - 1) / 2, self.points / 2);
+        let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
+        let (xz, yz) = (mean(SHEAR), mean(SHEAR + 1));
+        let local = [[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]];
+        let global = |i: usize, j: usize| -> f64 {
+            (0..3).map(|a| (0..3).map(|b| axes[a][i] * local[a][b] * axes[b][j]).sum::<f64>()).sum()
+        };
+        ElementFields {
+            plastic_strain,
+            stress: [
+                global(0, 0),
+                global(1, 1),
+                global(2, 2),
+                global(0, 1),
+                global(1, 2),
+                global(2, 0),
+            ],
+            von_mises,
+            thickness: mean(THICKNESS),
+            failed: self.has_failed(history),
+        }
+    }
+}
+
+/// Stress times strain increment at one point.
+#[inline(always)]
+fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
+    sig[0].mul_add(eps[0], sig[1].mul_add(eps[1], sig[2] * eps[2]))
+}
+
+/// Square of the von Mises stress of a point in plane stress [force^2/length^4].
+#[inline(always)]
+fn von_mises_squared<R: Real>(sig: &[R]) -> R {
+    let [x, y, t] = [sig[0], sig[1], sig[2]];
+    x.mul_add(x - y, y.mul_add(y, R::splat(3.0) * t * t))
+}
+
+#[inline(always)]
+fn half_of<R: Real>(value: R) -> R {
+    R::splat(0.5) * value
+}
+
+/// How a message calls a part: by name if it has one.
+pub fn label(part: &Part) -> String {
+    if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
+}
+
+/// Points and weights on (-1, 1), ascending, by Newton on the Legendre polynomial.
+fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
+    let (mut zeta, mut weight) = ([0.0; MAX_POINTS], [0.0; MAX_POINTS]);
+    for k in 0..n {
+        let mut z = -(std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        let mut slope = 0.0;
+        for _ in 0..50 {
+            let (mut p0, mut p1) = (1.0, z);
+            for j in 2..=n {
+                let j = j as f64;
+                (p0, p1) = (p1, ((2.0 * j - 1.0) * z * p1 - (j - 1.0) * p0) / j);
+            }
+            slope = n as f64 * (z * p1 - p0) / (z * z - 1.0);
+            z -= p1 / slope;
+        }
+        // Odd rules have a point in the middle, where round-off must not make the section lopsided.
+        zeta[k] = if 2 * k + 1 == n { 0.0 } else { z };
+        weight[k] = 2.0 / ((1.0 - z * z) * slope * slope);
+    }
+    for k in 0..n / 2 {
+        zeta[n - 1 - k] = -zeta[k];
+        weight[n - 1 - k] = weight[k];
+    }
+    (zeta, weight)
+}
+
+#[cfg(test)]
+#[path = "section_tests.rs"]
+mod tests;

@@ -1,0 +1,153 @@
+//! What is the same of every shell as an [`Element`].
+
+use super::section::Section;
+use super::{
+    Element, ElementFields, GroupCorners, GroupNodes, NodeView, Pass, PassTotals, ShellGroups,
+    Totals, four, with_points,
+};
+use crate::fem::columns::State;
+use crate::math::lanes::Lanes;
+
+/// What differs from shell to shell.
+pub trait Formulation: Send + Sync {
+    /// Columns of its own, after those of the section.
+    const OWN: usize;
+
+    /// As [`Element::alone`].
+    const ALONE: f64;
+
+    /// What it does through the thickness.
+    fn section(&self) -> &Section;
+
+    /// As [`Element::corner_mass`].
+    fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64);
+
+    /// Area [length^2], and the floor of [`Section::inertia_per_mass`] [length^2], at these
+    /// coordinates.
+    fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2];
+
+    /// As [`Element::stable_dt`], were the nodes in the middle of the thickness.
+    fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
+
+    /// [`Section::step_factor`] at these coordinates.
+    fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64;
+
+    /// Axes e1, e2 and normal at these coordinates.
+    fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3];
+
+    /// As [`ShellGroups::group`], with N points through the thickness.
+    fn group<L: Lanes<W>, const W: usize, const N: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L>;
+
+    /// As [`ShellGroups::forceless`].
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L>;
+}
+
+/// A formulation with N points through the thickness.
+struct WithPoints<'a, F, const N: usize>(&'a F);
+
+impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
+    #[inline(always)]
+    fn group<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &mut [L],
+        dt: f64,
+        out: [&mut GroupCorners<4, W>; 2],
+    ) -> Totals<L> {
+        self.0.group::<L, W, N>(group, nodes, history, dt, out)
+    }
+
+    #[inline(always)]
+    fn forceless<L: Lanes<W>, const W: usize>(
+        &self,
+        group: &GroupNodes<4, W>,
+        nodes: &NodeView<'_>,
+        history: &[L],
+    ) -> Totals<L> {
+        self.0.forceless(group, nodes, history)
+    }
+}
+
+/// A shell of this formulation.
+pub struct Shell<F>(pub F);
+
+impl<F: Formulation> Shell<F> {
+    fn section(&self) -> &Section {
+        self.0.section()
+    }
+}
+
+impl<F: Formulation> Element for Shell<F> {
+    fn columns(&self) -> usize {
+        self.section().columns() + F::OWN + usize::from(self.section().deletes)
+    }
+
+    fn any_precision(&self) -> bool {
+        true
+    }
+
+    fn start(&self, history: &mut [f64], own: f64) {
+        self.section().start(history, own);
+    }
+
+    fn measure(&self, history: &mut [f64], x: &[[f64; 3]], own: f64) {
+        let [area, floor] = self.0.size(four(x));
+        self.section().measure(history, own, area, floor);
+    }
+
+    fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64) {
+        self.0.corner_mass(four(x), own)
+    }
+
+    fn forces(&self, pass: Pass<'_>) -> PassTotals {
+        let columns = self.columns();
+        with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
+    }
+
+    fn is_unstrained(&self, history: State<'_>) -> bool {
+        self.section().is_unstrained(history)
+    }
+
+    fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64 {
+        let [_, floor] = self.0.size(four(x));
+        self.0.stable_dt(four(x)) * self.section().offset_factor_at_start(own, floor)
+    }
+
+    fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
+        self.0.stable_dt(four(x)) * self.0.step_factor(&history.to_vec(), four(x))
+    }
+
+    fn alone(&self) -> f64 {
+        F::ALONE
+    }
+
+    fn failed(&self, history: State<'_>) -> bool {
+        self.section().has_failed(history) || self.is_deleted(history)
+    }
+
+    fn is_deleted(&self, history: State<'_>) -> bool {
+        self.section().deletes && history.at(self.columns() - 1) > 0.5
+    }
+
+    fn can_fail(&self) -> bool {
+        self.section().can_fail()
+    }
+
+    fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields {
+        let fields = self.section().fields(history, &F::axes(four(x)));
+        ElementFields { failed: self.failed(history), ..fields }
+    }
+}

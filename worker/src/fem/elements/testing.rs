@@ -1,0 +1,411 @@
+//! What element tests share: parts and materials in a line, a mesh with its columns, a bare
+//! explicit solver.
+
+use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
+use crate::fem::columns::Columns;
+use crate::fem::materials::LAWS;
+use crumple_proto::job::{Inverted, Part, Precision};
+use crumple_proto::mesh::Shape;
+use crumple_proto::partition::{Material, Param, Settings};
+
+/// A part with the usual options.
+pub fn part(thickness: f64) -> Part {
+    Part {
+        id: 1,
+        name: String::new(),
+        material: "sheet".into(),
+        spring: None,
+        beam: None,
+        thickness,
+        offset: 0.0,
+        contact_thickness: None,
+        contact_thickness_scale: 1.0,
+        element: None,
+        points: 5,
+        hourglass: None,
+        hourglass_coefficient: None,
+        bulk_viscosity: None,
+        warping: false,
+        skin: false,
+        inverted: Inverted::Stop,
+        thinning: false,
+        drilling: 0.01,
+    }
+}
+
+/// Elastic constants and yield stress of [`steel`] [force/length^2].
+pub const E: f64 = 210.0;
+pub const NU: f64 = 0.3;
+pub const YIELD: f64 = 0.25;
+/// Both precisions.
+pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
+
+/// Formulations, and whether they are of triangles.
+pub const FORMULATIONS: [(&str, bool); 4] = [
+    ("belytschko_tsay", false),
+    ("stabilised_quad", false),
+    ("fully_integrated_quad", false),
+    ("c0_triangle", true),
+];
+
+/// Those of quads.
+pub const QUADS: [&str; 3] = [FORMULATIONS[0].0, FORMULATIONS[1].0, FORMULATIONS[2].0];
+
+/// A part with the usual options of one formulation.
+pub fn part_of(element: &str, thickness: f64) -> Part {
+    Part { element: Some(element.into()), ..part(thickness) }
+}
+
+/// A material from its law and numbers.
+pub fn material(law: &str, density: f64, numbers: &[(&str, f64)]) -> Material {
+    let parameters =
+        numbers.iter().map(|&(key, value)| (key.to_string(), Param::Number(value))).collect();
+    Material { name: "sheet".into(), law: law.into(), density, parameters }
+}
+
+/// Sheet steel of a law, with these parameters beside the elastic ones.
+pub fn steel(law: &str, more: &[(&str, Param)]) -> Material {
+    let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
+    m.parameters.extend(more.iter().map(|(key, value)| (key.to_string(), value.clone())));
+    m
+}
+
+/// Every law, with all that takes powers, logarithms and exponentials.
+pub fn laws() -> Vec<Material> {
+    let number = Param::Number;
+    let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
+    let rate = Param::List(vec![0.04, 5.0]);
+    let damage = Param::List(vec![0.05, 3.44, -2.12, 0.002, 0.61]);
+    let johnson_cook = [
+        ("a", number(0.79)),
+        ("b", number(0.51)),
+        ("n", number(0.26)),
+        ("c", number(0.014)),
+        ("reference_rate", number(1e-3)),
+        ("m", number(1.03)),
+        ("melting_temperature", number(1793.0)),
+        ("reference_temperature", number(293.0)),
+        ("specific_heat", number(477.0)),
+        ("damage", damage),
+    ];
+    let all = vec![
+        steel("elastic", &[]),
+        steel("j2", &[("yield_stress", number(YIELD)), ("hardening_modulus", number(1.0))]),
+        steel(
+            "j2",
+            &[("hardening", table), ("cowper_symonds", rate), ("failure_strain", number(0.3))],
+        ),
+        steel("johnson_cook", &johnson_cook),
+    ];
+    assert!(LAWS.iter().all(|row| all.iter().any(|m| m.law == row.name)), "a law is missing here");
+    all
+}
+
+/// An elastic material.
+pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
+    material("elastic", rho, &[("youngs_modulus", e), ("poisson", nu)])
+}
+
+/// Settings of a job that has one part of one material.
+pub fn settings(part: Part, material: Material) -> Settings {
+    Settings {
+        end_time: 1.0,
+        safety: 0.9,
+        max_cycles: 0,
+        dt_min_ratio: 0.0,
+        history_interval: 1.0,
+        field_times: Vec::new(),
+        histories: Default::default(),
+        field_dir: String::new(),
+        materials: vec![material],
+        parts: vec![part],
+        axes: Vec::new(),
+        precision: Default::default(),
+        walls: Vec::new(),
+        loads: crumple_proto::loads::Loads::default(),
+        rigid: Vec::new(),
+        ties: Vec::new(),
+        dt_max: 0.0,
+        subcycles: 1,
+        contact: None,
+        rotations: true,
+        buffer: 0.0,
+        force_every: 0,
+    }
+}
+
+/// Elements of one part with their nodes, columns and corner forces.
+pub struct Patch {
+    pub element: Box<dyn Element>,
+    pub x: Vec<[f64; 4]>,
+    pub v: Vec<[f64; 4]>,
+    pub w: Vec<[f64; 4]>,
+    pub quads: Vec<[u32; 4]>,
+    pub groups: Vec<u32>,
+    pub history: Columns,
+    pub unstrained: Vec<bool>,
+    pub force: Vec<[f64; 4]>,
+    pub moment: Vec<[f64; 4]>,
+}
+
+/// Connectivity in groups, and the columns of fresh elements.
+pub fn lay<const C: usize>(
+    element: &dyn Element,
+    precision: Precision,
+    cells: &[[u32; C]],
+) -> (Vec<u32>, Columns) {
+    let mut columns = Columns::new(precision, cells.len(), element.columns());
+    let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
+    element.start(&mut fresh, 0.0);
+    let mut groups = Vec::new();
+    for first in (0..cells.len()).step_by(lanes) {
+        let of = |lane: usize| cells[(first + lane).min(cells.len() - 1)];
+        (0..C).for_each(|corner| groups.extend((0..lanes).map(|lane| of(lane)[corner])));
+        (0..lanes).for_each(|lane| columns.set(first + lane, &fresh));
+    }
+    (groups, columns)
+}
+
+impl Patch {
+    pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], quads: &[[u32; 4]]) -> Self {
+        Self::in_precision(Precision::Double, part, material, nodes, quads)
+    }
+
+    pub fn in_precision(
+        precision: Precision,
+        part: Part,
+        material: Material,
+        nodes: &[[f64; 3]],
+        quads: &[[u32; 4]],
+    ) -> Self {
+        let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
+        // Tests that name no formulation are of the plainest.
+        let part = match (&part.element, shape) {
+            (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
+            _ => part,
+        };
+        let element =
+            build_block(&settings(part, material), 0, shape).map_err(|e| format!("{e:?}")).unwrap();
+        let (groups, mut history) = lay(&*element, precision, quads);
+        for place in 0..groups.len() / 4 {
+            let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
+            let mut state = history.of(place).to_vec();
+            element.measure(&mut state, &corners, 0.0);
+            history.set(place, &state);
+        }
+        let still = vec![[0.0; 4]; nodes.len()];
+        let corners = vec![[0.0; 4]; groups.len()];
+        Self {
+            unstrained: vec![false; groups.len() / (4 * history.lanes())],
+            element,
+            x: nodes.iter().map(|x| [x[0], x[1], x[2], 0.0]).collect(),
+            v: still.clone(),
+            w: still,
+            quads: quads.to_vec(),
+            groups,
+            history,
+            force: corners.clone(),
+            moment: corners,
+        }
+    }
+
+    /// Moves nodes with their velocities, then asks the elements.
+    pub fn step(&mut self, dt: f64) -> PassTotals {
+        for (x, v) in self.x.iter_mut().zip(&self.v) {
+            (0..3).for_each(|i| x[i] += dt * v[i]);
+        }
+        self.forces(dt)
+    }
+
+    /// Asks the elements where the nodes are now.
+    pub fn forces(&mut self, dt: f64) -> PassTotals {
+        let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
+        let out = CornerForces { force: &mut self.force, moment: &mut self.moment };
+        self.element.forces(Pass {
+            range: 0..self.groups.len() / (4 * self.history.lanes()),
+            count: self.quads.len(),
+            groups: &self.groups,
+            history: self.history.as_mut(),
+            unstrained: &mut self.unstrained,
+            nodes,
+            dt,
+            out,
+        })
+    }
+
+    /// Velocities that take every node to `target` in a step; rotational ones as given.
+    pub fn aim(&mut self, dt: f64, target: impl Fn([f64; 3]) -> [f64; 3], spin: [f64; 3]) {
+        for ((x, v), w) in self.x.iter().zip(&mut self.v).zip(&mut self.w) {
+            let to = target([x[0], x[1], x[2]]);
+            (0..3).for_each(|i| v[i] = (to[i] - x[i]) / dt);
+            w[..3].copy_from_slice(&spin);
+        }
+    }
+
+    pub fn corners(&self, element: usize) -> [[f64; 3]; 4] {
+        self.quads[element].map(|node| std::array::from_fn(|i| self.x[node as usize][i]))
+    }
+
+    pub fn fields(&self, element: usize) -> ElementFields {
+        self.element.fields(self.history.of(element), &self.corners(element))
+    }
+
+    /// Corner force and moment of an element.
+    pub fn corner(&self, element: usize, corner: usize) -> ([f64; 3], [f64; 3]) {
+        let slot = element * 4 + corner;
+        let three = |row: [f64; 4]| [row[0], row[1], row[2]];
+        (three(self.force[slot]), three(self.moment[slot]))
+    }
+
+    /// Largest magnitude of any corner force and of any corner moment.
+    pub fn largest(&self) -> (f64, f64) {
+        let largest =
+            |rows: &[[f64; 4]]| rows.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+        (largest(&self.force), largest(&self.moment))
+    }
+
+    /// Sum of corner forces, and of moments about the origin, over all real elements.
+    pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        for (e, quad) in self.quads.iter().enumerate() {
+            for (c, &node) in quad.iter().enumerate() {
+                let (f, m) = self.corner(e, c);
+                let x = self.x[node as usize];
+                let arm = [
+                    x[1] * f[2] - x[2] * f[1],
+                    x[2] * f[0] - x[0] * f[2],
+                    x[0] * f[1] - x[1] * f[0],
+                ];
+                for i in 0..3 {
+                    force[i] += f[i];
+                    moment[i] += m[i] + arm[i];
+                }
+            }
+        }
+        (force, moment)
+    }
+
+    /// Power of corner forces at the nodal velocities.
+    pub fn power(&self) -> f64 {
+        let mut power = 0.0;
+        for (e, quad) in self.quads.iter().enumerate() {
+            for (c, &node) in quad.iter().enumerate() {
+                let (f, m) = self.corner(e, c);
+                let (v, w) = (self.v[node as usize], self.w[node as usize]);
+                power += (0..3).map(|i| f[i] * v[i] + m[i] * w[i]).sum::<f64>();
+            }
+        }
+        power
+    }
+
+    /// Nodal mass and inertia.
+    pub fn masses(&self) -> Vec<(f64, f64)> {
+        let mut masses = vec![(0.0, 0.0); self.x.len()];
+        for (e, quad) in self.quads.iter().enumerate() {
+            let (mass, inertia) = self.element.corner_mass(&self.corners(e), 0.0);
+            let corners = if quad[2] == quad[3] { 3 } else { 4 };
+            for &node in &quad[..corners] {
+                masses[node as usize].0 += mass;
+                masses[node as usize].1 += inertia;
+            }
+        }
+        masses
+    }
+
+    /// One explicit step: `load` adds to nodal forces, `fix` clears velocities that are held.
+    pub fn explicit(
+        &mut self,
+        dt: f64,
+        masses: &[(f64, f64)],
+        load: impl Fn(usize) -> [f64; 3],
+        fix: impl Fn(usize, &mut [f64; 4], &mut [f64; 4]),
+    ) -> PassTotals {
+        let mut force: Vec<[f64; 3]> = (0..self.x.len()).map(load).collect();
+        let mut moment = vec![[0.0; 3]; self.x.len()];
+        for (e, quad) in self.quads.iter().enumerate() {
+            for (c, &node) in quad.iter().enumerate() {
+                for i in 0..3 {
+                    force[node as usize][i] -= self.force[e * 4 + c][i];
+                    moment[node as usize][i] -= self.moment[e * 4 + c][i];
+                }
+            }
+        }
+        for node in 0..self.x.len() {
+            let (mass, inertia) = masses[node];
+            for i in 0..3 {
+                self.v[node][i] += dt * force[node][i] / mass;
+                self.w[node][i] += dt * moment[node][i] / inertia;
+            }
+            fix(node, &mut self.v[node], &mut self.w[node]);
+        }
+        self.step(dt)
+    }
+}
+
+/// Nodes and quads of a rectangle of `nx` by `ny` elements; node `j (nx + 1) + i`.
+pub fn grid(nx: usize, ny: usize, width: f64, height: f64) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
+    let at =
+        |i: usize, j: usize| [width * i as f64 / nx as f64, height * j as f64 / ny as f64, 0.0];
+    let nodes = (0..=ny).flat_map(|j| (0..=nx).map(move |i| at(i, j))).collect();
+    let id = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
+    let quad = |i: usize, j: usize| [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+    let quads = (0..ny).flat_map(|j| (0..nx).map(move |i| quad(i, j))).collect();
+    (nodes, quads)
+}
+
+/// Quads cut into triangles along alternate diagonals.
+pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
+    let cut = |(index, q): (usize, &[u32; 4])| {
+        let [a, b, c, d] = *q;
+        if index % 2 == 0 { [[a, b, c, c], [a, c, d, d]] } else { [[a, b, d, d], [b, c, d, d]] }
+    };
+    quads.iter().enumerate().flat_map(cut).collect()
+}
+
+/// Shells of every formulation.
+pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4] {
+    let (nodes, quads) = grid(5, 3, 5.0, 3.0);
+    let mut noise = Noise(5);
+    let moved = |x: &[f64; 3]| {
+        std::array::from_fn(|i| at[i] + x[i] + if i < 2 { 0.1 } else { 0.02 } * noise.next())
+    };
+    let nodes: Vec<[f64; 3]> = nodes.iter().map(moved).collect();
+    let base = Part { thinning: true, warping: true, ..part(0.3) };
+    let of = |name: &str| Part { element: Some(name.into()), ..base.clone() };
+    [
+        Patch::in_precision(precision, of("belytschko_tsay"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("stabilised_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, of("fully_integrated_quad"), steel.clone(), &nodes, &quads),
+        Patch::in_precision(precision, base.clone(), steel.clone(), &nodes, &triangles(&quads)),
+    ]
+}
+
+/// Numbers between -1 and 1, the same in every run.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Rotation by the length of `angle` about its direction (Rodrigues).
+pub fn rotate(angle: [f64; 3], x: [f64; 3]) -> [f64; 3] {
+    let phi = angle.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let k = angle.map(|c| c / phi);
+    let dot: f64 = (0..3).map(|i| k[i] * x[i]).sum();
+    let cross = [k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0]];
+    let (sin, cos) = phi.sin_cos();
+    std::array::from_fn(|i| x[i] * cos + cross[i] * sin + k[i] * dot * (1.0 - cos))
+}
+
+/// Fails with the reason of the tolerance.
+#[track_caller]
+pub fn assert_close(value: f64, wanted: f64, tolerance: f64, why: &str) {
+    let off = (value - wanted).abs();
+    assert!(
+        off <= tolerance,
+        "{value} for {wanted}: off by {off:e}, allowed {tolerance:e} ({why})"
+    );
+}

@@ -1,0 +1,174 @@
+//! Elements at rest or in uniform flight, whose forces are not computed: the same bits as if they
+//! were.
+
+use super::solid_testing::{Solids, solids};
+use super::testing::{BOTH, FORMULATIONS, Patch, laws, lay, shells};
+use super::{Element, PassTotals};
+use crate::fem::columns::Columns;
+use crumple_proto::job::{HourglassForm, Precision};
+use crumple_proto::partition::Material;
+
+/// A mesh of fresh elements.
+trait Mesh {
+    fn view(&mut self) -> View<'_>;
+    fn step(&mut self, dt: f64) -> PassTotals;
+    fn cells(&self) -> Vec<Vec<usize>>;
+}
+
+/// What is in a mesh. Solids do not turn.
+struct View<'a> {
+    element: &'a dyn Element,
+    history: &'a Columns,
+    unstrained: &'a mut [bool],
+    v: &'a mut [[f64; 4]],
+    w: &'a mut [[f64; 4]],
+    force: &'a mut [[f64; 4]],
+    moment: &'a mut [[f64; 4]],
+}
+
+impl Mesh for Patch {
+    fn view(&mut self) -> View<'_> {
+        let Self { element, history, unstrained, v, w, force, moment, .. } = self;
+        View { element: &**element, history, unstrained, v, w, force, moment }
+    }
+
+    fn step(&mut self, dt: f64) -> PassTotals {
+        self.step(dt)
+    }
+
+    fn cells(&self) -> Vec<Vec<usize>> {
+        self.quads.iter().map(|cell| cell.iter().map(|&node| node as usize).collect()).collect()
+    }
+}
+
+impl Mesh for Solids {
+    fn view(&mut self) -> View<'_> {
+        let Self { element, history, unstrained, v, force, .. } = self;
+        View { element: &**element, history, unstrained, v, w: &mut [], force, moment: &mut [] }
+    }
+
+    fn step(&mut self, dt: f64) -> PassTotals {
+        self.step(dt)
+    }
+
+    fn cells(&self) -> Vec<Vec<usize>> {
+        self.cells.iter().map(|cell| cell.iter().map(|&node| node as usize).collect()).collect()
+    }
+}
+
+/// Bits of a number; minus nought is nought, which no sum of forces tells apart.
+fn bits(number: f64) -> u64 {
+    (number + 0.0).to_bits()
+}
+
+/// What ends rest and flight, for a component of velocity.
+#[derive(Clone, Copy, Debug)]
+enum Kick {
+    /// Another velocity of this corner of the last element.
+    Move(usize),
+    /// A rotational one.
+    Turn(usize),
+    /// The same rotational one of all nodes.
+    TurnAll,
+}
+
+/// Goes through rest, flight and a kick with unstrained elements left out, and with all computed.
+fn follow(
+    [mut left_out, mut computed]: [Box<dyn Mesh>; 2],
+    (kick, component): (Kick, usize),
+    name: &str,
+) {
+    let name = format!("{name}, {kick:?} {component}");
+    let (cells, lanes) = (computed.cells(), computed.view().history.lanes());
+    left_out.view().unstrained.fill(true);
+    let (nodes, turned) = match kick {
+        Kick::Move(corner) => (vec![cells[cells.len() - 1][corner]], false),
+        Kick::Turn(corner) => (vec![cells[cells.len() - 1][corner]], true),
+        Kick::TurnAll => ((0..computed.view().v.len()).collect(), true),
+    };
+    let kicked: Vec<bool> =
+        cells.iter().map(|cell| cell.iter().any(|node| nodes.contains(node))).collect();
+    for cycle in 0..15 {
+        let now = [&mut left_out, &mut computed].map(|mesh| {
+            let View { v, w, force, moment, .. } = mesh.view();
+            v.fill(if cycle < 5 { [0.0; 4] } else { [1.3, -0.7, 0.45, 0.0] });
+            w.fill([0.0; 4]);
+            if cycle >= 10 {
+                let column = if turned { w } else { v };
+                nodes.iter().for_each(|&node| column[node][component] += 0.3);
+            }
+            // Corners that nobody writes would add up what is put on them later.
+            [force, moment].into_iter().for_each(|rows| rows.fill([f64::NAN; 4]));
+            let told = mesh.step(if cycle == 0 { 0.0 } else { 0.01 });
+            assert_eq!(told.trouble, None, "{name}, cycle {cycle}");
+            let View { history, force, moment, .. } = mesh.view();
+            let history = (0..cells.len()).flat_map(|e| history.of(e).to_vec());
+            let rows = force.iter().chain(&*moment).flatten().copied();
+            let told = [told.stable_dt, told.internal, told.hourglass];
+            told.into_iter().chain(rows).chain(history).map(bits).collect::<Vec<_>>()
+        });
+        assert!(now[0] == now[1], "{name}, cycle {cycle}");
+        let marks = kicked.chunks(lanes).map(|group| cycle < 10 || !group.contains(&true));
+        assert!(marks.eq(left_out.view().unstrained.iter().copied()), "{name}, cycle {cycle}");
+        let View { element, history, .. } = computed.view();
+        let strained = (0..cells.len()).map(|e| !element.is_unstrained(history.of(e)));
+        assert!(
+            strained.eq(kicked.iter().map(|&kicked| kicked && cycle >= 10)),
+            "{name}, cycle {cycle}"
+        );
+    }
+}
+
+fn fresh_shells(precision: Precision, law: &Material, kind: usize) -> Box<dyn Mesh> {
+    Box::new(shells(precision, law, [3.0, 100.0, -7.0]).into_iter().nth(kind).expect("one of them"))
+}
+
+/// Their first volume is still to be found.
+fn fresh_solids(precision: Precision, law: &Material, form: HourglassForm) -> Box<dyn Mesh> {
+    let mut all = solids(precision, law, form);
+    all.history = lay(&*all.element, precision, &all.cells).1;
+    Box::new(all)
+}
+
+const FORMS: [HourglassForm; 3] =
+    [HourglassForm::Stiffness, HourglassForm::Viscous, HourglassForm::AssumedStrain];
+
+#[test]
+fn every_law_in_every_element_keeps_its_bits() {
+    for (precision, law) in
+        BOTH.into_iter().flat_map(|precision| laws().into_iter().map(move |law| (precision, law)))
+    {
+        for kind in 0..FORMULATIONS.len() {
+            let meshes = [0; 2].map(|_| fresh_shells(precision, &law, kind));
+            follow(meshes, (Kick::Move(0), 1), &format!("{precision:?} {} shell {kind}", law.law));
+        }
+        for form in FORMS {
+            let meshes = [0; 2].map(|_| fresh_solids(precision, &law, form));
+            follow(
+                meshes,
+                (Kick::Move(0), 1),
+                &format!("{precision:?} {} solid {form:?}", law.law),
+            );
+        }
+    }
+}
+
+#[test]
+fn whatever_any_corner_does_is_seen() {
+    let elastic = &laws()[0];
+    for component in 0..3 {
+        let kicks = (0..4)
+            .flat_map(|corner| [Kick::Move(corner), Kick::Turn(corner)])
+            .chain([Kick::TurnAll]);
+        for (kick, kind) in
+            kicks.flat_map(|kick| (0..FORMULATIONS.len()).map(move |kind| (kick, kind)))
+        {
+            let meshes = [0; 2].map(|_| fresh_shells(Precision::Double, elastic, kind));
+            follow(meshes, (kick, component), &format!("shell {kind}"));
+        }
+        for corner in 0..8 {
+            let meshes = [0; 2].map(|_| fresh_solids(Precision::Double, elastic, FORMS[0]));
+            follow(meshes, (Kick::Move(corner), component), "solid");
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! J2 (von Mises) plasticity with isotropic hardening. The return to the yield surface is in
+//! `plasticity`.
+//!
+//! Yield stress `sig_y(eps_p)` [force/length^2], one of
+//! - `yield_stress` and, if wanted, the plastic modulus `hardening_modulus`: `yield_stress +
+//!   hardening_modulus eps_p`;
+//! - `hardening = [[eps_p, sigma], ...]`: straight lines between points, constant beyond the last.
+//!
+//! `cowper_symonds = [C, p]` (Cowper & Symonds 1957) multiplies it by `1 + (rate/C)^(1/p)`; the
+//! rate is that of the total effective strain over the step, `sqrt(2/3 e:e)/dt` with the deviator e
+//! of the increment (in plane stress taken as isochoric, so `e:e = 2 (e_x^2 + e_y^2 + e_x e_y +
+//! e_xy^2)`). It is not filtered and does not count while the trial is below the static yield
+//! stress.
+//!
+//! `failure_strain`: the effective plastic strain at which a point fails and bears no stress any
+//! more.
+//!
+//! Left out: kinematic hardening, transverse shear in the yield condition of shells (as in most
+//! shell codes).
+
+use super::parameters::Parameters;
+use super::plasticity::{Curve, Failure, Plasticity, Rate};
+use super::{Built, BuiltSolid, Elastic, Law, Otherwise, ParameterRow};
+use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
+
+/// The row of this law.
+pub const LAW: Law = Law {
+    name: "j2",
+    meaning: "Von Mises plasticity with isotropic hardening.",
+    parameters: PARAMETERS,
+    build,
+    solid,
+};
+
+const PARAMETERS: &[ParameterRow] = &[
+    ParameterRow {
+        key: "yield_stress",
+        form: "number",
+        otherwise: Otherwise::Depends("needed without `hardening`"),
+        meaning: "Yield stress at no plastic strain [force/length^2].",
+    },
+    ParameterRow {
+        key: "hardening_modulus",
+        form: "number",
+        otherwise: Otherwise::Number(0.0),
+        meaning: "Slope of the yield stress over plastic strain; beside `yield_stress` [force/length^2].",
+    },
+    ParameterRow {
+        key: "hardening",
+        form: "[[strain, stress], ...]",
+        otherwise: Otherwise::Absent,
+        meaning: "Instead of both: effective plastic strain, from 0, and yield stress; straight between, constant beyond [force/length^2].",
+    },
+    ParameterRow {
+        key: "cowper_symonds",
+        form: "[C, p]",
+        otherwise: Otherwise::Absent,
+        meaning: "Rate: the yield stress times `1 + (rate/C)^(1/p)`; C is a rate [1/time].",
+    },
+    ParameterRow {
+        key: "failure_strain",
+        form: "number",
+        otherwise: Otherwise::Absent,
+        meaning: "Effective plastic strain at which a point fails and bears nothing any more.",
+    },
+];
+
+fn build(material: &Material) -> Built {
+    Parameters::new(material).shell_law(read)
+}
+
+fn solid(material: &Material) -> BuiltSolid {
+    Parameters::new(material).solid_law(read)
+}
+
+/// The law with what is left to read.
+fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, Vec<Problem>> {
+    let (yield_stress, slope, ramps) = hardening(&mut parameters);
+    let rate = match parameters.get("cowper_symonds") {
+        None => Rate::None,
+        Some(Param::List(list))
+            if list.len() == 2 && list.iter().all(|v| v.is_finite() && *v > 0.0) =>
+        {
+            Rate::CowperSymonds { c: list[0], inv_p: 1.0 / list[1] }
+        }
+        Some(_) => {
+            parameters.wrong(
+                "cowper_symonds",
+                "is not [C, p]",
+                "give two numbers above 0: C in 1/time, and p",
+            );
+            Rate::None
+        }
+    };
+    let failure = match parameters.optional("failure_strain", "above 0", |f| f > 0.0) {
+        Some(strain) => Failure::Strain(strain),
+        None => Failure::None,
+    };
+    parameters.finish()?;
+    let curve = Curve::lines(yield_stress, slope, &ramps);
+    Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure })
+}
+
+/// Yield stress, first slope, and changes of slope.
+fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
+    const TABLE: &str = "hardening";
+    let yield_stress = parameters.optional("yield_stress", "above 0", |y| y > 0.0);
+    let modulus = parameters.optional("hardening_modulus", "0 or above", |h| h >= 0.0);
+    let single = parameters.given("yield_stress") || parameters.given("hardening_modulus");
+    let Some(table) = parameters.get(TABLE) else {
+        if !parameters.given("yield_stress") {
+            let help =
+                "give it, with hardening_modulus if it hardens, or give the table `hardening`";
+            parameters.wrong("yield_stress", "is missing", help);
+        }
+        return (yield_stress.unwrap_or(1.0), modulus.unwrap_or(0.0), Vec::new());
+    };
+    if single {
+        parameters.wrong(
+            TABLE,
+            "stands beside yield_stress or hardening_modulus",
+            "give one or the other",
+        );
+    }
+    let rows: Vec<[f64; 2]> = match table {
+        Param::Table(rows) => {
+            rows.iter().filter_map(|row| row.as_slice().try_into().ok()).collect()
+        }
+        _ => Vec::new(),
+    };
+    let complete = matches!(table, Param::Table(all) if !all.is_empty() && all.len() == rows.len());
+    let fault = if !complete || rows.iter().flatten().any(|value| !value.is_finite()) {
+        Some("is not a table of pairs")
+    } else if rows[0][0] != 0.0 {
+        Some("does not start at plastic strain 0")
+    } else if rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
+        Some("has plastic strains that do not rise from row to row")
+    } else if rows[0][1] <= 0.0 || rows.windows(2).any(|pair| pair[1][1] < pair[0][1]) {
+        Some("has a stress that is not above 0 or falls from one row to the next")
+    } else {
+        None
+    };
+    if let Some(fault) = fault {
+        parameters.wrong(
+            TABLE,
+            fault,
+            "give [[0, sigma], [eps_p, sigma], ...] with rising plastic strain",
+        );
+        return (1.0, 0.0, Vec::new());
+    }
+    let mut slopes: Vec<f64> =
+        rows.windows(2).map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0])).collect();
+    slopes.push(0.0);
+    let ramps =
+        rows[1..].iter().zip(slopes.windows(2)).map(|(row, s)| (row[0], s[1] - s[0])).collect();
+    (rows[0][1], slopes[0], ramps)
+}

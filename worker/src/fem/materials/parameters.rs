@@ -1,0 +1,203 @@
+//! Reading a law's parameters so that one look at a material finds everything that is wrong with
+//! it.
+
+use super::{Built, BuiltSolid, Elastic, PlaneStress, Solid};
+use crumple_proto::partition::{Material, Param};
+use crumple_proto::problem::Problem;
+
+/// A material's table being read: what is asked for is known, what is left over is not.
+pub struct Parameters<'a> {
+    material: &'a Material,
+    known: Vec<&'static str>,
+    problems: Vec<Problem>,
+}
+
+impl<'a> Parameters<'a> {
+    /// Starts with nothing asked for.
+    pub fn new(material: &'a Material) -> Self {
+        Self { material, known: Vec::new(), problems: Vec::new() }
+    }
+
+    /// Notes that something is wrong with `key`.
+    pub fn wrong(&mut self, key: &str, what: impl std::fmt::Display, help: impl Into<String>) {
+        let message = format!("material '{}': {key} {what}", self.material.name);
+        self.problems.push(Problem::error(key, message, help));
+    }
+
+    /// The parameter as it stands, if it is given.
+    pub fn get(&mut self, key: &'static str) -> Option<&'a Param> {
+        self.known.push(key);
+        self.material.parameters.get(key)
+    }
+
+    /// Whether the material has this parameter at all.
+    pub fn given(&self, key: &str) -> bool {
+        self.material.parameters.contains_key(key)
+    }
+
+    /// A number that may be left out; `wanted` says in words what `fits` accepts.
+    pub fn optional(
+        &mut self,
+        key: &'static str,
+        wanted: &str,
+        fits: impl Fn(f64) -> bool,
+    ) -> Option<f64> {
+        match self.get(key)? {
+            Param::Number(value) if value.is_finite() && fits(*value) => Some(*value),
+            Param::Number(value) => {
+                self.wrong(key, format_args!("is {value}"), format!("it has to be {wanted}"));
+                None
+            }
+            _ => {
+                self.wrong(key, "is a list", format!("give one number, {wanted}"));
+                None
+            }
+        }
+    }
+
+    /// A number that has to be there. What stands in for a wrong one is never used, as
+    /// [`Self::finish`] fails.
+    pub fn required(&mut self, key: &'static str, wanted: &str, fits: impl Fn(f64) -> bool) -> f64 {
+        let value = self.optional(key, wanted, fits);
+        if !self.given(key) {
+            let law = &self.material.law;
+            self.wrong(key, "is missing", format!("law '{law}' needs it: a number, {wanted}"));
+        }
+        value.unwrap_or(1.0)
+    }
+
+    /// `youngs_modulus`, `poisson` and the density.
+    pub fn elastic(&mut self) -> Elastic {
+        let density = self.material.density;
+        if !(density.is_finite() && density > 0.0) {
+            self.wrong("density", format_args!("is {density}"), "it has to be above 0");
+        }
+        Elastic {
+            youngs_modulus: self.required("youngs_modulus", "above 0", |e| e > 0.0),
+            poisson: self
+                .required("poisson", "above -1 and at most 0.5", |nu| nu > -1.0 && nu <= 0.5),
+            density,
+        }
+    }
+
+    /// The same for solids, whose bulk modulus has to be finite.
+    pub fn solid_elastic(&mut self) -> Elastic {
+        let elastic = self.elastic();
+        if elastic.poisson == 0.5 {
+            let help =
+                "a solid has to give way in volume: 0.49 or 0.499 stands for an incompressible one";
+            self.wrong("poisson", "is 0.5", help);
+        }
+        elastic
+    }
+
+    /// A law in plane stress out of its elastic constants and what `read` makes of the rest.
+    pub fn shell_law<L>(mut self, read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>) -> Built
+    where
+        L: PlaneStress + 'static,
+    {
+        let elastic = self.elastic();
+        Ok(Box::new(read(self, elastic)?))
+    }
+
+    /// The same for solids.
+    pub fn solid_law<L>(
+        mut self,
+        read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
+    ) -> BuiltSolid
+    where
+        L: Solid + 'static,
+    {
+        let elastic = self.solid_elastic();
+        Ok(Box::new(read(self, elastic)?))
+    }
+
+    /// Everything that is wrong, parameters that nobody asked for included.
+    pub fn finish(mut self) -> Result<(), Vec<Problem>> {
+        for key in self.material.parameters.keys() {
+            if !self.known.contains(&key.as_str()) {
+                let Material { name, law, .. } = self.material;
+                let what = format!("material '{name}': law '{law}' has no parameter '{key}'");
+                self.problems.push(unknown_name(key, what, key, &self.known));
+            }
+        }
+        if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
+    }
+}
+
+/// The problem of a name that is in no table: the nearest that is, and all of them.
+pub(crate) fn unknown_name(path: &str, what: String, name: &str, known: &[&str]) -> Problem {
+    let list = known.join(", ");
+    let help = match nearest(name, known) {
+        Some(near) => format!("did you mean '{near}'? known: {list}"),
+        None => format!("known: {list}"),
+    };
+    Problem::error(path, what, help)
+}
+
+/// The known name nearest to `name`, if it is near enough to be a slip of the pen.
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let limit = name.chars().count().div_ceil(2);
+    let distances = known.iter().map(|&other| (edits(name, other), other));
+    distances
+        .min_by_key(|&(distance, _)| distance)
+        .filter(|&(distance, _)| distance <= limit)
+        .map(|(_, other)| other)
+}
+
+/// Fewest single-letter insertions, deletions and replacements that make `b` of `a` (Levenshtein).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &cb) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(ca != cb);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_finds_its_name_and_nonsense_does_not() {
+        let known = ["youngs_modulus", "poisson", "yield_stress"];
+        assert_eq!(nearest("young_modulus", &known), Some("youngs_modulus"));
+        assert_eq!(nearest("possion", &known), Some("poisson"));
+        assert_eq!(nearest("xyzzy", &known), None);
+    }
+
+    #[test]
+    fn everything_wrong_is_told_at_once() {
+        let parameters = [
+            ("young_modulus".to_string(), Param::Number(210.0)),
+            ("poisson".to_string(), Param::Number(0.7)),
+            ("yield_stress".to_string(), Param::List(vec![1.0])),
+        ];
+        let (name, law) = ("steel".to_string(), "j2".to_string());
+        let material = Material { name, law, density: -1.0, parameters: parameters.into() };
+        let problems =
+            crate::fem::materials::build(&material).err().expect("nothing about this is right");
+        let paths: Vec<_> = problems.iter().map(|problem| problem.path.as_str()).collect();
+        assert_eq!(
+            paths,
+            ["density", "youngs_modulus", "poisson", "yield_stress", "young_modulus"]
+        );
+        assert!(problems[4].help.contains("'youngs_modulus'"), "{}", problems[4].help);
+        assert!(problems.iter().all(|problem| problem.message.contains("'steel'")));
+
+        let material = Material { law: "j3".into(), ..material };
+        let problems = crate::fem::materials::build(&material).err().expect("no such law");
+        assert!(
+            problems[0].help.contains("'j2'") && problems[0].help.contains("elastic"),
+            "{}",
+            problems[0].help
+        );
+    }
+}

@@ -1,0 +1,270 @@
+//! Plastic flow with the von Mises condition and isotropic hardening: what the laws of this kind
+//! share. They return the elastic trial to the yield surface along the flow rule, whatever the size
+//! of the step: in plane stress by `plane_stress`, in three dimensions by `solid`. Stresses are in
+//! units of the initial yield stress, in which their powers neither overflow nor vanish, whatever
+//! the units of the job.
+//!
+//! The yield stress is `sig_y(eps_p)` times a factor of the rate and one of the temperature, both
+//! taken as constant over the step: the rate from the total strain increment, the temperature from
+//! before the step.
+//!
+//! Columns after stress: the effective plastic strain; where the law heats or fails also the rise
+//! of temperature, damage (failure at 1) and `failed` (0 or 1). A failed point bears no stress from
+//! then on and does not flow.
+
+mod plane_stress;
+mod solid;
+
+use super::Elastic;
+use crate::math::lanes::Real;
+
+/// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
+const TOLERANCE: f64 = 1e-10;
+/// The same in steps between numbers, where these are short: what round-off of the condition
+/// leaves.
+const ROUND_OFF: f64 = 16.0;
+/// A power law is a straight line up to this plastic strain, where its slope is without bound.
+const POWER_START: f64 = 1e-5;
+/// Least factor of temperature: what melts keeps so much of its yield stress.
+const LEAST_THERMAL: f64 = 1e-3;
+/// Least strain to failure of Johnson and Cook's formula, which can fall below nought.
+const LEAST_FAILURE_STRAIN: f64 = 1e-6;
+/// Largest mean stress over von Mises stress that Johnson and Cook's formula is for.
+const LARGEST_TRIAXIALITY: f64 = 1.5;
+
+/// Columns after effective plastic strain.
+const RISE: usize = 1;
+const DAMAGE: usize = 2;
+const FAILED: usize = 3;
+
+/// How near the yield surface a returned stress has to be with this scalar, as a fraction of the
+/// yield stress.
+fn tolerance<R: Real>() -> f64 {
+    TOLERANCE.max(ROUND_OFF * R::EPSILON)
+}
+
+/// A plastic law.
+pub struct Plasticity {
+    pub elastic: Elastic,
+    /// Yield stress at no plastic strain [force/length^2].
+    pub yield_stress: f64,
+    pub curve: Curve,
+    pub rate: Rate,
+    pub thermal: Option<Thermal>,
+    pub failure: Failure,
+}
+
+/// Yield stress over plastic strain, in yield stresses.
+pub enum Curve {
+    /// Straight lines: the first slope; plastic strains where the slope changes, and by how much.
+    Lines { slope: f64, ramps: Vec<(f64, f64)> },
+    /// `1 + b eps_p^n`, 0 < n <= 1.
+    Power { b: f64, n: f64 },
+}
+
+impl Curve {
+    /// Straight lines from slopes in the job's units.
+    pub fn lines(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Self {
+        let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
+        Self::Lines { slope: slope / yield_stress, ramps }
+    }
+}
+
+/// Factor of the strain rate on the yield stress; never below one.
+pub enum Rate {
+    None,
+    /// `1 + (rate/c)^inv_p`, c in 1/time.
+    CowperSymonds {
+        c: f64,
+        inv_p: f64,
+    },
+    /// `1 + c ln(rate/reference)` above the reference [1/time].
+    Logarithmic {
+        c: f64,
+        reference: f64,
+    },
+}
+
+impl Rate {
+    /// Whether there is any.
+    fn counts(&self) -> bool {
+        !matches!(self, Rate::None)
+    }
+}
+
+/// Softening by temperature, `1 - T*^m` with T* the rise over that to melting, and heating by
+/// plastic work.
+pub struct Thermal {
+    pub m: f64,
+    /// Melting temperature above that of the start.
+    pub to_melting: f64,
+    /// Rise of temperature per plastic strain at the initial yield stress.
+    pub heating: f64,
+}
+
+/// When a point fails.
+pub enum Failure {
+    None,
+    /// At this plastic strain.
+    Strain(f64),
+    /// Johnson & Cook 1985: `(D1 + D2 exp(D3 sig*)) (1 + D4 ln rate*) (1 + D5 T*)`, the sum of `d
+    /// eps_p` over it being the damage; rates over the reference [1/time].
+    JohnsonCook {
+        d: [f64; 5],
+        reference: f64,
+    },
+}
+
+/// What a step did to a point; stresses in yield stresses.
+struct Damage<R> {
+    /// Plastic strain increment.
+    y: R,
+    /// Von Mises and mean stress after the step.
+    sig_y: R,
+    mean: R,
+    /// `e:e` of the strain increment's deviator.
+    square: R,
+    /// Step [time].
+    dt: f64,
+}
+
+impl Plasticity {
+    /// Names of the columns after stress.
+    fn names(&self) -> &'static [&'static str] {
+        if self.thermal.is_none() && matches!(self.failure, Failure::None) {
+            &["plastic_strain"]
+        } else {
+            &["plastic_strain", "temperature_rise", "damage", "failed"]
+        }
+    }
+
+    /// Yield stress and plastic modulus at a plastic strain. Ramps instead of a search: no lane
+    /// waits for another.
+    #[inline(always)]
+    fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
+        match &self.curve {
+            Curve::Lines { slope, ramps } => {
+                let mut modulus = R::splat(*slope);
+                let mut sig_y = modulus.mul_add(eps_p, R::splat(1.0));
+                for &(start, change) in ramps {
+                    let beyond = eps_p - R::splat(start);
+                    let change = R::select(beyond.gt(R::zero()), R::splat(change), R::zero());
+                    sig_y = change.mul_add(beyond, sig_y);
+                    modulus += change;
+                }
+                (sig_y, modulus)
+            }
+            Curve::Power { b, n } => {
+                let curved = eps_p.gt(R::splat(POWER_START));
+                let at = R::select(curved, eps_p, R::splat(POWER_START));
+                let secant = R::splat(*b) * at.powf_where(n - 1.0, R::zero().le(R::zero()));
+                (
+                    secant.mul_add(eps_p, R::splat(1.0)),
+                    R::select(curved, R::splat(*n), R::splat(1.0)) * secant,
+                )
+            }
+        }
+    }
+
+    /// Yield stress of a point at no rate [force/length^2]; `columns` are those after stress.
+    #[inline(always)]
+    pub fn static_yield_stress<R: Real>(&self, columns: &[R]) -> R {
+        R::splat(self.yield_stress) * self.thermal_factor(columns) * self.yield_curve(columns[0]).0
+    }
+
+    /// Factor of the rate in the lanes of `mask`, one elsewhere; `square` is `e:e` of the strain
+    /// increment's deviator.
+    #[inline(always)]
+    fn rate_factor<R: Real>(&self, square: R, dt: f64, mask: R::Mask) -> R {
+        let one = R::splat(1.0);
+        let factor = match self.rate {
+            Rate::None => return one,
+            Rate::CowperSymonds { c, inv_p } => {
+                one + effective_rate(square, dt * c).powf_where(inv_p, mask)
+            }
+            Rate::Logarithmic { c, reference } => {
+                R::splat(c).mul_add(logarithm(effective_rate(square, dt * reference)), one)
+            }
+        };
+        R::select(mask, factor, one)
+    }
+
+    /// Factor of the temperature; `columns` are those after stress.
+    #[inline(always)]
+    fn thermal_factor<R: Real>(&self, columns: &[R]) -> R {
+        let one = R::splat(1.0);
+        let Some(thermal) = &self.thermal else { return one };
+        let homologous = self.homologous(columns);
+        let warm = homologous.gt(R::zero());
+        let power = R::select(warm, homologous.powf_where(thermal.m, warm), R::zero());
+        Real::max(one - power, R::splat(LEAST_THERMAL))
+    }
+
+    /// T*, at most one.
+    #[inline(always)]
+    fn homologous<R: Real>(&self, columns: &[R]) -> R {
+        match &self.thermal {
+            Some(thermal) => {
+                Real::min(columns[RISE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
+            }
+            None => R::zero(),
+        }
+    }
+
+    /// Heats and damages the lanes of `mask`.
+    #[inline(always)]
+    fn suffer<R: Real>(&self, step: &Damage<R>, mask: R::Mask, columns: &mut [R]) {
+        let one = R::splat(1.0);
+        let homologous = self.homologous(columns);
+        if let Some(thermal) = &self.thermal {
+            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[RISE]);
+            columns[RISE] = R::select(mask, rise, columns[RISE]);
+        }
+        let limit = match self.failure {
+            Failure::None => return,
+            Failure::Strain(limit) => R::splat(limit),
+            Failure::JohnsonCook { d: [d1, d2, d3, d4, d5], reference } => {
+                let triaxiality = Real::min(step.mean / step.sig_y, R::splat(LARGEST_TRIAXIALITY));
+                let first = R::splat(d2).mul_add((R::splat(d3) * triaxiality).exp(), R::splat(d1));
+                let rate = logarithm(effective_rate(step.square, step.dt * reference));
+                let limit =
+                    first * R::splat(d4).mul_add(rate, one) * R::splat(d5).mul_add(homologous, one);
+                Real::max(limit, R::splat(LEAST_FAILURE_STRAIN))
+            }
+        };
+        let damage = R::select(mask, columns[DAMAGE] + step.y / limit, columns[DAMAGE]);
+        columns[DAMAGE] = damage;
+        // Round-off of a sum must not put the end off by a step.
+        columns[FAILED] = R::select(
+            damage.ge(R::splat(1.0 - f64::max(1e-12, ROUND_OFF * R::EPSILON))),
+            one,
+            columns[FAILED],
+        );
+    }
+
+    /// Lanes that have not failed; `columns` are those after stress.
+    #[inline(always)]
+    fn alive<R: Real>(columns: &[R]) -> R::Mask {
+        columns[FAILED].lt(R::splat(0.5))
+    }
+
+    /// Takes the stress of failed lanes away: the first `stress` columns.
+    #[inline(always)]
+    fn let_go<R: Real>(state: &mut [R], stress: usize) {
+        let alive = Self::alive(&state[stress..]);
+        state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s, R::zero()));
+    }
+}
+
+/// Effective rate of a strain increment whose deviator has the square `e:e`, over a time: `sqrt(2/3
+/// e:e)/time`.
+#[inline(always)]
+fn effective_rate<R: Real>(square: R, time: f64) -> R {
+    (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(1.0 / time)
+}
+
+/// Logarithm, nought below one.
+#[inline(always)]
+fn logarithm<R: Real>(ratio: R) -> R {
+    Real::max(ratio, R::splat(1.0)).ln()
+}

@@ -1,0 +1,4 @@
+//! math
+
+pub mod lanes;
+pub mod rigid_motion;

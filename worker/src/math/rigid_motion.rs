@@ -1,0 +1,232 @@
+//! How far nodes have moved since a reference time, apart from a common rigid motion.
+//!
+//! Distances do not change under rigid motion, so a search or a set of exterior copies stays good
+//! while what is left over is small: a frame that flies and spins needs neither a new search nor a
+//! redecomposition.
+
+use crate::nodes::Row;
+use crumple_proto::boxes::Aabb;
+use nalgebra::{Matrix3, Vector3};
+
+/// Nodes used to fit the rigid motion. Any motion gives a valid bound; a good fit gives a small
+/// one.
+const SAMPLES: usize = 64;
+
+/// Largest difference of two rotations for which the nearby bound holds: away from the region where
+/// it is evaluated the difference of the motions grows by at most this fraction of the distance,
+/// which the slacks leave over for it.
+const MOST_TURN: f64 = 0.25;
+/// Fewer nodes than these do not make a sample.
+const LEAST_SAMPLES: usize = 8;
+
+/// A rigid motion and the largest distance by which a node departs from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// Rotation.
+    pub rotation: Matrix3<f64>,
+    /// Translation after rotation about the origin [length].
+    pub translation: Vector3<f64>,
+    /// Largest |x - (R x_ref + t)| over the nodes [length].
+    pub residual: f64,
+    /// The same less each node's slack [length].
+    pub beyond_slack: f64,
+}
+
+impl Drift {
+    /// Numbers of a drift in a message.
+    pub const WORDS: usize = 14;
+
+    /// No motion.
+    pub fn none() -> Self {
+        Self {
+            rotation: Matrix3::identity(),
+            translation: Vector3::zeros(),
+            residual: 0.0,
+            beyond_slack: 0.0,
+        }
+    }
+
+    /// Where the motion takes `p`.
+    pub fn carry(&self, p: Vector3<f64>) -> Vector3<f64> {
+        self.rotation * p + self.translation
+    }
+
+    /// Bound on the relative displacement of a node whose reference lies in `region` and that
+    /// follows this motion, and any that follows `other` [length].
+    pub fn apart(&self, other: &Self, region: &Aabb) -> f64 {
+        self.carried_apart(other, region) + self.residual + other.residual
+    }
+
+    /// The same bound for all nodes of two workers, where `region` holds those of this one that the
+    /// other's could reach with no slack. Motions that turn too much against each other cannot be
+    /// bounded so.
+    pub fn apart_nearby(&self, other: &Self, region: &Aabb) -> f64 {
+        let turns = (self.rotation - other.rotation).norm() > MOST_TURN;
+        let apart = self.carried_apart(other, region) + self.beyond_slack + other.beyond_slack;
+        if turns { f64::INFINITY } else { apart }
+    }
+
+    fn carried_apart(&self, other: &Self, region: &Aabb) -> f64 {
+        // The difference is linear in the point, its length convex: the largest is at a corner.
+        let at = |p: [f64; 3]| (self.carry(p.into()) - other.carry(p.into())).norm();
+        region.corners().into_iter().map(at).fold(0.0, f64::max)
+    }
+
+    /// As words for a message.
+    pub fn to_words(&self) -> [f64; Self::WORDS] {
+        let mut w = [0.0; Self::WORDS];
+        w[..9].copy_from_slice(self.rotation.as_slice());
+        w[9..12].copy_from_slice(self.translation.as_slice());
+        w[12] = self.residual;
+        w[13] = self.beyond_slack;
+        w
+    }
+
+    /// From [`Drift::to_words`].
+    pub fn from_words(w: &[f64]) -> Self {
+        Self {
+            rotation: Matrix3::from_column_slice(&w[..9]),
+            translation: Vector3::from_column_slice(&w[9..12]),
+            residual: w[12],
+            beyond_slack: w[13],
+        }
+    }
+}
+
+/// Reference positions and the motion since.
+#[derive(Debug)]
+pub struct Motion {
+    reference: Vec<Row>,
+    /// Nodes that the rigid motion is fitted to.
+    sample: Vec<u32>,
+    /// How far each node may depart before it counts [length]; none at all if empty.
+    slack: Vec<f64>,
+    drift: Drift,
+}
+
+impl Motion {
+    /// Starts at the present positions.
+    pub fn since(x: &[Row]) -> Self {
+        let mut motion = Self {
+            reference: Vec::new(),
+            sample: Vec::new(),
+            slack: Vec::new(),
+            drift: Drift::none(),
+        };
+        motion.restart(x, Vec::new());
+        motion
+    }
+
+    /// Forgets the past. With `slack`, one number per node, departures count only beyond it, and
+    /// the motion is fitted to the nodes that have none.
+    pub fn restart(&mut self, x: &[Row], slack: Vec<f64>) {
+        self.reference.clear();
+        self.reference.extend_from_slice(x);
+        self.slack = slack;
+        let tight = |i: &u32| self.slack.get(*i as usize).is_none_or(|&s| s == 0.0);
+        let all = 0..x.len() as u32;
+        let mut picked: Vec<u32> = all.clone().filter(tight).collect();
+        if picked.len() < LEAST_SAMPLES {
+            picked = all.collect();
+        }
+        self.sample = picked.iter().copied().step_by((picked.len() / SAMPLES).max(1)).collect();
+        self.drift = Drift::none();
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.reference[..])
+            + size_of_val(&self.sample[..])
+            + size_of_val(&self.slack[..])
+    }
+
+    /// The motion up to `x`, positions of the same nodes.
+    pub fn update(&mut self, x: &[Row]) -> Drift {
+        self.fit(x);
+        let (r, t) = (&self.drift.rotation, &self.drift.translation);
+        let departure = |a: &Row, b: &Row| {
+            let mut d2 = 0.0;
+            for c in 0..3 {
+                let d = a[c] - (r[(c, 0)] * b[0] + r[(c, 1)] * b[1] + r[(c, 2)] * b[2] + t[c]);
+                d2 += d * d;
+            }
+            d2
+        };
+        let squared = x.iter().zip(&self.reference).map(|(a, b)| departure(a, b));
+        let (worst, beyond) = if self.slack.is_empty() {
+            let worst = squared.fold(0.0, f64::max).sqrt();
+            (worst, worst)
+        } else {
+            let with_slack = squared.map(f64::sqrt).zip(&self.slack);
+            with_slack.fold((0.0f64, 0.0f64), |(w, b), (d, slack)| (w.max(d), b.max(d - slack)))
+        };
+        (self.drift.residual, self.drift.beyond_slack) = (worst, beyond);
+        self.drift
+    }
+
+    /// Least-squares rigid motion of a sample (Kabsch 1976).
+    fn fit(&mut self, x: &[Row]) {
+        let pair = |&i: &u32| (vec3(&x[i as usize]), vec3(&self.reference[i as usize]));
+        let sample = || self.sample.iter().map(pair);
+        let n = sample().count().max(1) as f64;
+        let (sum, sum_ref) =
+            sample().fold((Vector3::zeros(), Vector3::zeros()), |s, p| (s.0 + p.0, s.1 + p.1));
+        let (centre, centre_ref) = (sum / n, sum_ref / n);
+        let cross = sample()
+            .fold(Matrix3::zeros(), |m, p| m + (p.0 - centre) * (p.1 - centre_ref).transpose());
+        self.drift.rotation = rotation_of(&cross).unwrap_or(self.drift.rotation);
+        self.drift.translation = centre - self.drift.rotation * centre_ref;
+    }
+}
+
+fn vec3(r: &Row) -> Vector3<f64> {
+    Vector3::new(r[0], r[1], r[2])
+}
+
+/// The rotation nearest to a cross-covariance; `None` where it is not determined (points on a
+/// line).
+fn rotation_of(cross: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let svd = cross.try_svd(true, true, f64::EPSILON, 100)?;
+    let (u, vt) = (svd.u?, svd.v_t?);
+    let mut r = u * vt;
+    if r.determinant() < 0.0 {
+        let mut flipped = u;
+        flipped.column_mut(2).neg_mut();
+        r = flipped * vt;
+    }
+    r.iter().all(|a| a.is_finite()).then_some(r)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Rotation3;
+
+    fn cloud() -> Vec<Row> {
+        (0..500)
+            .map(|i| {
+                let a = i as f64;
+                [100.0 * (0.7 * a).sin(), 80.0 * (1.3 * a).cos(), 5.0 * (0.1 * a).sin() + a, 0.0]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn rigid_motion_leaves_nothing_over_and_a_dent_is_measured() {
+        let x0 = cloud();
+        let mut motion = Motion::since(&x0);
+        let r = Rotation3::from_euler_angles(0.4, -1.0, 2.0);
+        let mut x: Vec<Row> = x0
+            .iter()
+            .map(|p| {
+                let q = r * vec3(p) + Vector3::new(900.0, -20.0, 3.0);
+                [q.x, q.y, q.z, 0.0]
+            })
+            .collect();
+        assert!(motion.update(&x).residual < 1e-9, "round-off of coordinates around 1e3");
+        x[3][1] += 2.5; // not a sampled node
+        let d = motion.update(&x);
+        assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
+        assert_eq!(Drift::from_words(&d.to_words()), d);
+    }
+}

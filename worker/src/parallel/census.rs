@@ -1,0 +1,430 @@
+//! What each worker of a decomposition would hold and send, counted by one engine that holds
+//! everything.
+//!
+//! In a run workers find this out from each other (`membership.rs`). Here the one process that has
+//! the whole mesh counts the same for any number of workers, by the same rules: an element belongs
+//! to the box that holds its centre, a node to the lowest worker that holds it, and a worker gets
+//! copies of all segments that touch the box around what it seeks contact for, grown by what copies
+//! have to cover.
+
+use crate::constraints::rigid::{ACTING_WORDS, MET_WORDS};
+use crate::contact::Contact;
+use crate::contact::beams::with_edges;
+use crate::contact::pairs::Pair;
+use crate::contact::pairs::quiet::distances;
+use crate::contact::surface::{Segment, Surface};
+use crate::engine::Engine;
+use crate::fem::blocks::LocalElement;
+use crate::nodes::xyz;
+use crate::parallel::ghosts;
+use crate::parallel::migrate::centre;
+use crate::parallel::partition::{are_near, covered, seeking};
+use crate::parallel::reduction;
+use crumple_proto::boxes::{Aabb, CutTree};
+use crumple_proto::ids::ElemId;
+use crumple_proto::transport::MaxReduction;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// One worker's share of the work and of the messages of a step.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Own elements.
+    pub elements: u64,
+    /// Places in lanes that they take, per part; a group of lanes is computed as a whole.
+    pub lanes: Vec<u64>,
+    /// Own elements at nodes that others hold too.
+    pub shared: u64,
+    /// Nodes of own elements, and those of them that are its own.
+    pub held: u64,
+    /// See `held`.
+    pub owned: u64,
+    /// Own nodes on the contact surface.
+    pub slaves: u64,
+    /// Own segments.
+    pub segments: u64,
+    /// Copies of others' segments, and of nodes that are not held.
+    pub exterior_segments: u64,
+    /// See `exterior_segments`.
+    pub exterior_nodes: u64,
+    /// Workers that it has nodes in common with, and the corner forces that go to all of them.
+    pub neighbours: u64,
+    /// See `neighbours`.
+    pub corners: u64,
+    /// Node states that go to workers with copies.
+    pub exports: u64,
+    /// Workers that could come upon something of it, or it of theirs: they tell each other how they
+    /// have moved.
+    pub near_workers: u64,
+    /// Workers that some node is local to on both sides: they tell each other of pairs.
+    pub meets: u64,
+    /// Candidates that are near, of own slaves.
+    pub near: u64,
+    /// Own contact pairs.
+    pub pairs: u64,
+    /// Tellings of own pairs to other workers.
+    pub told: u64,
+    /// Words of these messages.
+    pub told_words: u64,
+    /// Workers that it has contact pairs in common with.
+    pub partners: u64,
+    /// Rounds after which it knows that nobody it has to do with through contact pairs, one with
+    /// the next, changes anything.
+    pub quiet: u64,
+    /// Own nodes of rigid bodies that something acts on.
+    pub members: u64,
+}
+
+/// Who has what.
+pub struct Census {
+    /// One for each worker.
+    pub counts: Vec<Count>,
+    /// Worker of each element, by its place in the engine's blocks.
+    worker: Vec<u32>,
+    /// Workers that have a node local, ascending, node after node; the first `holders` of a run
+    /// hold it.
+    local_start: Vec<u32>,
+    local: Vec<u32>,
+    holders: Vec<u32>,
+}
+
+impl Census {
+    /// Who would have what of a whole mesh in the boxes of `tree`, as the nodes are now. Contact
+    /// pairs come later ([`Census::count_contact`]).
+    ///
+    /// # Panics
+    /// When the engine is one of several.
+    pub fn new(engine: &Engine, tree: &CutTree) -> Self {
+        assert!(engine.halo.links.is_empty(), "the engine holds the whole mesh");
+        let (nodes, blocks) = (&engine.nodes, &engine.blocks);
+        let workers = tree.workers();
+        let of = |e: &LocalElement| tree.worker_of(centre(nodes, e.nodes, e.record.shape)) as u32;
+        let worker: Vec<u32> = blocks.elements.iter().map(of).collect();
+        let mut held: Vec<(u32, u32)> = Vec::new();
+        for (e, &w) in blocks.elements.iter().zip(&worker) {
+            held.extend(e.nodes[..e.record.shape.corners()].iter().map(|&n| (n, w)));
+        }
+        held.sort_unstable();
+        held.dedup();
+        let mut census = Self {
+            counts: vec![
+                Count { lanes: vec![0; engine.settings.parts.len()], ..Count::default() };
+                workers
+            ],
+            worker,
+            local_start: Vec::new(),
+            local: Vec::new(),
+            holders: Vec::new(),
+        };
+        census.set_local(nodes.len(), &held, &[]);
+        census.count_elements(engine);
+        census.count_nodes(engine);
+        if let Some(contact) = &engine.contact {
+            let copies = census.copy_exterior(engine, &contact.surface, &held);
+            census.set_local(nodes.len(), &held, &copies);
+            census.count_meetings();
+        }
+        census
+    }
+
+    /// Adds candidates and pairs of the engine's last local search.
+    pub fn count_contact(&mut self, engine: &Engine) {
+        let Some(contact) = &engine.contact else { return };
+        for (slave, near) in contact.near() {
+            let owner = self.owner(slave);
+            self.counts[owner].near += near as u64;
+        }
+        let workers = self.workers_of_elements(engine);
+        let mut partners: Vec<(u32, u32)> = Vec::new();
+        for pair in contact.own_table() {
+            let owner = self.owner_of_pair(&contact.surface, pair, &workers);
+            let mut others: Vec<u32> =
+                pair.touching().flat_map(|n| self.local(n)).copied().collect();
+            others.sort_unstable();
+            others.dedup();
+            others.retain(|&w| w != owner);
+            self.counts[owner as usize].pairs += 1;
+            self.counts[owner as usize].told += others.len() as u64;
+            self.counts[owner as usize].told_words += (others.len() * pair.words()) as u64;
+            partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
+        }
+        partners.sort_unstable();
+        partners.dedup();
+        partners.iter().for_each(|p| self.counts[p.0 as usize].partners += 1);
+        self.count_quiet(&partners);
+    }
+
+    /// How far from each other those are that have to do with each other through `partners`, both
+    /// ways, ascending.
+    fn count_quiet(&mut self, partners: &[(u32, u32)]) {
+        let mut neighbours: BTreeMap<u64, Vec<u64>> = BTreeMap::new();
+        partners.iter().for_each(|&(a, b)| neighbours.entry(a.into()).or_default().push(b.into()));
+        // The lowest worker that each reaches, and how far the farthest is.
+        let reached: Vec<(u64, u64, u64)> = neighbours
+            .keys()
+            .map(|&w| {
+                let to = distances(&neighbours, w);
+                (w, to.keys().next().copied().unwrap_or(w), to.values().copied().max().unwrap_or(0))
+            })
+            .collect();
+        let mut widest: BTreeMap<u64, u64> = BTreeMap::new();
+        for &(_, group, far) in &reached {
+            widest.entry(group).and_modify(|w| *w = far.max(*w)).or_insert(far);
+        }
+        reached.iter().for_each(|(w, group, _)| self.counts[*w as usize].quiet = widest[group] + 1);
+    }
+
+    /// Workers that have a node local.
+    fn local(&self, node: u32) -> &[u32] {
+        &self.local
+            [self.local_start[node as usize] as usize..self.local_start[node as usize + 1] as usize]
+    }
+
+    /// Workers that hold a node, ascending.
+    fn holders(&self, node: u32) -> &[u32] {
+        &self.local(node)[..self.holders[node as usize] as usize]
+    }
+
+    /// The worker that owns a node.
+    fn owner(&self, node: u32) -> usize {
+        self.holders(node)[0] as usize
+    }
+
+    /// Lays down who has which node local; both lists are of node and worker, ascending.
+    fn set_local(&mut self, nodes: usize, held: &[(u32, u32)], copies: &[(u32, u32)]) {
+        (self.local_start, self.holders) = (vec![0], vec![0; nodes]);
+        self.local.clear();
+        let (mut held, mut copies) = (held.iter().peekable(), copies.iter().peekable());
+        for n in 0..nodes as u32 {
+            while let Some(&(_, w)) = held.next_if(|h| h.0 == n) {
+                self.local.push(w);
+                self.holders[n as usize] += 1;
+            }
+            while let Some(&(_, w)) = copies.next_if(|c| c.0 == n) {
+                self.local.push(w);
+            }
+            self.local_start.push(self.local.len() as u32);
+        }
+    }
+
+    fn count_elements(&mut self, engine: &Engine) {
+        let elements = &engine.blocks.elements;
+        let mut links: HashMap<(u32, u32), u64> = HashMap::new();
+        for (e, &w) in elements.iter().zip(&self.worker) {
+            let corners = &e.nodes[..e.record.shape.corners()];
+            let shared = corners.iter().any(|&n| self.holders(n).len() > 1);
+            for &other in corners.iter().flat_map(|&n| self.holders(n)).filter(|&&o| o != w) {
+                *links.entry((w, other)).or_default() += 1;
+            }
+            self.counts[w as usize].elements += 1;
+            self.counts[w as usize].shared += u64::from(shared);
+        }
+        for ((w, _), corners) in links {
+            self.counts[w as usize].neighbours += 1;
+            self.counts[w as usize].corners += corners;
+        }
+        // The engine's blocks are of one part and shape, as those of each worker are.
+        for b in &engine.blocks.blocks {
+            let mut of_worker: HashMap<u32, usize> = HashMap::new();
+            self.worker[b.first..b.first + b.count]
+                .iter()
+                .for_each(|&w| *of_worker.entry(w).or_default() += 1);
+            let part = elements[b.first].record.part as usize;
+            for (w, count) in of_worker {
+                self.counts[w as usize].lanes[part] += count.next_multiple_of(b.lanes()) as u64;
+            }
+        }
+    }
+
+    fn count_nodes(&mut self, engine: &Engine) {
+        for n in 0..engine.nodes.len() as u32 {
+            let Some(&owner) = self.holders(n).first() else { continue };
+            let holders = self.holders(n).to_vec();
+            holders.iter().for_each(|&w| self.counts[w as usize].held += 1);
+            self.counts[owner as usize].owned += 1;
+        }
+        for n in engine.bodies.acted_on(&engine.nodes) {
+            let owner = self.owner(n);
+            self.counts[owner].members += 1;
+        }
+    }
+
+    /// Copies of nodes as node and worker, ascending.
+    fn copy_exterior(
+        &mut self,
+        engine: &Engine,
+        surface: &Surface,
+        held: &[(u32, u32)],
+    ) -> Vec<(u32, u32)> {
+        let nodes = &engine.nodes;
+        let of_element = self.workers_of_elements(engine);
+        let worker = |s: &Segment| {
+            worker_of(&of_element, s.id.elem()).expect("segments are of own elements")
+        };
+        let of_segment: Vec<u32> = surface.segments.iter().map(worker).collect();
+        let mut parts: Vec<Surface> = self.counts.iter().map(|_| Surface::default()).collect();
+        let with_edges = with_edges(&engine.settings);
+        for (s, &w) in surface.segments.iter().zip(&of_segment) {
+            self.counts[w as usize].segments += 1;
+            if with_edges {
+                parts[w as usize].segments.push(*s);
+            }
+        }
+        surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
+        let grow = covered(&engine.settings, &surface.interfaces, surface.largest_scale());
+        // By the lower end along x, so that few segments are looked at for each box.
+        let mut bounds: Vec<(Aabb, u32)> = (0..)
+            .zip(&surface.segments)
+            .map(|(g, s): (u32, &Segment)| (s.bounds(&nodes.x, 0.0), g))
+            .collect();
+        bounds.sort_unstable_by(|a, b| a.0.min[0].total_cmp(&b.0.min[0]));
+        let widest = bounds.iter().map(|(b, _)| b.max[0] - b.min[0]).fold(0.0, f64::max);
+        let mut copies: Vec<(u32, u32)> = Vec::new();
+        for (w, own) in (0u32..).zip(&parts) {
+            let count = &mut self.counts[w as usize];
+            count.slaves = own.slaves.len() as u64;
+            let seeking = seeking(&engine.settings, own, nodes);
+            if seeking.is_empty() {
+                continue;
+            }
+            let region = seeking.grown(grow);
+            let first = bounds.partition_point(|(b, _)| b.min[0] < region.min[0] - widest);
+            let last = bounds.partition_point(|(b, _)| b.min[0] <= region.max[0]);
+            for (_, g) in bounds[first..last.max(first)].iter().filter(|(b, _)| region.touches(b)) {
+                if of_segment[*g as usize] != w {
+                    count.exterior_segments += 1;
+                    copies.extend(surface.segments[*g as usize].nodes.map(|n| (n, w)));
+                }
+            }
+        }
+        copies.sort_unstable();
+        copies.dedup();
+        copies.retain(|c| held.binary_search(c).is_err());
+        for &(n, w) in &copies {
+            let owner = self.owner(n);
+            self.counts[owner].exports += 1;
+            self.counts[w as usize].exterior_nodes += 1;
+        }
+        self.count_near([held, &copies], &parts, engine, grow);
+        copies
+    }
+
+    /// Counts who is near whom, by their boxes, or has `copies` of another's nodes.
+    fn count_near(
+        &mut self,
+        [held, copies]: [&[(u32, u32)]; 2],
+        parts: &[Surface],
+        engine: &Engine,
+        grow: f64,
+    ) {
+        let copied: BTreeSet<(usize, usize)> = copies
+            .iter()
+            .map(|&(n, w)| (self.owner(n), w as usize))
+            .flat_map(|(o, w)| [(o, w), (w, o)])
+            .collect();
+        let mut places: Vec<Vec<[f64; 3]>> = vec![Vec::new(); parts.len()];
+        held.iter().for_each(|&(n, w)| places[w as usize].push(xyz(&engine.nodes.x[n as usize])));
+        let held: Vec<Aabb> = places.into_iter().map(Aabb::around).collect();
+        let seeking: Vec<Aabb> =
+            parts.iter().map(|p| seeking(&engine.settings, p, &engine.nodes)).collect();
+        let one_way = |a: usize, b: usize| are_near(&seeking[a], &held[b], grow);
+        let near = |a: usize, b: usize| one_way(a, b) || one_way(b, a) || copied.contains(&(a, b));
+        for (w, count) in self.counts.iter_mut().enumerate() {
+            count.near_workers = (0..parts.len()).filter(|&o| o != w && near(w, o)).count() as u64;
+        }
+    }
+
+    fn count_meetings(&mut self) {
+        let workers = self.counts.len();
+        let mut met = vec![false; workers * workers];
+        for n in 0..self.holders.len() as u32 {
+            let local = self.local(n);
+            for &w in local.iter().filter(|_| local.len() > 1) {
+                local
+                    .iter()
+                    .filter(|&&o| o != w)
+                    .for_each(|&o| met[w as usize * workers + o as usize] = true);
+            }
+        }
+        for (count, row) in self.counts.iter_mut().zip(met.chunks_exact(workers)) {
+            count.meets = row.iter().filter(|&&m| m).count() as u64;
+        }
+    }
+
+    /// Worker of each element, by ascending id.
+    fn workers_of_elements(&self, engine: &Engine) -> Vec<(ElemId, u32)> {
+        let mut all: Vec<_> = engine
+            .blocks
+            .elements
+            .iter()
+            .zip(&self.worker)
+            .map(|(e, &w)| (e.record.id, w))
+            .collect();
+        all.sort_unstable();
+        all
+    }
+
+    /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that
+    /// has the edge, a segment's to that of the segment.
+    fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
+        if pair.name.is_segment() {
+            let of_slave = worker_of(workers, pair.name.slave_quarter().0.elem());
+            return of_slave.unwrap_or_else(|| self.owner(pair.nodes[0]) as u32);
+        }
+        let [slave, far] = [pair.nodes[0], pair.nodes[1]];
+        let of_edge = || {
+            let place = surface.slaves.binary_search(&slave).ok()?;
+            let segment = surface.around(place).find(|s| s.nodes.contains(&far))?;
+            worker_of(workers, segment.id.elem())
+        };
+        let of_node = self.owner(slave) as u32;
+        if pair.name.is_edge() { of_edge().unwrap_or(of_node) } else { of_node }
+    }
+}
+
+impl Count {
+    /// Messages and bytes that the worker sends in a step, one of `workers`, the exchange of
+    /// contact forces between partners left out: that depends on how often they sweep
+    /// ([`crate::contact::Contact::exchange`]).
+    pub fn traffic(&self, engine: &Engine, workers: usize) -> [f64; 2] {
+        let others = workers as f64 - 1.0;
+        if workers < 2 {
+            return [0.0; 2];
+        }
+        let hops = MaxReduction::hops(workers) as f64;
+        let mut messages = self.neighbours as f64 + hops + messages_to_all(engine, workers);
+        let mut words = (self.corners * ghosts::corner_words(engine.settings.rotations)) as f64;
+        words += hops * reduction::WORDS as f64;
+        if engine.contact.is_some() {
+            messages += (self.near_workers + self.meets) as f64;
+            let spins = engine.contact.as_ref().is_some_and(|c| c.has_couples(&engine.nodes));
+            words += (self.near_workers * ghosts::DRIFT_WORDS as u64) as f64
+                + (self.exports * ghosts::exterior_words(spins)) as f64;
+            words += self.told_words as f64;
+        }
+        if engine.contact.as_ref().is_some_and(Contact::accelerates) {
+            // Whether all sweeps have settled.
+            messages += hops;
+            words += hops;
+        }
+        if !engine.bodies.is_empty() {
+            words += others * (1 + self.members * ACTING_WORDS as u64) as f64;
+            if engine.contact.is_some() {
+                words += others * (engine.bodies.bodies.len() * MET_WORDS) as f64;
+            }
+        }
+        [messages, 8.0 * words]
+    }
+}
+
+/// Worker of an element in a list by ascending id.
+fn worker_of(workers: &[(ElemId, u32)], elem: ElemId) -> Option<u32> {
+    workers.binary_search_by_key(&elem, |w| w.0).ok().map(|at| workers[at].1)
+}
+
+/// Messages of a step that every worker sends to all others: what acts on rigid bodies, what
+/// contact touches of them, and what may touch walls that have a mass.
+pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
+    let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
+    let rounds = usize::from(bodies) + usize::from(contact && bodies) + engine.walls.pushed();
+    rounds as f64 * (workers as f64 - 1.0).max(0.0)
+}
