@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# The benchmarks: `crumple bench` with its table and JSON, then single kernels by criterion, and what the order of nodal sums
-# costs. Run it on an idle machine.
+# Benchmarks: `crumple bench` with its table and JSON, then single kernels by criterion, then the
+# cost of the order of nodal sums. Run it on an idle machine.
 #
-#   deploy/bench.sh             into out/bench/RESULTS.md and out/bench/bench.json
-#   deploy/bench.sh --only tube goes to `crumple bench`; kernels are left out then
+#   deploy/bench.sh             writes out/bench/RESULTS.md and out/bench/bench.json
+#   deploy/bench.sh --only tube passes its arguments to `crumple bench`, without single kernels
 set -euo pipefail
 
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
@@ -13,7 +13,8 @@ fi
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 cargo build --release -p crumple
-target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+target=$(cargo metadata --format-version 1 --no-deps |
+    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 mkdir -p out/bench
 "$target/release/crumple" bench --json out/bench/bench.json "$@" | tee out/bench/RESULTS.md
 if [[ $# -eq 0 ]]; then

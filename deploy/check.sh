@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The whole gate, the same by hand and before a merge: format, lints, documentation, tests.
+# All checks, by hand and before a merge: format, lints, documentation, tests.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Compares what `crumple check` makes of keyword decks with what an independent reader, dynars, finds in them.
+"""Compares the results of `crumple check` on keyword decks with an independent reader, dynars.
 
     deploy/compare_decks.py CRUMPLE DECK...
 
-Nodes, elements and numbers of materials have to be the same. dynars 0.x reads one part of a *PART with several blocks, and
-none under a blank heading: its parts have to be among ours. Ends with 1 if anything differs, with 3 without dynars. Needs `pip install dynars`.
+Nodes, elements and numbers of materials must be equal. dynars 0.x reads only one part of a *PART
+with several blocks, and none with a blank heading. So each part of dynars must be a part of
+Crumple. Exit code 1 at a difference, 3 without dynars. Needs `pip install dynars`.
 """
 
 import re
@@ -14,13 +15,18 @@ import sys
 try:
     import dynars
 except ImportError:
-    print("there is no dynars: pip install dynars")
+    print("dynars is missing: pip install dynars")
     sys.exit(3)
 
 
 def ours(crumple, deck):
-    """Counts of nodes and elements, ids of parts, numbers of untitled materials, as `crumple check` prints them."""
-    text = subprocess.run([crumple, "check", deck], check=True, capture_output=True, text=True).stdout
+    """Counts of nodes and elements, ids of parts and of untitled materials.
+
+    From the output of `crumple check`.
+    """
+    text = subprocess.run(
+        [crumple, "check", deck], check=True, capture_output=True, text=True
+    ).stdout
     elements = re.search(r"^elements +(.*)$", text, re.M).group(1)
     table = re.search(r"^ +part +name .*\n((?: +\d+ .*\n)+)", text, re.M).group(1)
     return {
@@ -32,10 +38,12 @@ def ours(crumple, deck):
 
 
 def theirs(deck):
-    """The same by dynars."""
+    """The same from dynars."""
     read = dynars.parse_deck(deck)
     counts = dict(read.definition_counts())
-    number = lambda entities: {int(re.search(r"\((?:Part|Material) (\d+)", str(e)).group(1)) for e in entities}
+    number = lambda entities: {
+        int(re.search(r"\((?:Part|Material) (\d+)", str(e)).group(1)) for e in entities
+    }
     return {
         "nodes": counts["Node"],
         "elements": counts["Element"],
@@ -53,7 +61,9 @@ def main():
         same["parts"] = other["parts"] <= own["parts"]
         wrong += not all(same.values())
         for key in own:
-            print(f"{deck}: {key} {own[key]}, dynars {other[key]}{'' if same[key] else ' DIFFERENT'}")
+            print(
+                f"{deck}: {key} {own[key]}, dynars {other[key]}{'' if same[key] else ' DIFFERENT'}"
+            )
     return 1 if wrong or not decks else 0
 
 

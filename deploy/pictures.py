@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Pictures of a run: the deformed shells at given times, from the side (whole, and the far side's front close up,
-as seen from the middle), at an angle, and close up at the front. Grey lines are the outline before the deformation.
+"""Pictures of a run: the deformed shells at given times.
+
+Views: from the side (the whole, and the front of the far side close up, seen from the middle), at
+an angle, and close up at the front. Grey lines are the outline before the deformation.
 
     deploy/pictures.py DIR --times 0 20 40 65.8 --out DIR/pictures
 
-DIR is the folder that `crumple run --out DIR` wrote; its DIR/fields/fields.pvd is read. A time for which there is no
-step gives the nearest step. Needs `pip install pyvista`; needs no screen.
+DIR is the folder of `crumple run --out DIR`; the script reads its DIR/fields/fields.pvd. For a time
+without a step it uses the nearest step. Needs `pip install pyvista`, but no screen.
 """
 
 import argparse
@@ -14,11 +16,11 @@ import sys
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
-# Light grey where nothing has yielded.
+# Light grey for zero plastic strain.
 STRAIN = ["#c3c9d1", "#5b9bd5", "#2ca58d", "#f4d35e", "#ee6c4d", "#9b1d20"]
-# Told apart at a glance, in print too.
+# Colours that are easy to distinguish, also in print.
 DISTINCT = ["#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#b07aa1", "#9c755f"]
-# name on the command line -> cell array, title of the colour bar, colour map
+# Name on the command line -> cell array, title of the colour bar, colour map
 COLOURS = {
     "plastic_strain": ("plastic_strain", "plastic strain [-]", STRAIN),
     "von_mises": ("von_mises", "von Mises stress [{stress}]", "viridis"),
@@ -27,27 +29,27 @@ COLOURS = {
     "worker": ("worker", "worker", "tab10"),
     "class": ("class", "0 interior, 1 interface, 2 exterior", "Set1"),
 }
-WHOLE = ("part", "worker", "class")  # arrays of whole numbers
-EXTERIOR = 2  # class of such a copy
-# view -> window [pixel], its panels from the top down: share of the height, direction from the model to the camera,
-# what is shown. The model points to -x, y is across, z is up; the cameras of the slanting views stand behind the
-# wall's face, so that the wall hides nothing.
+WHOLE = ("part", "worker", "class")  # arrays of integers
+EXTERIOR = 2  # class of a ghost element
+# View -> window [pixel] and its panels from the top down: share of the height, direction from the
+# model to the camera, visible part. The model points to -x, y is across, z is up. The cameras of
+# the oblique views are behind the face of the wall, so that the wall hides nothing.
 SIDE = (0.0, -1.0, 0.0)
 VIEWS = {
     "side": ((1600, 1000), [(0.3, SIDE, "all"), (0.7, SIDE, "far front")]),
     "angle": ((1600, 900), [(1.0, (0.55, -1.0, 0.65), "all")]),
     "front": ((1600, 1000), [(1.0, (0.65, -1.0, 0.6), "front")]),
 }
-# Shells of a close-up: those ahead of this fraction of the undeformed length; on the far side, those beyond this
-# fraction of half the width.
+# Shells of a close-up: those ahead of the fraction FRONT of the undeformed length; on the far side,
+# those beyond the fraction FAR of half the width.
 FRONT = 0.17
 FAR = 0.8
 # Point and normal of the wall of the jeep frame.
 JEEP_WALL = [-0.5, 0.0, 0.0, 1.0, 0.0, 0.0]
-# Room around the model in a picture, and how much of the window's height the colour bar takes at the bottom.
+# Margin around the model, and share of the window's height for the colour bar at the bottom.
 MARGIN = 1.06
 BAR = 0.14
-# Largest share of shells that may lie above the colours' range, so that a few creases do not set it.
+# Largest share of shells above the range of the colours, so that a few creases do not set it.
 ABOVE = 0.01
 
 
@@ -58,19 +60,24 @@ def stop(message):
 
 
 def read_steps(folder):
-    """The (time, [files]) of DIR/fields/fields.pvd, ascending in time."""
+    """Pairs (time, [files]) of DIR/fields/fields.pvd, ascending in time."""
     collection = folder / "fields" / "fields.pvd"
     if not folder.is_dir():
         stop(f"{folder} is not a folder; give the folder that `crumple run --out` wrote")
     if not collection.is_file():
-        stop(f"{collection} is missing; was the run started with output.field_interval < 0, or is it still starting?")
+        stop(
+            f"{collection} is missing; was the run started with output.field_interval < 0,"
+            " or is it still starting?"
+        )
     try:
         root = xml.parse(collection).getroot()
     except xml.ParseError as error:
         stop(f"{collection} is not a ParaView collection: {error}")
     steps = {}
     for entry in root.iter("DataSet"):
-        steps.setdefault(float(entry.get("timestep", "0")), []).append(collection.parent / entry.get("file", ""))
+        steps.setdefault(float(entry.get("timestep", "0")), []).append(
+            collection.parent / entry.get("file", "")
+        )
     if not steps:
         stop(f"{collection} names no time steps; the run has written no fields yet")
     return sorted(steps.items())
@@ -88,7 +95,7 @@ def nearest(steps, times):
 
 
 def read_mesh(pv, files):
-    """All pieces of one step as one grid, without the copies that workers keep of others' elements."""
+    """All pieces of one step as one grid, without ghost elements."""
     pieces = []
     for file in files:
         if not file.is_file():
@@ -104,19 +111,25 @@ def read_mesh(pv, files):
 
 def undeformed(mesh):
     """Points before the deformation."""
-    return mesh.points - mesh.point_data["displacement"] if "displacement" in mesh.point_data else mesh.points
+    return (
+        mesh.points - mesh.point_data["displacement"]
+        if "displacement" in mesh.point_data
+        else mesh.points
+    )
 
 
 def round_up(value, steps=(1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)):
-    """The next number with a short name."""
+    """The next larger number with few digits."""
     import math
 
     power = 10.0 ** math.floor(math.log10(value))
-    return next((step * power for step in steps if step * power >= value * (1.0 - 1e-9)), 10.0 * power)
+    return next(
+        (step * power for step in steps if step * power >= value * (1.0 - 1e-9)), 10.0 * power
+    )
 
 
 def colour_limits(meshes, array, given):
-    """One range of colours for all pictures, and whether anything lies above it."""
+    """One range of colours for all pictures; and True if a value is above it."""
     import numpy as np
 
     values = [m.cell_data[array] for m in meshes]
@@ -139,7 +152,7 @@ def corners(box):
 
 
 def screen_axes(towards):
-    """Right, up and back of a camera that stands in this direction from the model."""
+    """Axes right, up and back of a camera in this direction from the model."""
     import numpy as np
 
     back = np.array(towards) / np.linalg.norm(towards)
@@ -149,8 +162,11 @@ def screen_axes(towards):
 
 
 def aim(scene, towards, points, width, height, bar):
-    """Parallel projection that holds all points, in a panel of this size [pixel], above the colour bar, which takes
-    `bar` of its height. Returns the lower right corner of what is seen and the length of a pixel."""
+    """Parallel projection that shows all points, in a panel of this size [pixel].
+
+    The model is above the colour bar, which has the fraction `bar` of the height. Returns the lower
+    right corner of the visible region and the length of a pixel.
+    """
     import numpy as np
 
     axes = screen_axes(towards)
@@ -166,24 +182,34 @@ def aim(scene, towards, points, width, height, bar):
     scene.camera_position = [tuple(focus + 10.0 * max(span) * back), tuple(focus), tuple(up)]
     scene.camera.parallel_scale = half
     scene.renderer.ResetCameraClippingRange()
-    return focus + half * width / height * right - half * up + 2.0 * max(span) * back, 2.0 * half / height
+    return (
+        focus + half * width / height * right - half * up + 2.0 * max(span) * back,
+        2.0 * half / height,
+    )
 
 
 def scale_bar(pv, scene, towards, corner, pixel, bar, unit):
-    """A bar of a round length at the lower right, above the colour bar."""
+    """Length scale at the lower right, above the colour bar; its length is a round number."""
     right, up, _ = screen_axes(towards)
     length = round_up(120.0 * pixel, (1.0, 2.0, 5.0, 10.0))
     start = corner - (40.0 * pixel + length) * right + (25.0 + bar) * pixel * up
     scene.add_mesh(pv.Line(start, start + length * right), color="black", line_width=4)
     label = start + 10.0 * pixel * up
     scene.add_point_labels(
-        [label], [f"{length:g} {unit}"], font_size=18, text_color="black", shape=None, show_points=False,
-        always_visible=True, justification_horizontal="left", justification_vertical="bottom",
+        [label],
+        [f"{length:g} {unit}"],
+        font_size=18,
+        text_color="black",
+        shape=None,
+        show_points=False,
+        always_visible=True,
+        justification_horizontal="left",
+        justification_vertical="bottom",
     )
 
 
 def hit_a_wall(folder):
-    """Whether a rigid wall took an impulse in the run."""
+    """True if a rigid wall received an impulse in the run."""
     try:
         summary = json.loads((folder / "summary.json").read_text())
     except (OSError, ValueError):
@@ -192,7 +218,7 @@ def hit_a_wall(folder):
 
 
 def wall_plate(pv, args, box):
-    """The rigid wall as a plate behind its face, a little larger than the model's section."""
+    """The rigid wall as a plate behind its face, slightly larger than the section of the model."""
     import numpy as np
 
     point, normal = np.array(args.wall[:3]), np.array(args.wall[3:])
@@ -205,20 +231,27 @@ def wall_plate(pv, args, box):
     centre = middle - ((middle - point) @ normal) * normal
     spans = [abs(axis) @ (high - low) for axis in (along, up)]
     sides = [0.5 * span + 0.15 * max(spans) for span in spans]
-    edge = [centre + i * sides[0] * along + j * sides[1] * up for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    return pv.PolyData(np.array(edge), faces=[4, 0, 1, 2, 3]).extrude(tuple(-0.05 * max(sides) * normal), capping=True)
+    edge = [
+        centre + i * sides[0] * along + j * sides[1] * up
+        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    return pv.PolyData(np.array(edge), faces=[4, 0, 1, 2, 3]).extrude(
+        tuple(-0.05 * max(sides) * normal), capping=True
+    )
 
 
 def outline(mesh):
-    """Sharp and open edges of the model before its deformation."""
+    """Sharp and free edges of the model before the deformation."""
     flat = mesh.copy()
     flat.points = undeformed(mesh)
     surface = flat.extract_surface(algorithm="dataset_surface").clean(tolerance=1e-6)
-    return surface.extract_feature_edges(30, boundary_edges=True, non_manifold_edges=True, manifold_edges=False)
+    return surface.extract_feature_edges(
+        30, boundary_edges=True, non_manifold_edges=True, manifold_edges=False
+    )
 
 
 def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, bar, args):
-    """One look at the model. `bar` is the height of the colour bar in it [pixel]; none for nought."""
+    """One view of the model. `bar` is the height of its colour bar [pixel]; 0 for no bar."""
     from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 
     array, title, colours = COLOURS[colour]
@@ -251,27 +284,36 @@ def panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, ba
         ambient=0.2,
         clim=[limits[0] - 0.5, limits[0] + count - 0.5] if whole else limits,
         n_colors=count if whole else 256,
-        annotations={float(limits[0] + i): f"{limits[0] + i:.0f}" for i in range(count)} if whole else None,
-        show_edges=args.edges == "yes" or (args.edges == "auto" and (close or mesh.n_cells < 30000)),
+        annotations=(
+            {float(limits[0] + i): f"{limits[0] + i:.0f}" for i in range(count)} if whole else None
+        ),
+        show_edges=args.edges == "yes"
+        or (args.edges == "auto" and (close or mesh.n_cells < 30000)),
         edge_color="#202020",
         edge_opacity=0.4 if close else 0.15,
         show_scalar_bar=bar > 0,
-        scalar_bar_args={
-            "title": title + (f", {limits[1]:g} and above in the last colour" if above else "") + "\n",
-            "color": "black",
-            "vertical": False,
-            "position_x": 0.3,
-            "position_y": (0.3 if whole else 0.1) * bar / size[1],
-            "width": 0.4,
-            "height": 0.75 * bar / size[1],
-            "title_font_size": 20,
-            "label_font_size": 18,
-            "n_labels": 0 if whole else 6,
-            "fmt": "%.3g",
-        } if bar > 0 else None,
+        scalar_bar_args=(
+            {
+                "title": title
+                + (f", {limits[1]:g} and above in the last colour" if above else "")
+                + "\n",
+                "color": "black",
+                "vertical": False,
+                "position_x": 0.3,
+                "position_y": (0.3 if whole else 0.1) * bar / size[1],
+                "width": 0.4,
+                "height": 0.75 * bar / size[1],
+                "title_font_size": 20,
+                "label_font_size": 18,
+                "n_labels": 0 if whole else 6,
+                "fmt": "%.3g",
+            }
+            if bar > 0
+            else None
+        ),
     )
     scene.add_mesh(ghost, color="#6b7078", line_width=1.5)
-    # The box at the start and now, so that pictures of one view compare.
+    # The box at the start and now, so that pictures of one view have the same frame.
     points = corners(shown.bounds) + corners(ghost.bounds)
     if args.wall:
         plate = wall_plate(pv, args, start)
@@ -288,7 +330,11 @@ def draw(pv, mesh, time, view, colour, limits, above, start, args, file):
     (width, height), panels = VIEWS[view]
     weights = [share for share, _, _ in panels]
     scene = pv.Plotter(
-        off_screen=True, window_size=(width, height), shape=(len(panels), 1), row_weights=weights, border=False
+        off_screen=True,
+        window_size=(width, height),
+        shape=(len(panels), 1),
+        row_weights=weights,
+        border=False,
     )
     scene.set_background("white")
     scene.enable_anti_aliasing("ssaa")
@@ -298,28 +344,44 @@ def draw(pv, mesh, time, view, colour, limits, above, start, args, file):
         size = (width, share * height)
         panel(pv, scene, mesh, colour, limits, above, start, what, towards, size, bar, args)
         if row == 0:
-            scene.add_text(f"t = {time:.4g} {args.time_unit}", position="upper_right", font_size=14, color="black")
+            scene.add_text(
+                f"t = {time:.4g} {args.time_unit}",
+                position="upper_right",
+                font_size=14,
+                color="black",
+            )
     scene.screenshot(str(file))
     scene.close()
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("run", type=Path, metavar="DIR", help="folder of the run")
-    parser.add_argument("--times", type=float, nargs="+", default=[0.0, 20.0, 40.0, 65.8], help="times to draw")
+    parser.add_argument(
+        "--times", type=float, nargs="+", default=[0.0, 20.0, 40.0, 65.8], help="times to draw"
+    )
     parser.add_argument("--out", type=Path, help="folder for the pictures (DIR/pictures)")
-    parser.add_argument("--colour", nargs="+", choices=COLOURS, default=["plastic_strain", "worker"])
+    parser.add_argument(
+        "--colour", nargs="+", choices=COLOURS, default=["plastic_strain", "worker"]
+    )
     parser.add_argument("--views", nargs="+", choices=VIEWS, default=list(VIEWS))
-    parser.add_argument("--limits", type=float, nargs=2, metavar=("LOW", "HIGH"), help="range of the colours")
+    parser.add_argument(
+        "--limits", type=float, nargs=2, metavar=("LOW", "HIGH"), help="range of the colours"
+    )
     parser.add_argument(
         "--wall",
         type=float,
         nargs=6,
         metavar=("X", "Y", "Z", "NX", "NY", "NZ"),
-        help="point and normal of a rigid wall to draw (that of the jeep frame, if the run has a wall that was hit)",
+        help="point and normal of a rigid wall to draw"
+        " (that of the jeep frame if the run has a wall with an impulse)",
     )
     parser.add_argument("--no-wall", action="store_true", help="draw no wall")
-    parser.add_argument("--edges", choices=("auto", "yes", "no"), default="auto", help="draw the shells' edges")
+    parser.add_argument(
+        "--edges", choices=("auto", "yes", "no"), default="auto", help="draw the shells' edges"
+    )
     parser.add_argument("--time-unit", default="ms")
     parser.add_argument("--length-unit", default="mm")
     parser.add_argument("--stress-unit", default="GPa")
@@ -349,7 +411,10 @@ def main():
         lacking = [time for time, mesh in chosen if array not in mesh.cell_data]
         if lacking:
             known = ", ".join(sorted(chosen[0][1].cell_data.keys())) or "none"
-            print(f"no cell array `{array}` at t = {lacking[0]:g}: leaving this colour out (arrays: {known})")
+            print(
+                f"no cell array `{array}` at t = {lacking[0]:g}:"
+                f" this colour is left out (arrays: {known})"
+            )
             continue
         limits, above = colour_limits([mesh for _, mesh in chosen], array, args.limits)
         for time, mesh in chosen:

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Reads the d3plot database of a run with an independent reader and compares it with the run's field files.
+"""Reads the d3plot database of a run with an independent reader, and compares it with the fields.
 
-DIR is the folder of a run after `crumple export-d3plot DIR`. Compares times, coordinates, velocities, stress, plastic
-strain, thickness, numbers, parts, and which elements are left, state by state, to the last bit of single precision.
-Exits with 1 and a message when something differs. Needs lasso-python and pyvista (deploy/requirements.txt).
+DIR is the folder of a run after `crumple export-d3plot DIR`. For each state the script compares, to
+the last bit of single precision: times, coordinates, velocities, stress, plastic strain, thickness,
+ids, parts, and the elements that have not failed. Exits with 1 and a message at a difference. Needs
+lasso-python and pyvista (deploy/requirements.txt).
 """
 
 import argparse
@@ -16,13 +17,16 @@ import numpy as np
 try:
     from lasso.dyna import ArrayType, D3plot
 except ImportError:
-    sys.exit("read_d3plot: lasso-python is missing; install it with: pip install -r deploy/requirements.txt")
+    sys.exit(
+        "read_d3plot: lasso-python is missing;"
+        " install it with: pip install -r deploy/requirements.txt"
+    )
 
 from read_fields import Wrong, read, steps_of
 
 
 def same(what, time, ours, theirs):
-    """Two arrays are equal, bit for bit."""
+    """Raises an error if two arrays are not equal, bit for bit."""
     ours, theirs = np.asarray(ours), np.asarray(theirs)
     if ours.shape != theirs.shape:
         raise Wrong(f"time {time:g}: {what}: {theirs.shape} values, the fields have {ours.shape}")
@@ -32,7 +36,7 @@ def same(what, time, ours, theirs):
 
 
 def places(ids, wanted, what):
-    """Where in `ids` the wanted ones are."""
+    """Positions of the wanted ids in `ids`."""
     order = np.argsort(ids)
     found = order[np.clip(np.searchsorted(ids, wanted, sorter=order), 0, len(ids) - 1)]
     if not np.array_equal(ids[found], wanted):
@@ -41,7 +45,7 @@ def places(ids, wanted, what):
 
 
 def check_elements(kind, state, time, arrays, grid, of_kind):
-    """Values of one kind of element, and which of them are left. Returns how many are gone."""
+    """Compares values and ids of one kind of element. Returns the number of failed elements."""
     ids = arrays[f"element_{kind}_ids"]
     alive = arrays[f"element_{kind}_is_alive"][state] != 0.0
     here = np.asarray(grid.cell_data["element_id"])[of_kind]
@@ -57,14 +61,19 @@ def check_elements(kind, state, time, arrays, grid, of_kind):
     strain = arrays[f"element_{kind}_effective_plastic_strain"][point].reshape(-1)
     same(f"{kind} plastic strain", time, column("plastic_strain"), strain)
     if kind == "shell":
-        same("thickness", time, column("thickness"), arrays[ArrayType.element_shell_thickness][state, at])
+        same(
+            "thickness",
+            time,
+            column("thickness"),
+            arrays[ArrayType.element_shell_thickness][state, at],
+        )
     parts = arrays["part_ids"][arrays[f"element_{kind}_part_indexes"][at]]
     same(f"{kind} parts", time, column("part"), parts)
     return int((~alive).sum())
 
 
 def check(folder):
-    """All states of a run."""
+    """Compares all states of a run."""
     database = D3plot(str(folder / "d3plot"))
     arrays, header = database.arrays, database.header
     steps = steps_of(folder / "fields" / "fields.pvd")
@@ -75,14 +84,29 @@ def check(folder):
         grid = read(path)
         ids = np.asarray(grid.point_data["node_id"])
         at = places(arrays[ArrayType.node_ids], ids, "nodes")
-        same("coordinates", time, np.asarray(grid.points), arrays[ArrayType.node_displacement][state, at])
-        same("velocities", time, grid.point_data["velocity"], arrays[ArrayType.node_velocity][state, at])
-        # Lines, beams and springs, are not in the database.
+        same(
+            "coordinates",
+            time,
+            np.asarray(grid.points),
+            arrays[ArrayType.node_displacement][state, at],
+        )
+        same(
+            "velocities",
+            time,
+            grid.point_data["velocity"],
+            arrays[ArrayType.node_velocity][state, at],
+        )
+        # The database has no beams and springs (lines).
         types = np.asarray(grid.celltypes)
         is_solid, is_shell = types == 12, np.isin(types, (5, 9))
-        kinds = [(kind, of_kind) for kind, of_kind in (("solid", is_solid), ("shell", is_shell))
-                 if getattr(header, f"n_{kind}s") > 0]
-        gone = sum(check_elements(kind, state, time, arrays, grid, of_kind) for kind, of_kind in kinds)
+        kinds = [
+            (kind, of_kind)
+            for kind, of_kind in (("solid", is_solid), ("shell", is_shell))
+            if getattr(header, f"n_{kind}s") > 0
+        ]
+        gone = sum(
+            check_elements(kind, state, time, arrays, grid, of_kind) for kind, of_kind in kinds
+        )
         if state == 0:
             start = np.asarray(grid.points) - np.asarray(grid.point_data["displacement"])
             same("initial coordinates", time, start, arrays[ArrayType.node_coordinates][at])
@@ -90,19 +114,30 @@ def check(folder):
                 kind = "solid" if is_solid[cell] else "shell"
                 wanted = ids[grid.get_cell(cell).point_ids]
                 wanted = np.append(wanted, [wanted[-1]] * (corners[kind] - len(wanted)))
-                row = places(arrays[f"element_{kind}_ids"], np.array([grid.cell_data["element_id"][cell]]), kind)
+                row = places(
+                    arrays[f"element_{kind}_ids"],
+                    np.array([grid.cell_data["element_id"][cell]]),
+                    kind,
+                )
                 nodes = arrays[ArrayType.node_ids][arrays[f"element_{kind}_node_indexes"][row[0]]]
                 same(f"nodes of {kind} {row[0]}", time, wanted, nodes)
-    named = {part["id"]: part["name"] for part in json.loads((folder / "summary.json").read_text())["parts"]}
+    named = {
+        part["id"]: part["name"]
+        for part in json.loads((folder / "summary.json").read_text())["parts"]
+    }
     for part, title in zip(arrays[ArrayType.part_titles_ids], arrays[ArrayType.part_titles]):
         if named.get(int(part), "") not in ("", title.decode().strip()):
             raise Wrong(f"part {part} is called {title.decode().strip()}, not {named[int(part)]}")
-    print(f"{len(steps)} states, {header.n_nodes} nodes, {header.n_shells} shells, {header.n_solids} solids, {gone} gone: "
-          "all agrees")
+    print(
+        f"{len(steps)} states, {header.n_nodes} nodes, {header.n_shells} shells,"
+        f" {header.n_solids} solids, {gone} gone: all agrees"
+    )
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("dir", metavar="DIR", type=Path, help="folder of a run")
     arguments = parser.parse_args()
     try:

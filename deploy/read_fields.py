@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Reads the field files of a run with VTK and says what is in them.
+"""Reads the field files of a run with VTK, prints their contents and checks them.
 
-DIR is the folder of a run, or its `fields` folder. Prints times, cells, points, arrays and their ranges.
-Exits with 1 and a message when something does not add up: an element that is there twice, a node that is
-in two places, values that are not finite, files that are named but missing or cannot be read.
+DIR is the folder of a run, or its `fields` folder. Prints times, cells, points, arrays and their
+ranges. Exits with 1 and a message at an error: an element that is present twice, a node with two
+positions, values that are not finite, files that are named but missing or not readable.
 Needs pyvista (deploy/requirements.txt).
 """
 
@@ -18,28 +18,36 @@ import numpy as np
 try:
     import pyvista
 except ImportError:
-    sys.exit("read_fields: pyvista is missing; install it with: pip install -r deploy/requirements.txt")
+    sys.exit(
+        "read_fields: pyvista is missing; install it with: pip install -r deploy/requirements.txt"
+    )
 
 POINT_ARRAYS = {"displacement": 3, "velocity": 3, "rotational_velocity": 3, "node_id": 1}
 CELL_ARRAYS = {
-    "plastic_strain": 1, "von_mises": 1, "stress": 6, "thickness": 1,
-    "part": 1, "worker": 1, "class": 1, "element_id": 1,
+    "plastic_strain": 1,
+    "von_mises": 1,
+    "stress": 6,
+    "thickness": 1,
+    "part": 1,
+    "worker": 1,
+    "class": 1,
+    "element_id": 1,
 }
 INTERIOR, INTERFACE, EXTERIOR = 0, 1, 2
 
 
 class Wrong(Exception):
-    """Something does not add up."""
+    """An error in the field files."""
 
 
 def read(path):
-    """The grid in a .vtu or .pvtu file; VTK's own complaints are errors."""
+    """The grid of a .vtu or .pvtu file; warnings of VTK are errors."""
     if not path.is_file():
         raise Wrong(f"{path}: named but missing")
     with pyvista.VtkErrorCatcher() as catcher:
         try:
             grid = pyvista.get_reader(str(path)).read()
-        except RuntimeError as error:  # newer versions of pyvista raise what VTK complains of
+        except RuntimeError as error:  # newer pyvista raises VTK's errors
             raise Wrong(f"{path}: VTK cannot read it: {error}") from error
     if catcher.events:
         raise Wrong(f"{path}: VTK says: {catcher.events[0].alert}")
@@ -47,12 +55,14 @@ def read(path):
 
 
 def steps_of(collection):
-    """(time, path) of each step of a .pvd file."""
+    """Pairs (time, path) of the steps of a .pvd file."""
     try:
         root = ElementTree.parse(collection).getroot()
     except ElementTree.ParseError as error:
         raise Wrong(f"{collection}: not whole XML: {error}") from error
-    steps = [(float(e.get("timestep")), collection.parent / e.get("file")) for e in root.iter("DataSet")]
+    steps = [
+        (float(e.get("timestep")), collection.parent / e.get("file")) for e in root.iter("DataSet")
+    ]
     if not steps:
         raise Wrong(f"{collection}: no step in it")
     for (earlier, _), (later, path) in zip(steps, steps[1:]):
@@ -73,8 +83,11 @@ def pieces_of(step):
 
 
 def check_arrays(path, grid):
-    """Arrays are those declared, as long as they should be, and finite."""
-    for place, data, declared in (("point", grid.point_data, POINT_ARRAYS), ("cell", grid.cell_data, CELL_ARRAYS)):
+    """Checks that arrays have the declared names and components, and are finite."""
+    for place, data, declared in (
+        ("point", grid.point_data, POINT_ARRAYS),
+        ("cell", grid.cell_data, CELL_ARRAYS),
+    ):
         if set(data.keys()) != set(declared):
             raise Wrong(f"{path}: {place} arrays are {sorted(data.keys())}, not {sorted(declared)}")
         for name, components in declared.items():
@@ -83,37 +96,44 @@ def check_arrays(path, grid):
             if width != components and len(values):
                 raise Wrong(f"{path}: {name} has {width} components, not {components}")
             if not np.isfinite(values).all():
-                raise Wrong(f"{path}: {name} is not finite at {place} {int(np.argwhere(~np.isfinite(values))[0][0])}")
+                first = int(np.argwhere(~np.isfinite(values))[0][0])
+                raise Wrong(f"{path}: {name} is not finite at {place} {first}")
     if not np.isfinite(grid.points).all():
         raise Wrong(f"{path}: coordinates are not finite")
 
 
 def check_once(path, what, ids):
-    """No id is there twice."""
+    """Checks that no id is present twice."""
     found, counts = np.unique(ids, return_counts=True)
     if (counts > 1).any():
         worst = np.flatnonzero(counts > 1)[0]
-        raise Wrong(f"{path}: {what} {found[worst]} is there {counts[worst]} times "
-                    f"({(counts > 1).sum()} {what}s are there more than once)")
+        raise Wrong(
+            f"{path}: {what} {found[worst]} is there {counts[worst]} times "
+            f"({(counts > 1).sum()} {what}s are there more than once)"
+        )
 
 
 def check_nodes_agree(path, grid):
-    """A node that several pieces hold is at one place with one velocity, to the last bit."""
+    """Checks that shared nodes have one position and one velocity, to the last bit."""
     ids = grid.point_data["node_id"]
     order = np.argsort(ids, kind="stable")
     same = np.flatnonzero(ids[order][1:] == ids[order][:-1])
     one, other = order[same], order[same + 1]
-    columns = {"coordinates": grid.points} | {name: grid.point_data[name] for name in ("displacement", "velocity")}
+    columns = {"coordinates": grid.points} | {
+        name: grid.point_data[name] for name in ("displacement", "velocity")
+    }
     for name, values in columns.items():
         differ = np.flatnonzero((values[one] != values[other]).any(axis=1))
         if len(differ):
             a, b = one[differ[0]], other[differ[0]]
-            raise Wrong(f"{path}: node {ids[a]} has two {name}: {values[a]} and {values[b]} "
-                        f"({len(differ)} such nodes)")
+            raise Wrong(
+                f"{path}: node {ids[a]} has two {name}: {values[a]} and {values[b]} "
+                f"({len(differ)} such nodes)"
+            )
 
 
 def check_pieces(step, time, exterior):
-    """Each piece by itself: its time, its classes, its worker."""
+    """Checks each piece alone: its time, classes and worker. Returns the number of cells."""
     cells = 0
     for worker, path in enumerate(pieces_of(step)):
         grid = read(path)
@@ -134,7 +154,7 @@ def check_pieces(step, time, exterior):
 
 
 def print_ranges(grid):
-    """Least and largest value of every array; of vectors, of their length."""
+    """Smallest and largest value of every array; for vectors, of their length."""
     for place, data in (("point", grid.point_data), ("cell", grid.cell_data)):
         for name in data.keys():
             values = data[name]
@@ -146,7 +166,10 @@ def print_ranges(grid):
 
 
 def check_series(collection, exterior, owners, quiet):
-    """Reads all steps of a collection. `owners` maps a time to the elements of the main one, and is filled by it."""
+    """Reads all steps of a collection.
+
+    `owners` maps a time to the elements of the main collection, which fills it.
+    """
     print(f"{collection}")
     steps = steps_of(collection)
     before = None
@@ -169,14 +192,19 @@ def check_series(collection, exterior, owners, quiet):
                 raise Wrong(f"{path}: time {time:g} is not in the main collection")
             strange = np.setdiff1d(ids, elements)
             if len(strange):
-                raise Wrong(f"{path}: element {strange[0]} is a copy of an element that nobody owns")
+                raise Wrong(f"{path}: element {strange[0]} is a ghost of an element without owner")
             for node, x in nodes.items():
                 if node in places and places[node] != x:
-                    raise Wrong(f"{path}: node {node} is at {x} in a copy and at {places[node]} at its owner")
+                    raise Wrong(
+                        f"{path}: node {node} is at {x} as a ghost"
+                        f" and at {places[node]} at its owner"
+                    )
         else:
             check_once(path, "element", ids)
             if before is not None and len(np.setdiff1d(ids, before)):
-                raise Wrong(f"{path}: element {np.setdiff1d(ids, before)[0]} was not there a step before")
+                raise Wrong(
+                    f"{path}: element {np.setdiff1d(ids, before)[0]} was not there a step before"
+                )
             owners[time] = (ids, nodes)
             before = ids
         check_nodes_agree(path, grid)
@@ -186,7 +214,7 @@ def check_series(collection, exterior, owners, quiet):
 
 
 def check_summary(folder, owners):
-    """The first step has as many elements as the run's summary says."""
+    """Checks that the first step has the number of elements in the summary of the run."""
     path = folder / "summary.json"
     if not path.is_file():
         return
@@ -197,8 +225,12 @@ def check_summary(folder, owners):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("dir", metavar="DIR", type=Path, help="folder of a run, or its fields folder")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "dir", metavar="DIR", type=Path, help="folder of a run, or its fields folder"
+    )
     parser.add_argument("--quiet", action="store_true", help="no ranges")
     arguments = parser.parse_args()
     run = arguments.dir

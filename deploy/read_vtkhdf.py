@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Reads the VTKHDF file of a run with VTK and compares it with the run's field files.
+"""Reads the VTKHDF file of a run with VTK and compares it with the field files of the run.
 
-DIR is the folder of a run after `crumple export-vtkhdf DIR`. Compares times, cells, coordinates and all arrays, by ids of nodes and
-elements and bit for bit. Exits with 1 and a message at the first difference. Needs pyvista (deploy/requirements.txt).
+DIR is the folder of a run after `crumple export-vtkhdf DIR`. Compares times, cells, coordinates and
+all arrays, matched by the ids of nodes and elements, bit for bit. Exits with 1 and a message at the
+first difference. Needs pyvista (deploy/requirements.txt).
 """
 
 import argparse
@@ -20,7 +21,7 @@ except ImportError:
 
 
 def arrays(data):
-    """Arrays of points or cells by name; VTK's own, such as marks of ghosts, do not count."""
+    """Arrays of points or cells by name, without those of VTK such as ghost marks."""
     all_of = (data.GetArray(i) for i in range(data.GetNumberOfArrays()))
     return {a.GetName(): vtk_to_numpy(a) for a in all_of if not a.GetName().startswith("vtk")}
 
@@ -29,11 +30,14 @@ def cells_of(grid, node_ids, element_ids):
     """Type and nodes of each element."""
     offsets = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
     corners = np.asarray(node_ids)[vtk_to_numpy(grid.GetCells().GetConnectivityArray())]
-    return {int(e): (grid.GetCellType(i), tuple(corners[offsets[i]:offsets[i + 1]])) for i, e in enumerate(element_ids)}
+    return {
+        int(e): (grid.GetCellType(i), tuple(corners[offsets[i] : offsets[i + 1]]))
+        for i, e in enumerate(element_ids)
+    }
 
 
 def compare(name, ours, ids, theirs, other_ids):
-    """An array in our file with that of the pieces, matched by ids."""
+    """Compares an array of the file with that of the pieces, matched by ids."""
     found, first = np.unique(other_ids, return_index=True)
     if not np.array_equal(found, ids):
         raise Wrong(f"{name}: {len(ids)} ids, the fields have {len(found)} others")
@@ -41,11 +45,14 @@ def compare(name, ours, ids, theirs, other_ids):
         raise Wrong(f"{name} is of {ours.dtype}, in the fields of {theirs.dtype}")
     differ = np.flatnonzero((ours != theirs[first]).reshape(len(ids), -1).any(axis=1))
     if len(differ):
-        raise Wrong(f"{name} of {ids[differ[0]]} is {ours[differ[0]]}, in the fields {theirs[first][differ[0]]}")
+        raise Wrong(
+            f"{name} of {ids[differ[0]]} is {ours[differ[0]]},"
+            f" in the fields {theirs[first][differ[0]]}"
+        )
 
 
 def check(folder):
-    """Compares all steps; gives their number and the cells of the first and the last."""
+    """Compares all steps. Returns their number and the cells of the first and the last."""
     path = folder / "fields.vtkhdf"
     if not path.is_file():
         raise Wrong(f"{path} is missing; run: crumple export-vtkhdf {folder}")
@@ -68,10 +75,14 @@ def check(folder):
         their_nodes, their_elements = fields.point_data["node_id"], fields.cell_data["element_id"]
         points = vtk_to_numpy(grid.GetPoints().GetData())
         compare(where + "place", points, nodes, np.asarray(fields.points), their_nodes)
-        for ours, theirs, ids, other in ((on_points, fields.point_data, nodes, their_nodes),
-                                         (on_cells, fields.cell_data, elements, their_elements)):
+        for ours, theirs, ids, other in (
+            (on_points, fields.point_data, nodes, their_nodes),
+            (on_cells, fields.cell_data, elements, their_elements),
+        ):
             if set(ours) != set(theirs.keys()):
-                raise Wrong(f"{where}arrays are {sorted(ours)}, in the fields {sorted(theirs.keys())}")
+                raise Wrong(
+                    f"{where}arrays are {sorted(ours)}, in the fields {sorted(theirs.keys())}"
+                )
             for name, values in ours.items():
                 compare(where + name, values, ids, np.asarray(theirs[name]), other)
         if cells_of(grid, nodes, elements) != cells_of(fields, their_nodes, their_elements):
@@ -82,7 +93,9 @@ def check(folder):
 
 def main():
     """Reads the arguments, compares, prints."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("dir", type=Path)
     try:
         steps, first, last = check(parser.parse_args().dir)

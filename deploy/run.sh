@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds Crumple with MPI and runs a job with a master and its workers on this machine.
 #
-#   deploy/run.sh                                     the jeep frame, into out/jeep-frame
-#   deploy/run.sh cases/tumble --end-time 1           another job; the rest goes to `crumple run`
-#   WORKERS=4 deploy/run.sh                           four workers; otherwise one per core
+#   deploy/run.sh                                     the jeep frame; results in out/jeep-frame
+#   deploy/run.sh cases/tumble --end-time 1           another job, and options of `crumple run`
+#   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
 set -euo pipefail
 
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
@@ -15,7 +15,7 @@ caller=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root=$PWD
 
-# A job that is given is meant from where the caller stands; from the repository's root if it is not there.
+# The path of a job is relative to the folder of the caller, or else to the root of the repository.
 job=$root/cases/jeep-frame
 if [[ $# -gt 0 && $1 != -* ]]; then
     job=$1
@@ -41,7 +41,7 @@ fi
 
 workers=${WORKERS:-$(nproc)}
 if ! [[ $workers =~ ^[1-9][0-9]*$ ]]; then
-    echo "run: WORKERS is '$workers'; it has to be a number from 1" >&2
+    echo "run: WORKERS is '$workers'; it must be a number of at least 1" >&2
     exit 2
 fi
 
@@ -49,7 +49,8 @@ fi
 source deploy/setup.sh
 
 cargo build --release --features mpi -p crumple
-target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+target=$(cargo metadata --format-version 1 --no-deps |
+    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 
 echo "run: a master and $workers workers on $job"
 code=0
@@ -59,13 +60,14 @@ if [[ -f $out/summary.json ]]; then
     cat <<END
 
 Results in $(cd "$out" && pwd):
-  summary.json      what came of it, in numbers
+  summary.json      results in numbers
   history.csv       energies, contact and wall force over time
   fields/fields.pvd open it in ParaView; or: python3 deploy/read_fields.py $out
 END
 fi
-[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input, 3 numerical failure, 4 a worker lost, 130 stopped)" >&2
+[[ $code -eq 0 ]] || echo "run: crumple ended with code $code (2 bad input, 3 numerical failure," \
+    "4 a worker lost, 130 stopped)" >&2
 if [[ -f $out/report.html ]]; then
-    echo "The crash, its plots and its tables on one page: $(cd "$out" && pwd)/report.html"
+    echo "Animation, plots and tables on one page: $(cd "$out" && pwd)/report.html"
 fi
 exit "$code"

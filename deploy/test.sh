@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
-# Builds everything with MPI and runs all tests; arguments go to cargo test. Cargo's own summaries close the output.
+# Builds the workspace with MPI and runs all tests. Arguments are passed to cargo test. The output
+# ends with the summaries of cargo.
 #
-# The tests find what they start by two variables, which this sets:
-#   CRUMPLE_BIN     the crumple binary with MPI in it; tests start it directly and with mpirun
-#   CRUMPLE_PYTHON  a Python with pyvista; tests read the field files through VTK with it. Unset: they skip that
-#   CRUMPLE_CHROMIUM  a Chromium that opens the report of a run. Unset: the first in PATH, and without one that is skipped
+# Variables for the programs that the tests start; this script sets the first two:
+#   CRUMPLE_BIN       the crumple binary with MPI; tests start it directly and with mpirun
+#   CRUMPLE_PYTHON    a Python with pyvista, with which tests read the field files through VTK. If
+#                     unset, these tests are skipped
+#   CRUMPLE_CHROMIUM  a Chromium that opens the report of a run. If unset, the first one in PATH;
+#                     without one, the test is skipped
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # shellcheck source=deploy/setup.sh
 source deploy/setup.sh
 
-# Prints the path of a Python with pyvista: the one at hand, or one in .venv, made if need be.
+# Prints the path of a Python with pyvista: that in PATH, or one in .venv, which is made if needed.
 python_with_vtk() {
     local python
     for python in "$(command -v python3)" "$PWD/.venv/bin/python"; do
@@ -33,16 +36,17 @@ if [[ -z ${CRUMPLE_PYTHON:-} ]]; then
         export CRUMPLE_PYTHON
     else
         unset CRUMPLE_PYTHON
-        echo "test: WARNING: no Python with pyvista; the field files are not read through VTK" >&2
+        echo "test: WARNING: no Python with pyvista; field files are not read through VTK" >&2
     fi
 fi
 
 cargo build --workspace --features crumple/mpi,crumple/vtkhdf
-target=$(cargo metadata --format-version 1 --no-deps | sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
+target=$(cargo metadata --format-version 1 --no-deps |
+    sed 's/.*"target_directory":"\([^"]*\)".*/\1/')
 export CRUMPLE_BIN=$target/debug/crumple
 
 cargo test --workspace --features crumple/mpi,crumple/vtkhdf --no-fail-fast "$@"
-# Every kernel of the benchmark once, so that it does not rot; times mean nothing here.
+# Every kernel of the benchmark once, to check that it still works. Times have no meaning here.
 cargo test --quiet --benches -p crumple --features mpi,vtkhdf
-# The scenes of the benchmark at a tiny size, for the same reason.
+# The scenes of the benchmark at a very small size, for the same reason.
 "$CRUMPLE_BIN" bench --tiny --rounds 1

@@ -39,22 +39,22 @@ impl Aabb {
     }
 
     /// Whether the closed boxes have a point in common.
-    pub fn touches(&self, o: &Self) -> bool {
+    pub fn intersects(&self, o: &Self) -> bool {
         (0..3).all(|c| self.min[c] <= o.max[c] && o.min[c] <= self.max[c])
     }
 
     /// Whether `p` lies in the closed box.
-    pub fn holds(&self, p: [f64; 3]) -> bool {
+    pub fn contains(&self, p: [f64; 3]) -> bool {
         (0..3).all(|c| self.min[c] <= p[c] && p[c] <= self.max[c])
     }
 
     /// Whether `o` lies wholly inside.
-    pub fn holds_box(&self, o: &Self) -> bool {
+    pub fn contains_box(&self, o: &Self) -> bool {
         (0..3).all(|c| self.min[c] <= o.min[c] && o.max[c] <= self.max[c])
     }
 
     /// The common part, empty if there is none.
-    pub fn common(&self, o: &Self) -> Self {
+    pub fn intersection(&self, o: &Self) -> Self {
         let mut b = *self;
         for c in 0..3 {
             b.min[c] = b.min[c].max(o.min[c]);
@@ -183,7 +183,7 @@ mod tests {
         };
         let boxes = tree.boxes();
         for p in [[0.0, 0.0, 0.0], [1.5, 9.0, -3.0], [7.0, -4.0, 2.0]] {
-            let holders: Vec<usize> = (0..3).filter(|&w| boxes[w].holds(p)).collect();
+            let holders: Vec<usize> = (0..3).filter(|&w| boxes[w].contains(p)).collect();
             assert_eq!(holders, [tree.worker_of(p)], "{p:?}");
         }
         assert_eq!(tree.leaves(2), [1, 2]);
@@ -194,6 +194,6 @@ mod tests {
         let a = Aabb { min: [0.0; 3], max: [1.0; 3] };
         let b = Aabb { min: [4.0, 0.5, 5.0], max: [5.0, 2.0, 6.0] };
         assert_eq!(a.distance(&b), 5.0);
-        assert!(!a.touches(&b) && a.grown(4.0).touches(&b));
+        assert!(!a.intersects(&b) && a.grown(4.0).intersects(&b));
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is recorded beside the sums of `history.csv`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Asked {
+pub struct HistoryRequests {
     /// Energies, mass and momentum of each part.
     pub parts: bool,
     /// Contact forces between parts.
@@ -70,7 +70,7 @@ impl Surface {
 
 /// One worker's shares of what is recorded at one time; empty where nothing is asked for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Shares {
+pub struct HistoryShares {
     /// Per part, in the order of the settings.
     pub parts: Vec<PartShare>,
     /// Pairs of parts that touch, ascending.
@@ -150,7 +150,7 @@ fn add(a: &mut [f64; 3], b: &[f64; 3]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
 }
 
-impl Shares {
+impl HistoryShares {
     /// Adds another worker's shares of the same time.
     pub fn add(&mut self, o: &Self) {
         for (a, b) in self.parts.iter_mut().zip(&o.parts) {
@@ -180,7 +180,7 @@ impl Shares {
 
     /// Force on each of so many transducers, of the sum over workers: pairs in ascending order, so
     /// that the bits do not depend on who had which [force].
-    pub fn on_transducers(&self, count: usize) -> Vec<[f64; 3]> {
+    pub fn transducer_forces(&self, count: usize) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; count];
         for pair in &self.transducers {
             add(&mut forces[pair.transducer as usize], &pair.force);
@@ -192,7 +192,7 @@ impl Shares {
 impl SectionShare {
     /// Middle of the section's nodes [length], and the moment about it [force length]; to be asked
     /// of the sum over workers.
-    pub fn about_middle(&self) -> ([f64; 3], [f64; 3]) {
+    pub fn about_midsurface(&self) -> ([f64; 3], [f64; 3]) {
         let (c, f) = (self.places.map(|x| x / self.nodes.max(1) as f64), self.force);
         let turn =
             [c[1] * f[2] - c[2] * f[1], c[2] * f[0] - c[0] * f[2], c[0] * f[1] - c[1] * f[0]];
@@ -208,15 +208,15 @@ mod tests {
     fn pairs_of_parts_add_up_by_name_and_nodes_come_in_order() {
         let pair = |a, b, f| ContactShare { parts: [a, b], force: [f, 0.0, -f] };
         let node = |id| NodeState { id: NodeId(id), ..NodeState::default() };
-        let mut one = Shares {
+        let mut one = HistoryShares {
             contacts: vec![pair(0, 3, 1.0)],
             nodes: vec![node(2), node(9)],
-            ..Shares::default()
+            ..HistoryShares::default()
         };
-        let other = Shares {
+        let other = HistoryShares {
             contacts: vec![pair(0, 1, 4.0), pair(0, 3, 2.0)],
             nodes: vec![node(5)],
-            ..Shares::default()
+            ..HistoryShares::default()
         };
         one.add(&other);
         assert_eq!(one.contacts, [pair(0, 1, 4.0), pair(0, 3, 3.0)]);
@@ -229,14 +229,17 @@ mod tests {
     fn a_transducer_sums_in_the_order_of_pairs() {
         let felt =
             |pair, f| PairForce { transducer: 1, pair: [pair, 0, 9, 0], force: [f, 0.0, 0.0] };
-        let of = |pairs: &[PairForce]| Shares { transducers: pairs.to_vec(), ..Shares::default() };
+        let of = |pairs: &[PairForce]| HistoryShares {
+            transducers: pairs.to_vec(),
+            ..HistoryShares::default()
+        };
         for (one, two) in [
             (of(&[felt(1, 1.0), felt(3, -1.0)]), of(&[felt(2, 1e-16)])),
             (of(&[felt(2, 1e-16), felt(3, -1.0)]), of(&[felt(1, 1.0)])),
         ] {
             let mut sum = one;
             sum.add(&two);
-            assert_eq!(sum.on_transducers(2), [[0.0; 3], [0.0; 3]]);
+            assert_eq!(sum.transducer_forces(2), [[0.0; 3], [0.0; 3]]);
         }
     }
 
@@ -259,7 +262,7 @@ mod tests {
             places,
             nodes: 2,
         };
-        assert_eq!(of([0.0, 4.0, 0.0]).about_middle(), ([0.0, 2.0, 0.0], [0.0; 3]));
-        assert_eq!(of([0.0, 2.0, 0.0]).about_middle(), ([0.0, 1.0, 0.0], [10.0, 0.0, 0.0]));
+        assert_eq!(of([0.0, 4.0, 0.0]).about_midsurface(), ([0.0, 2.0, 0.0], [0.0; 3]));
+        assert_eq!(of([0.0, 2.0, 0.0]).about_midsurface(), ([0.0, 1.0, 0.0], [10.0, 0.0, 0.0]));
     }
 }

@@ -8,7 +8,7 @@
 
 use crate::boxes::{Aabb, CutTree};
 use crate::partition::{ElementRecord, NodeRecord, Settings};
-use crate::report::{Closing, HistoryPart, StepReport, Trouble};
+use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
 use crate::trace::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -93,10 +93,10 @@ pub enum ToMaster {
     /// Answer to `Histograms`: load per bin, per entry.
     Histograms(Vec<Vec<f64>>),
     /// The run cannot go on; all workers stop at this state.
-    Trouble(Trouble),
+    Trouble(Failure),
     /// What was recorded, before `Closing` and also when another worker was lost; only if asked
     /// for.
     Recording(Box<Recording>),
     /// The run is over; the states of owned nodes follow as node records.
-    Closing(Box<Closing>, Vec<NodeRecord>),
+    Closing(Box<FinalReport>, Vec<NodeRecord>),
 }

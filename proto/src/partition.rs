@@ -1,7 +1,7 @@
 //! What a worker receives: settings for all, records of its elements and nodes.
 //! The same records travel at start-up and from worker to worker when boxes are renewed.
 
-use crate::histories::Asked;
+use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Contact, Part, Precision};
 use crate::loads::Loads;
@@ -30,7 +30,7 @@ pub struct Settings {
     /// Times of field files, ascending [time].
     pub field_times: Vec<f64>,
     /// What is recorded at every history interval beside the sums.
-    pub histories: Asked,
+    pub histories: HistoryRequests,
     /// Folder for field files.
     pub field_dir: String,
     /// Materials, in the job's order.

@@ -1,6 +1,6 @@
 //! What workers tell the master while they run.
 
-use crate::histories::Shares;
+use crate::histories::HistoryShares;
 use crate::ids::ElemId;
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,7 @@ pub struct StepReport {
 
 /// Kinetic energy at the turn of a vibration at 0.9 of the stable step, `-s^2 / (1 - s^2)` of the
 /// energy of the vibration.
-const LOWEST_KINETIC: f64 = 0.81 / 0.19;
+const MIN_KINETIC: f64 = 0.81 / 0.19;
 
 /// Energies of one worker's share [energy]; the work of contact and walls is positive when it
 /// drives the nodes.
@@ -80,7 +80,7 @@ impl Energies {
     }
 
     /// Energy there was at first and what has come in since [energy].
-    pub fn came_in(&self, initial: f64) -> f64 {
+    pub fn supplied(&self, initial: f64) -> f64 {
         initial.max(0.0) + self.external.abs() + self.wall.max(0.0) + self.contact.max(0.0)
     }
 
@@ -89,7 +89,7 @@ impl Energies {
     /// what is stored then; an unstable step keeps the balance too, but with a kinetic energy below
     /// any that a stable one can have. What lies below counts as missing, so that growth shows.
     pub fn balance(&self, initial: f64) -> f64 {
-        let kinetic = self.kinetic.max(-LOWEST_KINETIC * self.came_in(initial));
+        let kinetic = self.kinetic.max(-MIN_KINETIC * self.supplied(initial));
         kinetic + self.internal + self.hourglass
             - self.contact
             - self.wall
@@ -131,12 +131,12 @@ pub struct HistoryPart {
     /// factor; all workers know it alike [time].
     pub contact_dt: f64,
     /// What else is recorded.
-    pub shares: Shares,
+    pub shares: HistoryShares,
 }
 
 /// Why a worker cannot go on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Trouble {
+pub struct Failure {
     /// Element at fault.
     pub elem: Option<ElemId>,
     /// Cycle in which it was seen.
@@ -156,7 +156,7 @@ pub type PhaseSeconds = [f64; PHASES.len()];
 
 /// How a worker's run went, sent at its end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Closing {
+pub struct FinalReport {
     /// Cycles done.
     pub cycles: u64,
     /// Simulated time reached [time].

@@ -10,7 +10,7 @@ pub struct Tie {
     pub node: NodeId,
     /// What carries it, ascending, with their shares: above 0, together 1. None of them is tied
     /// itself.
-    pub carriers: Vec<(NodeId, f64)>,
+    pub masters: Vec<(NodeId, f64)>,
     /// Nodes of the surface that stand on faces between tied nodes, of which this is one: contact
     /// lets them be, as it does carriers.
     pub near: Vec<NodeId>,
@@ -27,6 +27,6 @@ pub struct Tie {
 impl Tie {
     /// Nodes of the surface that contact does not look at together with this one.
     pub fn partners(&self) -> impl Iterator<Item = NodeId> + '_ {
-        self.carriers.iter().map(|c| c.0).chain(self.near.iter().copied())
+        self.masters.iter().map(|c| c.0).chain(self.near.iter().copied())
     }
 }

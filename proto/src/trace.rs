@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Most events of one worker; what happens later is not recorded. A cycle has about a dozen: the
 /// first 15,000 or so.
-pub const MOST_EVENTS: usize = 200_000;
+pub const MAX_EVENTS: usize = 200_000;
 
 /// A stretch of time in one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

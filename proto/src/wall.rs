@@ -79,7 +79,7 @@ impl Wall {
     }
 
     /// Whether a node meets it at all.
-    pub fn admits(&self, node: NodeId) -> bool {
+    pub fn allows(&self, node: NodeId) -> bool {
         let within = self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&node).is_ok());
         within && self.except.binary_search(&node).is_err()
     }

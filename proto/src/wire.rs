@@ -1,7 +1,7 @@
 //! Control messages as bytes: bincode, framed by its length, padded to whole words.
 //! Columns of numbers do not pass here; they travel as words.
 
-use crate::transport::{Lost, Tag, Transport};
+use crate::transport::{RankLost, Tag, Transport};
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Encodes a message as words; the first word is its length in bytes.
@@ -26,12 +26,12 @@ pub fn decode<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
 /// # Errors
 /// The receiver is gone.
 pub fn post<T: Serialize>(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     to: usize,
     tag: Tag,
     message: &T,
-) -> Result<(), Lost> {
-    wire.send(to, tag, &encode(message))
+) -> Result<(), RankLost> {
+    comm.send(to, tag, &encode(message))
 }
 
 /// Waits for a control message.
@@ -39,13 +39,13 @@ pub fn post<T: Serialize>(
 /// # Errors
 /// The sender is gone, or speaks another language.
 pub fn await_message<T: DeserializeOwned>(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     from: usize,
     tag: Tag,
-) -> Result<T, Lost> {
+) -> Result<T, RankLost> {
     let mut words = Vec::new();
-    wire.recv(from, tag, &mut words)?;
-    decode(&words).ok_or(Lost { rank: from })
+    comm.recv(from, tag, &mut words)?;
+    decode(&words).ok_or(RankLost { rank: from })
 }
 
 /// Takes a control message if one has come.
@@ -53,15 +53,15 @@ pub fn await_message<T: DeserializeOwned>(
 /// # Errors
 /// The sender is gone, or speaks another language.
 pub fn poll_message<T: DeserializeOwned>(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     from: usize,
     tag: Tag,
-) -> Result<Option<T>, Lost> {
+) -> Result<Option<T>, RankLost> {
     let mut words = Vec::new();
-    if !wire.try_recv(from, tag, &mut words)? {
+    if !comm.try_recv(from, tag, &mut words)? {
         return Ok(None);
     }
-    decode(&words).map(Some).ok_or(Lost { rank: from })
+    decode(&words).map(Some).ok_or(RankLost { rank: from })
 }
 
 #[cfg(test)]
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
     use crate::boxes::CutTree;
     use crate::message::{Action, ToMaster, ToWorker};
-    use crate::report::{Closing, StepReport, Trouble};
+    use crate::report::{Failure, FinalReport, StepReport};
 
     #[test]
     fn messages_make_the_round_trip() {
@@ -84,11 +84,11 @@ mod tests {
             StepReport { cycle: 7, cpu: vec![0.5], drift: [1.0, 2.0, 3.0], ..Default::default() };
         let back = decode(&encode(&ToMaster::Report(report.clone())));
         assert!(matches!(back, Some(ToMaster::Report(r)) if r == report));
-        let trouble = Trouble { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
+        let trouble = Failure { elem: None, cycle: 3, time: 0.25, why: "inverted".into() };
         let back = decode(&encode(&ToMaster::Trouble(trouble.clone())));
         assert!(matches!(back, Some(ToMaster::Trouble(t)) if t == trouble));
         let closing = ToMaster::Closing(
-            Box::new(Closing { cycles: 5, ..Default::default() }),
+            Box::new(FinalReport { cycles: 5, ..Default::default() }),
             vec![Default::default()],
         );
         let back = decode(&encode(&closing));

@@ -1,6 +1,9 @@
-"""A14: a ball of inertia 2/5 m R^2 that meets a plane obliquely, on a normal and a tangential spring of the same stiffness held
-within the friction cone, as a penalty is (compare Maw, Barber & Fawcett 1976, where the ratio of the stiffnesses is that of
-elastic half spaces). Without damping. The ball has left when the normal spring is no longer pressed in.
+"""A14: a ball of inertia 2/5 m R^2 hits a plane obliquely.
+
+The ball has a normal and a tangential spring of the same stiffness, held within the friction cone,
+as in a penalty law. (Compare Maw, Barber & Fawcett 1976, where the ratio of the stiffnesses is that
+of elastic half spaces.) No damping. The contact ends when the normal spring is no longer
+compressed.
 
     python3 tests/references/balls.py > tests/references/balls.txt
 """
@@ -11,11 +14,11 @@ MU, NORMAL, STEPS = 0.2, 1.0, 400_000
 
 
 def bounced(tangential):
-    """Velocity along the plane and spin times radius after, for m = k = R = 1."""
+    """Final velocity along the plane and spin times radius, for m = k = R = 1."""
     dt = pi / STEPS
     z, w, u, spin, stretch = 0.0, -NORMAL, tangential, 0.0, 0.0
     while True:
-        # Midpoint rule for the normal spring, which nothing disturbs.
+        # Midpoint rule for the normal spring, which does not depend on the tangential motion.
         force = max(0.0, -(z + 0.5 * dt * w))
         w += dt * force
         z += dt * w

@@ -1,10 +1,12 @@
-"""A01: two equal bars head-on as chains of lumped masses and springs, one-dimensional, by central differences.
+"""A01: two equal bars collide head-on, as one-dimensional chains of lumped masses and springs.
 
-What bars of lumped masses lose whoever computes them: the chain has neither contact search nor elements of ours. End masses that would
-overlap at the end of a step are kept apart by the impulse that just closes the gap (a Lagrange multiplier of the step), which
-can only push. How much that loses depends on where in a step the ends meet: gaps of a step more or less are gone through.
-Printed: least, mean and largest restitution e by cells of a bar and Courant number, and the order in the mesh size of the mean
-of 1 - e.
+Loss of bars of lumped masses in any code: the chain has neither the contact search nor the elements
+of Crumple. Time integration is by central differences. If end masses would overlap at the end of a
+step, an impulse separates them that just closes the gap (a Lagrange multiplier of the step, which
+can only push). The loss depends on when in a step the ends touch. So the script uses a series of
+gaps that differ by fractions of a step.
+Prints the smallest, mean and largest restitution e for each number of cells of a bar and Courant
+number, and the order of the mean of 1 - e in the mesh size.
 
     python3 tests/references/bars.py > tests/references/bars.txt
 """
@@ -12,16 +14,19 @@ of 1 - e.
 from math import log, sqrt
 
 LENGTH, YOUNG, DENSITY = 1.0, 210e9, 7850.0  # m, Pa, kg/m^3; the area cancels
-SPEED, GAP = 10.0, 1e-4  # of the first bar [m/s]; air between the bars [m]
+SPEED, GAP = 10.0, 1e-4  # speed of the first bar [m/s]; gap between the bars [m]
 SIZES = [20, 50, 100]
-# Of the step over side / c. 0.998 where the step is 0.999 of that of cells compressed by v / 2c, a thousandth. A third of it where
-# the cells of the other bar are a third as wide.
+# Step over side / c. 0.998 if the step is 0.999 of the stable step of cells that are compressed by
+# v / 2c, a thousandth. A third if the cells of the other bar have a third of the width.
 COURANT = [0.9, 0.998, 0.999, 0.3, 0.333]
-STEPS = 20  # gaps in a step
+STEPS = 20  # number of gaps in a step
 
 
 def restitution(n, courant, more):
-    """Ratio of the speeds of separation and approach of two bars of n cells each, `more` of a step's way farther apart."""
+    """Ratio of the speeds of separation and approach of two bars of n cells each.
+
+    The gap is larger by `more` times the displacement of a step.
+    """
     c = sqrt(YOUNG / DENSITY)
     side = LENGTH / n
     dt = courant * side / c
@@ -49,5 +54,7 @@ for courant in COURANT:
     e = [[restitution(n, courant, k / STEPS) for k in range(STEPS)] for n in SIZES]
     lost = [1.0 - sum(r) / len(r) for r in e]
     order = log(lost[0] / lost[-1]) / log(SIZES[-1] / SIZES[0])
-    cells = "".join(f"  {n} cells {min(r):.5f} {sum(r) / len(r):.5f} {max(r):.5f}" for n, r in zip(SIZES, e))
+    cells = "".join(
+        f"  {n} cells {min(r):.5f} {sum(r) / len(r):.5f} {max(r):.5f}" for n, r in zip(SIZES, e)
+    )
     print(f"Courant {courant}:{cells}  order {order:.4f}")

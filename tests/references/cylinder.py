@@ -1,10 +1,13 @@
-"""A thick cylinder in plane strain under a pressure inside (C12), as a row of cells over the wall.
+"""C12: a thick cylinder in plane strain under inner pressure, as a row of cells over the wall.
 
-With the symmetry of the ring a cell has one displacement u at its inner and one at its outer radius. Its mean strains are
-those of one point; what varies over it is (a) nothing, (b) the strain that the hourglass modes bring with them in
-worker/src/fem/elements/hexahedron/hourglass.rs (assumed strain), with E/(1-nu^2), (c) the same with nothing but shear, 2 G in
-both directions, (d) what 2 points on the radius see of a displacement that is linear along it, deviator only.
-Printed: u(a) over that of Lame, less one.
+By symmetry a cell has one displacement u at its inner radius and one at its outer radius. Its mean
+strains are those of one point. Four assumptions for the strain that varies over the cell:
+(a) none,
+(b) the strain of the hourglass modes in worker/src/fem/elements/hexahedron/hourglass.rs (assumed
+    strain), with E/(1-nu^2),
+(c) the same with shear only, 2 G in both directions,
+(d) the strain at 2 points on the radius of a displacement that is linear along it, deviator only.
+Prints u(a) over that of Lame, minus one.
 
     python3 tests/references/cylinder.py > tests/references/cylinder.txt
 """
@@ -24,10 +27,11 @@ def solve(n, nu, kind):
     for i in range(n):
         r1, r2 = r[i], r[i + 1]
         h, s = r2 - r1, r1 + r2
-        area = 0.5 * h * s  # of a radian
+        area = 0.5 * h * s  # per radian
         mean = np.array([[-1 / h, 1 / h], [1 / s, 1 / s]])
         stiff = area * mean.T @ c @ mean
-        # Amplitude of the hoop strain that varies over the cell: the mode less the linear field of the trapezoid.
+        # Amplitude of the hoop strain that varies over the cell: the mode minus the linear field of
+        # the trapezoid.
         vary = (np.array([-1.0, 1.0]) - mean[1] * h) / s
         if kind == "assumed strain":
             stiff += area / 3 * e / (1 - nu**2) * np.outer(vary, vary)

@@ -1,9 +1,13 @@
-"""C18: a rigid block that slides inside a drum of n facets, in its plane: plastic impacts and Coulomb friction on the two lower
-corners of the block, impulses of a step by projected Gauss-Seidel. No elements, no contact search of ours.
+"""C18: a rigid block slides inside a drum of n facets, in the plane of the drum.
 
-A polygon turns what slides on it by 2 pi/n at every corner, and a plastic law loses the part of the velocity that runs into the
-next facet. Printed for the polygon of the check and for one that is nearly round: energy kept over half a turn, its loss per
-facet, and what a point would keep: cos^2(2 pi/n) at a corner, (cos - mu sin)^2 with friction, exp(-2 mu angle) when round.
+Plastic impacts and Coulomb friction act at the two lower corners of the block. The impulses of a
+step are solved by projected Gauss-Seidel. No elements and no contact search of Crumple.
+
+A polygon turns the path of a sliding body by 2 pi/n at every corner. A plastic law loses the
+velocity component into the next facet. For the polygon of the check and for a nearly round one, the
+script prints the energy kept over half a turn, its loss per facet, and the energy that a point
+would keep: cos^2(2 pi/n) at a corner, (cos - mu sin)^2 with friction, exp(-2 mu angle) for a round
+drum.
 
     python3 tests/references/drum.py > tests/references/drum.txt
 """
@@ -14,13 +18,13 @@ INNER, SIDE, SPEED = 0.1 * cos(pi / 72) - 1e-3, 8e-3, 10.0  # m, m, m/s
 
 
 def half_turn(n, mu, steps):
-    """Energy kept when the centre has gone half a turn, and the angle that it has gone."""
+    """Share of the energy that is left after half a turn of the centre, and its path angle."""
     normals = [(sin(2 * pi * k / n), -cos(2 * pi * k / n)) for k in range(n)]
     low = (INNER * INNER - 0.25 * SIDE * SIDE) ** 0.5
     centre = low - 0.5 * SIDE
     x, z, turned = 0.0, -centre, 0.0
     vx, vz, spin = SPEED, 0.0, SPEED / centre
-    inertia = SIDE * SIDE / 6.0  # of a square, mass 1
+    inertia = SIDE * SIDE / 6.0  # square of mass 1
     dt = 2 * pi * INNER / (n * SPEED * steps)
     start = 0.5 * (vx * vx + vz * vz + inertia * spin * spin)
     angle, last = 0.0, 0.0
@@ -67,6 +71,7 @@ for n, steps in [(72, 100), (72, 400), (1440, 30)]:
         facets = angle / (2 * pi / n)
         point = (cos(2 * pi / n) - mu * sin(2 * pi / n)) ** (2 * facets)
         print(
-            f"{n} facets, {steps} steps a facet, mu {mu}: kept {kept:.4f} after {angle:.3f}, lost per facet {(1 - kept) / facets:.5f};"
+            f"{n} facets, {steps} steps a facet, mu {mu}: kept {kept:.4f} after {angle:.3f},"
+            f" lost per facet {(1 - kept) / facets:.5f};"
             f" a point {point:.4f}; kept / exp(-2 mu angle) {kept / exp(-2 * mu * angle):.4f}"
         )

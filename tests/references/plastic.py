@@ -1,10 +1,12 @@
-"""A01, A03: what bars of lumped masses and springs lose where end masses stop in a step, against another bar or a rigid wall, by
-central differences at 0.9 of the stable step, one-dimensional.
+"""A01, A03: loss of bars of lumped masses whose end masses stop in a step.
 
-The kinetic energy of the end masses, 1/2N of a bar's for N cells, is lost if they stop at once. If they touch inside a step they
-stop over two: what is left of the gap is closed first, and the springs behind them push meanwhile. So what is lost depends on
-where in a step the ends meet: gaps of a step more or less are gone through. Printed: least and largest loss over 1/2N, and the
-same of the time from the first to the last push over 2L/c.
+The other side is another bar or a rigid wall. One-dimensional, central differences at 0.9 of the
+stable step.
+
+The end masses have 1/2N of the kinetic energy of a bar of N cells. It is lost if they stop at once.
+If they touch inside a step, they stop over two steps: first the rest of the gap closes, while the
+springs behind them push. So the loss depends on when in a step the ends touch. The script uses a
+series of gaps that differ by fractions of a step. Prints the smallest and largest loss over 1/2N.
 
     python3 tests/references/plastic.py > tests/references/plastic.txt
 """
@@ -16,8 +18,11 @@ SPEED, GAP, COURANT, PHASES = 10.0, 1e-6, 0.9, 40
 
 
 def lost(n, more):
-    """Energy lost at a rigid wall over 1/2N of the kinetic energy; `more` of a step's way farther off. Two equal bars that meet
-    with half the speed each do the same by symmetry, twice."""
+    """Energy lost at a rigid wall over 1/2N of the kinetic energy.
+
+    The gap is larger by `more` times the displacement of a step. By symmetry two equal bars with
+    half the speed each lose the same, twice.
+    """
     c = sqrt(YOUNG / DENSITY)
     side = LENGTH / n
     dt = COURANT * side / c

@@ -1,6 +1,8 @@
-"""The plate of B08 as a job, on a mesh of its own: python plate.py ELEMENT N > plate.toml, N by N on a quarter.
+"""The plate of B08 as a job with its own mesh, N by N on a quarter.
 
-With 64 and fully_integrated_quad it gave the reference of `master/src/verify/plates.rs`.
+    python3 plate.py ELEMENT N > plate.toml
+
+N = 64 and fully_integrated_quad gave the reference of `master/src/verify/plates.rs`.
 """
 
 import sys
@@ -21,7 +23,10 @@ for i in range(N + 1):
         print(f"[{number(i, j)}, {HALF * i / N!r}, {HALF * j / N!r}, 0.0],")
 print("]\nshells = [")
 for k, (i, j) in enumerate(cells, 1):
-    print(f"[{k}, 1, {number(i, j)}, {number(i + 1, j)}, {number(i + 1, j + 1)}, {number(i, j + 1)}],")
+    print(
+        f"[{k}, 1, {number(i, j)}, {number(i + 1, j)},"
+        f" {number(i + 1, j + 1)}, {number(i, j + 1)}],"
+    )
 print(f"""]
 [mesh.node_sets]
 edge = {edge}

@@ -1,11 +1,13 @@
-"""A15, A16: frequencies of beams and plates on square cells, as eigenvalues of the assembled system without time steps.
+"""A15, A16: frequencies of beams and plates on square cells, as eigenvalues.
 
-The cells are those of worker/src/fem/elements/stabilised_quad.rs where it is a square: one point, bending and shear stabilised. What
-the mass does to a frequency is split in two:
-  section  masses at the nodes, rotational inertia of the section (t^2/12 a mass), which leaves the error of the mesh and of
-           masses that are lumped
-  floor    with the inertia that the engine takes, at least A/7 where nu = 0 and A/11.7 where nu = 0.3
-Printed: per cent of the references of the checks. Beside them the engine's own, of tests/VERIFICATION.md.
+The system is assembled and solved without time steps. The cells are those of
+worker/src/fem/elements/stabilised_quad.rs for a square: one point, bending and shear stabilised.
+The effect of the mass on a frequency has two parts:
+  section  masses at the nodes, rotational inertia of the section (t^2/12 per mass): this is the
+           error of the mesh and of lumped masses
+  floor    with the inertia of the engine, at least A/7 for nu = 0 and A/11.7 for nu = 0.3
+Prints the deviation from the references of the checks in percent, and next to it that of the
+engine, from tests/VERIFICATION.md.
 
     python3 tests/references/plates.py > tests/references/plates.txt
 """
@@ -18,7 +20,7 @@ H = XI * ETA
 
 
 def cell(side, t, e, nu):
-    """Stiffness of w, bx, by at four corners; b turns the normal: gamma = grad w + b."""
+    """Stiffness of w, bx, by at four corners; b rotates the normal: gamma = grad w + b."""
     area, g = side * side, e / (2 * (1 + nu))
     d = e * t**3 / 12 / (1 - nu**2)
     zero = np.zeros(4)
@@ -33,7 +35,7 @@ def cell(side, t, e, nu):
     # E t^3/12 /32 Jxx q^2 with Jxx = 4/3, twice for the second derivative.
     for q in (row(x=H), row(y=H)):
         k += e * t**3 / 12 / 32 * 4 / 3 * 2 * np.outer(q, q)
-    # 5/6 G t A/6 X X (s + M2 a)^2, softer by the bending of sides.
+    # 5/6 G t A/6 X X (s + M2 a)^2, reduced by the bending of sides.
     soft = 1 + shear * side**2 / (12 * d)
     for vary in (row(w=H / 4, x=ETA / 4 * side / 2), row(w=H / 4, y=XI / 4 * side / 2)):
         k += shear / soft * area / 3 * 4 / side**2 * np.outer(vary, vary)
@@ -51,7 +53,9 @@ def frequencies(n, m, side, t, e, nu, rho, inertia, held):
             at = np.concatenate([[3 * a, 3 * a + 1, 3 * a + 2] for a in nodes])
             k[np.ix_(at, at)] += one
             mass[at] += np.tile([corner, corner * inertia, corner * inertia], 4)
-    free = np.array([c for c in range(count) if not held(c % 3, c // 3 // (m + 1), c // 3 % (m + 1))])
+    free = np.array(
+        [c for c in range(count) if not held(c % 3, c // 3 // (m + 1), c // 3 % (m + 1))]
+    )
     root = 1 / np.sqrt(mass[free])
     values, vectors = eigh(root[:, None] * k[np.ix_(free, free)] * root[None, :])
     shapes = np.zeros((count, len(free)))
@@ -60,19 +64,22 @@ def frequencies(n, m, side, t, e, nu, rho, inertia, held):
 
 
 def nearest(values, shapes, wanted, near):
-    """The mode, of those near the frequency, that is most like a shape of w."""
+    """The frequency in `near` whose mode is most similar to the wanted shape of w."""
     best = max(near, key=lambda i: abs(shapes[0::3, i] @ wanted) / np.linalg.norm(shapes[0::3, i]))
     return values[best]
 
 
 def floor(t, side, nu):
-    """Inertia a mass of a corner: Section::inertia_floor."""
+    """Rotational inertia per mass of a corner: Section::inertia_floor."""
     return max(t * t / 12, side * side * 0.25 / (2.75 / (1 - nu) - 1))
 
 
 def show(name, reference, f, engine):
     section, raised = (100 * (x / reference - 1) for x in f)
-    print(f"{name:28} {reference:8.4g} Hz   section {section:+.2f} %   floor {raised:+.2f} %   engine {engine:+.2f} %")
+    print(
+        f"{name:28} {reference:8.4g} Hz   section {section:+.2f} %"
+        f"   floor {raised:+.2f} %   engine {engine:+.2f} %"
+    )
 
 
 def beam(name, held, references, engine):
@@ -117,5 +124,6 @@ plate("supported (11 12 22 13)", N, 0.2, 0.004, 210e9, 0.3, 7850.0, rim,
        (1955.5, sine(2, 2), -2.15), (2440.9, sine(1, 3), -0.89)])
 square = lambda of: lambda x, y: of(2 * x - 1, 2 * y - 1)
 plate("free FV12", N, 10.0, 0.05, 200e9, 0.3, 8000.0, lambda c, i, j: False,
-      [(1.622, square(lambda x, y: x * y), -1.03), (2.360, square(lambda x, y: x * x - y * y), -2.03),
+      [(1.622, square(lambda x, y: x * y), -1.03),
+       (2.360, square(lambda x, y: x * x - y * y), -2.03),
        (2.922, square(lambda x, y: x * x + y * y - 2 / 3), -1.56)])

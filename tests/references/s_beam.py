@@ -1,6 +1,9 @@
-"""The S-beam of B15 as a job, on a mesh of its own: python s_beam.py QUADS ELEMENT > job.toml, QUADS over a side.
+"""The S-beam of B15 as a job with its own mesh, QUADS over a side.
 
-With 24 (3.33 mm) and fully_integrated_quad it gave the references of `master/src/verify/crashes.rs`; README.md has the commands.
+    python3 s_beam.py QUADS ELEMENT > job.toml
+
+QUADS = 24 (3.33 mm) and fully_integrated_quad gave the references of
+`master/src/verify/crashes.rs`. README.md has the commands.
 """
 
 import math

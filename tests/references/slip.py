@@ -1,20 +1,24 @@
-"""A08: a rigid block on a base that shakes with velocity r sin(t), and Coulomb friction; units mu g/w and mu g/w^2.
+"""A08: a rigid block on a base that moves with velocity r sin(t), and Coulomb friction.
 
-Integrated with so small a step that the digits printed do not depend on it. What the check measures is measured here in the
-same way: the fraction of a cycle in which the relative speed is above 0.01, the largest speed of the block, the sliding in a
-cycle. The steady state is that of the sixth cycle.
+Units are mu g/w and mu g/w^2. The step is so small that the printed digits do not depend on it. The
+quantities are measured as in the check: the fraction of a cycle in which the relative speed is
+above 0.01, the largest speed of the block, and the sliding distance in a cycle. The steady state is
+that of the sixth cycle.
 
     python3 tests/references/slip.py > tests/references/slip.txt
 """
 
 from math import cos, pi, sin
 
-STEPS = 400_000  # of a cycle
+STEPS = 400_000  # per cycle
 THRESHOLD = 0.01
 
 
 def steady(r):
-    """Fraction of time in slip, the same above the threshold, largest speed of the block, sliding in a cycle."""
+    """Fraction of time in slip, the same above the threshold, largest speed, sliding distance.
+
+    All in the sixth cycle.
+    """
     dt = 2.0 * pi / STEPS
     v, sticks = 0.0, True
     for cycle in range(6):
@@ -26,7 +30,7 @@ def steady(r):
                 v = base
             else:
                 before = v - (r * sin(t - dt))
-                # The way it slides, or begins to slide: against the pull of the base.
+                # Direction in which it slides or starts to slide: opposite to the pull of the base.
                 sign = before if not sticks else -pull
                 v += -dt if sign > 0.0 else dt
                 after = v - base
@@ -43,4 +47,7 @@ def steady(r):
 
 
 for r in [1.2, 1.5, 1.8, 3.0]:
-    print("r {}: slip {:.4f}, above the threshold {:.4f}, largest speed {:.4f}, sliding {:.4f}".format(r, *steady(r)))
+    print(
+        "r {}: slip {:.4f}, above the threshold {:.4f},"
+        " largest speed {:.4f}, sliding {:.4f}".format(r, *steady(r))
+    )

@@ -1,9 +1,10 @@
-"""A03 (b): a bar in uniaxial strain at a rigid wall, at 100 m/s, where 1.7 % of compression is no small strain.
+"""A03 (b): a bar in uniaxial strain hits a rigid wall at 100 m/s.
 
-Closed form with the law of the engine, stress = M ln(stretch) on a section that is held, M = lambda + 2 mu: behind the shock
-rho v^2 = -M ln(1 - e) e; it runs with v/e in the length at the start. From the free end a fan comes back, its middle with
-sqrt(M / rho / (1 - e/2)). Beside it a chain of lumped masses and such springs, by central differences: what the mesh loses in the
-front of the wave, as in bars.py.
+Compression of 1.7 % is not a small strain here. The closed form uses the law of the engine,
+stress = M ln(stretch) on a constant section, M = lambda + 2 mu. Behind the shock
+rho v^2 = -M ln(1 - e) e; its speed is v/e in the initial length. A fan returns from the free end;
+its middle has the speed sqrt(M / rho / (1 - e/2)). A chain of lumped masses with such springs, by
+central differences, gives the loss of the mesh in the wave front, as in bars.py.
 
     python3 tests/references/strain.py > tests/references/strain.txt
 """
@@ -19,11 +20,14 @@ for _ in range(50):
     e = sqrt(DENSITY * SPEED**2 / MODULUS * e / -log(1 - e))
 pressure = -MODULUS * log(1 - e)
 duration = LENGTH * e / SPEED + LENGTH / C * sqrt(1 - e / 2)
-print(f"closed form: strain {e:.6f}, force on (20 mm)^2 {pressure * 4e-4 * 1e-6:.4f} MN, duration {duration * 1e6:.3f} us")
+print(
+    f"closed form: strain {e:.6f}, force on (20 mm)^2 {pressure * 4e-4 * 1e-6:.4f} MN,"
+    f" duration {duration * 1e6:.3f} us"
+)
 
 
 def rebound(n, courant, more):
-    """Velocity of the centre of mass after, over that before."""
+    """Velocity of the centre of mass after the impact over that before."""
     side = LENGTH / n
     mass = [DENSITY * side] * (n + 1)
     mass[0] = mass[-1] = 0.5 * DENSITY * side
@@ -43,5 +47,6 @@ def rebound(n, courant, more):
 
 for n in (100, 400):
     for courant in (0.5, 0.6, 0.7, 0.8, 0.9):
-        all = [rebound(n, courant, k / 4) for k in range(4)] if n == 100 else [rebound(n, courant, 0.0)]
+        phases = [k / 4 for k in range(4)] if n == 100 else [0.0]
+        all = [rebound(n, courant, phase) for phase in phases]
         print(f"{n} cells, Courant {courant}: rebound / v from {min(all):.5f} to {max(all):.5f}")

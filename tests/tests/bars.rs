@@ -104,7 +104,7 @@ fn struck(n: usize) -> Struck {
     });
     let mass = RHO * LENGTH * LENGTH / n as f64 * THICKNESS;
     let area = LENGTH / n as f64 * THICKNESS;
-    let rebound = flight(&end, 0..end.nodes.held);
+    let rebound = flight(&end, 0..end.nodes.local_count);
     Struck {
         contact_time: last_push * c() / (2.0 * LENGTH),
         mean_force: impulse / (2.0 * LENGTH / c()) / (RHO * c() * V * area),
@@ -175,7 +175,7 @@ fn exchange(n: usize, v: f64) -> Exchange {
     );
     let (mut last_push, mut when, mut gained, mut last) = (0.0, 0.0, 0.0, 0.0f64);
     let end = bars.run(half, &rest, |e| {
-        let velocity = flight(e, half..e.nodes.held);
+        let velocity = flight(e, half..e.nodes.local_count);
         if velocity - last > 1e-9 * v {
             last_push = e.clock.time;
         }
@@ -185,7 +185,7 @@ fn exchange(n: usize, v: f64) -> Exchange {
             (when, gained) = (e.clock.time * c() / LENGTH, velocity);
         }
     });
-    let (one, two) = (flight(&end, 0..half), flight(&end, half..end.nodes.held));
+    let (one, two) = (flight(&end, 0..half), flight(&end, half..end.nodes.local_count));
     assert!(((one + two) / v - 1.0).abs() < 1e-12, "momentum to round-off");
     let mass: f64 = end.nodes.mass[..half].iter().sum();
     let x = Exchange {

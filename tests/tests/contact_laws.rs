@@ -150,7 +150,7 @@ fn fine_shells_do_not_touch_round_a_corner() {
         let limit = format!("contact.thickness_limit={limit}");
         let mut most = 0;
         let model = read(&case("tube-crush"), &[&fine[..], &[&limit]].concat());
-        run_alone(&model, |e| most = most.max(e.contact.as_ref().unwrap().own_table().count()));
+        run_alone(&model, |e| most = most.max(e.contact.as_ref().unwrap().owned_table().count()));
         most
     });
     assert_eq!(pairs[0], 0);

@@ -160,7 +160,7 @@ fn spot_weld_contacts_tie_beams() {
         *CONTACT_SPOTWELD\n3,8,3,2\n\n\n",
     );
     let ties = &model.settings.ties;
-    let carriers = |i: usize| ties[i].carriers.iter().map(|c| (c.0.0, c.1)).collect::<Vec<_>>();
+    let carriers = |i: usize| ties[i].masters.iter().map(|c| (c.0.0, c.1)).collect::<Vec<_>>();
     assert_eq!(carriers(0), [(1, 0.25), (2, 0.25), (4, 0.25), (5, 0.25)]);
     assert_eq!(carriers(1), [(11, 0.25), (12, 0.25), (14, 0.25), (15, 0.25)]);
     assert!(ties.iter().all(|t| t.rotations && !t.offset));
@@ -234,12 +234,8 @@ fn cross_sections_of_one_name_are_two() {
 #[test]
 fn node_sets_share_displacements() {
     let model = with("*CONSTRAINED_NODE_SET\n5,7\n*SET_NODE_LIST\n5\n13,3,2\n");
-    let ties: Vec<_> = model
-        .settings
-        .ties
-        .iter()
-        .map(|t| (t.node.0, t.carriers[0].0.0, t.carriers[0].1))
-        .collect();
+    let ties: Vec<_> =
+        model.settings.ties.iter().map(|t| (t.node.0, t.masters[0].0.0, t.masters[0].1)).collect();
     assert_eq!(ties, [(3, 2, 1.0), (13, 2, 1.0)]);
     assert_eq!(
         model.mesh.nodes.iter().find(|n| n.id.0 == 13).unwrap().x,

@@ -325,7 +325,7 @@ fn the_taylor_bar_shortens_as_the_published_one() {
         .filter(|n| n.x[0].abs() < 1e-6 && n.x[2].abs() < 1e-6)
         .map(|n| n.id);
     let axis: std::collections::BTreeSet<_> = axis.collect();
-    let own = (0..engine.nodes.held).filter(|&i| axis.contains(&engine.nodes.id[i]));
+    let own = (0..engine.nodes.local_count).filter(|&i| axis.contains(&engine.nodes.id[i]));
     let y: Vec<f64> = own.map(|i| engine.nodes.x[i][1]).collect();
     let length =
         y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);

@@ -2,7 +2,7 @@
 
 use crumple::run::stop::StopFlag;
 use crumple_proto::transport::threads::{Threads, connect};
-use crumple_proto::transport::{Lost, Tag, Traffic, Transport};
+use crumple_proto::transport::{RankLost, Tag, Traffic, Transport};
 use crumple_tests::program::{Ended, assert_finite, crumple_with, run, start};
 use crumple_tests::{case, read};
 use rustix::process::Signal;
@@ -234,13 +234,13 @@ impl Transport for Frail {
     fn size(&self) -> usize {
         self.0.size()
     }
-    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), RankLost> {
         self.0.send(to, tag, words)
     }
-    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, RankLost> {
         self.0.try_recv(from, tag, words)
     }
-    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost> {
         assert!(self.1 > 0, "on purpose, by a test");
         self.1 -= 1;
         self.0.recv(from, tag, words)

@@ -124,7 +124,7 @@ fn contact_is_there_from_birth_to_death() {
         // The clock has ticked since the pairs were found.
         let near = [0.2, 0.4].iter().any(|t| (e.clock.time - t).abs() < 2.0 * e.clock.last_dt);
         if !near {
-            seen[period] += e.contact.as_ref().unwrap().own_table().count();
+            seen[period] += e.contact.as_ref().unwrap().owned_table().count();
         }
         speeds.push((e.clock.time, block(e).0[2]));
     });

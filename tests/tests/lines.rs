@@ -115,7 +115,7 @@ const THICKNESS: f64 = 1.0;
 
 /// Place and velocity of the node with this id.
 fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
-    let n = (0..e.nodes.held)
+    let n = (0..e.nodes.local_count)
         .find(|&n| e.nodes.id[n].label() == id as u64)
         .expect("a node of the mesh");
     ([0, 1, 2].map(|c| e.nodes.x[n][c]), [0, 1, 2].map(|c| e.nodes.v[n][c]))
@@ -152,7 +152,7 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
             .zip(first)
             .map(|(a, b)| (a - b).abs())
             .fold(change, |m, d| m.max(d / (size * LENGTH)));
-        touched |= e.contact.as_ref().is_some_and(|c| c.own_table().any(|p| p.name.is_edge()));
+        touched |= e.contact.as_ref().is_some_and(|c| c.owned_table().any(|p| p.key.is_edge()));
     });
     assert!(touched, "{law}: they met as lines");
     let mean = |ids: &[usize]| {
@@ -333,8 +333,8 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             x[2]
         );
         assert!(lowest > depth - 0.02 * RADIUS && v[2].abs() < 1e-3, "{law}: {lowest}, {v:?}");
-        let table = end.contact.as_ref().unwrap().own_table();
-        assert_eq!(table.filter(|p| p.name.is_edge()).count(), 3, "{law}: an edge on each beam");
+        let table = end.contact.as_ref().unwrap().owned_table();
+        assert_eq!(table.filter(|p| p.key.is_edge()).count(), 3, "{law}: an edge on each beam");
     }
 }
 

@@ -91,7 +91,7 @@ fn gravity_makes_all_fall_alike() {
         balance.look(e);
         let t = e.clock.time;
         let place = |i: usize| (e.nodes.x[i][2] + 0.5 * g * t * t).abs();
-        worst = (0..e.nodes.held).map(place).fold(worst, f64::max);
+        worst = (0..e.nodes.local_count).map(place).fold(worst, f64::max);
     });
     // The scheme is exact for a constant force and step; its error is a change of the step,
     // squared.
@@ -113,7 +113,8 @@ fn nodal_loads_and_damping() {
                 force = [0.3, 0.0, 0.0]\nmoment = [0.0, 0.0, 0.0]\ncurve = \"ramp\"\n";
     let mut balance = Balance::default();
     let end = run_alone(&plate(side, 2, thickness, 0.2, rest), |e| balance.look(e));
-    let momentum: f64 = (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][0]).sum();
+    let momentum: f64 =
+        (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][0]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt; // mid-step
     let steps = end.clock.cycle as f64;
     assert!(
@@ -147,7 +148,8 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let mut balance = Balance::default();
     let rest = format!("[[pressure]]\nparts = [1]\npressure = {p:?}\n");
     let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |e| balance.look(e));
-    let momentum: f64 = (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
+    let momentum: f64 =
+        (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt;
     // Only bending, from nodal masses that are not in proportion to nodal areas at round-off, could
     // disturb it.
@@ -163,8 +165,9 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
          spin = [0.0, {turn:?}, 0.0]\ncentre = [10.0, 10.0, 0.0]\n"
     );
     let end = run_alone(&plate(side, 4, 1.0, 0.3, &rest), |_| {});
-    let sum =
-        |c: usize| (0..end.nodes.held).map(|i| end.nodes.mass[i] * end.nodes.v[i][c]).sum::<f64>();
+    let sum = |c: usize| {
+        (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][c]).sum::<f64>()
+    };
     let expected = 2.0 * p * side * side * 0.3 / std::f64::consts::PI;
     for c in [0, 2] {
         // Spinning at 5.2/ms stretches the plate by rho (w r)^2 / E = 1e-4 and more in its area.

@@ -21,7 +21,7 @@ fn a_tube_folds_as_in_double_precision() {
     let [double, single] = [&[][..], &[SINGLE]].map(|sets| {
         let mut met = 0;
         let engine = run_alone(&tube(sets), |e| {
-            met += e.contact.iter().map(|c| c.own_pairs().count()).sum::<usize>()
+            met += e.contact.iter().map(|c| c.owned_pairs().count()).sum::<usize>()
         });
         assert!(met > 0, "the folds touch");
         (engine.ledger.energies(&engine.nodes), engine.clock.cycle)

@@ -118,7 +118,7 @@ fn a_rigid_cube_falls_and_lands() {
             landed = e.clock.time;
         }
         fastest = fastest.min(v);
-        dip = (0..e.nodes.held).map(|i| e.nodes.x[i][2] + 100.0).fold(dip, f64::min);
+        dip = (0..e.nodes.local_count).map(|i| e.nodes.x[i][2] + 100.0).fold(dip, f64::min);
     });
     assert!((end.bodies.bodies[0].mass - 1.0).abs() < 1e-12);
     assert!((landed - 142.78).abs() < 0.06, "to a step: {landed}");
@@ -178,7 +178,7 @@ fn a_led_body_takes_its_nodes_along() {
             .map(|c| (end.nodes.x[i][c] - end.nodes.x0[i][c] - (c + 1) as f64).abs())
             .fold(0.0, f64::max)
     };
-    let worst = (0..end.nodes.held).map(off).fold(0.0, f64::max);
+    let worst = (0..end.nodes.local_count).map(off).fold(0.0, f64::max);
     assert!(worst < 1e-11, "63 radians in 100 steps, eps each, on 10 mm: {worst:e}");
 }
 
@@ -206,7 +206,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
                 worst[k] = (0..3).map(|c| (now[k][c] - first[k][c]).abs()).fold(worst[k], f64::max);
             }
             let contact = e.contact.as_ref().unwrap();
-            pairs += contact.own_pairs().count();
+            pairs += contact.owned_pairs().count();
             deepest = deepest.max(contact.penetration);
         });
         let body = &end.bodies.bodies[0];

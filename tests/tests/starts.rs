@@ -79,7 +79,7 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
             let model = mesh.model(3.0, 1.0, law, "");
             let (mut pairs, mut kinetic) = (0, 0.0f64);
             let end = run_alone(&model, |e: &Engine| {
-                pairs = pairs.max(e.contact.as_ref().unwrap().own_pairs().count());
+                pairs = pairs.max(e.contact.as_ref().unwrap().owned_pairs().count());
                 kinetic = kinetic.max(e.ledger.energies(&e.nodes).kinetic.abs());
             });
             let energies = end.ledger.energies(&end.nodes);
@@ -142,7 +142,7 @@ fn work_at_starting_penetrations_is_booked_apart() {
             let (mut taken, mut given, mut contact, mut kinetic) = (0.0f64, 0.0f64, 0.0f64, 0.0);
             let ended = crumple::run::embedded::run_alone(&model, |e: &mut Engine| {
                 if e.clock.cycle == 0 {
-                    let upper = (0..e.nodes.held).filter(|&n| e.nodes.x0[n][2] > 0.25);
+                    let upper = (0..e.nodes.local_count).filter(|&n| e.nodes.x0[n][2] > 0.25);
                     upper.collect::<Vec<_>>().into_iter().for_each(|n| e.nodes.v[n][2] = -1.0);
                     return ControlFlow::Continue(());
                 }

@@ -84,7 +84,7 @@ fn grows(model: &Model) -> bool {
     let mut grown = false;
     let ended = run_alone(model, |e: &mut Engine| {
         if e.clock.cycle == 0 {
-            for n in (0..e.nodes.held).filter(|&n| e.nodes.fixed[n] & 0b111 == 0) {
+            for n in (0..e.nodes.local_count).filter(|&n| e.nodes.fixed[n] & 0b111 == 0) {
                 (0..3).for_each(|c| e.nodes.v[n][c] += random());
             }
         }
@@ -248,7 +248,7 @@ fn shells_in_penalty_contact_bear_their_step() {
                 let (mut touching, mut largest) = (0, 0.0f64);
                 let ended = run_alone(&pressed(turned, form, 0.9), |e: &mut Engine| {
                     e.settings.safety = safety;
-                    touching = e.contact.as_ref().expect("there is contact").own_pairs().count();
+                    touching = e.contact.as_ref().expect("there is contact").owned_pairs().count();
                     largest = e.nodes.v.iter().flatten().fold(0.0f64, |most, v| most.max(v.abs()));
                     if largest < 1.0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
                 });
@@ -354,7 +354,8 @@ fn the_limit_of_a_stretched_sheet_is_found() {
                 first = largest.max(1e-9);
                 e.settings.safety = safety;
                 e.clock.whole_dt = f64::INFINITY;
-                (0..e.nodes.held).for_each(|i| e.nodes.v[i][2] += 1e-9 * ((i * i) as f64).sin());
+                (0..e.nodes.local_count)
+                    .for_each(|i| e.nodes.v[i][2] += 1e-9 * ((i * i) as f64).sin());
             }
             cycles += 1;
             grown |= largest.is_nan() || largest > 1e4 * first;

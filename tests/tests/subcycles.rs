@@ -91,7 +91,7 @@ fn slow(model: &Model) -> usize {
 }
 
 fn tip(e: &Engine) -> f64 {
-    let last = e.nodes.held - 1;
+    let last = e.nodes.local_count - 1;
     e.nodes.x[last][0] - e.nodes.x0[last][0]
 }
 

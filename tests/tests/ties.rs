@@ -162,10 +162,10 @@ fn nodes_share_displacements() {
     let text = text.replacen("node_sets = {", &format!("node_sets = {{ rest = [{listed}],"), 1);
     let mut watch = Watch::default();
     let end = run_alone(&model(&text).unwrap(), |e: &Engine| watch.look(e));
-    let carrier = end.nodes.held_number(crumple_proto::ids::NodeId(550)).unwrap() as usize;
+    let carrier = end.nodes.local_index(crumple_proto::ids::NodeId(550)).unwrap() as usize;
     for id in listed.split(", ").map(|id| crumple_proto::ids::NodeId(id.parse().unwrap())) {
         assert_eq!(
-            end.nodes.v[end.nodes.held_number(id).unwrap() as usize],
+            end.nodes.v[end.nodes.local_index(id).unwrap() as usize],
             end.nodes.v[carrier],
             "{id}"
         );
@@ -196,17 +196,18 @@ fn a_wave_goes_through_a_tie() {
     let (mut arrival, mut at_half) = (None, None);
     run_alone(&model, |e: &Engine| {
         watch.look(e);
-        let middle = (0..e.nodes.held).find(|&i| e.nodes.x0[i][0] == 1.5 * LENGTH).unwrap();
+        let middle = (0..e.nodes.local_count).find(|&i| e.nodes.x0[i][0] == 1.5 * LENGTH).unwrap();
         if e.nodes.v[middle][0] > 0.25 {
             arrival.get_or_insert(e.clock.time);
         }
         if e.clock.time >= half && at_half.is_none() {
             // The mass of the tied end, of half a cell, is with the nodes that carry it.
             let tied = 0.5 * CELL * SIDE * SIDE * RHO * 0.5;
-            let second = (0..e.nodes.held).filter(|&i| e.nodes.x0[i][0] > LENGTH + 0.1);
+            let second = (0..e.nodes.local_count).filter(|&i| e.nodes.x0[i][0] > LENGTH + 0.1);
             let given: f64 = second.map(|i| e.nodes.mass[i] * e.nodes.v[i][0]).sum::<f64>() + tied;
             let near = |&i: &usize| (e.nodes.x0[i][0] - LENGTH).abs() < 0.4 * LENGTH;
-            let near: Vec<f64> = (0..e.nodes.held).filter(near).map(|i| e.nodes.v[i][0]).collect();
+            let near: Vec<f64> =
+                (0..e.nodes.local_count).filter(near).map(|i| e.nodes.v[i][0]).collect();
             // Velocities are those in the middle of the last step.
             at_half = Some((given / (e.clock.time - 0.5 * e.clock.last_dt), near));
         }
@@ -259,7 +260,7 @@ fn tied_bars_turn_without_strain() {
     let at = |id| xyz_of(&end, id);
     for tie in &model.settings.ties {
         let stand = tie
-            .carriers
+            .masters
             .iter()
             .fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
         let off = (0..3).map(|c| (stand[c] - at(tie.node)[c]).abs()).fold(0.0, f64::max);
@@ -304,7 +305,7 @@ fn arms_turn_with_their_face() {
         let at = |id| xyz_of(&end, id);
         for tie in &model.settings.ties {
             let foot = tie
-                .carriers
+                .masters
                 .iter()
                 .fold([0.0; 3], |s, &(id, n)| std::array::from_fn(|c| s[c] + n * at(id)[c]));
             let arm = (0..3).map(|c| (at(tie.node)[c] - foot[c]).powi(2)).sum::<f64>().sqrt();
@@ -315,7 +316,7 @@ fn arms_turn_with_their_face() {
 }
 
 fn xyz_of(e: &Engine, id: crumple_proto::ids::NodeId) -> [f64; 3] {
-    let i = e.nodes.held_number(id).unwrap();
+    let i = e.nodes.local_index(id).unwrap();
     [0, 1, 2].map(|c| e.nodes.x[i as usize][c])
 }
 
@@ -445,7 +446,7 @@ fn a_face_that_fails_lets_go() {
     let (mut whole, mut left) = (Vec::new(), None);
     let end = run_alone(&model, |e: &Engine| {
         watch.look(e);
-        whole.push((0..e.nodes.held).map(|i| e.nodes.mass[i]).sum::<f64>());
+        whole.push((0..e.nodes.local_count).map(|i| e.nodes.mass[i]).sum::<f64>());
         if e.ties.is_empty() && left.is_none() {
             left = Some((
                 e.clock.time,
@@ -527,7 +528,7 @@ fn ties_stand_on_ties_but_for_arms() {
     let of_third: Vec<_> = model.settings.ties.iter().filter(|t| own(t.node.0)).collect();
     assert!(
         of_third.len() == 6
-            && of_third.iter().all(|t| t.carriers.iter().all(|c| c.0.0 <= 10) && t.faces.len() > 1)
+            && of_third.iter().all(|t| t.masters.iter().all(|c| c.0.0 <= 10) && t.faces.len() > 1)
     );
     let mut watch = Watch::default();
     run_alone(&model, |e: &Engine| watch.look(e));

@@ -74,8 +74,9 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
             drift = drift.max((along_z(e) - start).abs());
         });
         let after = start / (mass + big);
-        let worst =
-            (0..end.nodes.held).map(|i| (end.nodes.v[i][2] - after).abs()).fold(0.0, f64::max);
+        let worst = (0..end.nodes.local_count)
+            .map(|i| (end.nodes.v[i][2] - after).abs())
+            .fold(0.0, f64::max);
         assert!(worst < 1e-9, "{rigid}: {worst} off {after}");
         assert!(
             (end.walls.each()[0].velocity().z - after).abs() < 1e-9,
@@ -109,7 +110,7 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     let (mut fastest, mut pairs) = (0.0f64, false);
     run_alone(&job(&plates, 0.03, rest), |e| {
         fastest = fastest.min(e.walls.each()[0].velocity().z);
-        pairs |= fastest == 0.0 && e.contact.as_ref().unwrap().own_table().next().is_some();
+        pairs |= fastest == 0.0 && e.contact.as_ref().unwrap().owned_table().next().is_some();
     });
     assert!(pairs, "contact comes before the wall");
     assert!((-10.5..-9.0).contains(&fastest), "the plates come with 10 and 10.5: {fastest}");
@@ -155,15 +156,15 @@ fn a_cylinder_catches_a_strip() {
         );
         let (mut deepest, mut pressed) = (f64::INFINITY, 0.0f64);
         let end = run_alone(&job(&strip, 0.5, &rest), |e| {
-            let axis = e.walls.each()[0].surface.place().z;
+            let axis = e.walls.each()[0].surface.position().z;
             let off = |i: usize| e.nodes.x[i][0].hypot(e.nodes.x[i][2] - axis) - 10.0;
-            deepest = (0..e.nodes.held).map(off).fold(deepest, f64::min);
+            deepest = (0..e.nodes.local_count).map(off).fold(deepest, f64::min);
             pressed = pressed.max(e.walls.impulse[0][2]);
         });
         assert!(deepest > -1e-6, "{rigid}{led}: {deepest}");
         assert!(pressed > 0.0, "{rigid}{led}: it has been met");
         let middle = end.nodes.x[10 * 3][2];
-        let axis = end.walls.each()[0].surface.place().z;
+        let axis = end.walls.each()[0].surface.position().z;
         assert!(middle > 10.0 - 1e-6 + axis, "{rigid}{led}: {middle}");
         assert!((axis - if led.is_empty() { 0.0 } else { 2.5 }).abs() < 1e-12, "{axis}");
     }

@@ -20,13 +20,13 @@ pub struct Work {
 
 impl Work {
     /// Of one component of an impulse between velocities `before` and `after`.
-    pub fn of(impulse: f64, before: f64, after: f64) -> Self {
+    pub fn from_impulse(impulse: f64, before: f64, after: f64) -> Self {
         Self { before: 0.5 * impulse * before, after: 0.5 * impulse * after }
     }
 
     /// Of three components.
-    pub fn of_all(impulse: &Row, before: &Row, after: &Row) -> Self {
-        (0..3).map(|c| Self::of(impulse[c], before[c], after[c])).sum()
+    pub fn from_impulses(impulse: &Row, before: &Row, after: &Row) -> Self {
+        (0..3).map(|c| Self::from_impulse(impulse[c], before[c], after[c])).sum()
     }
 
     /// Both halves.
@@ -77,21 +77,21 @@ pub struct ContactWork {
 pub struct Ledger {
     internal: f64,
     hourglass: f64,
-    contact: Booked,
-    friction: Booked,
-    starting: Booked,
-    wall: Booked,
-    external: Booked,
+    contact: LedgerEntry,
+    friction: LedgerEntry,
+    starting: LedgerEntry,
+    wall: LedgerEntry,
+    external: LedgerEntry,
 }
 
 /// Work so far, and what of it lies between the present time and the next mid-step [energy].
 #[derive(Clone, Copy, Debug, Default)]
-struct Booked {
+struct LedgerEntry {
     total: f64,
     ahead: f64,
 }
 
-impl Booked {
+impl LedgerEntry {
     fn book(&mut self, work: Work) {
         self.total += work.total();
         self.ahead = work.after;
@@ -154,16 +154,16 @@ impl Ledger {
 fn kinetic(nodes: &Nodes) -> (f64, f64) {
     let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let change = |a: &Row, b: &Row| (0..3).map(|c| (b[c] - a[c]) * (b[c] - a[c])).sum::<f64>();
-    let swing = |i: usize| 0.25 * nodes.mass[i] * change(&nodes.v[i], &nodes.next_v[i]);
+    let swing = |i: usize| 0.25 * nodes.mass[i] * change(&nodes.v[i], &nodes.v_next[i]);
     let of = |i: usize| {
         let turning = if nodes.rotations {
-            nodes.inertia[i] * product(&nodes.w[i], &nodes.next_w[i])
+            nodes.inertia[i] * product(&nodes.w[i], &nodes.w_next[i])
         } else {
             0.0
         };
-        0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.next_v[i]) + turning)
+        0.5 * (nodes.mass[i] * product(&nodes.v[i], &nodes.v_next[i]) + turning)
     };
-    let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
+    let own = || (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
     (own().map(of).sum(), own().map(swing).sum())
 }
 
@@ -175,12 +175,12 @@ pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
 
 /// The same at the present time, within a step: with the mean of the velocities before and after.
 pub fn momentum_at_present(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
-    momentum_of(nodes, &nodes.next_v, &nodes.next_w)
+    momentum_of(nodes, &nodes.v_next, &nodes.w_next)
 }
 
 fn momentum_of(nodes: &Nodes, next_v: &[Row], next_w: &[Row]) -> ([f64; 3], [f64; 3]) {
     let (mut p, mut l) = (Vector3::zeros(), Vector3::zeros());
-    for i in (0..nodes.held).filter(|&i| nodes.is_own(i)) {
+    for i in (0..nodes.local_count).filter(|&i| nodes.is_owned(i)) {
         let mean = |a: &Row, b: &Row| 0.5 * (Vector3::from(xyz(a)) + Vector3::from(xyz(b)));
         let v = mean(&nodes.v[i], &next_v[i]);
         p += nodes.mass[i] * v;

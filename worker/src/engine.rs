@@ -12,13 +12,13 @@ use crate::erosion::erode;
 use crate::fem::blocks::Blocks;
 use crate::histories::Histories;
 use crate::loads::Loads;
-use crate::math::rigid_motion::Motion;
+use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::Nodes;
-use crate::parallel::ghosts::Halo;
+use crate::parallel::ghosts::Ghosts;
 use crate::parallel::migrate::{centre, migrate};
-use crate::parallel::partition::{Local, Share, settle};
-pub use crate::parallel::reduction::Agreed;
-use crate::parallel::reduction::Agreement;
+use crate::parallel::partition::{LocalMesh, PartitionData, build_local_mesh};
+pub use crate::parallel::reduction::StepConsensus;
+use crate::parallel::reduction::StepReduction;
 use crate::time::Clock;
 use crate::trace::Recorder;
 use crumple_proto::boxes::{Aabb, CutTree};
@@ -26,7 +26,7 @@ use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::report::{Energies, HistoryPart, PHASES, PhaseSeconds};
 use crumple_proto::trace::Event;
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 use std::time::Instant;
 
@@ -87,8 +87,8 @@ impl Timer {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn record(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.recorder = Some(Box::new(Recorder::start(wire)?));
+    pub fn record(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        self.recorder = Some(Box::new(Recorder::start(comm)?));
         self.restart();
         Ok(())
     }
@@ -112,7 +112,7 @@ pub struct Engine {
     /// Own elements.
     pub blocks: Blocks,
     /// Connections.
-    pub halo: Halo,
+    pub halo: Ghosts,
     /// Contact, if the scene has any.
     pub contact: Option<Contact>,
     /// Rigid walls.
@@ -133,9 +133,9 @@ pub struct Engine {
     /// another time than motion.
     balance: Option<Energies>,
     /// How held nodes have moved since the boxes were last renewed.
-    pub motion: Motion,
+    pub motion: MotionTracker,
     /// What workers agree on.
-    pub agreement: Agreement,
+    pub agreement: StepReduction,
     /// Time per phase.
     pub timer: Timer,
     /// Own shells that were inverted and have failed for it, until someone takes note.
@@ -150,32 +150,32 @@ impl Engine {
     /// # Errors
     /// A worker is gone.
     pub fn new(
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         settings: Settings,
         tree: CutTree,
-        share: Share,
-    ) -> Result<Self, Lost> {
-        let mut local = settle(wire, &settings, share, true)?;
-        let mut ties = Ties::start(wire, &settings, &mut local.nodes)?;
-        ties.settle(wire, &mut local.nodes)?;
+        share: PartitionData,
+    ) -> Result<Self, RankLost> {
+        let mut local = build_local_mesh(comm, &settings, share, true)?;
+        let mut ties = Ties::new(comm, &settings, &mut local.nodes)?;
+        ties.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {
-            local.nodes.keep_means(&[]);
+            local.nodes.retain_outer_means(&[]);
         }
-        let mut agreement = Agreement::new();
+        let mut agreement = StepReduction::new();
         let own = local.blocks.smallest_step(&local.nodes).map_or(f64::INFINITY, |s| s.0);
         let surface = local.surface.as_ref();
         let velocities = surface.map_or([f64::NEG_INFINITY; 6], |s| s.velocities(&local.nodes));
         let thinnest = surface.map_or(f64::INFINITY, |s| s.thinnest);
-        let stable_dt = agreement.first_step(wire, own, velocities, thinnest)?;
+        let stable_dt = agreement.first_step(comm, own, velocities, thinnest)?;
         let mut engine = Self {
-            clock: Clock::start(&settings, stable_dt),
+            clock: Clock::new(&settings, stable_dt),
             walls: Walls::new(&settings.walls, &settings.loads.curves),
             loads: Loads::new(&settings.loads),
             prescribed: Prescribed::new(&settings.loads),
-            bodies: Bodies::start(wire, &settings, &local.nodes)?,
+            bodies: Bodies::new(comm, &settings, &local.nodes)?,
             ties,
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
-            motion: Motion::since(&[]),
+            motion: MotionTracker::since(&[]),
             ledger: Ledger::default(),
             histories: Histories::default(),
             balance: None,
@@ -190,7 +190,7 @@ impl Engine {
             agreement,
         };
         engine.blocks.by_part = vec![[0.0; 2]; engine.settings.parts.len()];
-        engine.begin_membership(local.surface, |_| Vec::new());
+        engine.begin_partition(local.surface, |_| Vec::new());
         Ok(engine)
     }
 
@@ -198,32 +198,32 @@ impl Engine {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn renew(&mut self, wire: &mut dyn Transport, tree: CutTree) -> Result<(), Lost> {
+    pub fn renew(&mut self, comm: &mut dyn Transport, tree: CutTree) -> Result<(), RankLost> {
         self.tree = tree;
         let by_part = std::mem::take(&mut self.blocks.by_part); // what was done here stays booked here
         let slow_dt = self.blocks.slow_dt; // and what all agree on
         let all_computed = self.blocks.all_computed;
-        let local = Local {
+        let local = LocalMesh {
             nodes: std::mem::take(&mut self.nodes),
             blocks: std::mem::take(&mut self.blocks),
             halo: std::mem::take(&mut self.halo),
             surface: None,
         };
-        let mut share = migrate(wire, &self.tree, &local, self.contact.as_ref())?;
+        let mut share = migrate(comm, &self.tree, &local, self.contact.as_ref())?;
         drop(local);
         let memories = std::mem::take(&mut share.memories);
         let means = std::mem::take(&mut share.means);
-        let local = settle(wire, &self.settings, share, false)?;
+        let local = build_local_mesh(comm, &self.settings, share, false)?;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         (self.blocks.by_part, self.blocks.slow_dt) = (by_part, slow_dt);
         if all_computed {
             self.blocks.compute_all();
         }
         if self.settings.subcycles > 1 {
-            self.nodes.keep_means(&means);
+            self.nodes.retain_outer_means(&means);
         }
-        self.ties.settle(wire, &mut self.nodes)?;
-        self.begin_membership(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
+        self.ties.bind_local(comm, &mut self.nodes)?;
+        self.begin_partition(local.surface, |id| memories.get(&id).cloned().unwrap_or_default());
         self.timer.lap(Phase::Renewal);
         Ok(())
     }
@@ -232,29 +232,29 @@ impl Engine {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn erode(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    pub fn erode(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
-        let failed = erode(wire, &mut self.blocks, &self.nodes)?;
+        let failed = erode(comm, &mut self.blocks, &self.nodes)?;
         self.inverted.extend(failed.iter().filter(|&&id| self.blocks.is_deleted(id)));
-        self.ties.release(wire, &failed, &mut self.nodes)?;
-        self.renew(wire, self.tree.clone())
+        self.ties.release_failed(comm, &failed, &mut self.nodes)?;
+        self.renew(comm, self.tree.clone())
     }
 
-    fn begin_membership(
+    fn begin_partition(
         &mut self,
         surface: Option<crate::contact::surface::Surface>,
-        memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::Memory>,
+        memory_of: impl Fn(crumple_proto::ids::NodeId) -> Vec<crate::contact::pairs::PairHistory>,
     ) {
-        self.bodies.settle(&self.nodes);
-        self.walls.settle(&self.nodes);
+        self.bodies.bind_local(&self.nodes);
+        self.walls.bind_local(&self.nodes);
         if let (Some(contact), Some(surface)) = (&mut self.contact, surface) {
             contact.renew(surface, &self.nodes, memory_of);
             let slack = self.halo.slack(&self.nodes);
-            self.motion.restart(&self.nodes.x[..self.nodes.held], slack);
+            self.motion.restart(&self.nodes.x[..self.nodes.local_count], slack);
         }
-        self.loads.settle(&self.nodes, &self.blocks, self.settings.subcycles);
-        self.prescribed.settle(&self.nodes);
-        self.histories.settle(
+        self.loads.bind_local(&self.nodes, &self.blocks, self.settings.subcycles);
+        self.prescribed.bind_local(&self.nodes);
+        self.histories.bind_local(
             &self.settings.histories,
             self.settings.subcycles,
             &self.nodes,
@@ -293,10 +293,10 @@ impl Engine {
     /// Calls `f` with the centre and the load of every own element. All loads add up to `cost`,
     /// what a cycle costs here; a contact pair weighs as much as `pair_weight` elements.
     pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
-        let mut pairs = vec![0u32; self.nodes.held];
+        let mut pairs = vec![0u32; self.nodes.local_count];
         let load = |e: &crate::fem::blocks::LocalElement| self.settings.load(&e.record);
         let mut units = self.blocks.elements.iter().map(load).sum::<f64>();
-        for n in self.contact.iter().flat_map(|c| c.own_pair_nodes()) {
+        for n in self.contact.iter().flat_map(|c| c.owned_pair_nodes()) {
             pairs[n as usize] += 1;
         }
         // In a regular mesh a node is the first corner of one element; that one carries the node's
@@ -315,19 +315,19 @@ impl Engine {
     ///
     /// # Errors
     /// The master is gone.
-    pub fn at_present_time(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    pub fn write_history(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         if self.settings.subcycles > 1 {
-            if self.clock.begins(&self.settings) {
+            if self.clock.starts_outer_step(&self.settings) {
                 self.balance = Some(self.energies(false));
-                self.histories.begin_outer(self.histories.accelerations(self));
+                self.histories.start_outer_step(self.histories.accelerations(self));
             }
             if let Some(contact) = &self.contact {
-                self.histories.feel(&self.settings, contact, &self.nodes);
+                self.histories.record_contact(&self.settings, contact, &self.nodes);
             }
         }
-        if self.clock.row_due(&self.settings) {
+        if self.clock.is_history_due(&self.settings) {
             self.timer.lap(Phase::Advance);
-            self.send_row(wire, false)?;
+            self.send_row(comm, false)?;
             self.timer.lap(Phase::Output);
         }
         Ok(())
@@ -343,8 +343,10 @@ impl Engine {
         let mut energies = self.ledger.energies(&self.nodes);
         if self.settings.subcycles > 1 {
             let (m, dt) = (self.settings.subcycles as f64, self.clock.dt);
-            energies.kinetic -=
-                dt * dt / 12.0 * (2.0 * m - 1.0) * (m - 1.0) * self.blocks.coupling(&self.nodes);
+            energies.kinetic -= dt * dt / 12.0
+                * (2.0 * m - 1.0)
+                * (m - 1.0)
+                * self.blocks.subcycle_coupling(&self.nodes);
         }
         if self.nodes.me == 0 {
             energies.kinetic += self.bodies.beyond().0 + self.walls.carried(ended).0;
@@ -357,7 +359,7 @@ impl Engine {
     ///
     /// # Errors
     /// The master is gone.
-    pub fn send_row(&mut self, wire: &mut dyn Transport, ended: bool) -> Result<(), Lost> {
+    pub fn send_row(&mut self, comm: &mut dyn Transport, ended: bool) -> Result<(), RankLost> {
         let of = if ended { momentum } else { momentum_at_present };
         let (mut momentum, mut angular_momentum) = of(&self.nodes);
         let energies = self.balance.filter(|_| ended).unwrap_or_else(|| self.energies(ended));
@@ -377,7 +379,7 @@ impl Engine {
             angular_momentum,
             wall_impulse: self.walls.impulse.clone(),
             wall_displacement: self.walls.each().iter().map(|w| w.displacement().into()).collect(),
-            pairs: self.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
+            pairs: self.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
             penetration: self.contact.as_mut().map_or(0.0, |c| std::mem::take(&mut c.penetration)),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map(|s| s.1),
@@ -385,7 +387,7 @@ impl Engine {
             shares: self.histories.shares(self, ended),
         };
         self.clock.rows += 1;
-        post(wire, 0, Tag::Report, &ToMaster::History(Box::new(row)))
+        post(comm, 0, Tag::Report, &ToMaster::History(Box::new(row)))
     }
 }
 

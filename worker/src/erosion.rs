@@ -9,7 +9,7 @@
 use crate::fem::blocks::Blocks;
 use crate::nodes::Nodes;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::transport::{Lost, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::HashMap;
 
 /// Failed elements are looked for in every so many cycles: a failed element bears nothing
@@ -34,10 +34,10 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
 /// # Errors
 /// A worker is gone.
 pub fn erode(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     blocks: &mut Blocks,
     nodes: &Nodes,
-) -> Result<Vec<ElemId>, Lost> {
+) -> Result<Vec<ElemId>, RankLost> {
     let failed: Vec<usize> = blocks.newly_failed().collect();
     failed.iter().for_each(|&i| blocks.elements[i].record.failed = true);
     let ids = failed.iter().map(|&i| blocks.elements[i].record.id).collect();
@@ -46,11 +46,11 @@ pub fn erode(
     // Only who has a corner of a face near can have its other side; all are told, since failure is
     // rare.
     let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
-    let parcels = vec![words; wire.size() - 1];
-    let told = exchange_all(wire, parcels)?;
+    let parcels = vec![words; comm.size() - 1];
+    let told = exchange_all(comm, parcels)?;
     let bared: Vec<Face> =
         told.iter().flat_map(|w| w.as_chunks::<4>().0).map(|ids| ids.map(NodeId)).collect();
-    let here = |face: &&Face| nodes.held_number(face[0]).is_some();
+    let here = |face: &&Face| nodes.local_index(face[0]).is_some();
     let bared: Vec<Face> = bared.iter().filter(here).copied().collect();
     if bared.is_empty() {
         return Ok(ids);

@@ -7,7 +7,8 @@ use crate::engine::Engine;
 use crate::fem::blocks::Blocks;
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::histories::{
-    Asked, ContactShare, NodeState, PairForce, PartShare, Section, SectionShare, Shares,
+    ContactShare, HistoryRequests, HistoryShares, NodeState, PairForce, PartShare, Section,
+    SectionShare,
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
@@ -27,19 +28,19 @@ pub struct Histories {
     accelerations: HashMap<NodeId, [f64; 3]>,
     /// With subcycles: contact forces in the present outer step so far, and in the whole one
     /// before.
-    felt: Felt,
-    felt_before: Felt,
+    felt: SurfaceForces,
+    felt_before: SurfaceForces,
 }
 
 /// Contact forces in an outer step, as fractions of a mean over all of its cycles [force].
 #[derive(Debug, Default)]
-struct Felt {
+struct SurfaceForces {
     between_parts: BTreeMap<[u32; 2], [f64; 3]>,
     on_transducers: BTreeMap<(u32, [u64; 4]), [f64; 3]>,
 }
 
-impl Felt {
-    fn add(&mut self, share: f64, contact: &Contact, nodes: &Nodes, asked: &Asked) {
+impl SurfaceForces {
+    fn add(&mut self, share: f64, contact: &Contact, nodes: &Nodes, asked: &HistoryRequests) {
         let add =
             |sum: &mut [f64; 3], force: [f64; 3]| (0..3).for_each(|c| sum[c] += share * force[c]);
         if asked.contacts {
@@ -78,10 +79,16 @@ struct LocalSection {
 
 impl Histories {
     /// Finds what is asked for among the nodes and elements that are here.
-    pub fn settle(&mut self, asked: &Asked, subcycles: u64, nodes: &Nodes, blocks: &Blocks) {
+    pub fn bind_local(
+        &mut self,
+        asked: &HistoryRequests,
+        subcycles: u64,
+        nodes: &Nodes,
+        blocks: &Blocks,
+    ) {
         let own = |ids: &[crumple_proto::ids::NodeId]| -> Vec<u32> {
-            let held = ids.iter().filter_map(|&id| nodes.held_number(id));
-            held.filter(|&n| nodes.is_own(n as usize)).collect()
+            let held = ids.iter().filter_map(|&id| nodes.local_index(id));
+            held.filter(|&n| nodes.is_owned(n as usize)).collect()
         };
         self.nodes = asked.nodes.iter().flat_map(|group| own(&group.nodes)).collect();
         self.nodes.sort_unstable();
@@ -114,20 +121,20 @@ impl Histories {
     }
 
     /// An outer step begins, with these accelerations.
-    pub fn begin_outer(&mut self, accelerations: HashMap<NodeId, [f64; 3]>) {
+    pub fn start_outer_step(&mut self, accelerations: HashMap<NodeId, [f64; 3]>) {
         self.accelerations = accelerations;
         self.felt_before = std::mem::take(&mut self.felt);
     }
 
     /// Takes the contact forces of a cycle into the means over an outer step.
-    pub fn feel(&mut self, settings: &Settings, contact: &Contact, nodes: &Nodes) {
+    pub fn record_contact(&mut self, settings: &Settings, contact: &Contact, nodes: &Nodes) {
         self.felt.add(1.0 / settings.subcycles as f64, contact, nodes, &settings.histories);
     }
 
     /// This worker's shares of a row. Velocities are those before and after the present time or,
     /// when the run has `ended`, those of the last two mid-steps; forces are then those of the last
     /// step.
-    pub fn shares(&self, engine: &Engine, ended: bool) -> Shares {
+    pub fn shares(&self, engine: &Engine, ended: bool) -> HistoryShares {
         let asked = &engine.settings.histories;
         // Contact answers the forces of slow elements all at once: only a mean over an outer step
         // tells anything.
@@ -136,7 +143,7 @@ impl Histories {
         } else {
             &self.felt_before
         });
-        Shares {
+        HistoryShares {
             parts: if asked.parts { parts(engine, ended) } else { Vec::new() },
             contacts: match (&engine.contact, felt) {
                 (_, Some(felt)) => felt.contacts(),
@@ -216,9 +223,9 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
             let (mass, inertia) = b.element.corner_mass(&x, e.record.thickness);
             let (mass, inertia) = (mass * e.record.mass_factor, inertia * e.record.mass_factor);
             for n in e.nodes[..e.record.shape.corners()].iter().map(|&n| n as usize) {
-                let (v, next) = (&nodes.v[n], &nodes.next_v[n]);
+                let (v, next) = (&nodes.v[n], &nodes.v_next[n]);
                 let turning = if nodes.rotations {
-                    inertia * dot(&nodes.w[n], &nodes.next_w[n])
+                    inertia * dot(&nodes.w[n], &nodes.w_next[n])
                 } else {
                     0.0
                 };
@@ -237,7 +244,7 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
 /// of its mean by half of what it gains in one.
 fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
-    let (before, after) = (&nodes.v[n], &nodes.next_v[n]);
+    let (before, after) = (&nodes.v[n], &nodes.v_next[n]);
     match nodes.mean_v.get(n).filter(|_| clock.last_dt > 0.0) {
         Some(mean) => [0, 1, 2].map(|c| {
             let now = before[c] + 0.5 * clock.last_dt * (after[c] - before[c]) / clock.mid();
@@ -253,7 +260,7 @@ fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
 /// has `ended`.
 fn node(engine: &Engine, n: usize, ended: bool) -> NodeState {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
-    let (before, after) = (&nodes.v[n], &nodes.next_v[n]);
+    let (before, after) = (&nodes.v[n], &nodes.v_next[n]);
     let (mid, sign) = if ended { (clock.last_mid, -1.0) } else { (clock.mid(), 1.0) };
     let a = [0, 1, 2].map(|c| if mid > 0.0 { sign * (after[c] - before[c]) / mid } else { 0.0 });
     let since = if ended { 0.0 } else { 0.5 * clock.last_dt };

@@ -4,7 +4,7 @@
 //! ascending element id with everything else. Work is force times the mean of the velocities before
 //! and after, as in the ledger.
 
-use crate::contact::enforce::Steps;
+use crate::contact::enforce::StepSizes;
 use crate::curve::Curve;
 use crate::energy::Work;
 use crate::fem::blocks::Blocks;
@@ -76,14 +76,14 @@ impl Loads {
     }
 
     /// Finds the loaded nodes and faces among those that are here.
-    pub fn settle(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
+    pub fn bind_local(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
         for f in &mut self.forces {
-            f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
+            f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
         }
         self.cycles.clear();
         if subcycles > 1 && !(self.gravity.is_empty() && self.forces.is_empty()) {
-            let of = |i| if blocks.is_slow_only(i) { subcycles as f64 } else { 1.0 };
-            self.cycles.extend((0..nodes.held).map(of));
+            let of = |i| if blocks.has_subcycled_only(i) { subcycles as f64 } else { 1.0 };
+            self.cycles.extend((0..nodes.local_count).map(of));
         }
         self.faces.clear();
         if self.pressures.is_empty() {
@@ -177,16 +177,20 @@ impl Loads {
     /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the
     /// damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2` (Belytschko, Liu & Moran
     /// 2000, box 6.1, with C = a M).
-    pub fn damp(&self, nodes: &mut Nodes, mid: f64) {
+    pub fn apply_damping(&self, nodes: &mut Nodes, mid: f64) {
         if self.damping > 0.0 {
             let b = 0.5 * self.damping * mid;
-            for i in 0..nodes.held {
+            for i in 0..nodes.local_count {
                 for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
-                    nodes.next_v[i][c] = (nodes.next_v[i][c] - b * nodes.v[i][c]) / (1.0 + b);
+                    nodes.v_next[i][c] = (nodes.v_next[i][c] - b * nodes.v[i][c]) / (1.0 + b);
                 }
             }
-            for ((next, w), inverse) in
-                nodes.next_w.iter_mut().zip(&nodes.w).zip(&nodes.inv_inertia).take(nodes.held)
+            for ((next, w), inverse) in nodes
+                .w_next
+                .iter_mut()
+                .zip(&nodes.w)
+                .zip(&nodes.inv_inertia)
+                .take(nodes.local_count)
             {
                 for c in (0..3).filter(|&c| inverse[c] > 0.0) {
                     next[c] = (next[c] - b * w[c]) / (1.0 + b);
@@ -197,10 +201,10 @@ impl Loads {
 
     /// Work done on owned nodes and elements in the step, when the velocities at its end are known;
     /// with `all` on slow elements too [energy].
-    pub fn work(&self, nodes: &Nodes, steps: Steps, all: bool) -> Work {
-        let moved = |f: &Row, i: usize| Work::of_all(f, &nodes.v[i], &nodes.next_v[i]);
-        let turned = |f: &Row, i: usize| Work::of_all(f, &nodes.w[i], &nodes.next_w[i]);
-        let own = || (0..nodes.held).filter(|&i| nodes.is_own(i));
+    pub fn work(&self, nodes: &Nodes, steps: StepSizes, all: bool) -> Work {
+        let moved = |f: &Row, i: usize| Work::from_impulses(f, &nodes.v[i], &nodes.v_next[i]);
+        let turned = |f: &Row, i: usize| Work::from_impulses(f, &nodes.w[i], &nodes.w_next[i]);
+        let own = || (0..nodes.local_count).filter(|&i| nodes.is_owned(i));
         let mut work = Work::default();
         if !self.gravity.is_empty() {
             work +=
@@ -211,15 +215,15 @@ impl Loads {
             let of = |i: usize| {
                 moved(&f, i) + if nodes.rotations { turned(&m, i) } else { Work::default() }
             };
-            let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_own(i));
+            let owned = load.nodes.iter().map(|&n| n as usize).filter(|&i| nodes.is_owned(i));
             work += owned.map(|i| of(i) * self.times(i, all)).sum::<Work>() * load.factor;
         }
         for face in self.faces.iter().filter(|f| all || f.cycles == 1.0) {
             work += face.nodes.iter().zip(&face.force).map(|(&n, f)| moved(f, n as usize)).sum();
         }
-        work = work * steps.mid;
+        work = work * steps.dt_velocity;
         if self.damping > 0.0 {
-            work += own().map(|i| self.damped(nodes, i, steps.mid)).sum();
+            work += own().map(|i| self.damped(nodes, i, steps.dt_velocity)).sum();
         }
         work
     }
@@ -229,13 +233,14 @@ impl Loads {
         let b = 0.5 * self.damping * mid;
         let part = |inv: &Row, mass: f64, v: &Row, next: &Row| {
             let free = (0..3).filter(|&c| inv[c] > 0.0);
-            free.map(|c| Work::of(-mass * b * (v[c] + next[c]), v[c], next[c])).sum::<Work>()
+            free.map(|c| Work::from_impulse(-mass * b * (v[c] + next[c]), v[c], next[c]))
+                .sum::<Work>()
         };
-        let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.v[i], &nodes.next_v[i]);
+        let moved = part(&nodes.inv_mass[i], nodes.mass[i], &nodes.v[i], &nodes.v_next[i]);
         if !nodes.rotations {
             return moved;
         }
-        moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.w[i], &nodes.next_w[i])
+        moved + part(&nodes.inv_inertia[i], nodes.inertia[i], &nodes.w[i], &nodes.w_next[i])
     }
 }
 

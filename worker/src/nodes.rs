@@ -23,7 +23,7 @@ pub fn xyz(r: &Row) -> [f64; 3] {
 /// A node's mean velocities in an outer step, see [`Nodes::mean_v`].
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Mean {
+pub struct OuterStepMean {
     /// The node.
     pub id: NodeId,
     /// Of moving [length/time].
@@ -39,7 +39,7 @@ pub struct Nodes {
     /// This worker (0-based).
     pub me: u32,
     /// Number of held nodes.
-    pub held: usize,
+    pub local_count: usize,
     /// Whether nodes can turn.
     pub rotations: bool,
     /// Global ids.
@@ -61,10 +61,10 @@ pub struct Nodes {
     pub w: Vec<Row>,
     /// Velocities at the next mid-step; before contact is enforced, those without contact
     /// [length/time].
-    pub next_v: Vec<Row>,
+    pub v_next: Vec<Row>,
     /// Rotational velocities at the next mid-step; before contact is enforced, those without
     /// contact [1/time]. Of exterior nodes where contact has friction only.
-    pub next_w: Vec<Row>,
+    pub w_next: Vec<Row>,
     /// Force without contact [force]; held nodes only.
     pub force: Vec<Row>,
     /// Moment [force length]; held nodes only.
@@ -88,10 +88,10 @@ impl Nodes {
     /// Held nodes of worker `me` from records sorted by id; they are its own until others are found
     /// to hold them.
     pub fn new(records: &[NodeRecord], me: u32, rotations: bool) -> Self {
-        let mut n = Self { me, held: records.len(), rotations, ..Self::default() };
+        let mut n = Self { me, local_count: records.len(), rotations, ..Self::default() };
         records.iter().for_each(|r| n.push(r, me));
-        n.force = vec![[0.0; 4]; n.held];
-        n.moment = vec![[0.0; 4]; if rotations { n.held } else { 0 }];
+        n.force = vec![[0.0; 4]; n.local_count];
+        n.moment = vec![[0.0; 4]; if rotations { n.local_count } else { 0 }];
         n
     }
 
@@ -104,12 +104,12 @@ impl Nodes {
         self.x.push(row(r.x));
         self.seen.push(row(r.seen));
         self.v.push(row(r.v));
-        self.next_v.push(row(r.v));
+        self.v_next.push(row(r.v));
         self.mass.push(r.mass);
         self.inv_mass.push([0.0; 4]);
         if self.rotations {
             self.w.push(row(r.w));
-            self.next_w.push(row(r.w));
+            self.w_next.push(row(r.w));
             self.inertia.push(r.inertia);
             self.inv_inertia.push([0.0; 4]);
         }
@@ -145,13 +145,13 @@ impl Nodes {
 
     /// Velocities at the next mid-step from forces and moments, contact and walls not yet felt.
     pub fn accelerate(&mut self, mid: f64) {
-        for i in 0..self.held {
+        for i in 0..self.local_count {
             for c in 0..4 {
-                self.next_v[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
+                self.v_next[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
             }
         }
         let turning =
-            self.next_w.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
+            self.w_next.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
         for ((next, w), (moment, inverse)) in turning {
             for c in 0..4 {
                 next[c] = w[c] + mid * moment[c] * inverse[c];
@@ -161,17 +161,17 @@ impl Nodes {
 
     /// Moves held nodes to the next time.
     pub fn advance(&mut self, dt: f64) {
-        std::mem::swap(&mut self.v, &mut self.next_v);
-        for (x, v) in self.x[..self.held].iter_mut().zip(&self.v) {
+        std::mem::swap(&mut self.v, &mut self.v_next);
+        for (x, v) in self.x[..self.local_count].iter_mut().zip(&self.v) {
             (0..4).for_each(|c| x[c] += dt * v[c]);
         }
-        let turning = self.held.min(self.next_w.len());
-        self.w[..turning].swap_with_slice(&mut self.next_w[..turning]);
+        let turning = self.local_count.min(self.w_next.len());
+        self.w[..turning].swap_with_slice(&mut self.w_next[..turning]);
     }
 
     /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with
     /// `begins` it is the first of them.
-    pub fn follow(&mut self, subcycles: u64, begins: bool) {
+    pub fn accumulate_outer_means(&mut self, subcycles: u64, begins: bool) {
         let share = 1.0 / subcycles as f64;
         for (mean, v) in [(&mut self.mean_v, &self.v), (&mut self.mean_w, &self.w)] {
             for (mean, v) in mean.iter_mut().zip(v) {
@@ -183,18 +183,18 @@ impl Nodes {
     }
 
     /// The mean velocities of node `i`, if they are kept.
-    pub fn mean(&self, i: usize) -> Option<Mean> {
+    pub fn mean(&self, i: usize) -> Option<OuterStepMean> {
         let v = xyz(self.mean_v.get(i)?);
-        Some(Mean { id: self.id[i], v, w: self.mean_w.get(i).map_or([0.0; 3], xyz) })
+        Some(OuterStepMean { id: self.id[i], v, w: self.mean_w.get(i).map_or([0.0; 3], xyz) })
     }
 
     /// Keeps mean velocities of held nodes from now on; `means` are those from where they were kept
     /// before.
-    pub fn keep_means(&mut self, means: &[Mean]) {
-        self.mean_v = vec![[0.0; 4]; self.held];
-        self.mean_w = vec![[0.0; 4]; if self.rotations { self.held } else { 0 }];
+    pub fn retain_outer_means(&mut self, means: &[OuterStepMean]) {
+        self.mean_v = vec![[0.0; 4]; self.local_count];
+        self.mean_w = vec![[0.0; 4]; if self.rotations { self.local_count } else { 0 }];
         for mean in means {
-            let i = self.held_number(mean.id).expect("means come with their nodes") as usize;
+            let i = self.local_index(mean.id).expect("means come with their nodes") as usize;
             self.mean_v[i] = row(mean.v);
             if self.rotations {
                 self.mean_w[i] = row(mean.w);
@@ -204,7 +204,7 @@ impl Nodes {
 
     /// What slow elements see when an outer step begins: the mean velocities of the one before.
     pub fn mean_view(&self) -> NodeView<'_> {
-        NodeView { x: &self.x[..self.held], v: &self.mean_v, w: &self.mean_w }
+        NodeView { x: &self.x[..self.local_count], v: &self.mean_v, w: &self.mean_w }
     }
 
     /// What elements see.
@@ -223,12 +223,12 @@ impl Nodes {
             &self.x,
             &self.seen,
             &self.v,
-            &self.next_v,
+            &self.v_next,
             &self.mean_v,
             &self.force,
             &self.inv_mass,
         ];
-        let turning = [&self.w, &self.next_w, &self.mean_w, &self.moment, &self.inv_inertia];
+        let turning = [&self.w, &self.w_next, &self.mean_w, &self.moment, &self.inv_inertia];
         [
             named + size_of_val(&self.mass[..]) + rows(&moving),
             size_of_val(&self.inertia[..]) + rows(&turning),
@@ -249,8 +249,8 @@ impl Nodes {
     }
 
     /// Whether this worker owns node `i`.
-    pub fn is_own(&self, i: usize) -> bool {
-        i < self.held && self.owner[i] == self.me
+    pub fn is_owned(&self, i: usize) -> bool {
+        i < self.local_count && self.owner[i] == self.me
     }
 
     /// Whether there are no nodes.
@@ -259,14 +259,18 @@ impl Nodes {
     }
 
     /// Local number of a held node.
-    pub fn held_number(&self, id: NodeId) -> Option<u32> {
-        self.id[..self.held].binary_search(&id).ok().map(|i| i as u32)
+    pub fn local_index(&self, id: NodeId) -> Option<u32> {
+        self.id[..self.local_count].binary_search(&id).ok().map(|i| i as u32)
     }
 
     /// Local number of a node, held or exterior.
-    pub fn number(&self, id: NodeId) -> Option<u32> {
-        let exterior =
-            || self.id[self.held..].binary_search(&id).ok().map(|i| (self.held + i) as u32);
-        self.held_number(id).or_else(exterior)
+    pub fn index_of(&self, id: NodeId) -> Option<u32> {
+        let exterior = || {
+            self.id[self.local_count..]
+                .binary_search(&id)
+                .ok()
+                .map(|i| (self.local_count + i) as u32)
+        };
+        self.local_index(id).or_else(exterior)
     }
 }

@@ -33,7 +33,12 @@ struct CellColumns {
 pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<()> {
     let me = engine.nodes.me as usize;
     let folder = Path::new(&engine.settings.field_dir).join(vtu::step_folder(index));
-    write_piece(engine, &folder.join(vtu::piece_name(me)), engine.nodes.held, &own_cells(engine))?;
+    write_piece(
+        engine,
+        &folder.join(vtu::piece_name(me)),
+        engine.nodes.local_count,
+        &own_cells(engine),
+    )?;
     if several {
         write_piece(
             engine,
@@ -126,7 +131,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
             c.thickness.push(f.thickness as f32);
             // Wang's classes: interior lies wholly in the internal box. What shares a node with
             // another worker is interface wherever its own corners are.
-            let interior = !e.shared && inner.holds_box(&Aabb::around(x));
+            let interior = !e.shared && inner.contains_box(&Aabb::around(x));
             c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
             c.name(engine, e.record.part, e.record.id);
         }
@@ -148,7 +153,7 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.plastic_strain.push(0.0);
         c.von_mises.push(0.0);
         c.stress.push([0.0; 6]);
-        c.thickness.push(2.0 * s.half as f32);
+        c.thickness.push(2.0 * s.half_thickness as f32);
         c.class.push(vtu::EXTERIOR);
         c.name(engine, s.part, s.id.elem());
     }

@@ -1,15 +1,15 @@
 //! One worker: takes orders, runs the engine, reports.
 
-use crate::engine::{Agreed, Engine, Phase};
+use crate::engine::{Engine, Phase, StepConsensus};
 use crate::fem::blocks::Blocks;
-use crate::parallel::partition::Share;
+use crate::parallel::partition::PartitionData;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
-use crumple_proto::report::{Closing, StepReport, Trouble};
+use crumple_proto::report::{Failure, FinalReport, StepReport};
 use crumple_proto::trace::{Event, Kind};
-use crumple_proto::transport::{Lost, Tag, Transport, thread_cpu};
+use crumple_proto::transport::{RankLost, Tag, Transport, thread_cpu};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -47,25 +47,25 @@ const NEWEST: f64 = 0.02;
 ///
 /// # Errors
 /// Another rank is gone.
-pub fn serve(wire: &mut dyn Transport) -> Result<(), Lost> {
+pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     let ToWorker::Start { settings, tree, elements, nodes, trace } =
-        await_message(wire, 0, Tag::Order)?
+        await_message(comm, 0, Tag::Order)?
     else {
         return Ok(()); // the job is bad; the master says why
     };
     let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
-    let share = Share { elements, nodes, ..Share::default() };
-    let mut engine = Engine::new(wire, *settings, tree, share)?;
+    let share = PartitionData { elements, nodes, ..PartitionData::default() };
+    let mut engine = Engine::new(comm, *settings, tree, share)?;
     if trace {
-        engine.timer.record(wire)?;
+        engine.timer.record(comm)?;
     }
     let mut worker = Worker::new(engine);
-    let ran = worker.run(wire);
+    let ran = worker.run(comm);
     if ran.is_err() {
-        worker.send_recording(wire)?;
+        worker.send_recording(comm)?;
     }
     ran?;
-    worker.close(wire)
+    worker.finalize(comm)
 }
 
 impl Worker {
@@ -89,60 +89,64 @@ impl Worker {
     ///
     /// # Errors
     /// Another rank is gone.
-    pub fn run(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    pub fn run(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         while !self.engine.clock.is_over(&self.engine.settings) && !self.stopped {
-            self.write_fields_if_due(wire, false)?;
-            self.cpu_before = thread_cpu().saturating_sub(wire.wait_cpu());
+            self.write_fields_if_due(comm, false)?;
+            self.cpu_before = thread_cpu().saturating_sub(comm.wait_cpu());
             let force_every = self.engine.settings.force_every;
             if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
                 self.engine.agreement.urgency = 1.0;
             }
             let capped = self.capped();
-            let agreed = step(&mut self.engine, wire)?;
+            let agreed = step(&mut self.engine, comm)?;
             if capped == 0 && self.capped() > 0 {
-                self.tell_of_caps(wire)?;
+                self.warn_of_caps(comm)?;
             }
-            self.tell_of_inverted(wire)?;
-            if let Some(elem) = agreed.trouble {
-                self.tell_trouble(wire, elem)?;
+            self.warn_of_inverted(comm)?;
+            if let Some(elem) = agreed.failure {
+                self.report_failure(comm, elem)?;
                 break;
             }
-            let cpu = self.cycle_cpu(wire);
+            let cpu = self.cycle_cpu(comm);
             self.cost += NEWEST * (cpu.as_secs_f64() - self.cost);
             self.report.cpu.push(cpu.as_secs_f32());
-            self.report.urgency = self.report.urgency.max(agreed.urgency);
-            if agreed.urgency >= 1.0 {
-                self.send_report(wire)?; // the master must know why all wait for its word
+            self.report.urgency = self.report.urgency.max(agreed.margin_used);
+            if agreed.margin_used >= 1.0 {
+                self.send_report(comm)?; // the master must know why all wait for its word
             }
-            let before = self.cycle_cpu(wire);
-            self.take_orders(wire, &agreed)?;
-            self.report.renewal_s += self.cycle_cpu(wire).saturating_sub(before).as_secs_f64();
+            let before = self.cycle_cpu(comm);
+            self.take_orders(comm, &agreed)?;
+            self.report.renewal_s += self.cycle_cpu(comm).saturating_sub(before).as_secs_f64();
             if self.engine.clock.cycle.is_multiple_of(CROSSINGS_EVERY) {
-                self.tell_of_crossings(wire)?;
+                self.warn_of_crossings(comm)?;
             }
             if self.engine.clock.cycle.is_multiple_of(REPORT_EVERY) {
-                self.send_report(wire)?;
+                self.send_report(comm)?;
             }
         }
         Ok(())
     }
 
-    fn write_fields_if_due(&mut self, wire: &mut dyn Transport, last: bool) -> Result<(), Lost> {
+    fn write_fields_if_due(
+        &mut self,
+        comm: &mut dyn Transport,
+        last: bool,
+    ) -> Result<(), RankLost> {
         let e = &mut self.engine;
-        if !(e.clock.fields_due(&e.settings) || last && !e.settings.field_times.is_empty()) {
+        if !(e.clock.are_fields_due(&e.settings) || last && !e.settings.field_times.is_empty()) {
             return Ok(());
         }
         let (index, time) = (e.clock.fields, e.clock.time);
         e.clock.fields += 1;
-        e.halo.show_exterior(wire, &mut e.nodes)?;
-        match output::write_fields(e, index, wire.size() > 2) {
-            Ok(()) => post(wire, 0, Tag::Report, &ToMaster::Fields { index, time })?,
+        e.halo.refresh_ghosts_for_output(comm, &mut e.nodes)?;
+        match output::write_fields(e, index, comm.size() > 2) {
+            Ok(()) => post(comm, 0, Tag::Report, &ToMaster::Fields { index, time })?,
             Err(error) => {
                 let warning = format!(
                     "{}: field files of time {time:.6e} could not be written: {error}",
                     e.settings.field_dir
                 );
-                post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
+                post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
             }
         }
         e.timer.lap(Phase::Output);
@@ -150,22 +154,22 @@ impl Worker {
     }
 
     /// The worker that owns the element tells the master what is wrong with it.
-    fn tell_trouble(&mut self, wire: &mut dyn Transport, elem: ElemId) -> Result<(), Lost> {
+    fn report_failure(&mut self, comm: &mut dyn Transport, elem: ElemId) -> Result<(), RankLost> {
         let e = &self.engine;
         let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt)
         else {
             return Ok(());
         };
-        let trouble = Trouble { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
-        post(wire, 0, Tag::Report, &ToMaster::Trouble(trouble))
+        let trouble = Failure { elem: Some(elem), cycle: e.clock.cycle, time: e.clock.time, why };
+        post(comm, 0, Tag::Report, &ToMaster::Trouble(trouble))
     }
 
     fn capped(&self) -> u64 {
-        self.engine.contact.as_ref().map_or(0, |c| c.capped)
+        self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
     }
 
     /// Names own shells that were inverted and have failed for it.
-    fn tell_of_inverted(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    fn warn_of_inverted(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let inverted = std::mem::take(&mut self.engine.inverted);
         let clock = &self.engine.clock;
         for elem in inverted {
@@ -181,13 +185,13 @@ impl Worker {
             let warning = format!(
                 "element {elem} was inverted and is deleted by cycle {cycle}, time {time:.6e}: {end} (part.inverted)"
             );
-            post(wire, 0, Tag::Report, &ToMaster::Warning(warning))?;
+            post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
         }
         Ok(())
     }
 
     /// Says once that penalties are softer than the job asks; the summary says how many in the end.
-    fn tell_of_caps(&self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    fn warn_of_caps(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let (pairs, clock) = (self.capped(), &self.engine.clock);
         let warning = format!(
             "contact: in cycle {}, time {:.6e}, the penalty stiffness of {pairs} pairs was lowered, as it will be from now \
@@ -195,11 +199,11 @@ impl Worker {
              leaves more room, a lower contact.penalty_scale asks for less)",
             clock.cycle, clock.time
         );
-        post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
+        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
     /// Says once that edges have gone through surfaces where this contact does not see it.
-    fn tell_of_crossings(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    fn warn_of_crossings(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let e = &self.engine;
         let found = e
             .contact
@@ -218,15 +222,15 @@ impl Worker {
             first.surface,
             found.len()
         );
-        post(wire, 0, Tag::Report, &ToMaster::Warning(warning))
+        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
     /// CPU time of the cycle so far, waiting left out.
-    fn cycle_cpu(&self, wire: &dyn Transport) -> Duration {
-        thread_cpu().saturating_sub(wire.wait_cpu()).saturating_sub(self.cpu_before)
+    fn cycle_cpu(&self, comm: &dyn Transport) -> Duration {
+        thread_cpu().saturating_sub(comm.wait_cpu()).saturating_sub(self.cpu_before)
     }
 
-    fn send_report(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    fn send_report(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let e = &self.engine;
         let seconds = &e.timer.seconds;
         let contact_s = [Phase::Search, Phase::Local, Phase::Contact]
@@ -237,7 +241,7 @@ impl Worker {
             cycle: e.clock.cycle,
             time: e.clock.time,
             dt: e.clock.dt,
-            pairs: e.contact.as_ref().map_or(0, |c| c.own_pairs().count() as u64),
+            pairs: e.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
             elements: e.blocks.elements.len() as u64,
             drift: e.drift(),
             contact_s,
@@ -245,28 +249,32 @@ impl Worker {
             order: self.done,
             ..std::mem::take(&mut self.report)
         };
-        post(wire, 0, Tag::Report, &ToMaster::Report(report))
+        post(comm, 0, Tag::Report, &ToMaster::Report(report))
     }
 
     /// Carries out the orders that all workers have agreed to have seen. When exterior copies no
     /// longer cover the motion, nothing may move on before the master has renewed the boxes.
-    fn take_orders(&mut self, wire: &mut dyn Transport, agreed: &Agreed) -> Result<(), Lost> {
-        while let Some(order) = poll_message(wire, 0, Tag::Order)? {
+    fn take_orders(
+        &mut self,
+        comm: &mut dyn Transport,
+        agreed: &StepConsensus,
+    ) -> Result<(), RankLost> {
+        while let Some(order) = poll_message(comm, 0, Tag::Order)? {
             self.enqueue(order);
         }
-        let must = if agreed.urgency >= 1.0 && agreed.order == self.done {
+        let must = if agreed.margin_used >= 1.0 && agreed.order == self.done {
             self.done + 1
         } else {
             agreed.order
         };
         while self.done < must {
             if self.orders.is_empty() {
-                let order = await_message(wire, 0, Tag::Order)?;
+                let order = await_message(comm, 0, Tag::Order)?;
                 self.enqueue(order);
             }
             if let Some((number, action)) = self.orders.pop_front() {
-                self.note(Event::Begun(number, kind(&action)));
-                self.carry_out(wire, action)?;
+                self.record(Event::Begun(number, kind(&action)));
+                self.execute(comm, action)?;
                 self.done = number;
                 self.report.urgency = 0.0; // what it told of is over
             }
@@ -277,43 +285,43 @@ impl Worker {
 
     fn enqueue(&mut self, message: ToWorker) {
         if let ToWorker::Order { number, action } = message {
-            self.note(Event::Arrived(number, kind(&action)));
+            self.record(Event::Arrived(number, kind(&action)));
             self.orders.push_back((number, action));
         }
     }
 
     /// Records what happens now, if anything is recorded.
-    fn note(&mut self, event: Event) {
+    fn record(&mut self, event: Event) {
         self.engine.timer.recorder().iter_mut().for_each(|r| r.moment(event));
     }
 
     /// Tells the master what was recorded, if anything was.
-    fn send_recording(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
+    fn send_recording(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         match self.engine.timer.recorder().take() {
             None => Ok(()),
             Some(r) => {
-                post(wire, 0, Tag::Report, &ToMaster::Recording(Box::new(r.into_recording())))
+                post(comm, 0, Tag::Report, &ToMaster::Recording(Box::new(r.into_recording())))
             }
         }
     }
 
-    fn carry_out(&mut self, wire: &mut dyn Transport, action: Action) -> Result<(), Lost> {
+    fn execute(&mut self, comm: &mut dyn Transport, action: Action) -> Result<(), RankLost> {
         match action {
             Action::Stop => self.stopped = true,
-            Action::Renew(tree) => self.engine.renew(wire, tree)?,
+            Action::Renew(tree) => self.engine.renew(comm, tree)?,
             Action::Recut => {
-                post(wire, 0, Tag::Report, &ToMaster::Ready)?;
-                let tree = self.answer_questions(wire)?;
-                self.engine.renew(wire, tree)?;
+                post(comm, 0, Tag::Report, &ToMaster::Ready)?;
+                let tree = self.answer_requests(comm)?;
+                self.engine.renew(comm, tree)?;
             }
         }
         Ok(())
     }
 
     /// Answers the master's questions about the load until it names the new boxes.
-    fn answer_questions(&mut self, wire: &mut dyn Transport) -> Result<CutTree, Lost> {
+    fn answer_requests(&mut self, comm: &mut dyn Transport) -> Result<CutTree, RankLost> {
         loop {
-            match await_message(wire, 0, Tag::Order)? {
+            match await_message(comm, 0, Tag::Order)? {
                 ToWorker::Extents { tree, entries } => {
                     let mut extents = vec![Aabb::EMPTY; entries.len()];
                     self.engine.for_each_load(0.0, 0.0, |centre, _| {
@@ -321,7 +329,7 @@ impl Worker {
                             extents[i].include(centre);
                         }
                     });
-                    post(wire, 0, Tag::Report, &ToMaster::Extents(extents))?;
+                    post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
                 }
                 ToWorker::Histograms { tree, of, bins, pair_weight } => {
                     let mut histograms = vec![vec![0.0; bins]; of.len()];
@@ -335,7 +343,7 @@ impl Worker {
                             h[(place.max(0.0) as usize).min(bins - 1)] += load;
                         }
                     });
-                    post(wire, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
+                    post(comm, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
                 }
                 ToWorker::Cuts(tree) => return Ok(tree),
                 other => self.enqueue(other),
@@ -347,14 +355,14 @@ impl Worker {
     ///
     /// # Errors
     /// Another rank is gone.
-    pub fn close(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.engine.send_row(wire, true)?;
-        self.tell_of_crossings(wire)?;
-        self.write_fields_if_due(wire, true)?;
-        self.send_recording(wire)?;
+    pub fn finalize(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        self.engine.send_row(comm, true)?;
+        self.warn_of_crossings(comm)?;
+        self.write_fields_if_due(comm, true)?;
+        self.send_recording(comm)?;
         let e = &self.engine;
-        let traffic = wire.traffic();
-        let closing = Closing {
+        let traffic = comm.traffic();
+        let closing = FinalReport {
             cycles: e.clock.cycle,
             time: e.clock.time,
             phases: e.timer.seconds,
@@ -364,15 +372,17 @@ impl Worker {
             searches: e.contact.as_ref().map_or(0, |c| c.searches),
             sweeps: e.contact.as_ref().map_or(0, |c| c.sweeps),
             unsettled: e.contact.as_ref().map_or([0; 2], |c| c.unsettled),
-            capped: e.contact.as_ref().map_or(0, |c| c.capped),
+            capped: e.contact.as_ref().map_or(0, |c| c.capped_pairs),
             stopped: self.stopped,
             parts: output::part_records(e),
         };
         self.engine.blocks = Blocks::default(); // states take for a moment what elements took, which nobody asks for any more
         let e = &self.engine;
-        let states =
-            (0..e.nodes.held).filter(|&i| e.nodes.is_own(i)).map(|i| e.nodes.record(i)).collect();
-        post(wire, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
+        let states = (0..e.nodes.local_count)
+            .filter(|&i| e.nodes.is_owned(i))
+            .map(|i| e.nodes.record(i))
+            .collect();
+        post(comm, 0, Tag::Report, &ToMaster::Closing(Box::new(closing), states))
     }
 }
 

@@ -1,18 +1,18 @@
 //! THE TIME STEP. Start reading here.
 
-use crate::constraints::ties::Joined;
+use crate::constraints::ties::ContactExclusions;
 use crate::energy::Work;
-use crate::engine::{Agreed, Engine, Phase};
+use crate::engine::{Engine, Phase, StepConsensus};
 use crate::erosion;
-use crate::parallel::reduction::{Known, Limits};
-use crumple_proto::transport::{Lost, Transport};
+use crate::parallel::reduction::{Limits, StepContribution};
+use crumple_proto::transport::{RankLost, Transport};
 
 /// One central-difference step from t to t + dt; the same dt on every worker. Stops before anything
 /// moves if the workers agree that one is in trouble: the last good state is kept.
 ///
 /// # Errors
 /// A worker is gone.
-pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Lost> {
+pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsensus, RankLost> {
     let steps = engine.clock.steps(engine.loads.damping);
     engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(engine.clock.cycle));
     let Engine {
@@ -33,10 +33,10 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         ..
     } = engine;
 
-    let all = clock.begins(settings); // else without slow elements
+    let all = clock.starts_outer_step(settings); // else without slow elements
     let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, all, true); // elements at shared nodes first
     loads.add_pressures(blocks, nodes, clock.time, [all, true]);
-    halo.send_corners(wire, blocks, all)?;
+    halo.send_element_forces(comm, blocks, all)?;
     totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, all, false)); // the others while the forces travel
     loads.add_pressures(blocks, nodes, clock.time, [all, false]);
     ledger.book_elements(&totals);
@@ -45,34 +45,40 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         clock.cycle.is_multiple_of(erosion::EVERY) && blocks.newly_failed().next().is_some();
     let velocities = contact.as_ref().map_or([f64::NEG_INFINITY; 6], |c| c.velocities(nodes));
     let approach = contact.as_ref().map_or(0.0, |c| c.approach);
-    let known = Known { totals, eroded, parted: halo.parted(), velocities, approach };
-    engine.agreement.begin(wire, blocks, nodes, &known, clock, settings)?;
-    halo.recv_corners(wire, blocks, all)?;
+    let known = StepContribution {
+        totals,
+        eroded,
+        distant_fraction: halo.distant_fraction(),
+        velocities,
+        approach,
+    };
+    engine.agreement.begin(comm, blocks, nodes, &known, clock, settings)?;
+    halo.recv_element_forces(comm, blocks, all)?;
     timer.lap(Phase::Halo);
     blocks.assemble(nodes, all); // in ascending global element id: same bits for any worker count
     loads.add_forces(nodes, clock.time, all);
-    ties.give_forces(wire, nodes)?;
-    nodes.accelerate(steps.mid); // contact and walls not yet felt
-    loads.damp(nodes, steps.mid);
-    prescribed.prescribe(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
-    bodies.accelerate(wire, nodes, clock.time, steps)?;
-    walls.begin(clock.time, steps.dt);
+    ties.distribute_forces(comm, nodes)?;
+    nodes.accelerate(steps.dt_velocity); // contact and walls not yet felt
+    loads.apply_damping(nodes, steps.dt_velocity);
+    prescribed.apply(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
+    bodies.accelerate(comm, nodes, clock.time, steps)?;
+    walls.start_step(clock.time, steps.dt);
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
-        ties.follow(wire, nodes, steps.dt)?; // without contact: it looks at where they go
+        ties.update_slave_velocities(comm, nodes, steps.dt)?; // without contact: it looks at where they go
         let spins = contact.has_couples(nodes);
         if spins {
             bodies.turn(nodes);
         }
         if !halo.links.is_empty() {
-            let drift = motion.update(&nodes.x[..nodes.held]);
+            let drift = motion.update(&nodes.x[..nodes.local_count]);
             timer.lap(Phase::Search);
-            engine.agreement.urgency = halo.swap_exterior(wire, nodes, &drift, spins)?;
+            engine.agreement.urgency = halo.exchange_ghosts(comm, nodes, &drift, spins)?;
             timer.lap(Phase::Halo);
         }
-        contact.look_at_folds(nodes, clock.cycle);
-        let joined = Joined { bodies, ties };
+        contact.update_folds(nodes, clock.cycle);
+        let joined = ContactExclusions { bodies, ties };
         contact.refresh_candidates(
             nodes,
             joined,
@@ -82,30 +88,31 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
         timer.lap(Phase::Search);
         contact.find_pairs(nodes, joined, clock.time, steps);
         timer.lap(Phase::Local);
-        contact.share_pairs(wire, nodes, halo)?;
+        contact.share_pairs(comm, nodes, halo)?;
         timer.lap(Phase::Halo);
-        contact.enforce(wire, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
+        contact.enforce(comm, nodes, walls, bodies, steps)?; // gap(t + dt) >= 0
         timer.lap(Phase::Contact);
     }
     if let Some(contact) = contact {
-        ties.give_contact(wire, nodes, contact, steps)?; // what carries them meets walls with it
+        ties.distribute_contact_forces(comm, nodes, contact, steps)?; // what carries them meets walls with it
     }
     let mut on_walls = Work::default();
     if !walls.is_empty() {
-        bodies.push_walls_met(walls);
-        let mut pushed: Vec<_> = contact.iter().flat_map(|c| c.pushed(nodes, steps)).collect();
-        ties.push(&mut pushed, nodes, steps);
-        on_walls = walls.keep_out(wire, nodes, &pushed, steps)?;
+        bodies.add_wall_impulses(walls);
+        let mut pushed: Vec<_> =
+            contact.iter().flat_map(|c| c.contact_forces(nodes, steps)).collect();
+        ties.add_contact_forces(&mut pushed, nodes, steps);
+        on_walls = walls.enforce(comm, nodes, &pushed, steps)?;
         timer.lap(Phase::Advance);
     }
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
-    ties.follow(wire, nodes, steps.dt)?;
+    ties.update_slave_velocities(comm, nodes, steps.dt)?;
     if nodes.me == 0 {
         on_walls += walls.work_on_masses(); // all workers know it
     }
     ledger.book_wall(on_walls + on_bodies.wall);
     if let Some(contact) = contact {
-        ledger.book_contact(contact.close(nodes, steps)); // with the velocities that walls leave
+        ledger.book_contact(contact.finish_step(nodes, steps)); // with the velocities that walls leave
         timer.lap(Phase::Contact);
     }
 
@@ -115,22 +122,22 @@ pub fn step(engine: &mut Engine, wire: &mut dyn Transport) -> Result<Agreed, Los
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
     // In the first cycle nothing is known yet of what is near.
     let skin = settings.contact.as_ref().filter(|_| clock.cycle > 0).map_or(0.0, |c| c.skin);
-    let agreed = engine.agreement.finish(wire, Limits { thinnest, skin })?;
-    halo.follow(clock.last_dt * agreed.spread, agreed.check_in);
+    let agreed = engine.agreement.finish(comm, Limits { thinnest, skin })?;
+    halo.track_approach(clock.last_dt * agreed.spread, agreed.sync_distant);
     timer.lap(Phase::Halo);
-    if agreed.trouble.is_none() {
-        engine.at_present_time(wire)?; // history, while velocities before and after are both known
+    if agreed.failure.is_none() {
+        engine.write_history(comm)?; // history, while velocities before and after are both known
         engine.nodes.advance(steps.dt);
         if engine.settings.subcycles > 1 {
-            engine.nodes.follow(engine.settings.subcycles, all);
+            engine.nodes.accumulate_outer_means(engine.settings.subcycles, all);
         }
         engine.bodies.advance(&mut engine.nodes, steps.dt);
         engine.walls.advance(steps.dt);
-        engine.clock.tick();
-        engine.clock.choose(&engine.settings, agreed.stable_dt);
+        engine.clock.advance();
+        engine.clock.select_dt(&engine.settings, agreed.stable_dt);
         engine.timer.lap(Phase::Advance);
         if agreed.eroded {
-            engine.erode(wire)?; // surfaces without what has failed
+            engine.erode(comm)?; // surfaces without what has failed
         }
     }
     Ok(agreed)

@@ -1,7 +1,7 @@
 //! Time of a run: steps of the central difference scheme with mid-step velocities, and when what is
 //! due.
 
-use crate::contact::enforce::Steps;
+use crate::contact::enforce::StepSizes;
 use crumple_proto::partition::Settings;
 
 /// Simulated time, cycles and steps.
@@ -44,12 +44,12 @@ const HELD: u64 = 256;
 
 impl Clock {
     /// Whether an outer step begins: slow elements are computed, and the step may change.
-    pub fn begins(&self, settings: &Settings) -> bool {
+    pub fn starts_outer_step(&self, settings: &Settings) -> bool {
         self.cycle.is_multiple_of(settings.subcycles)
     }
 
     /// At time 0 with the first stable step, safety factor not yet applied.
-    pub fn start(settings: &Settings, stable_dt: f64) -> Self {
+    pub fn new(settings: &Settings, stable_dt: f64) -> Self {
         let mut c = Self {
             time: 0.0,
             cycle: 0,
@@ -63,7 +63,7 @@ impl Clock {
             rows: 0,
             fields: 0,
         };
-        c.choose(settings, stable_dt);
+        c.select_dt(settings, stable_dt);
         c.first_dt = c.dt;
         c
     }
@@ -74,11 +74,11 @@ impl Clock {
     /// steps are equal parts of what is left, since a last step of next to nothing would make
     /// enormous velocities of whatever gap is to be closed, and a jump of the step costs the
     /// balance of energy as much of what swings.
-    pub fn choose(&mut self, settings: &Settings, stable_dt: f64) {
+    pub fn select_dt(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let limit = (settings.safety * stable_dt).min(largest);
         self.least_dt = self.least_dt.min(limit);
-        if !self.begins(settings) {
+        if !self.starts_outer_step(settings) {
             return;
         }
         let dt = if (self.cycle / settings.subcycles).is_multiple_of(HELD) {
@@ -106,13 +106,18 @@ impl Clock {
 
     /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities
     /// start at time 0, half a step before the first mid-step.
-    pub fn steps(&self, damping: f64) -> Steps {
+    pub fn steps(&self, damping: f64) -> StepSizes {
         let mid = self.mid();
-        Steps { dt: self.dt, mid, push: mid / (1.0 + 0.5 * damping * mid), whole: self.whole_dt }
+        StepSizes {
+            dt: self.dt,
+            dt_velocity: mid,
+            dt_damped: mid / (1.0 + 0.5 * damping * mid),
+            dt_stable: self.whole_dt,
+        }
     }
 
     /// Goes on to the next time.
-    pub fn tick(&mut self) {
+    pub fn advance(&mut self) {
         self.time += self.dt;
         self.last_mid = self.mid();
         self.last_dt = self.dt;
@@ -132,14 +137,14 @@ impl Clock {
 
     /// Whether a history row is due at the present time: when an outer step begins, since all
     /// stresses are then known.
-    pub fn row_due(&self, settings: &Settings) -> bool {
-        self.begins(settings)
+    pub fn is_history_due(&self, settings: &Settings) -> bool {
+        self.starts_outer_step(settings)
             && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
     }
 
     /// Whether field files are due at the present time: one cycle into an outer step, when no
     /// stress is older than that.
-    pub fn fields_due(&self, settings: &Settings) -> bool {
+    pub fn are_fields_due(&self, settings: &Settings) -> bool {
         let fresh = self.cycle == 0 || self.cycle % settings.subcycles == 1 % settings.subcycles;
         fresh
             && settings
@@ -157,12 +162,12 @@ mod tests {
     fn the_first_velocity_step_is_a_half_and_the_last_steps_are_equal_and_end_on_time() {
         let settings = Settings { end_time: 310.1, ..crate::testing::settings() };
         let stable = 0.31 / settings.safety;
-        let mut c = Clock::start(&settings, stable);
-        assert!((c.steps(0.0).mid - 0.155).abs() < 1e-12);
+        let mut c = Clock::new(&settings, stable);
+        assert!((c.steps(0.0).dt_velocity - 0.155).abs() < 1e-12);
         let mut steps = vec![c.dt];
         while !c.is_over(&settings) {
-            c.tick();
-            c.choose(&settings, stable);
+            c.advance();
+            c.select_dt(&settings, stable);
             steps.push(c.dt);
         }
         assert!((c.time - 310.1).abs() < 1e-9, "{}", c.time);
@@ -177,18 +182,18 @@ mod tests {
     #[test]
     fn outer_steps_are_whole_and_of_one_step() {
         let settings = Settings { end_time: 310.1, subcycles: 4, ..crate::testing::settings() };
-        let mut c = Clock::start(&settings, 0.31 / settings.safety);
+        let mut c = Clock::new(&settings, 0.31 / settings.safety);
         let (mut steps, mut wholes) = (vec![c.dt], vec![c.whole_dt]);
         let (mut rows, mut fields) = (Vec::new(), Vec::new());
         while !c.is_over(&settings) {
             let stable = if c.cycle == 401 { 0.2 } else { 0.31 } / settings.safety;
-            c.tick();
-            c.choose(&settings, stable);
+            c.advance();
+            c.select_dt(&settings, stable);
             steps.push(c.dt);
             wholes.push(c.whole_dt);
-            rows.extend(c.row_due(&settings).then_some(c.cycle));
+            rows.extend(c.is_history_due(&settings).then_some(c.cycle));
             fields.extend(
-                c.fields_due(&Settings { field_times: vec![100.0], ..settings.clone() })
+                c.are_fields_due(&Settings { field_times: vec![100.0], ..settings.clone() })
                     .then_some(c.cycle),
             );
         }
@@ -216,10 +221,10 @@ mod tests {
     #[test]
     fn the_step_falls_at_once_and_rises_now_and_then_to_what_has_been_stable_meanwhile() {
         let settings = Settings { end_time: 1e9, ..crate::testing::settings() };
-        let mut c = Clock::start(&settings, 1.0);
+        let mut c = Clock::new(&settings, 1.0);
         let mut go = |stable: f64| {
-            c.tick();
-            c.choose(&settings, stable);
+            c.advance();
+            c.select_dt(&settings, stable);
             c.dt / settings.safety
         };
         // Elements swing by a thousandth in seven cycles.

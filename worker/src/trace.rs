@@ -2,8 +2,8 @@
 //! and nothing to pay for.
 
 use crate::engine::Phase;
-use crumple_proto::trace::{Event, MOST_EVENTS, Moment, Recording, Span};
-use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, clock};
+use crumple_proto::trace::{Event, MAX_EVENTS, Moment, Recording, Span};
+use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, clock};
 use std::time::{Duration, Instant};
 
 /// Records until it has [`MOST_EVENTS`].
@@ -23,13 +23,13 @@ impl Recorder {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn start(wire: &mut dyn Transport) -> Result<Self, Lost> {
+    pub fn start(comm: &mut dyn Transport) -> Result<Self, RankLost> {
         let mut barrier = MaxReduction::new(1, Tag::Maximum);
         let mut entered = Instant::now();
         for _ in 0..2 {
             entered = Instant::now();
-            barrier.begin(wire, &[0.0])?;
-            barrier.finish(wire)?;
+            barrier.begin(comm, &[0.0])?;
+            barrier.finish(comm)?;
         }
         let (origin, by_clock) = (Instant::now(), clock());
         let recording = Recording {
@@ -69,7 +69,7 @@ impl Recorder {
 
     fn has_room(&mut self) -> bool {
         let r = &mut self.recording;
-        let room = r.spans.len() + r.moments.len() < MOST_EVENTS;
+        let room = r.spans.len() + r.moments.len() < MAX_EVENTS;
         if !room {
             r.full.get_or_insert(self.cycle);
         }
@@ -92,18 +92,18 @@ mod tests {
 
     #[test]
     fn a_full_recording_says_where_it_ends() {
-        let mut wire = threads::connect(2).remove(1);
-        let mut recorder = Recorder::start(&mut wire).unwrap();
+        let mut comm = threads::connect(2).remove(1);
+        let mut recorder = Recorder::start(&mut comm).unwrap();
         let now = Instant::now();
         recorder.moment(Event::Erosion);
-        for cycle in 0..MOST_EVENTS as u64 + 10 {
+        for cycle in 0..MAX_EVENTS as u64 + 10 {
             recorder.set_cycle(cycle);
             recorder.span(Phase::Halo, now, now);
         }
         let r = recorder.into_recording();
         assert_eq!(
             (r.spans.len() + r.moments.len(), r.full),
-            (MOST_EVENTS, Some(MOST_EVENTS as u64 - 1))
+            (MAX_EVENTS, Some(MAX_EVENTS as u64 - 1))
         );
     }
 }

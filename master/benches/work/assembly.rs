@@ -34,7 +34,7 @@ pub fn run(once: bool) {
         [&mut ordered, &mut plain].into_iter().for_each(|e| e.blocks.compute_all());
         assert_eq!(ordered.blocks.elements.len(), count);
         // All nodes wait, so that kernels are alone.
-        plain.blocks.lay_gather(plain.nodes.held, &[], |_| true);
+        plain.blocks.build_assembly(plain.nodes.local_count, &[], |_| true);
         let nodes =
             plain.blocks.elements.iter().map(|e| [e.nodes[0], e.nodes[1], e.nodes[2], e.nodes[3]]);
         let scatter: Scatter = nodes.zip(plain.blocks.first_slots()).collect();

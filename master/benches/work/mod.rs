@@ -10,11 +10,11 @@ use crumple::input::job::read_text;
 use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{Tag, Transport, threads};
-use crumple_worker::constraints::ties::Joined;
+use crumple_worker::constraints::ties::ContactExclusions;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::engine::Engine;
 use crumple_worker::nodes::xyz;
-use crumple_worker::parallel::ghosts::Halo;
+use crumple_worker::parallel::ghosts::Ghosts;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
@@ -102,10 +102,10 @@ fn contact() -> Work {
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
-        let joined = Joined { bodies: &e.bodies, ties: &e.ties };
+        let joined = ContactExclusions { bodies: &e.bodies, ties: &e.ties };
         contact.refresh_candidates(&e.nodes, joined, (e.clock.time, steps.dt), steps.dt);
         contact.find_pairs(&e.nodes, joined, e.clock.time, steps);
-        contact.share_pairs(&mut ends[1], &e.nodes, &Halo::default()).expect("nobody is lost");
+        contact.share_pairs(&mut ends[1], &e.nodes, &Ghosts::default()).expect("nobody is lost");
         contact
             .enforce(&mut ends[1], &mut e.nodes, &e.walls, &mut e.bodies, steps)
             .expect("nobody is lost");

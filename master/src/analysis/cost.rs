@@ -12,10 +12,10 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
-use crumple_proto::transport::{Lost, threads};
+use crumple_proto::transport::{RankLost, threads};
 use crumple_worker::engine::{Engine, Phase};
 use crumple_worker::fem::blocks::BlockBytes;
-use crumple_worker::parallel::partition::Share;
+use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -170,7 +170,7 @@ fn write(
 ///
 /// # Errors
 /// A sample could not be set up.
-pub fn element_seconds(model: &Model) -> Result<Vec<f64>, Lost> {
+pub fn element_seconds(model: &Model) -> Result<Vec<f64>, RankLost> {
     let (elements, nodes) = model.records();
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
     let of_part = |number: u32| {
@@ -228,24 +228,24 @@ fn try_out(
     settings: &Settings,
     elements: &[ElementRecord],
     record: &HashMap<NodeId, &NodeRecord>,
-) -> Result<Sample, Lost> {
+) -> Result<Sample, RankLost> {
     let corners = elements.iter().flat_map(|e| e.nodes).filter_map(|n| record.get(&n).map(|&&r| r));
-    let share = Share {
+    let share = PartitionData {
         elements: elements.iter().map(|&e| (e, Vec::new())).collect(),
         nodes: corners.collect(),
-        ..Share::default()
+        ..PartitionData::default()
     };
     let mut ends = threads::connect(2);
-    let (mut wire, _master) = (ends.remove(1), ends.remove(0)); // reports pile up unread
-    let mut engine = Engine::new(&mut wire, settings.clone(), CutTree::single(), share)?;
+    let (mut comm, _master) = (ends.remove(1), ends.remove(0)); // reports pile up unread
+    let mut engine = Engine::new(&mut comm, settings.clone(), CutTree::single(), share)?;
     engine.blocks.compute_all();
     let mut least = [f64::INFINITY; 4];
     let mut search_s = 0.0;
     for number in 0..STEPS {
-        let whole = engine.clock.begins(settings);
+        let whole = engine.clock.starts_outer_step(settings);
         let before = engine.timer.seconds;
         engine.timer.restart();
-        if step(&mut engine, &mut wire)?.trouble.is_some() {
+        if step(&mut engine, &mut comm)?.failure.is_some() {
             break;
         }
         let spent = |phases: &[Phase]| -> f64 {

@@ -98,7 +98,7 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
                 .into(),
         );
     }
-    let mut probe = Probe::start(model, at)?;
+    let mut probe = Probe::new(model, at)?;
     let mut seed = 7u64;
     let mut random = || {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -145,7 +145,7 @@ struct Round {
 }
 
 impl Probe {
-    fn start(model: &Model, at: f64) -> Result<Self, String> {
+    fn new(model: &Model, at: f64) -> Result<Self, String> {
         let mut alone = Alone::new(model).map_err(|lost| lost.to_string())?;
         let early = |engine: &crumple_worker::engine::Engine| {
             engine.clock.time + 0.5 * engine.clock.dt < at
@@ -159,7 +159,7 @@ impl Probe {
         let engine = &mut alone.engine;
         engine.blocks.compute_all();
         engine.loads.damping = 0.0; // it is taken in the middle of the step and limits nothing
-        let held = engine.nodes.held;
+        let held = engine.nodes.local_count;
         let place = engine.nodes.x[..held].to_vec();
         let mut clock = engine.clock.clone();
         clock.dt = clock.whole_dt;
@@ -200,36 +200,36 @@ impl Probe {
     /// Accelerations with the nodes at `by` from their places, as they get there in a step from
     /// where they were.
     fn accelerations(&mut self, by: Option<&[f64]>) -> Result<Vec<f64>, String> {
-        let lost = |lost: crumple_proto::transport::Lost| lost.to_string();
+        let lost = |lost: crumple_proto::transport::RankLost| lost.to_string();
         let (dt, held) = (self.clock.dt, self.place.len());
-        let Alone { engine, wire, .. } = &mut self.alone;
+        let Alone { engine, comm, .. } = &mut self.alone;
         engine.clock = self.clock.clone();
         let nodes = &mut engine.nodes;
         nodes.x[..held].copy_from_slice(&self.place);
-        nodes.next_v[..held].fill([0.0; 4]);
-        nodes.next_w.fill([0.0; 4]);
+        nodes.v_next[..held].fill([0.0; 4]);
+        nodes.w_next.fill([0.0; 4]);
         for (y, free) in by.into_iter().flatten().zip(&self.free) {
             let rate = y / dt;
             match free.component {
-                c @ 0..3 => nodes.next_v[free.node][c] = rate,
-                c => nodes.next_w[free.node][c - 3] = rate,
+                c @ 0..3 => nodes.v_next[free.node][c] = rate,
+                c => nodes.w_next[free.node][c - 3] = rate,
             }
         }
-        engine.ties.follow(wire, nodes, dt).map_err(lost)?;
+        engine.ties.update_slave_velocities(comm, nodes, dt).map_err(lost)?;
         for i in 0..held {
             for c in 0..3 {
-                nodes.x[i][c] += dt * nodes.next_v[i][c];
+                nodes.x[i][c] += dt * nodes.v_next[i][c];
                 nodes.v[i][c] = (nodes.x[i][c] - self.before[i][c]) / dt;
             }
             self.before[i] = nodes.x[i];
         }
-        for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.next_w.len()) {
-            let now = nodes.next_w[i].map(|w| dt * w);
+        for (i, angle) in self.angle.iter_mut().enumerate().take(nodes.w_next.len()) {
+            let now = nodes.w_next[i].map(|w| dt * w);
             nodes.w[i] = std::array::from_fn(|c| (now[c] - angle[c]) / dt);
             *angle = now;
         }
         let (v, w) = (nodes.v[..held].to_vec(), nodes.w.clone());
-        if let Some(element) = step(engine, wire).map_err(lost)?.trouble {
+        if let Some(element) = step(engine, comm).map_err(lost)?.failure {
             let (push, time) = (PUSH * self.side, self.clock.time);
             return Err(format!(
                 "element {element} cannot be computed at time {time:e} when its nodes move by {push:e}: it inverts or has no \

@@ -182,7 +182,7 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
     )?;
     writeln!(out, "cycles       about {cycles:.0} to end time {}{limit}", model.settings.end_time)?;
     if model.settings.subcycles > 1 {
-        let (m, classes) = (model.settings.subcycles, Classes::of(&model.elements));
+        let (m, classes) = (model.settings.subcycles, Classes::new(&model.elements));
         let work = figure(classes.work(m));
         writeln!(
             out,

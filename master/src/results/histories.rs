@@ -60,14 +60,14 @@ impl Histories {
             }
         }
         let (settings, asked) = (&model.settings, &model.settings.histories);
-        let u = Labels::of(&model.job.units);
+        let u = Labels::from_units(&model.job.units);
         let begin = |name: &str, columns: &[(&str, &str)]| -> Result<Table, Unwritten> {
             let path = dir.join(name);
             let header = columns.iter().map(|(name, unit)| match *unit {
                 "" => name.to_string(),
                 unit => format!("{name} [{unit}]"),
             });
-            let mut table = history::begin(&path)?;
+            let mut table = history::create_file(&path)?;
             let first = [format!("time [{}]", u.time)];
             let written =
                 table.write_record(first.into_iter().chain(header)).map_err(io::Error::from);
@@ -203,7 +203,7 @@ impl Histories {
         }
         if let Some(table) = &mut self.of_sections {
             for (name, share) in self.sections.iter().zip(&shares.sections) {
-                let (middle, moment) = share.about_middle();
+                let (middle, moment) = share.about_midsurface();
                 put(
                     table,
                     [time.clone(), name.clone()],
@@ -213,7 +213,7 @@ impl Histories {
             table.flush()?;
         }
         if let Some(table) = &mut self.of_transducers {
-            let forces = shares.on_transducers(self.transducers.len());
+            let forces = shares.transducer_forces(self.transducers.len());
             for (name, force) in self.transducers.iter().zip(forces) {
                 put(table, [time.clone(), name.clone()], force)?;
             }

@@ -107,7 +107,7 @@ pub(crate) struct Labels {
 impl Labels {
     /// From the first three words of the job's units (length, time, mass), or dimensions if it does
     /// not say.
-    pub(crate) fn of(units: &str) -> Self {
+    pub(crate) fn from_units(units: &str) -> Self {
         let words: Vec<&str> =
             units.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
         let (l, t, m) = match words[..] {
@@ -151,13 +151,13 @@ pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
 pub(crate) type Unwritten = (PathBuf, std::io::Error);
 
 /// A file that is to be written.
-pub(crate) fn begin(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
+pub(crate) fn create_file(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
     csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
 }
 
 /// Names of the columns of a job's `history.csv`, with their units.
 pub fn columns(model: &Model) -> Vec<String> {
-    let (u, walls) = (Labels::of(&model.job.units), wall_names(&model.settings.walls));
+    let (u, walls) = (Labels::from_units(&model.job.units), wall_names(&model.settings.walls));
     let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
     for name in [
         "kinetic",
@@ -200,7 +200,7 @@ impl History {
     /// # Errors
     /// It cannot be written.
     pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
-        let mut file = begin(&dir.join(FILE))?;
+        let mut file = create_file(&dir.join(FILE))?;
         let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
         file.write_record(columns(model)).map_err(|e| (dir.join(FILE), e.into()))?;
         Ok(Self {
@@ -235,7 +235,7 @@ impl History {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn take(&mut self, part: HistoryPart, extras: Extras) -> csv::Result<()> {
+    pub fn add_part(&mut self, part: HistoryPart, extras: Extras) -> csv::Result<()> {
         let number = part.row;
         let parts = self.parts.entry(number).or_default();
         parts.push(part);
@@ -251,7 +251,7 @@ impl History {
         self.most_came_in = if self.subcycled { self.most_came_in.max(came_in) } else { came_in };
         let came_in = self.most_came_in;
         let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
-        let there = sum.energies.came_in(initial).max(sum.energies.internal);
+        let there = sum.energies.supplied(initial).max(sum.energies.internal);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
         self.worst_error = self.worst_error.max(error.abs());
         self.penetration = self.penetration.max(sum.penetration);

@@ -4,7 +4,7 @@ use crate::analysis::pieces::{Piece, pieces};
 use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;
-use crumple_proto::report::{Closing, PHASES, PartRecord};
+use crumple_proto::report::{FinalReport, PHASES, PartRecord};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -178,7 +178,7 @@ pub fn parts(
     job: &Job,
     outline: &Outline,
     parts: &[Part],
-    closings: &[Closing],
+    closings: &[FinalReport],
 ) -> Vec<PartSummary> {
     let of = |(number, part): (usize, &Part)| {
         let mut all = PartRecord::default();
@@ -225,7 +225,7 @@ pub struct Outline {
 
 impl Outline {
     /// Of this mesh.
-    pub fn of(mesh: &Mesh) -> Self {
+    pub fn from_mesh(mesh: &Mesh) -> Self {
         let mut elements = BTreeMap::new();
         for e in &mesh.elements {
             *elements.entry(format!("{:?}", e.shape).to_lowercase()).or_insert(0) += 1;
@@ -303,7 +303,7 @@ pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
 }
 
 /// Seconds per phase over workers.
-pub fn phases(closings: &[Closing]) -> BTreeMap<String, MeanMax> {
+pub fn phases(closings: &[FinalReport]) -> BTreeMap<String, MeanMax> {
     let of = |p: usize| {
         let seconds = closings.iter().map(|c| c.phases[p]);
         MeanMax {

@@ -6,7 +6,7 @@
 //! microseconds since a common start.
 
 use crumple_proto::report::PHASES;
-use crumple_proto::trace::{Event, Kind, MOST_EVENTS, Recording};
+use crumple_proto::trace::{Event, Kind, MAX_EVENTS, Recording};
 use std::fs::File;
 use std::io::{BufWriter, Result, Write};
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ impl Trace {
     }
 
     /// Takes in a worker's recording.
-    pub fn take(&mut self, worker: usize, recording: Recording) {
+    pub fn add_recording(&mut self, worker: usize, recording: Recording) {
         self.recordings[worker] = Some(recording);
     }
 
@@ -87,8 +87,7 @@ impl Trace {
             self.path.display()
         );
         if let Some(cycle) = ended {
-            said +=
-                &format!("; it ends with cycle {cycle}, after {MOST_EVENTS} events of a worker");
+            said += &format!("; it ends with cycle {cycle}, after {MAX_EVENTS} events of a worker");
         }
         if missing > 0 {
             said += &format!("; nothing came from {missing} workers");
@@ -137,7 +136,7 @@ fn write_track(
     if let Some(cycle) = recording.full {
         write!(
             out,
-            ",\n{{\"name\":\"recording_ended\",\"ph\":\"M\",{place},\"args\":{{\"cycle\":{cycle},\"events\":{MOST_EVENTS}}}}}"
+            ",\n{{\"name\":\"recording_ended\",\"ph\":\"M\",{place},\"args\":{{\"cycle\":{cycle},\"events\":{MAX_EVENTS}}}}}"
         )?;
     }
     Ok(())
@@ -171,8 +170,11 @@ mod tests {
         let moment = Moment { event: Event::Begun(3, Kind::Low), cycle: 8, at: 2000 };
         let recording =
             |origin| Recording { origin, doubt: 900, spans: vec![span], ..Recording::default() };
-        trace.take(0, Recording { moments: vec![moment], full: Some(9), ..recording(5_000) });
-        trace.take(2, recording(4_000));
+        trace.add_recording(
+            0,
+            Recording { moments: vec![moment], full: Some(9), ..recording(5_000) },
+        );
+        trace.add_recording(2, recording(4_000));
         let read = |trace: &Trace| -> serde_json::Value {
             serde_json::from_str(&std::fs::read_to_string(&trace.path).unwrap()).unwrap()
         };
@@ -196,8 +198,8 @@ mod tests {
         assert!(events.iter().any(|e| e["name"] == "recording_ended" && e["args"]["cycle"] == 9));
 
         let mut apart = Trace::new(&folder.path().join("apart.json"), 2).unwrap();
-        apart.take(0, recording(5_000));
-        apart.take(1, recording(77));
+        apart.add_recording(0, recording(5_000));
+        apart.add_recording(1, recording(77));
         assert!(apart.write(false).unwrap().contains("within 0.9 us"));
         let starts: Vec<f64> = read(&apart)["traceEvents"]
             .as_array()

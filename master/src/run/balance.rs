@@ -102,7 +102,7 @@ impl Balance {
     }
 
     /// Takes in a worker's report.
-    pub fn take(&mut self, worker: usize, report: StepReport) {
+    pub fn add_report(&mut self, worker: usize, report: StepReport) {
         self.waiting[worker].extend(&report.cpu);
         self.renewal_s[worker] += report.renewal_s;
         self.last[worker] = report;
@@ -238,25 +238,25 @@ mod tests {
     #[test]
     fn a_lasting_imbalance_calls_for_new_boxes_and_a_slight_one_does_not() {
         let mut b = balance();
-        b.take(0, report(100, 1e-3, 0.0, 0));
-        b.take(1, report(100, 1.1e-3, 0.0, 0));
+        b.add_report(0, report(100, 1e-3, 0.0, 0));
+        b.add_report(1, report(100, 1.1e-3, 0.0, 0));
         assert_eq!(b.due(), None);
-        b.take(0, report(200, 1e-3, 0.0, 0));
-        b.take(1, report(200, 3e-3, 0.0, 0));
+        b.add_report(0, report(200, 1e-3, 0.0, 0));
+        b.add_report(1, report(200, 3e-3, 0.0, 0));
         assert!(matches!(b.due(), Some(Due::Low { .. })));
     }
 
     #[test]
     fn used_up_motion_calls_for_new_membership_once() {
         let mut b = balance();
-        b.take(0, report(100, 1e-3, 0.0, 0));
-        b.take(1, report(100, 1e-3, 0.8, 0));
+        b.add_report(0, report(100, 1e-3, 0.0, 0));
+        b.add_report(1, report(100, 1e-3, 0.8, 0));
         let due = b.due().unwrap();
         assert!(matches!(due, Due::High { .. }));
         b.ordered(1, &due);
         assert_eq!(b.due(), None, "the order is under way");
-        b.take(0, report(200, 1e-3, 0.1, 1));
-        b.take(1, report(200, 1e-3, 0.1, 1));
+        b.add_report(0, report(200, 1e-3, 0.1, 1));
+        b.add_report(1, report(200, 1e-3, 0.1, 1));
         assert_eq!(b.due(), None);
         assert_eq!((b.low, b.high), (0, 1));
     }
@@ -264,8 +264,8 @@ mod tests {
     #[test]
     fn critical_path_is_the_sum_of_the_slowest() {
         let mut b = balance();
-        b.take(0, StepReport { cpu: vec![1.0, 2.0], ..Default::default() });
-        b.take(1, StepReport { cpu: vec![3.0, 1.0], ..Default::default() });
+        b.add_report(0, StepReport { cpu: vec![1.0, 2.0], ..Default::default() });
+        b.add_report(1, StepReport { cpu: vec![3.0, 1.0], ..Default::default() });
         assert_eq!((b.critical_s, b.total_s), (5.0, 7.0));
     }
 }

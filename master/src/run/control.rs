@@ -13,8 +13,8 @@ use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
-use crumple_proto::report::{Closing, Trouble};
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::report::{Failure, FinalReport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{poll_message, post};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ const NAP: Duration = Duration::from_micros(500);
 pub enum RunError {
     /// A worker is gone.
     #[error("a worker was lost: {0}; the results so far are in the output folder")]
-    Lost(#[from] Lost),
+    Lost(#[from] RankLost),
     /// Results cannot be written.
     #[error("{path}: {error}; choose another folder with --out", path = .path.display())]
     Output {
@@ -54,7 +54,7 @@ pub struct Control<'a> {
     model: &'a mut Model,
     /// What of the mesh the summary tells.
     outline: Outline,
-    wire: &'a mut dyn Transport,
+    comm: &'a mut dyn Transport,
     workers: usize,
     tree: CutTree,
     balance: Balance,
@@ -69,13 +69,13 @@ pub struct Control<'a> {
     ready_since: Option<Instant>,
     /// Field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
-    trouble: Option<Trouble>,
+    trouble: Option<Failure>,
     /// Whether a deep penetration has been told, and energy that contact creates.
     sunk_told: bool,
     created_told: bool,
     /// Whether it has been told that contact shortens the step.
     short_told: bool,
-    closings: Vec<Option<Closing>>,
+    closings: Vec<Option<FinalReport>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
 }
@@ -96,17 +96,17 @@ pub struct Results<'a> {
 /// A worker is gone, or results cannot be written.
 pub fn run(
     model: &mut Model,
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     results: Results<'_>,
     quiet: bool,
     stop: &StopFlag,
 ) -> Result<Summary, RunError> {
-    let mut control = Control::new(model, wire, results, quiet)?;
-    let ended = control.follow(stop);
+    let mut control = Control::new(model, comm, results, quiet)?;
+    let ended = control.supervise(stop);
     let traced = control.write_trace();
     ended?;
     control.progress.finish();
-    let summary = control.close()?;
+    let summary = control.finish()?;
     traced?; // after all that the run itself has to say
     Ok(summary)
 }
@@ -114,11 +114,11 @@ pub fn run(
 impl<'a> Control<'a> {
     fn new(
         model: &'a mut Model,
-        wire: &'a mut dyn Transport,
+        comm: &'a mut dyn Transport,
         Results { out, trace }: Results<'_>,
         quiet: bool,
     ) -> Result<Self, RunError> {
-        let workers = wire.size() - 1;
+        let workers = comm.size() - 1;
         let (job, settings) = (&model.job, &model.settings);
         let fields = out.join("fields");
         let failed = |path: &Path| {
@@ -160,22 +160,23 @@ impl<'a> Control<'a> {
             closings: vec![None; workers],
             trace,
             states: Vec::new(),
-            outline: Outline::of(&model.mesh),
+            outline: Outline::from_mesh(&model.mesh),
             model,
-            wire,
+            comm,
             workers,
             history,
         })
     }
 
     /// Deals out the work and follows the run to its end.
-    fn follow(&mut self, stop: &StopFlag) -> Result<(), RunError> {
+    fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
         self.deal_out()?;
         while self.closings.iter().any(Option::is_none) {
             let heard = self.listen()?;
             if stop.is_raised() && !self.stop_ordered {
                 self.stop_ordered = true;
-                self.progress.say("stopping: the workers finish their cycle and write their state");
+                self.progress
+                    .println("stopping: the workers finish their cycle and write their state");
                 self.order(Action::Stop);
             } else if let Some(due) = self.balance.due().filter(|_| !self.stop_ordered) {
                 self.redecompose(&due);
@@ -198,8 +199,10 @@ impl<'a> Control<'a> {
         let began = Instant::now();
         for worker in 0..self.workers {
             while !trace.has(worker) && began.elapsed() < LAST_WORDS {
-                match poll_message(self.wire, worker + 1, Tag::Report) {
-                    Ok(Some(ToMaster::Recording(recording))) => trace.take(worker, *recording),
+                match poll_message(self.comm, worker + 1, Tag::Report) {
+                    Ok(Some(ToMaster::Recording(recording))) => {
+                        trace.add_recording(worker, *recording)
+                    }
                     Ok(Some(_)) => {} // of a run that has ended
                     Ok(None) => std::thread::sleep(NAP),
                     Err(_) => break,
@@ -208,13 +211,13 @@ impl<'a> Control<'a> {
         }
         let path = trace.path.clone();
         let said =
-            trace.write(self.wire.one_clock()).map_err(|error| RunError::Trace { path, error })?;
-        self.progress.say(&format!("trace: {said}"));
+            trace.write(self.comm.one_clock()).map_err(|error| RunError::Trace { path, error })?;
+        self.progress.println(&format!("trace: {said}"));
         Ok(())
     }
 
     /// Cuts space into boxes and sends every worker what lies in its own.
-    fn deal_out(&mut self) -> Result<(), Lost> {
+    fn deal_out(&mut self) -> Result<(), RankLost> {
         let (elements, nodes) = self.model.records();
         let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
         let centre = |e: &crumple_proto::partition::ElementRecord| {
@@ -242,7 +245,7 @@ impl<'a> Control<'a> {
             let trace = self.trace.is_some();
             let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
             let start = ToWorker::Start { settings, tree, elements, nodes, trace };
-            post(self.wire, worker + 1, Tag::Order, &start)?;
+            post(self.comm, worker + 1, Tag::Order, &start)?;
         }
         self.model.forget_mesh();
         Ok(())
@@ -253,19 +256,19 @@ impl<'a> Control<'a> {
         let mut heard = false;
         for worker in 0..self.workers {
             while self.closings[worker].is_none() {
-                let Some(message) = poll_message(self.wire, worker + 1, Tag::Report)? else {
+                let Some(message) = poll_message(self.comm, worker + 1, Tag::Report)? else {
                     break;
                 };
                 heard = true;
-                self.take(worker, message)?;
+                self.receive(worker, message)?;
             }
         }
         Ok(heard)
     }
 
-    fn take(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
+    fn receive(&mut self, worker: usize, message: ToMaster) -> Result<(), RunError> {
         match message {
-            ToMaster::Report(report) => self.balance.take(worker, report),
+            ToMaster::Report(report) => self.balance.add_report(worker, report),
             ToMaster::History(part) => {
                 let b = &self.balance;
                 let wall = self.began.elapsed().as_secs_f64();
@@ -279,7 +282,7 @@ impl<'a> Control<'a> {
                 };
                 let path = || self.out.join("history.csv");
                 self.history
-                    .take(*part, extras)
+                    .add_part(*part, extras)
                     .map_err(|e| RunError::Output { path: path(), error: e.into() })?;
                 self.watch_energy();
                 self.watch_contact();
@@ -298,7 +301,7 @@ impl<'a> Control<'a> {
             }
             ToMaster::Warning(warning) => {
                 tracing::warn!(worker, warning);
-                self.progress.say(&format!("warning: worker {worker}: {warning}"));
+                self.progress.println(&format!("warning: worker {worker}: {warning}"));
             }
             ToMaster::Ready => {
                 self.ready.push(worker);
@@ -310,7 +313,7 @@ impl<'a> Control<'a> {
             }
             ToMaster::Recording(recording) => {
                 if let Some(trace) = &mut self.trace {
-                    trace.take(worker, *recording);
+                    trace.add_recording(worker, *recording);
                 }
             }
             ToMaster::Closing(closing, states) => {
@@ -336,7 +339,7 @@ impl<'a> Control<'a> {
                  contact.penalty_scale, or take a shorter time.dt_max"
             );
             tracing::warn!(depth, time, message);
-            self.progress.say(&format!("warning: {message}"));
+            self.progress.println(&format!("warning: {message}"));
         }
         let steps = self.history.last.as_ref().map(|r| [r.sum.contact_dt, r.sum.controlling_dt]);
         if let Some([contact, elements]) =
@@ -350,7 +353,7 @@ impl<'a> Control<'a> {
                  fragments or thin foils out of contact"
             );
             tracing::warn!(contact, elements, time, message);
-            self.progress.say(&format!("warning: {message}"));
+            self.progress.println(&format!("warning: {message}"));
         }
     }
 
@@ -378,7 +381,7 @@ impl<'a> Control<'a> {
         let or =
             if subcycled { ", or fewer time.subcycles, or more time.subcycle_layers" } else { "" };
         let why = format!("{what}{element}; time.safety is {safety}, use {cure}{or}");
-        self.fail(Trouble { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
+        self.fail(Failure { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
     }
 
     /// Contact that makes energy of nothing is told once, and stops the run when it is much.
@@ -396,7 +399,7 @@ impl<'a> Control<'a> {
         let cure = "look for parts that start within each other's thickness (`crumple check` names them) or are pressed through one \
                     another, and try a shorter time.dt_max, more contact.sweeps or a lower contact.penalty_scale";
         if created > MOST_CREATED {
-            self.fail(Trouble { elem: None, cycle, time, why: format!("{what}; {cure}") });
+            self.fail(Failure { elem: None, cycle, time, why: format!("{what}; {cure}") });
         } else if !self.created_told {
             self.created_told = true;
             let message = format!(
@@ -404,12 +407,12 @@ impl<'a> Control<'a> {
                 100.0 * MOST_CREATED
             );
             tracing::warn!(created, time, message);
-            self.progress.say(&format!("warning: {message}"));
+            self.progress.println(&format!("warning: {message}"));
         }
     }
 
     /// Stops the run as failed, unless it ends already.
-    fn fail(&mut self, trouble: Trouble) {
+    fn fail(&mut self, trouble: Failure) {
         if self.trouble.is_none() && !self.stop_ordered {
             self.trouble = Some(trouble);
             self.stop_ordered = true;
@@ -422,7 +425,7 @@ impl<'a> Control<'a> {
         for rank in 1..=self.workers {
             // A worker that cannot be reached has just ended, or is lost; listening tells which.
             let _ = post(
-                self.wire,
+                self.comm,
                 rank,
                 Tag::Order,
                 &ToWorker::Order { number: self.orders, action: action.clone() },
@@ -448,7 +451,7 @@ impl<'a> Control<'a> {
         }
         self.balance.ordered(self.orders, due);
         if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
-            self.progress.say(&format!(
+            self.progress.println(&format!(
                 "{kind} redecomposition at T={:.4e}, cycle {}: {why}",
                 last.time, last.cycle
             ));
@@ -458,18 +461,18 @@ impl<'a> Control<'a> {
     /// All workers wait: measure the load where it is, cut anew, let them migrate.
     fn recut(&mut self) -> Result<(), RunError> {
         let mut load =
-            Workers { pair_weight: self.balance.pair_weight(), wire: self.wire, aside: Vec::new() };
+            Workers { pair_weight: self.balance.pair_weight(), comm: self.comm, aside: Vec::new() };
         self.tree = bisect(&mut load, self.workers)?;
         let aside = load.aside;
         for rank in 1..=self.workers {
-            post(self.wire, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
+            post(self.comm, rank, Tag::Order, &ToWorker::Cuts(self.tree.clone()))?;
         }
         self.ready.clear();
         if let Some(since) = self.ready_since.take() {
             // Migration takes about as long again as asking and cutting.
             self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
         }
-        aside.into_iter().try_for_each(|(worker, message)| self.take(worker, message))
+        aside.into_iter().try_for_each(|(worker, message)| self.receive(worker, message))
     }
 
     fn show(&mut self) {
@@ -487,9 +490,9 @@ impl<'a> Control<'a> {
     }
 
     /// Everything has come: the summary.
-    fn close(mut self) -> Result<Summary, RunError> {
+    fn finish(mut self) -> Result<Summary, RunError> {
         let wall_s = self.began.elapsed().as_secs_f64();
-        let closings: Vec<Closing> = self.closings.into_iter().flatten().collect();
+        let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
         let end = closings[0].clone();
         let (status, reason) = match &self.trouble {
             Some(t) => {
@@ -502,7 +505,7 @@ impl<'a> Control<'a> {
             None => (Status::Completed, "end_time".into()),
         };
         let count: usize = self.outline.elements.values().sum();
-        let mean = |f: fn(&Closing) -> u64| {
+        let mean = |f: fn(&FinalReport) -> u64| {
             closings.iter().map(f).sum::<u64>() as f64 / closings.len() as f64
         };
         let cycles = end.cycles.max(1) as f64;
@@ -518,7 +521,7 @@ impl<'a> Control<'a> {
             cycles: end.cycles,
             nodes: self.outline.nodes,
             workers: self.workers,
-            transport: self.wire.name().into(),
+            transport: self.comm.name().into(),
             wall_s,
             grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
             phase_s: summary::phases(&closings),

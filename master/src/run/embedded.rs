@@ -9,9 +9,9 @@ use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::PhaseSeconds;
-use crumple_proto::transport::{Lost, Traffic, Transport, thread_cpu, threads};
+use crumple_proto::transport::{RankLost, Traffic, Transport, thread_cpu, threads};
 use crumple_worker::engine::Engine;
-use crumple_worker::parallel::partition::Share;
+use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -41,14 +41,14 @@ pub struct Ended {
 pub fn run_alone(
     model: &Model,
     mut look: impl FnMut(&mut Engine) -> ControlFlow<()>,
-) -> Result<Ended, Lost> {
-    let Alone { mut engine, mut wire, _master } = Alone::new(model)?;
+) -> Result<Ended, RankLost> {
+    let Alone { mut engine, mut comm, _master } = Alone::new(model)?;
     let mut trouble = None;
     while look(&mut engine).is_continue()
         && trouble.is_none()
         && !engine.clock.is_over(&engine.settings)
     {
-        trouble = step(&mut engine, &mut wire)?.trouble;
+        trouble = step(&mut engine, &mut comm)?.failure;
     }
     Ok(Ended { engine, trouble })
 }
@@ -58,7 +58,7 @@ pub struct Alone {
     /// The engine.
     pub engine: Engine,
     /// Its end of the connection.
-    pub wire: threads::Threads,
+    pub comm: threads::Threads,
     /// What arrives at the other end, history rows among it, piles up unread.
     _master: threads::Threads,
 }
@@ -68,14 +68,14 @@ impl Alone {
     ///
     /// # Errors
     /// The engine could not be set up.
-    pub fn new(model: &Model) -> Result<Self, Lost> {
+    pub fn new(model: &Model) -> Result<Self, RankLost> {
         let (elements, nodes) = model.records();
         let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
-        let share = Share { elements, nodes, ..Share::default() };
+        let share = PartitionData { elements, nodes, ..PartitionData::default() };
         let mut ends = threads::connect(2);
-        let (mut wire, _master) = (ends.remove(1), ends.remove(0));
-        let engine = Engine::new(&mut wire, model.settings.clone(), CutTree::single(), share)?;
-        Ok(Self { engine, wire, _master })
+        let (mut comm, _master) = (ends.remove(1), ends.remove(0));
+        let engine = Engine::new(&mut comm, model.settings.clone(), CutTree::single(), share)?;
+        Ok(Self { engine, comm, _master })
     }
 
     /// A step.
@@ -83,8 +83,8 @@ impl Alone {
     /// # Errors
     /// An element is in trouble.
     pub fn forward(&mut self) -> Result<(), String> {
-        let agreed = step(&mut self.engine, &mut self.wire).map_err(|lost| lost.to_string())?;
-        match agreed.trouble {
+        let agreed = step(&mut self.engine, &mut self.comm).map_err(|lost| lost.to_string())?;
+        match agreed.failure {
             Some(element) => {
                 Err(format!("element {element} is in trouble at {}", self.engine.clock.time))
             }
@@ -147,7 +147,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
     let shares = deal(model, &centres, &trees[0], workers);
     let plan = Plan { cycles, force_every, trees };
-    let traces = on_threads(shares, |wire, share| one_engine(model, wire, share, &plan));
+    let traces = on_threads(shares, |comm, share| one_engine(model, comm, share, &plan));
     let mut all = Trace {
         pairs: vec![Vec::new(); traces[0].pairs.len()],
         nodes: Vec::new(),
@@ -169,10 +169,10 @@ pub(crate) fn deal(
     centres: &[[f64; 3]],
     tree: &CutTree,
     workers: usize,
-) -> Vec<Share> {
+) -> Vec<PartitionData> {
     let (elements, nodes) = model.records();
     let record: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|r| (r.id, r)).collect();
-    let mut shares: Vec<Share> = (0..workers).map(|_| Share::default()).collect();
+    let mut shares: Vec<PartitionData> = (0..workers).map(|_| PartitionData::default()).collect();
     for (e, &c) in elements.iter().zip(centres) {
         shares[tree.worker_of(c)].elements.push((*e, Vec::new()));
     }
@@ -187,8 +187,8 @@ pub(crate) fn deal(
 
 /// Runs one worker per share, each in a thread. What they tell the master piles up unread.
 pub(crate) fn on_threads<T: Send>(
-    shares: Vec<Share>,
-    run: impl Fn(&mut dyn Transport, Share) -> T + Sync,
+    shares: Vec<PartitionData>,
+    run: impl Fn(&mut dyn Transport, PartitionData) -> T + Sync,
 ) -> Vec<T> {
     let mut ends = threads::connect(shares.len() + 1);
     let _master = ends.remove(0);
@@ -229,19 +229,19 @@ pub fn time_side_by_side(
     let centres = centres(model);
     let tree = bisect(&mut Centres(centres.clone()), workers).map_err(|lost| lost.to_string())?;
     let shares = deal(model, &centres, &tree, workers);
-    let timed = |wire: &mut dyn Transport, share| -> Result<Timing, String> {
-        let mut engine = Engine::new(wire, model.settings.clone(), tree.clone(), share)
+    let timed = |comm: &mut dyn Transport, share| -> Result<Timing, String> {
+        let mut engine = Engine::new(comm, model.settings.clone(), tree.clone(), share)
             .map_err(|l| l.to_string())?;
         engine.blocks.compute_all();
-        let cpu = |wire: &dyn Transport| thread_cpu().saturating_sub(wire.wait_cpu());
-        let mut before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
+        let cpu = |comm: &dyn Transport| thread_cpu().saturating_sub(comm.wait_cpu());
+        let mut before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
         while engine.clock.cycle < skip + cycles {
             if engine.clock.cycle == skip {
                 engine.timer.restart();
-                before = (cpu(wire), Instant::now(), engine.timer.seconds, wire.traffic());
+                before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
             }
-            let agreed = step(&mut engine, wire).map_err(|lost| lost.to_string())?;
-            if let Some(element) = agreed.trouble {
+            let agreed = step(&mut engine, comm).map_err(|lost| lost.to_string())?;
+            if let Some(element) = agreed.failure {
                 return Err(format!(
                     "element {element} is in trouble in cycle {}",
                     engine.clock.cycle
@@ -250,15 +250,15 @@ pub fn time_side_by_side(
             if engine.clock.is_over(&engine.settings) {
                 return Err(format!("it is over after {} cycles", engine.clock.cycle));
             }
-            if agreed.urgency > RENEW_AT {
-                engine.renew(wire, tree.clone()).map_err(|lost| lost.to_string())?;
+            if agreed.margin_used > RENEW_AT {
+                engine.renew(comm, tree.clone()).map_err(|lost| lost.to_string())?;
             }
         }
         let (cpu_before, start, seconds, sent) = before;
-        let traffic = wire.traffic();
+        let traffic = comm.traffic();
         Ok(Timing {
             cycles,
-            cpu_s: cpu(wire).saturating_sub(cpu_before).as_secs_f64(),
+            cpu_s: cpu(comm).saturating_sub(cpu_before).as_secs_f64(),
             wall_s: start.elapsed().as_secs_f64(),
             phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
             traffic: Traffic {
@@ -276,27 +276,27 @@ struct Plan {
     trees: [CutTree; 3],
 }
 
-fn one_engine(model: &Model, wire: &mut dyn Transport, share: Share, plan: &Plan) -> Trace {
+fn one_engine(model: &Model, comm: &mut dyn Transport, share: PartitionData, plan: &Plan) -> Trace {
     let tree = plan.trees[0].clone();
     let mut engine =
-        Engine::new(wire, model.settings.clone(), tree, share).expect("all workers live");
+        Engine::new(comm, model.settings.clone(), tree, share).expect("all workers live");
     let mut trace = Trace { pairs: Vec::new(), nodes: Vec::new(), renewals: 0, trouble: None };
     while engine.clock.cycle < plan.cycles && !engine.clock.is_over(&engine.settings) {
-        let agreed = step(&mut engine, wire).expect("all workers live");
-        trace.pairs.push(engine.contact.iter().flat_map(|c| c.own_pairs()).collect());
-        trace.trouble = agreed.trouble;
-        if agreed.trouble.is_some() {
+        let agreed = step(&mut engine, comm).expect("all workers live");
+        trace.pairs.push(engine.contact.iter().flat_map(|c| c.owned_pairs()).collect());
+        trace.trouble = agreed.failure;
+        if agreed.failure.is_some() {
             break;
         }
         let forced = plan.force_every > 0 && engine.clock.cycle.is_multiple_of(plan.force_every);
-        if forced || agreed.urgency > RENEW_AT {
+        if forced || agreed.margin_used > RENEW_AT {
             trace.renewals += 1;
             let which = if forced { trace.renewals as usize / 2 % plan.trees.len() } else { 0 };
-            engine.renew(wire, plan.trees[which].clone()).expect("all workers live");
+            engine.renew(comm, plan.trees[which].clone()).expect("all workers live");
         }
     }
-    trace.nodes = (0..engine.nodes.held)
-        .filter(|&i| engine.nodes.is_own(i))
+    trace.nodes = (0..engine.nodes.local_count)
+        .filter(|&i| engine.nodes.is_owned(i))
         .map(|i| engine.nodes.record(i))
         .collect();
     trace

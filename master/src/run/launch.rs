@@ -74,40 +74,40 @@ fn run_under_mpi(_: &RunArgs) -> u8 {
 #[cfg(feature = "mpi")]
 fn run_under_mpi(args: &RunArgs) -> u8 {
     use crumple_proto::{message::ToWorker, transport::Tag, transport::mpi::Mpi, wire::post};
-    let Some(mut wire) = Mpi::start() else {
+    let Some(mut comm) = Mpi::start() else {
         eprintln!("error: MPI could not be started");
         return WORKER_LOST;
     };
-    if wire.size() == 1 {
-        drop(wire);
+    if comm.size() == 1 {
+        drop(comm);
         return run_threads(args);
     }
-    if wire.rank() > 0 {
+    if comm.rank() > 0 {
         // The master decides when to stop; a launcher's signal to all ranks must not end this one
         // early.
         let _patient = StopFlag::listen(true);
-        return match crumple_worker::serve::serve(&mut wire) {
+        return match crumple_worker::serve::serve(&mut comm) {
             Ok(()) => COMPLETED,
             Err(lost) => {
-                eprintln!("error: worker {}: {lost}", wire.rank() - 1);
-                wire.abort(i32::from(WORKER_LOST))
+                eprintln!("error: worker {}: {lost}", comm.rank() - 1);
+                comm.abort(i32::from(WORKER_LOST))
             }
         };
     }
-    let ranks = wire.size() - 1;
+    let ranks = comm.size() - 1;
     let read = job::read(&args.job.job, &args.sets()).and_then(|m| {
         m.workers(Some(ranks), ranks)?;
         Ok(m)
     });
     match read {
         Ok(mut model) => {
-            let code = as_master(args, &mut model, &mut wire);
-            if code == WORKER_LOST { wire.abort(i32::from(code)) } else { code }
+            let code = as_master(args, &mut model, &mut comm);
+            if code == WORKER_LOST { comm.abort(i32::from(code)) } else { code }
         }
         Err(report) => {
             for rank in 1..=ranks {
                 // A worker that is gone already needs no telling.
-                let _ = post(&mut wire, rank, Tag::Order, &ToWorker::Quit);
+                let _ = post(&mut comm, rank, Tag::Order, &ToWorker::Quit);
             }
             bad_input(&report)
         }
@@ -119,7 +119,7 @@ fn bad_input(report: &Report) -> u8 {
     Report::EXIT_CODE
 }
 
-fn as_master(args: &RunArgs, model: &mut Model, wire: &mut dyn Transport) -> u8 {
+fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 {
     let out = args.out_dir();
     for warning in model.warnings.iter().filter(|_| !args.quiet) {
         eprint!("{}", model.show(warning));
@@ -132,7 +132,7 @@ fn as_master(args: &RunArgs, model: &mut Model, wire: &mut dyn Transport) -> u8 
     report::forget(&out); // of an older run
     let stop = StopFlag::listen(false);
     let results = Results { out: &out, trace: args.trace.as_deref() };
-    let ended = control::run(model, wire, results, args.quiet, &stop);
+    let ended = control::run(model, comm, results, args.quiet, &stop);
     let writable = !matches!(ended, Err(RunError::Output { .. }));
     let made = (writable && !args.no_report).then(|| report::write(&out, args.quiet));
     let code = match ended {

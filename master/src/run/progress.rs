@@ -78,7 +78,7 @@ impl Progress {
     }
 
     /// Says something in between.
-    pub fn say(&self, line: &str) {
+    pub fn println(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.println(line),
             None if !self.quiet => eprintln!("{line}"),

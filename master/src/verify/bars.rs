@@ -56,7 +56,7 @@ struct Met {
 }
 
 /// Bars of n squares; the second has `across` elements over its width.
-fn meet(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Result<Met, String> {
+fn collide(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Result<Met, String> {
     let c = BAR.c();
     let mut scene = Scene::new(3.2 * LENGTH / c);
     let width = LENGTH / n as f64;
@@ -73,7 +73,7 @@ fn meet(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Resul
     let name = format!("A01 {law} {n} by {across} at {} and {}", v[0], v[1]);
     let run = bench.watch(&name, &scene, |e| {
         let gained = mass(e, two.all()) * (mean_velocity(e, two.all(), 0) - v[1]);
-        push.take(e.clock.time - 0.5 * e.clock.last_dt, gained);
+        push.add_sample(e.clock.time - 0.5 * e.clock.last_dt, gained);
     })?;
     let time = LENGTH / c;
     let area = width * THICKNESS;
@@ -123,7 +123,7 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in bench.laws() {
         for v in [[V, 0.0], [0.5 * V, -0.5 * V]] {
-            let met = meet(bench, law, N, across, v)?;
+            let met = collide(bench, law, N, across, v)?;
             let mesh = if across == 1 { "matching" } else { "non-matching" };
             let variant = format!("{law}, {mesh}, {N} shells, {:+} and {:+} m/s", v[0], v[1]);
             all.extend(
@@ -154,7 +154,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
     const SIZES: [usize; 3] = [20, 40, 80];
     let mut all = Vec::new();
     for law in bench.laws() {
-        let met = SIZES.map(|n| meet(bench, law, n, 1, [0.5 * V, -0.5 * V]));
+        let met = SIZES.map(|n| collide(bench, law, n, 1, [0.5 * V, -0.5 * V]));
         let [a, b, c] = met;
         let met = [a?, b?, c?];
         let restitution = met.each_ref().map(|m| (m.after[1] - m.after[0]) / V);

@@ -84,7 +84,7 @@ pub fn frequency(
     axis: usize,
 ) -> Result<f64, String> {
     let mut crossings = Crossings::default();
-    bench.watch(name, scene, |e| crossings.take(e.clock.time, amplitude(e, shape, axis)))?;
+    bench.watch(name, scene, |e| crossings.add_sample(e.clock.time, amplitude(e, shape, axis)))?;
     Ok(crossings.frequency())
 }
 

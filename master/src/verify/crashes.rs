@@ -81,7 +81,7 @@ impl Crash {
         let last = self.stations.last().copied().unwrap_or(0.0);
         let run = bench::run_watched(model, |e| {
             let (t, p) = (e.clock.time, momentum(&e.nodes).0[self.axis]);
-            push.take(t, p - *start.get_or_insert(p));
+            push.add_sample(t, p - *start.get_or_insert(p));
             penetration =
                 penetration.max(e.contact.as_ref().map_or(0.0, |contact| contact.penetration));
             while self.stations.get(absorbed.len()).is_some_and(|&at| t >= at) {

@@ -521,7 +521,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut crossings = Crossings::default();
     let mut held = 0.0f64;
     let run = bench.watch("C10 hourglass", &scene, |e| {
-        crossings.take(e.clock.time, displacement(e, corners[0])[0]);
+        crossings.add_sample(e.clock.time, displacement(e, corners[0])[0]);
         held = held.max(e.ledger.energies(&e.nodes).hourglass);
     })?;
     let variant = "belytschko_tsay, one shell, r = 0.03";

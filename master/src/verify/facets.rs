@@ -138,7 +138,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
             let run = bench.watch(&name, &scene, |e| {
                 let (t, now) =
                     (e.clock.time - 0.5 * e.clock.last_dt, mean_velocity(e, block.all(), 2));
-                push.take(t, whole * now + force * (t - 0.5 * ramped).max(0.0));
+                push.add_sample(t, whole * now + force * (t - 0.5 * ramped).max(0.0));
                 speed.push((e.clock.time, mean_velocity(e, block.all(), 0)));
                 aside = aside.max(mean_velocity(e, block.all(), 1).abs());
             })?;

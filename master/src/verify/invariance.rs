@@ -89,7 +89,7 @@ fn drifts(run: &Finished) -> [f64; 2] {
     let far =
         |k: usize| (0..3).map(|c| (now[k][c] - run.momentum[k][c]).powi(2)).sum::<f64>().sqrt();
     let size = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let total: f64 = (0..nodes.held)
+    let total: f64 = (0..nodes.local_count)
         .map(|i| nodes.mass[i] * size(&crumple_worker::nodes::xyz(&nodes.v[i])))
         .sum();
     [far(0) / total, far(1) / size(&run.momentum[1])]
@@ -210,13 +210,14 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.time("max_cycles = 100000\nsafety = 0.8");
         let mut hit = 0;
         let run = bench.run(&format!("A29 box {}{how}", law.name), &scene, |e| {
-            hit += u64::from(e.contact.as_ref().is_some_and(|c| c.own_pairs().next().is_some()));
+            hit += u64::from(e.contact.as_ref().is_some_and(|c| c.owned_pairs().next().is_some()));
             ControlFlow::Continue(())
         })?;
         let variant = format!("{}{how}, 10 cubes and 10 plates, 1e5 steps", law.name);
         let pushed = |c: usize| run.engine.walls.impulse.iter().map(|p| p[c]).sum::<f64>();
         let now = momentum(&run.engine.nodes).0;
-        let sizes: f64 = (0..run.engine.nodes.held).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
+        let sizes: f64 =
+            (0..run.engine.nodes.local_count).map(|i| run.engine.nodes.mass[i] * 10.0).sum();
         let off =
             (0..3).map(|c| (now[c] - run.momentum[0][c] - pushed(c)).abs()).fold(0.0, f64::max);
         let off = if run.trouble { f64::INFINITY } else { off / sizes };

@@ -52,7 +52,7 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let mut crossings = Crossings::default();
         let run = bench.watch(&format!("A34 swing {n}"), &scene, |e| {
-            crossings.take(e.clock.time, displacement(e, nodes[n])[2]);
+            crossings.add_sample(e.clock.time, displacement(e, nodes[n])[2]);
         })?;
         let variant = format!("{n} beams");
         let row = Row::new("cantilever, frequency 1", &variant, "Hz", crossings.frequency());
@@ -140,7 +140,7 @@ fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
         let free = w * (1.0 - share * share).sqrt();
         let run = bench.watch(&format!("A35 {share}"), &scene, |e| {
             let (t, u) = (e.clock.time, displacement(e, nodes[1])[0]);
-            crossings.take(t, u);
+            crossings.add_sample(t, u);
             if t < TAU / free {
                 largest.0 = largest.0.max(u);
             } else if t < 2.0 * TAU / free {

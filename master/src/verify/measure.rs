@@ -107,7 +107,7 @@ pub struct Crossings {
 
 impl Crossings {
     /// Takes the signal at a time.
-    pub fn take(&mut self, time: f64, value: f64) {
+    pub fn add_sample(&mut self, time: f64, value: f64) {
         if let Some((t, v)) = self.last
             && v * value < 0.0
         {
@@ -135,7 +135,7 @@ pub struct Push {
 
 impl Push {
     /// Takes the impulse so far at a time.
-    pub fn take(&mut self, time: f64, impulse: f64) {
+    pub fn add_sample(&mut self, time: f64, impulse: f64) {
         self.samples.push((time, impulse));
     }
 
@@ -181,12 +181,12 @@ mod tests {
         let mut c = Crossings::default();
         (0..1000)
             .map(|i| f64::from(i) * 1e-3)
-            .for_each(|t| c.take(t, (std::f64::consts::TAU * 7.3 * t).sin()));
+            .for_each(|t| c.add_sample(t, (std::f64::consts::TAU * 7.3 * t).sin()));
         assert!((c.frequency() - 7.3).abs() < 1e-3, "linear between samples: {}", c.frequency());
         let mut p = Push::default();
         (0..=1000)
             .map(|i| f64::from(i) * 1e-3)
-            .for_each(|t| p.take(t, 5.0 * (t.clamp(0.2, 0.7) - 0.2)));
+            .for_each(|t| p.add_sample(t, 5.0 * (t.clamp(0.2, 0.7) - 0.2)));
         assert!((p.total() - 2.5).abs() < 1e-12 && (p.mean_force(0.3, 0.6) - 5.0).abs() < 1e-9);
         let (on, off) = p.span(2.5, 0.02);
         assert!((on - 0.2).abs() < 2e-3 && (off - 0.7).abs() < 2e-3, "to a sample: {on} {off}");

@@ -107,7 +107,7 @@ fn facets(corners: [V3; 4]) -> impl Iterator<Item = [V3; 3]> {
 
 impl Skin {
     /// Of the elements of some parts, by the engine's numbers of parts and nodes.
-    fn of(e: &Engine, parts: impl Fn(u32) -> bool) -> Self {
+    fn new(e: &Engine, parts: impl Fn(u32) -> bool) -> Self {
         let mut skin = Self::default();
         for element in e.blocks.elements.iter().filter(|el| parts(el.record.part)) {
             for face in element.record.shape.faces() {
@@ -202,7 +202,7 @@ fn compare(
         let mut skins = None;
         let run = bench.watch(&format!("C04 {law} {name}"), &scene, |e| {
             let [above, below] = skins
-                .get_or_insert_with(|| [Skin::of(e, |p| p < last), Skin::of(e, |p| p >= last)]);
+                .get_or_insert_with(|| [Skin::new(e, |p| p < last), Skin::new(e, |p| p >= last)]);
             if e.clock.cycle.is_multiple_of(EVERY) {
                 through = through.max(above.pierces(below, e) + below.pierces(above, e));
                 least = least.min(above.distance(below, e));

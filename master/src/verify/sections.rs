@@ -47,7 +47,7 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
         }
         let mut crossings = Crossings::default();
         let run = bench.watch(&format!("A41 {element}"), &scene, |e| {
-            crossings.take(e.clock.time, displacement(e, grid.at(N, 0))[0]);
+            crossings.add_sample(e.clock.time, displacement(e, grid.at(N, 0))[0]);
         })?;
         let variant = format!("{element}, {N} shells");
         all.push(Row::new("frequency 1", &variant, "kHz", 1e-3 * crossings.frequency()).near(

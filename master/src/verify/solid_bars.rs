@@ -55,7 +55,7 @@ struct Met {
 }
 
 /// Two bars of `n` cubes, the second with `across` cells each way over its section; see `bars.rs`.
-fn meet(
+fn collide(
     bench: &Bench,
     law: &Law,
     n: usize,
@@ -81,7 +81,7 @@ fn meet(
     let name = format!("A01 cubes {} {n} by {across} at {} and {}", law.name, v[0], v[1]);
     let run = bench.watch(&name, &scene, |e| {
         let gained = mass(e, two.all()) * (mean_velocity(e, two.all(), 0) - v[1]);
-        push.take(e.clock.time - 0.5 * e.clock.last_dt, gained);
+        push.add_sample(e.clock.time - 0.5 * e.clock.last_dt, gained);
     })?;
     let (time, area) = (LENGTH / c, side * side);
     let expected = 0.5 * BAR.rho * c * (v[0] - v[1]) * area;
@@ -101,7 +101,7 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
     for law in laws {
         for n in [20, 50, 100] {
             let v = [V, 0.0];
-            let met = meet(bench, law, n, across, v, 0.9)?;
+            let met = collide(bench, law, n, across, v, 0.9)?;
             let mesh = if across == 1 { "matching" } else { "non-matching" };
             let variant = format!("{}, {mesh}, {n} cubes", law.name);
             let rows = vec![
@@ -163,7 +163,7 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
             {
                 let mut off = Vec::new();
                 for (n, chain) in SIZES.into_iter().zip(chains) {
-                    let met = meet(bench, law, n, across, [V, 0.0], safety)?;
+                    let met = collide(bench, law, n, across, [V, 0.0], safety)?;
                     let e = (met.after[1] - met.after[0]) / V;
                     let variant = format!("{}, {mesh}, {n} cubes, safety {safety}", law.name);
                     all.push(
@@ -226,7 +226,7 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.wall([0.0; 3], [1.0, 0.0, 0.0], 0.0);
     let mut push = Push::default();
     let run = bench.watch("A03b wall", &scene, |e| {
-        push.take(
+        push.add_sample(
             e.clock.time - 0.5 * e.clock.last_dt,
             mass(e, bar.all()) * (mean_velocity(e, bar.all(), 0) + v),
         );

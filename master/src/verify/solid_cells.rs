@@ -220,7 +220,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         let (mut grows, mut before) = (0.0f64, f64::INFINITY);
         let run = bench.watch(&format!("C10 cube {form}"), &scene, |e| {
             let u = displacement(e, cube.at([0; 3]))[0];
-            crossings.take(e.clock.time, u);
+            crossings.add_sample(e.clock.time, u);
             let now = e.ledger.energies(&e.nodes);
             (most, held) = (most.max(u.abs()), held.max(now.hourglass));
             grows = grows.max(now.kinetic - before);

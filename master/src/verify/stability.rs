@@ -104,7 +104,7 @@ fn press(bench: &Bench, name: &str, sprung: &Sprung) -> Result<Came, String> {
         before = position(e, head)[2] - position(e, foot[0])[2];
         if grew { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
-    let capped = run.engine.contact.as_ref().is_some_and(|c| c.capped > 0);
+    let capped = run.engine.contact.as_ref().is_some_and(|c| c.capped_pairs > 0);
     Ok(Came { grew: grew || run.trouble, beta: forces / depths / (BAR.e * SIDE), capped })
 }
 

@@ -249,7 +249,10 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
             let now = mean_velocity(e, &nodes, 2);
             sunk += now * e.clock.last_dt;
             least = least.min(sunk);
-            push.take(e.clock.time - 0.5 * e.clock.last_dt, 4.0 * mass(e, &nodes) * (now + v));
+            push.add_sample(
+                e.clock.time - 0.5 * e.clock.last_dt,
+                4.0 * mass(e, &nodes) * (now + v),
+            );
         })?;
         let span = push.span(0.01 * FORCE, 0.01 * time);
         let most = (0..1000)
@@ -260,11 +263,10 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
         let yields = if law.is_some_and(|l| l.is_spring()) { SPRINGS } else { "" };
         let duration = |what: &str| Row::new(what, &variant, "ms", 1e3 * (span.1 - span.0));
         let way = |what: &str| Row::new(what, &variant, "mm", 1e3 * (-least - air));
-        all.extend(
-            run.with_energy(
-                &variant,
-                1e-3,
-                vec![
+        all.extend(run.with_energy(
+            &variant,
+            1e-3,
+            vec![
                     duration("contact duration").near(5.560, 0.02, C),
                     duration("contact duration, of a half space").beside(1e3 * time, D),
                     Row::new("largest force", &variant, "N", most)
@@ -283,8 +285,7 @@ fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
                     )
                     .at_least(0.98, "limit of the catalogue"),
                 ],
-            ),
-        );
+        ));
     }
     Ok(all)
 }

@@ -1,6 +1,6 @@
 //! What workers do together over any transport. The master takes no part.
 
-use super::{Lost, Tag, Transport};
+use super::{RankLost, Tag, Transport};
 
 /// Sends `parcels[w]` to every other worker w and returns what each of them sent here.
 /// Worker w is rank w + 1; the entry of this worker is handed back as it is.
@@ -8,16 +8,16 @@ use super::{Lost, Tag, Transport};
 /// # Errors
 /// A worker is gone.
 pub fn exchange_all(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     mut parcels: Vec<Vec<u64>>,
-) -> Result<Vec<Vec<u64>>, Lost> {
-    let me = wire.rank() - 1;
+) -> Result<Vec<Vec<u64>>, RankLost> {
+    let me = comm.rank() - 1;
     let others = || (0..parcels.len()).filter(|&w| w != me);
     for w in others() {
-        wire.send(w + 1, Tag::Renewal, &parcels[w])?;
+        comm.send(w + 1, Tag::Renewal, &parcels[w])?;
     }
     for w in others().collect::<Vec<_>>() {
-        wire.recv(w + 1, Tag::Renewal, &mut parcels[w])?;
+        comm.recv(w + 1, Tag::Renewal, &mut parcels[w])?;
     }
     Ok(parcels)
 }
@@ -48,23 +48,23 @@ impl MaxReduction {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn begin(&mut self, wire: &mut dyn Transport, values: &[f64]) -> Result<(), Lost> {
+    pub fn begin(&mut self, comm: &mut dyn Transport, values: &[f64]) -> Result<(), RankLost> {
         self.values.copy_from_slice(values);
-        if wire.size() > 2 { self.send(wire, 1) } else { Ok(()) }
+        if comm.size() > 2 { self.send(comm, 1) } else { Ok(()) }
     }
 
     /// Completes the rounds and gives the maxima, the same on every worker.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn finish(&mut self, wire: &mut dyn Transport) -> Result<&[f64], Lost> {
-        let (workers, me) = (wire.size() - 1, wire.rank() - 1);
+    pub fn finish(&mut self, comm: &mut dyn Transport) -> Result<&[f64], RankLost> {
+        let (workers, me) = (comm.size() - 1, comm.rank() - 1);
         let mut hop = 1;
         while hop < workers {
             if hop > 1 {
-                self.send(wire, hop)?;
+                self.send(comm, hop)?;
             }
-            wire.recv((me + workers - hop) % workers + 1, self.tag, &mut self.buffer)?;
+            comm.recv((me + workers - hop) % workers + 1, self.tag, &mut self.buffer)?;
             for (v, &o) in self.values.iter_mut().zip(&self.buffer) {
                 *v = v.max(f64::from_bits(o));
             }
@@ -73,9 +73,9 @@ impl MaxReduction {
         Ok(&self.values)
     }
 
-    fn send(&self, wire: &mut dyn Transport, hop: usize) -> Result<(), Lost> {
-        let (workers, me) = (wire.size() - 1, wire.rank() - 1);
-        wire.send((me + hop) % workers + 1, self.tag, bytemuck::cast_slice(&self.values))
+    fn send(&self, comm: &mut dyn Transport, hop: usize) -> Result<(), RankLost> {
+        let (workers, me) = (comm.size() - 1, comm.rank() - 1);
+        comm.send((me + hop) % workers + 1, self.tag, bytemuck::cast_slice(&self.values))
     }
 }
 
@@ -85,8 +85,8 @@ impl MaxReduction {
 ///
 /// # Errors
 /// A worker is gone.
-pub fn sum_all(wire: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), Lost> {
-    let (workers, me) = (wire.size() - 1, wire.rank() - 1);
+pub fn sum_all(comm: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), RankLost> {
+    let (workers, me) = (comm.size() - 1, comm.rank() - 1);
     let mut buffer = Vec::new();
     // The lowest bit of a worker's number is the round in which it hands its sum to the worker
     // without this bit.
@@ -94,18 +94,18 @@ pub fn sum_all(wire: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result
     let up: Vec<usize> = levels.take_while(|bit| me & (bit - 1) == 0).collect();
     for bit in &up {
         if me & bit != 0 {
-            wire.send(me - bit + 1, tag, bytemuck::cast_slice(values))?;
+            comm.send(me - bit + 1, tag, bytemuck::cast_slice(values))?;
         } else if me + bit < workers {
-            wire.recv(me + bit + 1, tag, &mut buffer)?;
+            comm.recv(me + bit + 1, tag, &mut buffer)?;
             values.iter_mut().zip(&buffer).for_each(|(v, &o)| *v = v.wrapping_add(o as i64));
         }
     }
     for bit in up.iter().rev() {
         if me & bit != 0 {
-            wire.recv(me - bit + 1, tag, &mut buffer)?;
+            comm.recv(me - bit + 1, tag, &mut buffer)?;
             values.copy_from_slice(bytemuck::cast_slice(&buffer));
         } else if me + bit < workers {
-            wire.send(me + bit + 1, tag, bytemuck::cast_slice(values))?;
+            comm.send(me + bit + 1, tag, bytemuck::cast_slice(values))?;
         }
     }
     Ok(())

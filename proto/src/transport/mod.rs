@@ -15,7 +15,7 @@ use std::time::Duration;
 /// The partner of a message is gone: it panicked, was killed or left early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("rank {rank} was lost")]
-pub struct Lost {
+pub struct RankLost {
     /// The rank that does not answer.
     pub rank: usize,
 }
@@ -69,18 +69,18 @@ pub trait Transport {
     ///
     /// # Errors
     /// The receiver is gone.
-    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost>;
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), RankLost>;
     /// Takes the next message of this sender and tag, if it has arrived, into `words` (old content
     /// is dropped).
     ///
     /// # Errors
     /// The sender is gone and nothing is left of it.
-    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost>;
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, RankLost>;
     /// Waits for the next message of this sender and tag.
     ///
     /// # Errors
     /// The sender is gone and nothing is left of it.
-    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost>;
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost>;
     /// CPU time that this rank burnt while waiting in [`Transport::recv`].
     fn wait_cpu(&self) -> Duration;
     /// What this rank has sent.

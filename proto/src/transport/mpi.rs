@@ -1,6 +1,6 @@
 //! Ranks as MPI processes. All calls come from the thread that started MPI.
 
-use super::{Lost, Tag, Traffic, Transport, thread_cpu};
+use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use ::mpi::environment::Universe;
 use ::mpi::request::{Request, StaticScope};
 use ::mpi::topology::SimpleCommunicator;
@@ -84,7 +84,7 @@ impl Transport for Mpi {
         self.world.size() as usize
     }
 
-    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), RankLost> {
         if self.flying.len() >= 32 {
             self.land();
         }
@@ -99,7 +99,7 @@ impl Transport for Mpi {
         Ok(())
     }
 
-    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, RankLost> {
         let from = self.world.process_at_rank(from as i32);
         let Some(status) = from.immediate_probe_with_tag(tag as i32) else {
             return Ok(false);
@@ -109,7 +109,7 @@ impl Transport for Mpi {
         Ok(true)
     }
 
-    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost> {
         if self.try_recv(from, tag, words)? {
             return Ok(());
         }

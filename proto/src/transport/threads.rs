@@ -1,6 +1,6 @@
 //! Ranks as threads of one process: a channel for every ordered pair of ranks.
 
-use super::{Lost, Tag, Traffic, Transport, thread_cpu};
+use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
@@ -74,16 +74,16 @@ impl Transport for Threads {
         self.to.len()
     }
 
-    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), Lost> {
+    fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), RankLost> {
         let mut parcel = self.pool.pop().unwrap_or_default();
         parcel.clear();
         parcel.extend_from_slice(words);
         self.traffic.messages += 1;
         self.traffic.bytes += 8 * words.len() as u64;
-        self.to[to].send((tag, parcel)).map_err(|_| Lost { rank: to })
+        self.to[to].send((tag, parcel)).map_err(|_| RankLost { rank: to })
     }
 
-    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, Lost> {
+    fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, RankLost> {
         if let Some(i) = self.early[from].iter().position(|p| p.0 == tag) {
             let parcel = self.early[from].remove(i).map_or_else(Vec::new, |p| p.1);
             self.deliver(parcel, words);
@@ -97,12 +97,12 @@ impl Transport for Threads {
                 }
                 Ok(other) => self.early[from].push_back(other),
                 Err(TryRecvError::Empty) => return Ok(false),
-                Err(TryRecvError::Disconnected) => return Err(Lost { rank: from }),
+                Err(TryRecvError::Disconnected) => return Err(RankLost { rank: from }),
             }
         }
     }
 
-    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), Lost> {
+    fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost> {
         if self.try_recv(from, tag, words)? {
             return Ok(());
         }
@@ -121,7 +121,7 @@ impl Transport for Threads {
             match self.from[from].recv() {
                 Ok((t, parcel)) if t == tag => break Ok(parcel),
                 Ok(other) => self.early[from].push_back(other),
-                Err(_) => break Err(Lost { rank: from }),
+                Err(_) => break Err(RankLost { rank: from }),
             }
         };
         self.wait_cpu += thread_cpu().saturating_sub(before);
@@ -165,6 +165,6 @@ mod tests {
         assert_eq!(w, [1]);
         b.recv(0, Tag::Order, &mut w).unwrap();
         assert_eq!(w, [3]);
-        assert_eq!(b.recv(0, Tag::Order, &mut w), Err(Lost { rank: 0 }));
+        assert_eq!(b.recv(0, Tag::Order, &mut w), Err(RankLost { rank: 0 }));
     }
 }

@@ -7,7 +7,7 @@
 
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
-use crate::contact::enforce::Steps;
+use crate::contact::enforce::StepSizes;
 use crate::curve::Curve;
 use crate::energy::Work;
 use crate::nodes::{Nodes, xyz};
@@ -22,14 +22,14 @@ pub struct Prescribed {
 
 /// How far a motion has gone.
 #[derive(Debug)]
-pub struct Course {
+pub struct MotionCurve {
     /// How it is given.
     pub form: MotionForm,
     amount: Vector3<f64>,
     curve: Curve,
 }
 
-impl Course {
+impl MotionCurve {
     /// Of a motion; `curves` are those of the job.
     pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
         let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
@@ -50,28 +50,28 @@ impl Course {
 #[derive(Debug)]
 struct Motion {
     job: MotionJob,
-    course: Course,
+    course: MotionCurve,
     nodes: Vec<u32>,
 }
 
 impl Prescribed {
     /// From the job; nothing moves before [`Prescribed::settle`].
     pub fn new(job: &LoadJob) -> Self {
-        let course = |m: &MotionJob| Course::new(m, &job.curves);
+        let course = |m: &MotionJob| MotionCurve::new(m, &job.curves);
         let motion =
             |m: &MotionJob| Motion { job: m.clone(), course: course(m), nodes: Vec::new() };
         Self { motions: job.motions.iter().map(motion).collect() }
     }
 
     /// Finds the nodes that are here.
-    pub fn settle(&mut self, nodes: &Nodes) {
+    pub fn bind_local(&mut self, nodes: &Nodes) {
         for m in &mut self.motions {
-            m.nodes = m.job.nodes.iter().filter_map(|&id| nodes.held_number(id)).collect();
+            m.nodes = m.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
         }
     }
 
     /// Sets the velocities with which held nodes reach their places at the end of the step.
-    pub fn prescribe(&self, nodes: &mut Nodes, time: f64, dt: f64) {
+    pub fn apply(&self, nodes: &mut Nodes, time: f64, dt: f64) {
         for m in &self.motions {
             let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
             let turns = match m.job.form {
@@ -88,10 +88,10 @@ impl Prescribed {
                 };
                 for c in 0..3 {
                     if m.job.dofs >> c & 1 == 1 {
-                        nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) / dt;
+                        nodes.v_next[i][c] = (place[c] - nodes.x[i][c]) / dt;
                     }
                     if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
-                        nodes.next_w[i][c] = spin[c];
+                        nodes.w_next[i][c] = spin[c];
                     }
                 }
             }
@@ -104,27 +104,28 @@ impl Prescribed {
         &self,
         nodes: &Nodes,
         (contact, ties): (Option<&Contact>, &Ties),
-        steps: Steps,
+        steps: StepSizes,
     ) -> Work {
         let mut work = Work::default();
         for m in &self.motions {
-            for &n in m.nodes.iter().filter(|&&n| nodes.is_own(n as usize)) {
+            for &n in m.nodes.iter().filter(|&&n| nodes.is_owned(n as usize)) {
                 let i = n as usize;
                 let turned = contact.map_or(Vector3::zeros(), |k| k.couple_on(n));
-                let pushed =
-                    contact.map_or(Vector3::zeros(), |k| k.force_on(n) + ties.passed_on(n, nodes));
+                let pushed = contact.map_or(Vector3::zeros(), |k| {
+                    k.force_on(n) + ties.contact_force_on_master(n, nodes)
+                });
                 for c in 0..3 {
                     if m.job.dofs >> c & 1 == 1 {
-                        let (a, b) = (nodes.v[i][c], nodes.next_v[i][c]);
-                        let impulse =
-                            nodes.mass[i] * (b - a) - steps.mid * (nodes.force[i][c] + pushed[c]);
-                        work += Work::of(impulse, a, b);
+                        let (a, b) = (nodes.v[i][c], nodes.v_next[i][c]);
+                        let impulse = nodes.mass[i] * (b - a)
+                            - steps.dt_velocity * (nodes.force[i][c] + pushed[c]);
+                        work += Work::from_impulse(impulse, a, b);
                     }
                     if nodes.rotations && m.job.dofs >> (c + 3) & 1 == 1 {
-                        let (a, b) = (nodes.w[i][c], nodes.next_w[i][c]);
+                        let (a, b) = (nodes.w[i][c], nodes.w_next[i][c]);
                         let impulse = nodes.inertia[i] * (b - a)
-                            - steps.mid * (nodes.moment[i][c] + turned[c]);
-                        work += Work::of(impulse, a, b);
+                            - steps.dt_velocity * (nodes.moment[i][c] + turned[c]);
+                        work += Work::from_impulse(impulse, a, b);
                     }
                 }
             }
@@ -157,14 +158,18 @@ mod tests {
             motions: vec![motion],
             ..LoadJob::default()
         });
-        p.settle(&nodes);
+        p.bind_local(&nodes);
         let dt = 2.0 / steps as f64;
         let mut work = 0.0;
         for i in 0..steps {
             nodes.accelerate(dt);
-            p.prescribe(&mut nodes, i as f64 * dt, dt);
+            p.apply(&mut nodes, i as f64 * dt, dt);
             work += p
-                .work(&nodes, (None, &Ties::default()), Steps { dt, mid: dt, push: dt, whole: dt })
+                .work(
+                    &nodes,
+                    (None, &Ties::default()),
+                    StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt },
+                )
                 .total();
             nodes.advance(dt);
         }

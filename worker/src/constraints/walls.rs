@@ -10,15 +10,15 @@ mod shape;
 #[cfg(test)]
 mod tests;
 
-use crate::constraints::prescribed::Course;
-use crate::contact::enforce::Steps;
+use crate::constraints::prescribed::MotionCurve;
+use crate::contact::enforce::StepSizes;
 use crate::contact::geometry::V3;
 use crate::energy::Work;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crumple_proto::ids::NodeId;
-use crumple_proto::transport::{Lost, Transport};
+use crumple_proto::transport::{RankLost, Transport};
 use crumple_proto::wall::{Wall as WallJob, WallMotion};
-use push::{Near, gather, speed_after};
+use push::{RecoilCandidate, collect, speed_after};
 pub use shape::Surface;
 
 /// One wall.
@@ -44,7 +44,7 @@ enum Drive {
     /// Its mass [mass].
     Pushed(f64),
     /// How far it goes, and where it is at the end of the step [length].
-    Led(Box<Course>, V3),
+    Led(Box<MotionCurve>, V3),
 }
 
 /// All walls of the scene.
@@ -57,7 +57,7 @@ pub struct Walls {
     pushed: usize,
     /// Impulse that each wall has given to owned nodes so far [force time].
     pub impulse: Vec<[f64; 3]>,
-    near: Vec<Near>,
+    near: Vec<RecoilCandidate>,
     words: Vec<u64>,
 }
 
@@ -80,11 +80,11 @@ impl Walls {
     }
 
     /// Finds the nodes that are here.
-    pub fn settle(&mut self, nodes: &Nodes) {
+    pub fn bind_local(&mut self, nodes: &Nodes) {
         for w in &mut self.walls {
             w.meets.clear();
             if w.job.nodes.is_some() || !w.job.except.is_empty() {
-                w.meets.extend(nodes.id.iter().map(|&id| w.job.admits(id)));
+                w.meets.extend(nodes.id.iter().map(|&id| w.job.allows(id)));
             }
         }
     }
@@ -105,12 +105,12 @@ impl Walls {
     }
 
     /// Prepares a step: where walls go that are led, and how the others came.
-    pub fn begin(&mut self, time: f64, dt: f64) {
+    pub fn start_step(&mut self, time: f64, dt: f64) {
         for w in &mut self.walls {
             w.last = w.next;
             if let Drive::Led(course, to) = &mut w.drive {
                 *to = V3::from(w.job.point) + course.amount(time + dt);
-                w.next = (*to - w.surface.place()) / dt;
+                w.next = (*to - w.surface.position()) / dt;
             }
         }
     }
@@ -141,55 +141,55 @@ impl Walls {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn keep_out(
+    pub fn enforce(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
         pushed: &[(u32, Row)],
-        steps: Steps,
-    ) -> Result<Work, Lost> {
+        steps: StepSizes,
+    ) -> Result<Work, RankLost> {
         let dt = steps.dt;
         for k in 0..self.pushed {
-            self.meet(k, wire, nodes, pushed, dt)?;
+            self.wall_contact(k, comm, nodes, pushed, dt)?;
         }
         let mut pushed = pushed.iter().peekable();
         let mut work = Work::default();
-        for i in 0..nodes.held {
-            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
+        for i in 0..nodes.local_count {
+            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.v_next[i], |p| p.1);
             if self.walls.iter().all(|w| w.misses(&nodes.x[i], &free, dt)) {
-                nodes.next_v[i] = free;
+                nodes.v_next[i] = free;
                 continue;
             }
-            nodes.next_v[i] = self.stop(nodes, i, free, dt);
-            if nodes.is_own(i) && nodes.next_v[i] != free {
+            nodes.v_next[i] = self.stop(nodes, i, free, dt);
+            if nodes.is_owned(i) && nodes.v_next[i] != free {
                 work += self.book(nodes, i, free, steps);
             }
         }
         // Exterior copies too, where walls go on otherwise than contact took them to: it remembers
         // how far pairs have slipped.
         for &(i, free) in pushed.filter(|_| self.pushed > 0) {
-            nodes.next_v[i as usize] = self.stop(nodes, i as usize, free, dt);
+            nodes.v_next[i as usize] = self.stop(nodes, i as usize, free, dt);
         }
         Ok(work)
     }
 
     /// Velocity of the `k`-th wall with a mass after it has met the nodes of all workers, as the
     /// walls before it leave them.
-    fn meet(
+    fn wall_contact(
         &mut self,
         k: usize,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &Nodes,
         pushed: &[(u32, Row)],
         dt: f64,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), RankLost> {
         let mut near = std::mem::take(&mut self.near);
         near.clear();
         let (before, at) = (&self.order[..k], self.order[k]);
         let mut pushed = pushed.iter().peekable();
-        for i in 0..nodes.held {
-            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.next_v[i], |p| p.1);
-            if nodes.is_own(i) {
+        for i in 0..nodes.local_count {
+            let free = pushed.next_if(|p| p.0 as usize == i).map_or(nodes.v_next[i], |p| p.1);
+            if nodes.is_owned(i) {
                 near.extend(self.walls[at].near(
                     nodes,
                     i,
@@ -198,7 +198,7 @@ impl Walls {
                 ));
             }
         }
-        gather(wire, &mut near, &mut self.words)?;
+        collect(comm, &mut near, &mut self.words)?;
         let wall = &mut self.walls[at];
         if let Drive::Pushed(mass) = wall.drive {
             let normal = wall.surface.direction;
@@ -210,7 +210,7 @@ impl Walls {
 
     /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the
     /// work [energy].
-    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: Steps) -> Work {
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: StepSizes) -> Work {
         let mut work = Work::default();
         for &w in &self.order {
             let Some(change) = self.walls[w].change(nodes, i, &v, steps.dt) else { continue };
@@ -218,7 +218,7 @@ impl Walls {
                 v[c] += change[c];
                 let p = nodes.mass[i] * change[c] * steps.given();
                 self.impulse[w][c] += p;
-                work += Work::of(p, nodes.v[i][c], nodes.next_v[i][c]);
+                work += Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
             }
         }
         work
@@ -234,7 +234,7 @@ impl Walls {
     pub fn work_on_masses(&self) -> Work {
         let on = |w: &Wall, mass: f64| {
             let impulse = row(((w.next - w.last) * mass).into());
-            Work::of_all(&impulse, &row(w.last.into()), &row(w.next.into()))
+            Work::from_impulses(&impulse, &row(w.last.into()), &row(w.next.into()))
         };
         self.masses().map(|(w, mass)| on(w, mass)).sum()
     }
@@ -259,7 +259,7 @@ impl Walls {
         for w in &mut self.walls {
             let to = match &w.drive {
                 Drive::Still => continue,
-                Drive::Pushed(_) => w.surface.place() + w.next * dt,
+                Drive::Pushed(_) => w.surface.position() + w.next * dt,
                 Drive::Led(_, to) => *to,
             };
             w.surface.move_to(&to);
@@ -275,9 +275,10 @@ impl Wall {
             WallMotion::Pushed { mass, speed } => {
                 (Drive::Pushed(*mass), surface.direction * *speed)
             }
-            WallMotion::Led(motion) => {
-                (Drive::Led(Box::new(Course::new(motion, curves)), surface.place()), V3::zeros())
-            }
+            WallMotion::Led(motion) => (
+                Drive::Led(Box::new(MotionCurve::new(motion, curves)), surface.position()),
+                V3::zeros(),
+            ),
         };
         let friction = job.friction;
         Self {
@@ -293,7 +294,7 @@ impl Wall {
 
     /// How far it has gone since the start [length].
     pub fn displacement(&self) -> V3 {
-        self.surface.place() - V3::from(self.job.point)
+        self.surface.position() - V3::from(self.job.point)
     }
 
     /// Velocity at the next mid-step as far as it is known [length/time].
@@ -313,13 +314,13 @@ impl Wall {
 
     /// Whether a node meets it at all.
     pub fn admits(&self, node: NodeId) -> bool {
-        self.job.admits(node)
+        self.job.allows(node)
     }
 
     /// Whether a node at `x` with velocity `v` does not meet the wall in the step, as most do not.
     #[inline(always)]
     fn misses(&self, x: &Row, v: &Row, dt: f64) -> bool {
-        self.surface.misses(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
+        self.surface.cannot_reach(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
     }
 
     /// Change of the velocity `v` that keeps local node `i` out, friction included.
@@ -330,7 +331,7 @@ impl Wall {
         }
         let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
         let against = v - self.next;
-        let (along, gap) = self.surface.meet(&x, &against, &(v - self.last), dt)?;
+        let (along, gap) = self.surface.contact_point(&x, &against, &(v - self.last), dt)?;
         let normal = -gap / dt;
         let sliding = against - along * along.dot(&against);
         let speed = sliding.norm();
@@ -341,7 +342,7 @@ impl Wall {
 
     /// Own node `i` with velocity `v` as a wall with a mass sees it, if it may touch the wall in
     /// this step.
-    fn near(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<Near> {
+    fn near(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<RecoilCandidate> {
         if self.meets.get(i) == Some(&false) {
             return None;
         }
@@ -353,8 +354,8 @@ impl Wall {
         let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
         // Nodes only slow a wall down: what it would not reach as it came it does not reach at all.
         let against = v - self.last;
-        self.surface.meet(&x, &against, &against, dt).filter(|_| free > 0.0)?;
+        self.surface.contact_point(&x, &against, &against, dt).filter(|_| free > 0.0)?;
         let touching = self.surface.distance(&x) / dt + normal.dot(&v);
-        Some(Near { node: nodes.id[i], mass: nodes.mass[i] * free, touching })
+        Some(RecoilCandidate { node: nodes.id[i], mass: nodes.mass[i] * free, touching })
     }
 }

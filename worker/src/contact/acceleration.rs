@@ -17,7 +17,7 @@ use crate::contact::enforce::within_cone;
 use crate::contact::exact_sum::{ExactSum, WORDS};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
-use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport, sum_all};
+use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
@@ -49,7 +49,7 @@ pub struct Acceleration {
 
 /// What all workers know after a sweep.
 #[derive(Debug)]
-pub struct Advice {
+pub struct AccelerationStep {
     /// Whether a force has changed, on any worker.
     pub changed: bool,
     /// Forces to go on from; none where those of the sweep are as good.
@@ -62,14 +62,14 @@ impl Acceleration {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn note(
+    pub fn update(
         &mut self,
         pairs: &[Pair],
         before: &[V3],
         changed: bool,
-        wire: &mut dyn Transport,
-    ) -> Result<Advice, Lost> {
-        let own: Vec<&Pair> = pairs.iter().filter(|p| p.own).collect();
+        comm: &mut dyn Transport,
+    ) -> Result<AccelerationStep, RankLost> {
+        let own: Vec<&Pair> = pairs.iter().filter(|p| p.is_owned).collect();
         let ends: Forces = own.iter().map(|p| p.force).collect();
         let residual = minus(&ends, before);
         let mut switched = ExactSum::ZERO;
@@ -96,7 +96,7 @@ impl Acceleration {
         let mut words: Vec<i64> = all.flat_map(|(a, b)| *product(&own, a, b).words()).collect();
         words.extend(switched.words());
         words.push(changed.into());
-        sum_all(wire, Tag::Settled, &mut words)?;
+        sum_all(comm, Tag::Settled, &mut words)?;
         let changed = words[words.len() - 1] > 0;
         let sums: Vec<f64> = words.chunks_exact(WORDS).map(ExactSum::value).collect();
         let size = sums[2 * n];
@@ -115,10 +115,10 @@ impl Acceleration {
         if is_other || !size.is_finite() {
             self.differences.clear();
             self.products = DMatrix::zeros(0, 0);
-            return Ok(Advice { changed, forces: None });
+            return Ok(AccelerationStep { changed, forces: None });
         }
         if !changed || n == 0 {
-            return Ok(Advice { changed, forces: None });
+            return Ok(AccelerationStep { changed, forces: None });
         }
         let mut way = vec![V3::zeros(); ends.len()];
         for ((_, difference), c) in
@@ -126,10 +126,10 @@ impl Acceleration {
         {
             way.iter_mut().zip(difference).for_each(|(w, d)| *w -= d * c);
         }
-        let part = part(&own, &ends, &way, wire)?;
+        let part = local_product(&own, &ends, &way, comm)?;
         let go = |((p, end), way): ((&&Pair, &V3), &V3)| within(p, end + way * part);
         let forces = own.iter().zip(&ends).zip(&way).map(go).collect();
-        Ok(Advice { changed, forces: Some(forces) })
+        Ok(AccelerationStep { changed, forces: Some(forces) })
     }
 }
 
@@ -139,15 +139,20 @@ impl Acceleration {
 ///
 /// # Errors
 /// A worker is gone.
-fn part(own: &[&Pair], ends: &[V3], way: &[V3], wire: &mut dyn Transport) -> Result<f64, Lost> {
+fn local_product(
+    own: &[&Pair],
+    ends: &[V3],
+    way: &[V3],
+    comm: &mut dyn Transport,
+) -> Result<f64, RankLost> {
     let part = |((p, end), way): ((&&Pair, &V3), &V3)| {
         let (pressed, more) = (end.dot(&p.normal), way.dot(&p.normal));
         if pressed > 0.0 && pressed + more < 0.0 { pressed / -more } else { 1.0 }
     };
     let least = own.iter().zip(ends).zip(way).map(part).fold(1.0, f64::min);
     let mut all = MaxReduction::new(1, Tag::Settled);
-    all.begin(wire, &[-least])?;
-    Ok((-all.finish(wire)?[0]).max(0.5))
+    all.begin(comm, &[-least])?;
+    Ok((-all.finish(comm)?[0]).max(0.5))
 }
 
 /// The force of a pair held in its friction cone, nought if it pulls.

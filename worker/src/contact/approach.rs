@@ -24,7 +24,7 @@ fn v3(row: &Row) -> V3 {
 /// [length/time].
 pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
     let square = |a: &u32, b: &u32| {
-        (v3(&nodes.next_v[*a as usize]) - v3(&nodes.next_v[*b as usize])).norm_squared()
+        (v3(&nodes.v_next[*a as usize]) - v3(&nodes.v_next[*b as usize])).norm_squared()
     };
     ahead.iter().flat_map(|a| behind.iter().map(move |b| square(a, b))).fold(0.0, f64::max).sqrt()
 }
@@ -52,14 +52,14 @@ mod tests {
         let rate_from = |height: f64| {
             let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
             let mut nodes = nodes_at(&[&square[..], &[[0.5, 0.5, height]]].concat());
-            nodes.next_v[4] = [0.0, 0.0, -2.0, 0.0];
+            nodes.v_next[4] = [0.0, 0.0, -2.0, 0.0];
             let id = SegmentId(8);
             let behind = [NOT_LOCAL; 4];
             let foil = Segment {
                 id,
                 nodes: [0, 1, 2, 3],
                 behind,
-                half: 0.01,
+                half_thickness: 0.01,
                 scale: 0.01,
                 part: 0,
                 own: true,

@@ -4,10 +4,10 @@
 //! in every step until then, as long as a slave that remembered nothing still does.
 
 use crate::contact::geometry::{Sphere, V3};
-use crate::contact::kernels::{is_apart, is_beside, is_in};
-use crate::contact::local::{is_known, reach, reach_of_old};
-use crate::contact::neighbours::{Four, Neighbours};
-use crate::contact::pairs::Memory;
+use crate::contact::kernels::{are_separated, is_in, projects_outside};
+use crate::contact::local::{has_history, reach, reach_of_old};
+use crate::contact::neighbours::{CandidatePair, PairBatch};
+use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
@@ -25,15 +25,15 @@ const HELD: usize = 256;
 
 /// Candidates that are near.
 #[derive(Debug, Default)]
-pub struct Close {
+pub struct NearList {
     /// By slave, ascending, and of a slave by segment.
-    pub list: Vec<Neighbours>,
+    pub list: Vec<CandidatePair>,
     /// Relative motion of two nodes that it holds for, and of a step that begins then [length].
     pub skin: f64,
     pub step: f64,
 }
 
-impl Close {
+impl NearList {
     /// Bytes in use, spare room left out.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.list[..])
@@ -47,14 +47,15 @@ impl Close {
         (nodes, surface, spheres): (&Nodes, &Surface, &[Sphere]),
         (skin, step): (f64, f64),
         found: impl Fn(usize) -> &'a [u32],
-        memory: impl Fn(usize) -> &'a [Memory],
+        memory: impl Fn(usize) -> &'a [PairHistory],
     ) {
         self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.short);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
         self.list.clear();
-        let mut picker = Picker::new(nodes, surface, (self.skin, self.step), |g| spheres[g]);
+        let mut picker =
+            CandidateFilter::new(nodes, surface, (self.skin, self.step), |g| spheres[g]);
         for place in 0..surface.slaves.len() {
-            picker.look(place, found(place), memory(place), &mut self.list);
+            picker.add_slave(place, found(place), memory(place), &mut self.list);
         }
         picker.finish(&mut self.list);
     }
@@ -62,7 +63,7 @@ impl Close {
 
 /// Picks what slaves may meet of what was found for them, while two nodes move by `skin` against
 /// each other and in a step by `step` [length].
-pub struct Picker<'a, F> {
+pub struct CandidateFilter<'a, F> {
     nodes: &'a Nodes,
     surface: &'a Surface,
     skin: f64,
@@ -72,10 +73,10 @@ pub struct Picker<'a, F> {
     /// Nodes of the segments on which a slave lies.
     ring: Vec<u32>,
     /// What is not yet looked at side by side, with the reach, skin and all [length].
-    held: Vec<(Neighbours, f64)>,
+    held: Vec<(CandidatePair, f64)>,
 }
 
-impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
+impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
     /// Nothing is looked at yet.
     pub fn new(
         nodes: &'a Nodes,
@@ -88,12 +89,12 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
 
     /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or in
     /// [`Self::finish`], which has to follow the last.
-    pub fn look(
+    pub fn add_slave(
         &mut self,
         place: usize,
         found: &[u32],
-        memory: &[Memory],
-        near: &mut Vec<Neighbours>,
+        memory: &[PairHistory],
+        near: &mut Vec<CandidatePair>,
     ) {
         if found.is_empty() {
             return;
@@ -105,7 +106,7 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
         let at = V3::from(xyz(&self.nodes.x[slave as usize]));
         for &g in found {
             let segment = &surface.segments[g as usize];
-            let reach = match is_known(segment, memory) {
+            let reach = match has_history(segment, memory) {
                 true => reach_of_old(surface, slave, segment),
                 false => reach(surface, slave, segment, self.step),
             };
@@ -119,8 +120,12 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
             if ring != 0 && surface.has_lines && segment.is_line() {
                 continue; // a line cannot fold over
             }
-            let of =
-                Neighbours { place: place as u32, segment: g, ring, is_lone: memory.is_empty() };
+            let of = CandidatePair {
+                slave_index: place as u32,
+                segment: g,
+                shared_node_mask: ring,
+                has_no_history: memory.is_empty(),
+            };
             self.held.push((of, reach + self.skin));
         }
         if self.held.len() >= HELD {
@@ -129,14 +134,17 @@ impl<'a, F: Fn(usize) -> Sphere> Picker<'a, F> {
     }
 
     /// Looks at all that is left.
-    pub fn finish(&mut self, near: &mut Vec<Neighbours>) {
+    pub fn finish(&mut self, near: &mut Vec<CandidatePair>) {
         for some in self.held.chunks(LANES) {
-            let four = Four::of(self.surface, some, |s| s.0);
+            let four = PairBatch::of(self.surface, some, |s| s.0);
             let (at, q) = (four.slaves(&self.nodes.x), four.corners(&self.nodes.x));
             let reach = Lane::new(std::array::from_fn(|lane| some[lane.min(some.len() - 1)].1));
-            let (apart, beside) = (is_apart(at, &q, reach), is_beside(at, &q, self.skin));
+            let (apart, beside) =
+                (are_separated(at, &q, reach), projects_outside(at, &q, self.skin));
             for (lane, &(of, _)) in some.iter().enumerate() {
-                if !(is_in::<Lane>(apart, lane) || of.ring != 0 && is_in::<Lane>(beside, lane)) {
+                if !(is_in::<Lane>(apart, lane)
+                    || of.shared_node_mask != 0 && is_in::<Lane>(beside, lane))
+                {
                     near.push(of);
                 }
             }

@@ -3,8 +3,8 @@
 //! nodes, or comes through where no fold is sharp enough, still gets through. That is looked for
 //! now and then, for all edges of the surface, and told.
 
-use crate::contact::geometry::{V3, passing};
-use crate::contact::ridges::{Edge, Lines};
+use crate::contact::geometry::{V3, project_edges};
+use crate::contact::ridges::{Edge, EdgeTable};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
@@ -28,9 +28,9 @@ pub struct Crossing {
 /// between two faces of solids. In ascending order, each once. To be called where all nodes of the
 /// surface are at the same time, but for a step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
-    let lines = Lines::of(surface, nodes);
+    let lines = EdgeTable::new(surface, nodes);
     let edges: Vec<&Edge> =
-        lines.all.iter().filter(|e| nodes.is_own(e.nodes[0] as usize)).collect();
+        lines.all.iter().filter(|e| nodes.is_owned(e.nodes[0] as usize)).collect();
     let half = |e: &&Edge| 0.5 * (e.ends(&nodes.x)[0] - e.ends(&nodes.x)[1]).norm();
     let longest = edges.iter().map(half).fold(0.0, f64::max);
     let middles: Vec<[f64; 3]> =
@@ -50,7 +50,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     };
     // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not
     // through.
-    let meets = |e: &Edge| lines.stands_out(e, surface, &nodes.x);
+    let meets = |e: &Edge| lines.is_exposed(e, surface, &nodes.x);
     let held = |s: &Segment, e: &Edge| {
         let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
         let ascending = |[a, b]: [u32; 2]| {
@@ -58,7 +58,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         };
         let of_segment = sides.filter_map(|n| lines.place(ascending(n))).map(|i| &lines.all[i]);
         let near = |o: &&Edge| {
-            let passed = passing(&e.ends(&nodes.x), &o.ends(&nodes.x));
+            let passed = project_edges(&e.ends(&nodes.x), &o.ends(&nodes.x));
             passed.is_some_and(|p| p.height.abs() <= THROUGH * s.scale)
         };
         let mut near = of_segment.filter(near).peekable();
@@ -70,11 +70,14 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         let touch = || {
             let parts = lines.segments(e).iter().map(|&g| surface.segments[g as usize].part);
-            let interface = surface.interfaces.between(parts, std::iter::once(s.part));
+            let interface = surface.interfaces.for_pair(parts, std::iter::once(s.part));
             interface.is_some_and(|i| surface.interfaces.is_alive(i, time))
         };
         if apart && touch() && through(s, e, &nodes.x) && !through(s, e, &nodes.x0) && !held(s, e) {
-            found.push(Crossing { edge: lines.lowest(e, surface).id.elem(), surface: s.id.elem() });
+            found.push(Crossing {
+                edge: lines.lowest_segment(e, surface).id.elem(),
+                surface: s.id.elem(),
+            });
         }
     });
     found.sort_unstable();

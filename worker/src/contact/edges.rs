@@ -24,12 +24,12 @@
 //! have belonged to another worker, so pairs that are known here are remembered, not only own ones.
 //! A pair that is lost while it is deep is remembered for some steps more ([`Memory::lost`]).
 
-use crate::constraints::ties::Joined;
+use crate::constraints::ties::ContactExclusions;
 use crate::contact::approach;
-use crate::contact::geometry::{Passing, V3, apart, passing};
+use crate::contact::geometry::{EdgeProjection, V3, project_edges, separation};
 use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
-use crate::contact::pairs::{Memory, Name, Pair, by_role};
-use crate::contact::ridges::{Edge, Kind, Lines, Wedge};
+use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
+use crate::contact::ridges::{Edge, EdgeTable, FoldWedge, Kind};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::nodes::{Nodes, xyz};
@@ -58,14 +58,14 @@ const NEARLY: f64 = 0.7;
 /// All nodes of own segments, possibly several times: the edges between them may come to stand out,
 /// whatever others have beside them, and the segments themselves may meet others. `surface` has own
 /// segments only.
-pub fn outline(surface: &Surface) -> Vec<u32> {
+pub fn contact_edges(surface: &Surface) -> Vec<u32> {
     surface.segments.iter().flat_map(|s| s.nodes).collect()
 }
 
 /// What is remembered of a pair.
 #[derive(Clone, Copy, Debug)]
-struct Remembered {
-    memory: Memory,
+struct EdgePairHistory {
+    memory: PairHistory,
     /// Local nodes by role, or [`NOT_LOCAL`].
     nodes: [u32; 4],
     /// Whether the slave edge is this worker's own.
@@ -75,7 +75,7 @@ struct Remembered {
 /// The edges that a worker knows, and what its own have met.
 #[derive(Debug, Default)]
 pub struct Edges {
-    lines: Lines,
+    lines: EdgeTable,
     /// Which of them stand out.
     out: Vec<bool>,
     /// Which of them do, or are near to it.
@@ -92,7 +92,7 @@ pub struct Edges {
     /// Those of them that are near.
     candidates: Vec<[u32; 2]>,
     /// In ascending order of names.
-    memories: Vec<Remembered>,
+    memories: Vec<EdgePairHistory>,
     /// Nodes of the memories, ascending, with the places of these.
     by_node: Vec<(NodeId, u32)>,
     /// Whether they are as they were gathered, alike on all workers that have them: no step has
@@ -105,14 +105,14 @@ pub struct Edges {
 impl Edges {
     /// The edges of a new surface, and what is remembered at their nodes. With `of_beams` none meet
     /// but those of beams and others.
-    pub fn of(
+    pub fn new(
         surface: &Surface,
         nodes: &Nodes,
-        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+        memory_of: impl Fn(NodeId) -> Vec<PairHistory>,
         of_beams: bool,
     ) -> Self {
-        let lines = Lines::of(surface, nodes);
-        let is_own = |e: &Edge| lines.lowest(e, surface).own;
+        let lines = EdgeTable::new(surface, nodes);
+        let is_own = |e: &Edge| lines.lowest_segment(e, surface).own;
         let own: Vec<u32> =
             (0..lines.all.len() as u32).filter(|&i| is_own(&lines.all[i as usize])).collect();
         let mut names: Vec<[NodeId; 2]> =
@@ -121,15 +121,15 @@ impl Edges {
         let mut ends: Vec<NodeId> = names.iter().flatten().copied().collect();
         ends.sort_unstable();
         ends.dedup();
-        let mut memories: Vec<Memory> =
+        let mut memories: Vec<PairHistory> =
             ends.into_iter().flat_map(memory_of).filter(|m| m.name.is_edge()).collect();
         memories.sort_unstable_by_key(|m| m.name);
         memories.dedup_by_key(|m| m.name);
-        let local = |id| nodes.number(id).unwrap_or(NOT_LOCAL);
-        let remembered = |memory: Memory| Remembered {
+        let local = |id| nodes.index_of(id).unwrap_or(NOT_LOCAL);
+        let remembered = |memory: PairHistory| EdgePairHistory {
             memory,
             nodes: memory.name.edge_nodes().map(local),
-            own: names.binary_search(&[memory.name.slave, memory.name.far]).is_ok(),
+            own: names.binary_search(&[memory.name.slave, memory.name.slave_end]).is_ok(),
         };
         let mut edges = Self {
             memories: memories.into_iter().map(remembered).collect(),
@@ -139,7 +139,7 @@ impl Edges {
             of_beams,
             ..Self::default()
         };
-        edges.look_at_folds(surface, nodes);
+        edges.update_folds(surface, nodes);
         edges.index();
         edges
     }
@@ -159,7 +159,7 @@ impl Edges {
     }
 
     /// Finds out which edges stand out where nodes were last seen.
-    pub fn look_at_folds(&mut self, surface: &Surface, nodes: &Nodes) {
+    pub fn update_folds(&mut self, surface: &Surface, nodes: &Nodes) {
         self.out.clear();
         self.nearly.clear();
         for e in &self.lines.all {
@@ -195,7 +195,7 @@ impl Edges {
         &mut self,
         surface: &Surface,
         nodes: &Nodes,
-        joined: Joined<'_>,
+        joined: ContactExclusions<'_>,
         find: Search,
         skin: f64,
     ) {
@@ -214,7 +214,7 @@ impl Edges {
         let all: Vec<u32> = (0..lines.all.len() as u32).filter(is_ready).collect();
         let edge = |i: u32| &lines.all[i as usize];
         let [of_own, of_all] = [&own, &all]
-            .map(|some| some.iter().map(|&i| Bar::of(edge(i), nodes)).collect::<Vec<_>>());
+            .map(|some| some.iter().map(|&i| EdgeBar::new(edge(i), nodes)).collect::<Vec<_>>());
         let longest = of_own.iter().map(|b| b.half).fold(0.0, f64::max);
         let largest = own.iter().map(|&i| edge(i).scale).fold(0.0, f64::max);
         let middles: Vec<[f64; 3]> = of_own.iter().map(|b| b.middle.into()).collect();
@@ -235,7 +235,7 @@ impl Edges {
                 && are_within(slave, met, nodes, reach)
                 && !lines.has_beside(slave, surface, &met.nodes)
                 && !lines.has_beside(met, surface, &slave.nodes)
-                && !joined.are_one(slave.nodes[0], &[slave.nodes[1], j, k, k])
+                && !joined.excludes(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.ties.are_tied(slave.nodes[1], &[j, k, k, k])
                 && lines.interface([slave, met], surface).is_some();
             if may_meet {
@@ -256,7 +256,7 @@ impl Edges {
             let deepest =
                 if [a, b].iter().any(|e| e.kind == Kind::Solid) { REACH * scale } else { near };
             let reach = near.max(deepest) + step + skin;
-            a.bounds(&nodes.x).grown(reach).touches(&b.bounds(&nodes.x))
+            a.bounds(&nodes.x).grown(reach).intersects(&b.bounds(&nodes.x))
                 && are_within(a, b, nodes, reach)
         };
         self.candidates.clear();
@@ -297,12 +297,15 @@ impl Edges {
     ) {
         for places in &self.candidates {
             let edges = places.map(|i| &self.lines.all[i as usize]);
-            let Some(met) = passing(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x)) else {
+            let Some(met) = project_edges(&edges[0].ends(&nodes.x), &edges[1].ends(&nodes.x))
+            else {
                 continue;
             };
             let interface = self.lines.interface(edges, surface).filter(|&i| alive[i as usize]);
             let Some(interface) = interface else { continue };
-            if let Some(mut pair) = self.look(nodes, (surface, interface), *places, &met, dt) {
+            if let Some(mut pair) =
+                self.evaluate_pair(nodes, (surface, interface), *places, &met, dt)
+            {
                 let of = |e: &Edge| {
                     stiffness.get(self.lines.segments(e)[0] as usize).copied().unwrap_or(0.0)
                 };
@@ -312,12 +315,12 @@ impl Edges {
         }
     }
 
-    fn look(
+    fn evaluate_pair(
         &self,
         nodes: &Nodes,
         (surface, interface): (&Surface, u16),
         places: [u32; 2],
-        met: &Passing,
+        met: &EdgeProjection,
         dt: f64,
     ) -> Option<Pair> {
         let lines = &self.lines;
@@ -331,15 +334,15 @@ impl Edges {
         let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
         let [s, t] = met.along;
         // Most are too far away on whatever side they belong.
-        let velocity = |n: u32| V3::from(xyz(&nodes.next_v[n as usize]));
+        let velocity = |n: u32| V3::from(xyz(&nodes.v_next[n as usize]));
         let slave = velocity(i) * (1.0 - s) + velocity(j) * s;
         let opening = (slave - velocity(k) * (1.0 - t) - velocity(l) * t).dot(&met.normal);
         if met.height.abs() - dt * opening.abs() >= near.max(deepest) {
             return None;
         }
-        let name = Name::of_edges(one.ids(nodes), other.ids(nodes));
+        let name = PairKey::of_edges(one.ids(nodes), other.ids(nodes));
         let moved = moved(nodes, [j, k, l].into_iter(), i, dt, scale);
-        let known = self.recall(&name, &met.normal).filter(|m| m.is_fresh(moved, scale));
+        let known = self.recall_history(&name, &met.normal).filter(|m| m.is_fresh(moved, scale));
         let stays = known.as_ref().is_some_and(|m| m.name == name);
         let side = if solid {
             facing(lines, surface, nodes, edges, &met.normal)?
@@ -348,18 +351,18 @@ impl Edges {
         };
         let mut side = if side < 0.0 { -1.0 } else { 1.0 };
         let old = known.filter(|m| m.normal.dot(&met.normal) * side > 0.0);
-        let [one, two] = edges.map(|e| lines.lowest(e, surface));
-        let shape = by_role([1.0 - s, s, 1.0 - t, t]);
+        let [one, two] = edges.map(|e| lines.lowest_segment(e, surface));
+        let shape = padded([1.0 - s, s, 1.0 - t, t]);
         let mut pair = Pair {
             shape,
             weight: shape,
-            arm: levers(surface, interface, edges),
+            lever_arms: levers(surface, interface, edges),
             interface,
-            thickness: scale,
+            contact_thickness: scale,
             speed: surface.slower(one.part, two.part),
-            first: (one.part, one.id) < (two.part, two.id),
-            own: true,
-            ..Pair::unknown(name, two.id, [i, j, k, l])
+            slave_surface_first: (one.part, one.id) < (two.part, two.id),
+            is_owned: true,
+            ..Pair::new(name, two.id, [i, j, k, l])
         };
         // What is tolerated is no gap: it can only make the pair less near.
         if met.height * side + dt * opening * side >= near || met.height * side < -deepest {
@@ -396,7 +399,7 @@ impl Edges {
         }
         (pair.normal, pair.side) = (normal, side);
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
-        let pair = pair.remembering(old.as_ref(), gap, tolerated);
+        let pair = pair.with_history(old.as_ref(), gap, tolerated);
         let predicted = pair.gap + dt * opening * side;
         (predicted < ACTIVE * scale).then_some(pair)
     }
@@ -414,13 +417,13 @@ impl Edges {
 
     /// What is remembered of a pair, or of one that it follows on, without its slip; `normal` is
     /// along the cross product of the edges.
-    fn recall(&self, name: &Name, normal: &V3) -> Option<Memory> {
+    fn recall_history(&self, name: &PairKey, normal: &V3) -> Option<PairHistory> {
         if let Ok(i) = self.memories.binary_search_by_key(name, |r| r.memory.name) {
             return Some(self.memories[i].memory);
         }
         let [a, b, c, d] = name.edge_nodes();
         let shares = |p: [NodeId; 2], q: [NodeId; 2]| p.iter().any(|n| q.contains(n));
-        let alike = |m: &Memory| m.normal.dot(normal).abs() > ALIKE;
+        let alike = |m: &PairHistory| m.normal.dot(normal).abs() > ALIKE;
         let at = |n: NodeId| {
             let from = self.by_node.partition_point(|e| e.0 < n);
             self.by_node[from..].iter().take_while(move |e| e.0 == n).map(|e| e.1)
@@ -430,9 +433,9 @@ impl Edges {
             let [i, j, k, l] = m.name.edge_nodes();
             let along = shares([a, b], [i, j]) && shares([c, d], [k, l]);
             let across = shares([a, b], [k, l]) && shares([c, d], [i, j]);
-            let turned = || Memory { normal: -m.normal, force: -m.force, ..m };
+            let turned = || PairHistory { normal: -m.normal, force: -m.force, ..m };
             let of = along.then_some(m).or_else(|| across.then(turned)).filter(alike);
-            of.map(|m| (m.age, place, Memory { slip: V3::zeros(), ..m }))
+            of.map(|m| (m.age, place, PairHistory { slip: V3::zeros(), ..m }))
         };
         // What is touched before what was lost, then by name.
         let before =
@@ -442,23 +445,24 @@ impl Edges {
 
     /// Remembers the pairs of a step, all that are known here, and for some steps those that are
     /// lost.
-    pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
+    pub fn store_history<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         let before = std::mem::take(&mut self.memories);
         self.gathered = false;
-        let edges = pairs.filter(|p| p.name.is_edge());
+        let edges = pairs.filter(|p| p.key.is_edge());
         let [i, j, k, l] = [0, 1, 2, 3];
-        self.memories.extend(edges.map(|p| Remembered {
-            memory: p.memory(),
+        self.memories.extend(edges.map(|p| EdgePairHistory {
+            memory: p.to_history(),
             nodes: [i, j, k, l].map(|r: usize| p.nodes[r]),
-            own: p.own,
+            own: p.is_owned,
         }));
         let touched = self.memories.len();
         for r in before {
             let found =
                 self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
-            if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
+            if let (Err(_), Some(memory)) = (found, r.memory.after_loss()) {
                 // What others have told has no side, and needs none.
-                self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
+                self.memories
+                    .push(EdgePairHistory { memory: PairHistory { side: 0.0, ..memory }, ..r });
             }
         }
         if self.memories.len() > touched {
@@ -478,20 +482,20 @@ impl Edges {
     /// What own edges remember, under each of the four nodes of a pair that is known here; of pairs
     /// that are lost, and before a step has gone by since the last time, also what is left of edges
     /// that nobody has any more.
-    pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
+    pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
 }
 
 /// An edge as a sphere around it.
-struct Bar {
+struct EdgeBar {
     middle: V3,
     half: f64,
 }
 
-impl Bar {
-    fn of(edge: &Edge, nodes: &Nodes) -> Self {
+impl EdgeBar {
+    fn new(edge: &Edge, nodes: &Nodes) -> Self {
         let [p, q] = edge.ends(&nodes.x);
         Self { middle: (p + q) * 0.5, half: 0.5 * (q - p).norm() }
     }
@@ -505,7 +509,7 @@ impl Bar {
 
 /// Whether two edges are no farther apart than `reach` [length].
 fn are_within(a: &Edge, b: &Edge, nodes: &Nodes, reach: f64) -> bool {
-    apart(&a.ends(&nodes.x), &b.ends(&nodes.x)) <= reach * reach
+    separation(&a.ends(&nodes.x), &b.ends(&nodes.x)) <= reach * reach
 }
 
 /// Half thicknesses of two edges together in an interface, and their scales [length].
@@ -525,13 +529,13 @@ fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
 
 /// Wedges of the slave edge and of the other one, of folds only.
 struct Folds {
-    of: [Option<Wedge>; 2],
+    of: [Option<FoldWedge>; 2],
 }
 
 impl Folds {
     /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's
     /// side.
-    fn each(&self, normal: &V3) -> impl Iterator<Item = (&Wedge, V3)> {
+    fn each(&self, normal: &V3) -> impl Iterator<Item = (&FoldWedge, V3)> {
         self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
     }
 
@@ -544,7 +548,7 @@ impl Folds {
     fn are_before(&self, normal: &V3) -> bool {
         /// Cosine between the direction of the other edge and that in which a fold stands out.
         const TOWARDS: f64 = 0.7;
-        let out = |w: &Wedge| (w.arms[0] + w.arms[1]).try_normalize(0.0).map(|m| -m);
+        let out = |w: &FoldWedge| (w.arms[0] + w.arms[1]).try_normalize(0.0).map(|m| -m);
         self.of.iter().all(|w| w.is_some())
             && self.are_met_from(normal)
             && self.each(normal).all(|(wedge, to)| out(wedge).is_some_and(|o| o.dot(&to) > TOWARDS))
@@ -554,7 +558,7 @@ impl Folds {
 /// Sign with which `normal`, at right angles to both edges, points out of the other one's solid and
 /// into the first one's, as far as they are edges of solids. `None` where neither sign does.
 fn facing(
-    lines: &Lines,
+    lines: &EdgeTable,
     surface: &Surface,
     nodes: &Nodes,
     edges: [&Edge; 2],

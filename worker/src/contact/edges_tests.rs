@@ -24,7 +24,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
         id: SegmentId(8 * id),
         nodes,
         behind: [NOT_LOCAL; 4],
-        half: HALF,
+        half_thickness: HALF,
         scale: HALF,
         part: 0,
         own: true,
@@ -35,20 +35,20 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
 }
 
 fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
-    let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
+    let joined = ContactExclusions { bodies: &Bodies::default(), ties: &Ties::default() };
     edges.search(surface, nodes, joined, linked_cells, 0.1);
     edges.pick(nodes, surface, 0.05, 0.0);
 }
 
-fn pairs(edges: &Edges, surface: &Surface, nodes: &Nodes) -> Vec<Name> {
+fn pairs(edges: &Edges, surface: &Surface, nodes: &Nodes) -> Vec<PairKey> {
     let mut pairs = Vec::new();
     edges.find_pairs(nodes, (surface, &[true]), &[], 1e-3, &mut pairs);
-    pairs.iter().map(|p| p.name).collect()
+    pairs.iter().map(|p| p.key).collect()
 }
 
 /// The name of the ridge on the rim.
-fn ridge_on_rim() -> Name {
-    Name::of_edges([NodeId(1), NodeId(2)], [NodeId(7), NodeId(8)])
+fn ridge_on_rim() -> PairKey {
+    PairKey::of_edges([NodeId(1), NodeId(2)], [NodeId(7), NodeId(8)])
 }
 
 /// A fold of 7.5 degrees does not stand out, but comes near to it (6.4 on 9.2): it is searched for
@@ -59,7 +59,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
     let flanks = |fold: f64| [-0.5 * fold, 180.0 + 0.5 * fold];
     for (fold, beforehand) in [(7.5, true), (5.5, false)] {
         let (mut nodes, surface) = ridge_and_rim(flanks(fold), 2.0 * HALF);
-        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new(), false);
+        let mut edges = Edges::new(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
         assert!(
             !edges.is_stale() && pairs(&edges, &surface, &nodes).is_empty(),
@@ -68,7 +68,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
         let (folded, _) = ridge_and_rim(flanks(10.0), 2.0 * HALF);
         nodes.x.clone_from(&folded.x);
         nodes.seen.clone_from(&folded.x);
-        edges.look_at_folds(&surface, &nodes);
+        edges.update_folds(&surface, &nodes);
         assert_eq!(edges.is_stale(), !beforehand, "from {fold} degrees to 10");
         let met = pairs(&edges, &surface, &nodes);
         assert_eq!(
@@ -89,7 +89,7 @@ fn folds_that_nearly_stand_out_are_searched_for_beforehand() {
 fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
     let met_at = |height: f64| {
         let (nodes, surface) = ridge_and_rim([15.0, 240.0], height * 2.0 * HALF);
-        let mut edges = Edges::of(&surface, &nodes, |_| Vec::new(), false);
+        let mut edges = Edges::new(&surface, &nodes, |_| Vec::new(), false);
         search(&mut edges, &surface, &nodes);
         pairs(&edges, &surface, &nodes).contains(&ridge_on_rim())
     };
@@ -103,28 +103,28 @@ fn an_edge_beside_the_direction_of_a_fold_is_met_when_it_touches() {
 #[test]
 fn what_an_edge_had_goes_to_the_next_one() {
     let name =
-        |slave: [u64; 2], other: [u64; 2]| Name::of_edges(slave.map(NodeId), other.map(NodeId));
+        |slave: [u64; 2], other: [u64; 2]| PairKey::of_edges(slave.map(NodeId), other.map(NodeId));
     let pair = Pair {
         normal: V3::z(),
-        tolerated: -0.25,
+        tolerated_gap: -0.25,
         force: V3::new(0.5, 0.0, 2.0),
         slip: V3::x(),
-        ..Pair::unknown(name([5, 6], [8, 9]), SegmentId(1), [0; 5])
+        ..Pair::new(name([5, 6], [8, 9]), SegmentId(1), [0; 5])
     };
     // With a lower name, and across: another contact of the same edge.
-    let other = Pair { name: name([4, 6], [8, 9]), normal: V3::x(), ..pair };
+    let other = Pair { key: name([4, 6], [8, 9]), normal: V3::x(), ..pair };
     let mut edges = Edges::default();
-    edges.remember([other, pair].iter());
-    let recall = |slave, other, normal: &V3| edges.recall(&name(slave, other), normal);
-    assert_eq!(recall([5, 6], [8, 9], &V3::z()), Some(pair.memory()), "its own");
-    let next = Memory { slip: V3::zeros(), ..pair.memory() };
+    edges.store_history([other, pair].iter());
+    let recall = |slave, other, normal: &V3| edges.recall_history(&name(slave, other), normal);
+    assert_eq!(recall([5, 6], [8, 9], &V3::z()), Some(pair.to_history()), "its own");
+    let next = PairHistory { slip: V3::zeros(), ..pair.to_history() };
     assert_eq!(recall([6, 7], [8, 9], &V3::z()), Some(next), "along the slave's row");
     assert_eq!(
         recall([5, 6], [9, 12], &-V3::z()),
         Some(next),
         "along the other row, which may run the other way"
     );
-    let turned = Memory { normal: -next.normal, force: -next.force, ..next };
+    let turned = PairHistory { normal: -next.normal, force: -next.force, ..next };
     assert_eq!(recall([4, 8], [6, 7], &V3::z()), Some(turned), "slave and other change places");
     assert_eq!(recall([6, 7], [8, 9], &V3::y()), None, "another contact by its normal");
     assert_eq!(recall([5, 6], [10, 11], &V3::z()), None, "an edge elsewhere");
@@ -134,26 +134,26 @@ fn what_an_edge_had_goes_to_the_next_one() {
 /// one that only touched is new.
 #[test]
 fn what_is_lost_while_it_is_deep_is_remembered_for_some_steps() {
-    let name = Name::of_edges([NodeId(5), NodeId(6)], [NodeId(8), NodeId(9)]);
+    let name = PairKey::of_edges([NodeId(5), NodeId(6)], [NodeId(8), NodeId(9)]);
     let deep = Pair {
         normal: V3::z(),
-        tolerated: -0.25,
-        depth: 0.5,
-        thickness: 1.0,
+        tolerated_gap: -0.25,
+        penetration: 0.5,
+        contact_thickness: 1.0,
         force: V3::z(),
-        ..Pair::unknown(name, SegmentId(1), [0; 5])
+        ..Pair::new(name, SegmentId(1), [0; 5])
     };
     let after = |pair: Pair, steps: usize| {
         let mut edges = Edges::default();
-        edges.remember([pair].iter());
-        (0..steps).for_each(|_| edges.remember([].iter()));
-        edges.recall(&name, &V3::z())
+        edges.store_history([pair].iter());
+        (0..steps).for_each(|_| edges.store_history([].iter()));
+        edges.recall_history(&name, &V3::z())
     };
     let back = after(deep, 3).unwrap();
     assert_eq!((back.age, back.normal, back.depth, back.tolerated), (3, V3::z(), 0.5, -0.25));
     assert_eq!(back.force, V3::zeros(), "nothing presses on what is lost");
     assert!(after(deep, 50).is_some() && after(deep, 51).is_none());
-    assert!(after(Pair { depth: 0.005, ..deep }, 1).is_none());
+    assert!(after(Pair { penetration: 0.005, ..deep }, 1).is_none());
     assert!(
         back.is_fresh(0.1, 1.0) && !back.is_fresh(0.2, 1.0),
         "three steps of a fifth are too far"

@@ -16,11 +16,11 @@
 //! latter may belong to another worker, so pairs that are known here are remembered, not only own
 //! ones, as with edges.
 
-use crate::constraints::ties::Joined;
+use crate::constraints::ties::ContactExclusions;
 use crate::contact::geometry::{Sphere, V3};
 use crate::contact::local::{ACTIVE, BEHIND, REACH, moved, tolerated};
-use crate::contact::overlap::{Laid, Overlap, Plane};
-use crate::contact::pairs::{Memory, Name, Pair};
+use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
+use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::nodes::{Nodes, xyz};
@@ -35,8 +35,8 @@ const ALIKE: f64 = 0.7;
 
 /// What is remembered of a pair.
 #[derive(Clone, Copy, Debug)]
-struct Remembered {
-    memory: Memory,
+struct FacetPairHistory {
+    memory: PairHistory,
     /// Local nodes of the slave, or [`NOT_LOCAL`].
     nodes: [u32; 4],
     /// Whether the slave is this worker's own.
@@ -56,7 +56,7 @@ pub struct Facets {
     /// Those of them that are near.
     near: Vec<[u32; 2]>,
     /// In ascending order of names.
-    memories: Vec<Remembered>,
+    memories: Vec<FacetPairHistory>,
     /// The segments that they met, ascending, with their places.
     by_met: Vec<(SegmentId, u32)>,
     /// Whether they are as they were gathered, alike on all workers that have them: no step has
@@ -82,7 +82,7 @@ impl Facets {
         surface: &Surface,
         stiffness: &[f64],
         nodes: &Nodes,
-        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+        memory_of: impl Fn(NodeId) -> Vec<PairHistory>,
     ) {
         if !self.are_wanted() {
             return;
@@ -97,13 +97,13 @@ impl Facets {
             own(surface).flat_map(|(_, s)| s.nodes).map(|n| nodes.id[n as usize]).collect();
         corners.sort_unstable();
         corners.dedup();
-        let mut memories: Vec<Memory> =
+        let mut memories: Vec<PairHistory> =
             corners.into_iter().flat_map(memory_of).filter(|m| m.name.is_segment()).collect();
         memories.sort_unstable_by_key(|m| m.name);
         memories.dedup_by_key(|m| m.name);
-        let remembered = |memory: Memory| {
+        let remembered = |memory: PairHistory| {
             let slave = place(surface, memory.name.slave_quarter().0).map(|i| &surface.segments[i]);
-            Remembered {
+            FacetPairHistory {
                 memory,
                 nodes: slave.map_or([NOT_LOCAL; 4], |s| s.nodes),
                 own: slave.is_some_and(|s| s.own),
@@ -127,7 +127,7 @@ impl Facets {
         &mut self,
         (surface, spheres): (&Surface, &[Sphere]),
         nodes: &Nodes,
-        joined: Joined<'_>,
+        joined: ContactExclusions<'_>,
         find: Search,
         skin: f64,
     ) {
@@ -149,7 +149,7 @@ impl Facets {
             let [slave, met] = places.map(|i| &surface.segments[i as usize]);
             let [one, other] = places.map(|i| &spheres[i as usize]);
             if slave.id < met.id
-                && !one.is_apart(other, reach(slave.scale, met.scale))
+                && !one.are_separated(other, reach(slave.scale, met.scale))
                 && self.may_meet(surface, joined, [slave, met]).is_some()
             {
                 self.found.push(places);
@@ -167,8 +167,10 @@ impl Facets {
             let reach = REACH * surface.interfaces.most(segments[0].scale + segments[1].scale)
                 + skin
                 + step;
-            !one.is_apart(&other, reach)
-                && segments[0].bounds(&nodes.x, reach).touches(&segments[1].bounds(&nodes.x, 0.0))
+            !one.are_separated(&other, reach)
+                && segments[0]
+                    .bounds(&nodes.x, reach)
+                    .intersects(&segments[1].bounds(&nodes.x, 0.0))
         };
         self.near.clear();
         self.near.extend(self.found.iter().filter(is_near));
@@ -183,7 +185,7 @@ impl Facets {
 
     fn interface(&self, surface: &Surface, [slave, met]: [&Segment; 2]) -> Option<u16> {
         let of = |s: &Segment| std::iter::once(s.part);
-        surface.interfaces.between(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
+        surface.interfaces.for_pair(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
     }
 
     /// The interface in which two segments may meet as segments, the first one with the lower id;
@@ -191,7 +193,7 @@ impl Facets {
     fn may_meet(
         &self,
         surface: &Surface,
-        joined: Joined<'_>,
+        joined: ContactExclusions<'_>,
         [slave, met]: [&Segment; 2],
     ) -> Option<u16> {
         let is_free = slave.id.elem() != met.id.elem()
@@ -199,8 +201,8 @@ impl Facets {
             && !slave
                 .nodes
                 .iter()
-                .any(|&n| joined.are_one(n, &met.nodes) || met.behind.contains(&n))
-            && !met.nodes.iter().any(|&n| joined.are_one(n, &slave.nodes));
+                .any(|&n| joined.excludes(n, &met.nodes) || met.behind.contains(&n))
+            && !met.nodes.iter().any(|&n| joined.excludes(n, &slave.nodes));
         self.interface(surface, [slave, met]).filter(|_| is_free)
     }
 
@@ -210,7 +212,7 @@ impl Facets {
         &self,
         nodes: &Nodes,
         (surface, alive): (&Surface, &[bool]),
-        joined: Joined<'_>,
+        joined: ContactExclusions<'_>,
         pair: &Pair,
     ) -> bool {
         if !self.wanted[pair.interface as usize] {
@@ -253,28 +255,28 @@ impl Facets {
             let segments = places.map(|i| &surface.segments[i as usize]);
             let interface = self.interface(surface, segments).filter(|&i| alive[i as usize]);
             let Some(interface) = interface else { continue };
-            if let Some(visit) = self.visit(nodes, surface, interface, places) {
+            if let Some(visit) = self.evaluate_pair(nodes, surface, interface, places) {
                 visit.find_pairs(self, dt, out);
             }
         }
     }
 
     /// How two segments lie to each other; `None` if they cannot touch.
-    fn visit<'a>(
+    fn evaluate_pair<'a>(
         &self,
         nodes: &'a Nodes,
         surface: &'a Surface,
         interface: u16,
         places: [u32; 2],
-    ) -> Option<Visit<'a>> {
+    ) -> Option<FacetPairGeometry<'a>> {
         let segments = places.map(|i| &surface.segments[i as usize]);
         let [slave, met] = segments;
         let corners = segments.map(|s| s.corners(&nodes.x));
         let [one, other] = [0, 1].map(|i| Sphere::around(&corners[i]));
         let [ahead, behind] =
-            segments.map(|s| surface.interfaces.measure(interface, (s.half, s.scale)));
+            segments.map(|s| surface.interfaces.measure(interface, (s.half_thickness, s.scale)));
         let (thickness, scale) = (ahead.0 + behind.0, ahead.1 + behind.1);
-        if one.is_apart(&other, REACH * scale) {
+        if one.are_separated(&other, REACH * scale) {
             return None;
         }
         let (of_slave, of_met) = (slave.middle_normal(&nodes.x)?, met.middle_normal(&nodes.x)?);
@@ -296,7 +298,7 @@ impl Facets {
         let per_area = places.map(|i| self.stiffness.get(i as usize).copied().unwrap_or(0.0));
         let arm =
             if surface.interfaces.has_friction(interface) { [ahead.0, behind.0] } else { [0.0; 2] };
-        Some(Visit {
+        Some(FacetPairGeometry {
             nodes,
             surface,
             segments,
@@ -324,7 +326,7 @@ impl Facets {
         products.filter(|p| p.1.abs() > ALIKE).min_by_key(|p| p.0).map(|p| p.1)
     }
 
-    fn of_slave(&self, slave: SegmentId) -> &[Remembered] {
+    fn of_slave(&self, slave: SegmentId) -> &[FacetPairHistory] {
         let number = NodeId(slave.0);
         let from = self.memories.partition_point(|r| r.memory.name.slave < number);
         let to = self.memories.partition_point(|r| r.memory.name.slave <= number);
@@ -333,19 +335,19 @@ impl Facets {
 
     /// What is remembered of a pair of these segments with this normal, or of one beside it, which
     /// it follows on.
-    fn recall(
+    fn recall_history(
         &self,
-        name: &Name,
+        name: &PairKey,
         normal: &V3,
         surface: &Surface,
         [slave, met]: [&Segment; 2],
-    ) -> Option<Memory> {
-        let alike = |m: &Memory| m.normal.dot(normal) > ALIKE && is_of(m, surface, met);
+    ) -> Option<PairHistory> {
+        let alike = |m: &PairHistory| m.normal.dot(normal) > ALIKE && is_of(m, surface, met);
         let own = self.of_slave(slave.id).iter().map(|r| r.memory).filter(alike);
         // What is touched before what was lost, what is nearest, then by name.
-        let rank = |m: &Memory| {
+        let rank = |m: &PairHistory| {
             let other = m.name.slave_quarter() != name.slave_quarter();
-            (m.age > 0, m.name != *name, other, m.name.met[0] != name.met[0], m.age, m.name)
+            (m.age > 0, m.name != *name, other, m.name.target[0] != name.target[0], m.age, m.name)
         };
         let same = own.min_by_key(rank);
         same.or_else(|| {
@@ -356,30 +358,31 @@ impl Facets {
                 before != slave.id && alike(m) && surface.is_beside(before, slave)
             });
             // Others are not told where it sticks.
-            beside.min_by_key(|m| (m.age, m.name)).map(|m| Memory { slip: V3::zeros(), ..m })
+            beside.min_by_key(|m| (m.age, m.name)).map(|m| PairHistory { slip: V3::zeros(), ..m })
         })
     }
 
     /// Remembers the pairs of a step, all that are known here, and for some steps those that are
     /// lost.
-    pub fn remember<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
+    pub fn store_history<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         if !self.are_wanted() {
             return;
         }
         let before = std::mem::take(&mut self.memories);
         self.gathered = false;
-        self.memories.extend(pairs.filter(|p| p.name.is_segment()).map(|p| Remembered {
-            memory: p.memory(),
+        self.memories.extend(pairs.filter(|p| p.key.is_segment()).map(|p| FacetPairHistory {
+            memory: p.to_history(),
             nodes: [0, 1, 2, 3].map(|r: usize| p.nodes[r]),
-            own: p.own,
+            own: p.is_owned,
         }));
         let touched = self.memories.len();
         for r in before {
             let found =
                 self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
-            if let (Err(_), Some(memory)) = (found, r.memory.lost()) {
+            if let (Err(_), Some(memory)) = (found, r.memory.after_loss()) {
                 // What others have told has no side, and needs none.
-                self.memories.push(Remembered { memory: Memory { side: 0.0, ..memory }, ..r });
+                self.memories
+                    .push(FacetPairHistory { memory: PairHistory { side: 0.0, ..memory }, ..r });
             }
         }
         self.memories.sort_unstable_by_key(|r| r.memory.name);
@@ -388,14 +391,15 @@ impl Facets {
 
     fn index(&mut self) {
         self.by_met.clear();
-        self.by_met
-            .extend((0..).zip(&self.memories).map(|(i, r)| (SegmentId(r.memory.name.met[0]), i)));
+        self.by_met.extend(
+            (0..).zip(&self.memories).map(|(i, r)| (SegmentId(r.memory.name.target[0]), i)),
+        );
         self.by_met.sort_unstable();
     }
 
     /// What own segments remember, under each of their nodes; see
     /// [`Edges::memories`](super::edges::Edges::memories).
-    pub fn memories(&self) -> impl Iterator<Item = (u32, &Memory)> {
+    pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
@@ -410,7 +414,7 @@ fn place(surface: &Surface, id: SegmentId) -> Option<usize> {
 }
 
 /// Two segments that face each other.
-struct Visit<'a> {
+struct FacetPairGeometry<'a> {
     nodes: &'a Nodes,
     surface: &'a Surface,
     /// The slave, and what it meets.
@@ -432,8 +436,8 @@ struct Visit<'a> {
 
 /// Whether a pair that is remembered was with this segment, or with one that has a node in common
 /// with it.
-fn is_of(memory: &Memory, surface: &Surface, met: &Segment) -> bool {
-    let before = SegmentId(memory.name.met[0]);
+fn is_of(memory: &PairHistory, surface: &Surface, met: &Segment) -> bool {
+    let before = SegmentId(memory.name.target[0]);
     before == met.id || surface.is_beside(before, met)
 }
 
@@ -447,14 +451,15 @@ fn is_convex(segment: &Segment, normal: &V3, nodes: &Nodes) -> bool {
     segment.is_triangle() || (0..4).all(turns)
 }
 
-impl Visit<'_> {
+impl FacetPairGeometry<'_> {
     fn find_pairs(&self, facets: &Facets, dt: f64, out: &mut Vec<Pair>) {
         let [slave, met] = self.segments;
-        let plane = Plane::across(self.normal, self.corners[1].iter().sum::<V3>() * 0.25);
-        let laid =
-            [0, 1].map(|i| Laid::on(&plane, &self.corners[i], self.segments[i].is_triangle()));
+        let plane = Plane::perpendicular(self.normal, self.corners[1].iter().sum::<V3>() * 0.25);
+        let laid = [0, 1].map(|i| {
+            ProjectedSegment::on(&plane, &self.corners[i], self.segments[i].is_triangle())
+        });
         let [Some(above), Some(below)] = laid else { return };
-        let along = |n: &u32| V3::from(xyz(&self.nodes.next_v[*n as usize])).dot(&self.normal);
+        let along = |n: &u32| V3::from(xyz(&self.nodes.v_next[*n as usize])).dot(&self.normal);
         let least = slave.nodes.iter().map(along).fold(f64::INFINITY, f64::min);
         let closing =
             (met.nodes.iter().map(along).fold(f64::NEG_INFINITY, f64::max) - least).max(0.0);
@@ -463,7 +468,7 @@ impl Visit<'_> {
             .iter()
             .map(|&n| moved(self.nodes, met.nodes.into_iter(), n, dt, self.scale));
         let moved = moved.fold(0.0, f64::max);
-        above.over(&below, self.thickness, |quarters, overlap| {
+        above.gap_at(&below, self.thickness, |quarters, overlap| {
             if overlap.gap - dt * closing < ACTIVE * self.scale {
                 out.extend(self.pair(facets, quarters, &overlap, moved, dt));
             }
@@ -479,9 +484,9 @@ impl Visit<'_> {
         dt: f64,
     ) -> Option<Pair> {
         let [slave, met] = self.segments;
-        let name = Name::of_segments([slave.id, met.id], quarters);
+        let name = PairKey::of_segments([slave.id, met.id], quarters);
         let old = facets
-            .recall(&name, &self.normal, self.surface, self.segments)
+            .recall_history(&name, &self.normal, self.surface, self.segments)
             .filter(|m| m.is_fresh(moved, self.scale));
         let solid = slave.is_solid() || met.is_solid();
         let deepest = if old.is_none() && solid { BEHIND } else { REACH };
@@ -498,17 +503,17 @@ impl Visit<'_> {
             weight: shape,
             area: overlap.area,
             normal: self.normal,
-            arm: self.arm,
+            lever_arms: self.arm,
             side: self.side,
             interface: self.interface,
-            thickness: self.scale,
+            contact_thickness: self.scale,
             speed,
             stiffness: self.per_area[0].min(self.per_area[1]) * overlap.area,
-            first: (slave.part, slave.id) < (met.part, met.id),
-            own: true,
-            ..Pair::unknown(name, met.id, [i, j, k, l, p, q, r, s])
+            slave_surface_first: (slave.part, slave.id) < (met.part, met.id),
+            is_owned: true,
+            ..Pair::new(name, met.id, [i, j, k, l, p, q, r, s])
         };
         let tolerated = tolerated(old.as_ref(), overlap.gap, moved, dt, speed);
-        Some(pair.remembering(old.as_ref(), overlap.gap, tolerated))
+        Some(pair.with_history(old.as_ref(), overlap.gap, tolerated))
     }
 }

@@ -48,12 +48,12 @@ pub fn nearest_on_line(p: &V3, [from, to]: [&V3; 2]) -> Nearest {
     let length2 = along.norm_squared();
     let s = if length2 > 0.0 { ((p - from).dot(&along) / length2).clamp(0.0, 1.0) } else { 0.0 };
     let point = from * (1.0 - s) + to * s;
-    let normal = (p - point).try_normalize(0.0).unwrap_or_else(|| square_to(&along));
+    let normal = (p - point).try_normalize(0.0).unwrap_or_else(|| perpendicular_to(&along));
     Nearest { shape: [1.0 - s, s, 0.0, 0.0], point, normal, rim: true }
 }
 
 /// A unit vector square to another one.
-fn square_to(v: &V3) -> V3 {
+fn perpendicular_to(v: &V3) -> V3 {
     let least = (0..3).min_by(|&a, &b| v[a].abs().total_cmp(&v[b].abs())).unwrap_or(0);
     v.cross(&V3::ith(least, 1.0)).try_normalize(0.0).unwrap_or_else(V3::z)
 }
@@ -85,7 +85,7 @@ impl Sphere {
     }
 
     /// Whether another segment is farther than `reach` from this one for certain.
-    pub fn is_apart(&self, other: &Self, reach: f64) -> bool {
+    pub fn are_separated(&self, other: &Self, reach: f64) -> bool {
         self.is_farther(&other.centre, reach + other.radius)
     }
 
@@ -101,7 +101,7 @@ const PARALLEL: f64 = 0.03;
 
 /// The points of two edges that are nearest to each other, both between the ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Passing {
+pub struct EdgeProjection {
     /// The places of the points along either edge, above 0 and below 1.
     pub along: [f64; 2],
     /// Unit vector along the cross product of the edges.
@@ -112,7 +112,7 @@ pub struct Passing {
 
 /// Where edges `p` and `q`, by their ends, are nearest to each other. `None` if that is at an end,
 /// or if they are parallel.
-pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
+pub fn project_edges(p: &[V3; 2], q: &[V3; 2]) -> Option<EdgeProjection> {
     let (u, w, apart) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
     let cross = u.cross(&w);
     let size2 = cross.norm_squared();
@@ -122,12 +122,12 @@ pub fn passing(p: &[V3; 2], q: &[V3; 2]) -> Option<Passing> {
     let along = [apart.cross(&w), apart.cross(&u)].map(|a| a.dot(&cross) / size2);
     let between = along.iter().all(|&a| a > 0.0 && a < 1.0);
     let normal = cross / size2.sqrt();
-    between.then(|| Passing { along, normal, height: -apart.dot(&normal) })
+    between.then(|| EdgeProjection { along, normal, height: -apart.dot(&normal) })
 }
 
 /// Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection,
 /// 2005, 5.1.9).
-pub fn apart(p: &[V3; 2], q: &[V3; 2]) -> f64 {
+pub fn separation(p: &[V3; 2], q: &[V3; 2]) -> f64 {
     let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
     let (uu, ww, uw, fu, fw) = (u.dot(&u), w.dot(&w), u.dot(&w), from.dot(&u), from.dot(&w));
     let nearest = |num: f64, den: f64| if den > 0.0 { (num / den).clamp(0.0, 1.0) } else { 0.0 };
@@ -148,7 +148,7 @@ mod tests {
         let p = [V3::new(0.0, 0.1, 0.3), V3::new(2.0, -0.2, 0.5)];
         let q = [V3::new(0.8, -1.0, -0.4), V3::new(1.3, 1.5, 0.1)];
         let at = |e: &[V3; 2], a: f64| e[0] + (e[1] - e[0]) * a;
-        let found = passing(&p, &q).unwrap();
+        let found = project_edges(&p, &q).unwrap();
         let offset = at(&p, found.along[0]) - at(&q, found.along[1]);
         assert!(
             (offset - found.normal * found.height).norm() < 1e-15,
@@ -162,7 +162,7 @@ mod tests {
             "{} and {best} on a grid",
             offset.norm()
         );
-        let back = passing(&q, &p).unwrap();
+        let back = project_edges(&q, &p).unwrap();
         assert!(
             (back.height - found.height).abs() < 1e-15
                 && (back.normal + found.normal).norm() < 1e-15
@@ -179,7 +179,7 @@ mod tests {
         ) {
             let [p, q, r, s] = ends.map(V3::from);
             let (one, other) = ([p, q], [r, if parallel { r + (q - p) * 0.7 } else { s }]);
-            let found = apart(&one, &other).sqrt();
+            let found = separation(&one, &other).sqrt();
             let at = |e: &[V3; 2], a: usize| e[0] + (e[1] - e[0]) * (a as f64 / 100.0);
             let of = |(a, b): (usize, usize)| (at(&one, a) - at(&other, b)).norm();
             let best = (0..=100).flat_map(|a| (0..=100).map(move |b| (a, b))).map(of).fold(f64::INFINITY, f64::min);
@@ -193,16 +193,16 @@ mod tests {
         let p = [V3::zeros(), V3::x()];
         let over = |x: f64, y: f64| [V3::new(x, y, 1.0), V3::new(x, y + 2.0, 1.0)];
         assert!(
-            (passing(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15,
+            (project_edges(&p, &over(0.3, -0.5)).unwrap().height + 1.0).abs() < 1e-15,
             "along x cross y, it is below"
         );
-        assert!(passing(&p, &over(1.1, -0.5)).is_none(), "beside the end of the first");
-        assert!(passing(&p, &over(0.3, 0.1)).is_none(), "before the start of the second");
+        assert!(project_edges(&p, &over(1.1, -0.5)).is_none(), "beside the end of the first");
+        assert!(project_edges(&p, &over(0.3, 0.1)).is_none(), "before the start of the second");
         assert!(
-            passing(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(),
+            project_edges(&p, &[V3::z(), V3::new(1.0, 0.02, 1.0)]).is_none(),
             "parallel, but for a fiftieth"
         );
-        assert!(passing(&p, &[V3::z(), V3::z()]).is_none(), "no length");
+        assert!(project_edges(&p, &[V3::z(), V3::z()]).is_none(), "no length");
     }
 
     /// A point of a quad by its place.
@@ -335,8 +335,8 @@ mod tests {
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
             let Some(near) = nearest(&then, &later, triangle) else { return Ok(()) };
-            let beside = |at: V3, q: &[V3; 4], skin| kernels::is_beside(at.into(), &q.map(Into::into), skin);
-            let is_apart = kernels::is_apart(at.into(), &q.map(Into::into), reach + skin);
+            let beside = |at: V3, q: &[V3; 4], skin| kernels::projects_outside(at.into(), &q.map(Into::into), skin);
+            let is_apart = kernels::are_separated(at.into(), &q.map(Into::into), reach + skin);
             if Sphere::around(&q).is_farther(&at, reach + skin) || is_apart {
                 prop_assert!((then - near.point).norm() > reach);
             }

@@ -31,7 +31,7 @@ const ROUND_OFF: f64 = 1e-6;
 
 /// What the contact surface of a mesh shows before the start.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Initial {
+pub struct InitialPenetrations {
     /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face
     /// of a solid that it is in. The run tolerates what it sees until the gap opens by itself.
     pub penetrations: Vec<Penetration>,
@@ -42,13 +42,17 @@ pub struct Initial {
 }
 
 /// Looks at the surface of a mesh (records sorted by id).
-pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRecord]) -> Initial {
+pub fn initial(
+    settings: &Settings,
+    elements: &[ElementRecord],
+    nodes: &[NodeRecord],
+) -> InitialPenetrations {
     if settings.contact.is_none() {
-        return Initial::default();
+        return InitialPenetrations::default();
     }
     let (nodes, mut surface) = whole_surface(settings, elements, nodes);
     surface.collect_slaves(&nodes);
-    surface.link_faces(nodes.held);
+    surface.link_faces(nodes.local_count);
     let tied: HashSet<(NodeId, NodeId)> = settings
         .ties
         .iter()
@@ -66,7 +70,7 @@ pub fn initial(settings: &Settings, elements: &[ElementRecord], nodes: &[NodeRec
         a.node.cmp(&b.node).then(b.depth.total_cmp(&a.depth)).then(a.elem.cmp(&b.elem))
     });
     found.dedup_by_key(|p| p.node);
-    Initial { penetrations: found, thinned: thinned(settings, elements, &surface) }
+    InitialPenetrations { penetrations: found, thinned: thinned(settings, elements, &surface) }
 }
 
 fn in_shells(
@@ -118,7 +122,7 @@ fn in_solids(
 ) -> Vec<Penetration> {
     let faces: Vec<&Segment> = surface.segments.iter().filter(|s| s.is_solid()).collect();
     let with_faces: HashSet<u32> = faces.iter().map(|s| s.part).collect();
-    let number = |n: NodeId| nodes.held_number(n).expect("an element's nodes are in the mesh");
+    let number = |n: NodeId| nodes.local_index(n).expect("an element's nodes are in the mesh");
     let solids: Vec<[u32; 8]> = elements
         .iter()
         .filter(|e| e.shape == Shape::Hex8 && with_faces.contains(&e.part))
@@ -231,12 +235,12 @@ fn thinned(
     elements: &[ElementRecord],
     surface: &Surface,
 ) -> Option<(usize, f64)> {
-    let parts = ContactParts::of(settings);
+    let parts = ContactParts::from_settings(settings);
     let given: HashMap<ElemId, f64> =
-        elements.iter().filter_map(|e| Some((e.id, parts.half(e)?))).collect();
+        elements.iter().filter_map(|e| Some((e.id, parts.half_thickness(e)?))).collect();
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
     let shares = shells
-        .map(|s| s.half / given.get(&s.id.elem()).copied().unwrap_or(s.half))
+        .map(|s| s.half_thickness / given.get(&s.id.elem()).copied().unwrap_or(s.half_thickness))
         .filter(|&share| share < 1.0);
     shares.fold(None, |sum, share| {
         Some(sum.map_or((1, share), |(count, least): (usize, f64)| (count + 1, least.min(share))))
@@ -252,10 +256,10 @@ fn whole_surface(
     let nodes = Nodes::new(nodes, 0, false);
     let local = |e: &ElementRecord| {
         let numbers =
-            e.nodes.map(|n| nodes.held_number(n).expect("an element's nodes are in the mesh"));
+            e.nodes.map(|n| nodes.local_index(n).expect("an element's nodes are in the mesh"));
         LocalElement { record: *e, nodes: numbers, shared: false }
     };
     let elements: Vec<LocalElement> = elements.iter().map(local).collect();
-    let surface = Surface::of(&elements, &nodes, &ContactParts::of(settings));
+    let surface = Surface::new(&elements, &nodes, &ContactParts::from_settings(settings));
     (nodes, surface)
 }

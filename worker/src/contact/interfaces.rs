@@ -12,7 +12,7 @@ const NONE: u16 = u16::MAX;
 /// The interfaces of a job. The first one is `[contact]` itself.
 #[derive(Clone, Debug)]
 pub struct Interfaces {
-    numbers: Vec<Numbers>,
+    numbers: Vec<InterfaceSettings>,
     /// Interface of each two parts, row by row, by their indices; empty if there is one interface,
     /// and all parts of the surface are in it.
     table: Vec<u16>,
@@ -28,7 +28,7 @@ pub struct Interfaces {
 
 /// What an interface says of a pair, apart from its law.
 #[derive(Clone, Copy, Debug)]
-struct Numbers {
+struct InterfaceSettings {
     /// Half thickness of shells in place of their own [length].
     half: Option<f64>,
     /// Factor of the thickness of shells.
@@ -45,7 +45,7 @@ struct Numbers {
 
 impl Default for Interfaces {
     fn default() -> Self {
-        Self::of(&Contact::default(), &[])
+        Self::new(&Contact::default(), &[])
     }
 }
 
@@ -57,13 +57,13 @@ impl Interfaces {
     }
 
     /// Of a job's contact, with the ids of its parts by their indices, none of them of beams.
-    pub fn of(contact: &Contact, parts: &[u32]) -> Self {
+    pub fn new(contact: &Contact, parts: &[u32]) -> Self {
         Self::with(contact, parts, |_| false)
     }
 
     fn with(contact: &Contact, parts: &[u32], is_beam: impl Fn(usize) -> bool) -> Self {
         let all: Vec<Contact> = contact.each().collect();
-        let numbers: Vec<Numbers> = all.iter().map(Numbers::of).collect();
+        let numbers: Vec<InterfaceSettings> = all.iter().map(InterfaceSettings::new).collect();
         let mut table = Vec::new();
         if !contact.interface.is_empty() || !contact.against.is_empty() {
             table = vec![NONE; parts.len() * parts.len()];
@@ -79,9 +79,9 @@ impl Interfaces {
                 }
             }
         }
-        let (own, given): (Vec<&Numbers>, Vec<&Numbers>) =
+        let (own, given): (Vec<&InterfaceSettings>, Vec<&InterfaceSettings>) =
             numbers.iter().partition(|n| n.half.is_none());
-        let range = |of: &[&Numbers], start: (f64, f64)| {
+        let range = |of: &[&InterfaceSettings], start: (f64, f64)| {
             let sizes = of.iter().map(|n| n.half.unwrap_or(1.0) * n.factor);
             sizes.fold(start, |(low, high), s| (low.min(s), high.max(s)))
         };
@@ -103,7 +103,7 @@ impl Interfaces {
 
     /// Interface of what belongs to any of `ahead` with what belongs to any of `behind`, by the
     /// parts' indices; `None` if they do not touch.
-    pub fn between(
+    pub fn for_pair(
         &self,
         ahead: impl Iterator<Item = u32>,
         behind: impl Iterator<Item = u32> + Clone,
@@ -185,8 +185,8 @@ impl Interfaces {
     }
 }
 
-impl Numbers {
-    fn of(contact: &Contact) -> Self {
+impl InterfaceSettings {
+    fn new(contact: &Contact) -> Self {
         Self {
             half: contact.thickness.map(|t| 0.5 * t),
             factor: contact.thickness_scale,
@@ -217,7 +217,7 @@ mod tests {
     }
 
     fn between(i: &Interfaces, a: u32, b: u32) -> Option<u16> {
-        i.between([a].into_iter(), [b].into_iter())
+        i.for_pair([a].into_iter(), [b].into_iter())
     }
 
     #[test]
@@ -229,31 +229,31 @@ mod tests {
             law: Some("none".into()),
             ..Interface::default()
         };
-        let only = Interfaces::of(&contact("none", vec![pair.clone()]), &PARTS);
+        let only = Interfaces::new(&contact("none", vec![pair.clone()]), &PARTS);
         assert_eq!([between(&only, 0, 1), between(&only, 1, 0)], [Some(1), Some(1)], "either way");
         assert_eq!([between(&only, 0, 0), between(&only, 1, 1), between(&only, 2, 0)], [None; 3]);
         assert_eq!([0, 1, 2].map(|p| only.takes_part(p)), [true, true, false]);
-        let later = Interfaces::of(&contact("lagrange", vec![off.clone(), pair.clone()]), &PARTS);
+        let later = Interfaces::new(&contact("lagrange", vec![off.clone(), pair.clone()]), &PARTS);
         assert_eq!(
             [between(&later, 0, 1), between(&later, 0, 2), between(&later, 0, 0)],
             [Some(2), None, Some(0)]
         );
-        let earlier = Interfaces::of(&contact("lagrange", vec![pair, off]), &PARTS);
+        let earlier = Interfaces::new(&contact("lagrange", vec![pair, off]), &PARTS);
         assert_eq!([between(&earlier, 0, 1), between(&earlier, 1, 2)], [None, Some(0)]);
-        let of_two = earlier.between([0, 1].into_iter(), [2].into_iter());
+        let of_two = earlier.for_pair([0, 1].into_iter(), [2].into_iter());
         assert_eq!(of_two, Some(0), "a node of two parts touches by the one that does");
     }
 
     #[test]
     fn parts_without_against_meet_each_other_and_themselves_but_for_what_is_excluded() {
         let own = Interface { parts: vec![1, 2], exclude: vec![2], ..Interface::default() };
-        let i = Interfaces::of(&contact("none", vec![own]), &PARTS);
+        let i = Interfaces::new(&contact("none", vec![own]), &PARTS);
         assert_eq!(
             [between(&i, 0, 0), between(&i, 0, 1), between(&i, 1, 1)],
             [Some(1), None, None]
         );
         let all = Interface { friction: Some(0.5), ..Interface::default() };
-        let i = Interfaces::of(&contact("none", vec![all]), &PARTS);
+        let i = Interfaces::new(&contact("none", vec![all]), &PARTS);
         assert_eq!([between(&i, 0, 0), between(&i, 0, 2)], [Some(1); 2]);
     }
 
@@ -288,7 +288,7 @@ mod tests {
     fn thickness_is_given_or_scaled() {
         let thick = Interface { thickness: Some(8.0), ..Interface::default() };
         let scaled = Interface { thickness_scale: Some(0.5), ..Interface::default() };
-        let i = Interfaces::of(&contact("lagrange", vec![thick, scaled]), &PARTS);
+        let i = Interfaces::new(&contact("lagrange", vec![thick, scaled]), &PARTS);
         assert_eq!(i.measure(0, (0.5, 0.5)), (0.5, 0.5));
         assert_eq!(i.measure(1, (0.5, 0.5)), (4.0, 4.0));
         assert_eq!(i.measure(2, (0.5, 0.5)), (0.25, 0.25));
@@ -305,13 +305,13 @@ mod tests {
             friction_decay: 2.0,
             ..Contact::default()
         };
-        let i = Interfaces::of(&job, &PARTS);
+        let i = Interfaces::new(&job, &PARTS);
         assert_eq!(i.friction(0, || 0.0), 0.4);
         let expected = 0.1 + 0.3 * (-3.0f64).exp();
         assert!((i.friction(0, || 1.5) - expected).abs() < 1e-15);
         let job = Contact { friction_decay: 0.0, ..job };
         assert_eq!(
-            Interfaces::of(&job, &PARTS).friction(0, || 1e9),
+            Interfaces::new(&job, &PARTS).friction(0, || 1e9),
             0.4,
             "without decay it is the static one"
         );
@@ -319,8 +319,10 @@ mod tests {
 
     #[test]
     fn an_interface_is_there_from_its_birth_to_its_death() {
-        let i =
-            Interfaces::of(&Contact { birth: 1.0, death: Some(2.0), ..Contact::default() }, &PARTS);
+        let i = Interfaces::new(
+            &Contact { birth: 1.0, death: Some(2.0), ..Contact::default() },
+            &PARTS,
+        );
         assert_eq!([0.5, 1.0, 1.5, 2.0].map(|t| i.is_alive(0, t)), [false, true, true, false]);
     }
 }

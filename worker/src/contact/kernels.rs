@@ -332,7 +332,7 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
 /// Whether points are farther than `reach` from segments for certain, told by the direction from
 /// about the nearest point.
 #[inline(always)]
-pub fn is_apart<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
+pub fn are_separated<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
     // The nearest point of the parallelogram through the middles of the edges. Any direction tells;
     // none, or one that is no number, tells nothing, and the point is not apart.
     let quarter = R::splat(0.25);
@@ -352,7 +352,7 @@ pub fn is_apart<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask
 /// and will until the two move by more than `skin` against each other: the point is beyond an edge,
 /// seen in the mean plane. Segments without area have no such.
 #[inline(always)]
-pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Mask {
+pub fn projects_outside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Mask {
     let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
     let cross = d1.cross(d2);
     let (size, skin) = (cross.norm(), R::splat(skin));
@@ -378,7 +378,7 @@ pub fn is_beside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Ma
 }
 
 /// What [`is_within`] asks of points and segments.
-pub struct Slab<R> {
+pub struct PlaneBound<R> {
     /// Distances by which the point is outside of the box around the corners along the axes;
     /// negative within [length].
     beyond: R,
@@ -391,7 +391,7 @@ pub struct Slab<R> {
 
 /// A cheap look at how far points are from segments at least.
 #[inline(always)]
-pub fn slab<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> Slab<R> {
+pub fn plane_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> PlaneBound<R> {
     let [a, b, c, d] = *q;
     let mut beyond = R::splat(f64::NEG_INFINITY);
     for i in 0..3 {
@@ -409,12 +409,12 @@ pub fn slab<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> Slab<R> {
         (low, high) = (low.min(off(p)), high.max(off(p)));
     }
     let here = off(at);
-    Slab { beyond, off: (low - here).max(here - high), size: normal.norm() }
+    PlaneBound { beyond, off: (low - here).max(here - high), size: normal.norm() }
 }
 
 /// Whether the point may be within `limit` of the segment [length].
 #[inline(always)]
-pub fn is_within<R: Real>(slab: &Slab<R>, limit: R) -> R::Mask {
+pub fn is_within<R: Real>(slab: &PlaneBound<R>, limit: R) -> R::Mask {
     R::both(slab.beyond.le(limit), slab.off.le(limit * slab.size))
 }
 
@@ -456,15 +456,15 @@ mod tests {
             let wide: [Vector<Lane>; 4] = std::array::from_fn(|k| side_by_side(q.map(|q| q[k])));
             let three = Lane::new(triangle.map(|t| if t { 1.0 } else { 0.0 })).gt(Lane::splat(0.5));
             let all = project(side_by_side(at), &wide, three);
-            let beside = is_beside(side_by_side(at), &wide, skin);
-            let within = is_within(&slab(side_by_side(at), &wide), Lane::splat(limit));
-            let apart = is_apart(side_by_side(at), &wide, Lane::splat(limit));
+            let beside = projects_outside(side_by_side(at), &wide, skin);
+            let within = is_within(&plane_bound(side_by_side(at), &wide), Lane::splat(limit));
+            let apart = are_separated(side_by_side(at), &wide, Lane::splat(limit));
             for lane in 0..LANES {
                 let one = project(at[lane], &q[lane], triangle[lane]);
                 prop_assert_eq!(is_in::<Lane>(all.found, lane), one.found);
-                prop_assert_eq!(is_in::<Lane>(beside, lane), is_beside(at[lane], &q[lane], skin));
-                prop_assert_eq!(is_in::<Lane>(apart, lane), is_apart(at[lane], &q[lane], limit));
-                prop_assert_eq!(is_in::<Lane>(within, lane), is_within(&slab(at[lane], &q[lane]), limit));
+                prop_assert_eq!(is_in::<Lane>(beside, lane), projects_outside(at[lane], &q[lane], skin));
+                prop_assert_eq!(is_in::<Lane>(apart, lane), are_separated(at[lane], &q[lane], limit));
+                prop_assert_eq!(is_in::<Lane>(within, lane), is_within(&plane_bound(at[lane], &q[lane]), limit));
                 if one.found {
                     prop_assert_eq!(is_in::<Lane>(all.rim, lane), one.rim);
                     let numbers = |shape: [f64; 4], point: [f64; 3], normal: [f64; 3]| {

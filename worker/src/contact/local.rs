@@ -12,8 +12,8 @@
 //! does not meet the nodes of that one's top with its side faces, at whose lower rims they pass.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
-use crate::contact::meet::Meeting;
-use crate::contact::pairs::{Memory, Name, Pair, by_role};
+use crate::contact::meet::ProjectedPair;
+use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
@@ -54,7 +54,8 @@ pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64
     const TURNED: f64 = 1.25;
     let most = |sum| surface.interfaces.most(sum);
     let scale = most(surface.node_scale[slave as usize] + segment.scale);
-    let before = most(surface.node_half[slave as usize] + segment.half) + ACTIVE * scale + step;
+    let before =
+        most(surface.node_half[slave as usize] + segment.half_thickness) + ACTIVE * scale + step;
     let near = match segment.is_solid() {
         true => TURNED * (before.max(BEHIND * scale) + BESIDE * scale + step),
         false => before,
@@ -69,12 +70,12 @@ pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
 
 /// Whether a segment is not new to a slave with these memories. What it remembers goes over to
 /// faces of solids beside.
-pub fn is_known(segment: &Segment, memory: &[Memory]) -> bool {
+pub fn has_history(segment: &Segment, memory: &[PairHistory]) -> bool {
     if segment.is_solid() { !memory.is_empty() } else { memory.iter().any(|m| m.is_of(segment.id)) }
 }
 
 /// A pair as the local search sees it, before selection.
-struct Find {
+struct PairCandidate {
     pair: Pair,
     /// When within the step the gap closes, 0 for existing contact.
     impact: f64,
@@ -101,17 +102,18 @@ pub fn find_pairs(
     nodes: &Nodes,
     (surface, alive): (&Surface, &[bool]),
     place: usize,
-    meetings: &[Meeting],
-    memory: &[Memory],
+    meetings: &[ProjectedPair],
+    memory: &[PairHistory],
     dt: f64,
     out: &mut Vec<Pair>,
 ) {
     let opposed = |normal: &V3| is_opposed(nodes, surface, place, normal);
-    let found = |m: &Meeting| {
-        let visit = Visit::new(surface, place, m, dt).filter(|v| alive[v.interface as usize])?;
-        look(nodes, surface, &visit, memory, opposed)
+    let found = |m: &ProjectedPair| {
+        let visit =
+            PairGeometry::new(surface, place, m, dt).filter(|v| alive[v.interface as usize])?;
+        evaluate_pair(nodes, surface, &visit, memory, opposed)
     };
-    let mut finds: Vec<Find> = meetings.iter().filter_map(found).collect();
+    let mut finds: Vec<PairCandidate> = meetings.iter().filter_map(found).collect();
     // Existing contact first, nearest first; then by time of impact, the most opposed first; ids
     // break ties.
     finds.sort_by(|a, b| {
@@ -125,11 +127,11 @@ pub fn find_pairs(
         // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off
         // this segment; on a concave one it does not.
         let f = &finds[i];
-        let covered = |a: &Find| {
+        let covered = |a: &PairCandidate| {
             // A beam may stand out of the shell that it lies on.
             let stands_out = if f.is_line || a.is_line { f.thickness - a.thickness } else { 0.0 };
             f.offset.dot(&a.pair.normal)
-                >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.thickness
+                >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.contact_thickness
         };
         if accepted < MOST && !finds[..accepted].iter().any(covered) {
             finds.swap(accepted, i);
@@ -142,7 +144,7 @@ pub fn find_pairs(
 }
 
 /// A meeting, and what is known of its node and segment.
-struct Visit<'a> {
+struct PairGeometry<'a> {
     segment: &'a Segment,
     slave: u32,
     /// Its place among the surface's slaves.
@@ -165,21 +167,26 @@ struct Visit<'a> {
     near: &'a Nearest,
 }
 
-impl<'a> Visit<'a> {
+impl<'a> PairGeometry<'a> {
     /// `None` if the two do not touch.
-    fn new(surface: &'a Surface, place: usize, meeting: &'a Meeting, dt: f64) -> Option<Self> {
-        let Meeting { of, step, near } = meeting;
+    fn new(
+        surface: &'a Surface,
+        place: usize,
+        meeting: &'a ProjectedPair,
+        dt: f64,
+    ) -> Option<Self> {
+        let ProjectedPair { of, step, near } = meeting;
         let (slave, segment) = (surface.slaves[place], &surface.segments[of.segment as usize]);
         let interface = surface.interface(place, segment)?;
         let (thickness, scale) = surface.sizes(interface, slave, segment);
-        let around = surface.first(place);
+        let around = surface.precedes(place);
         let (first, speed) =
             (around < (segment.part, segment.id), surface.slower(around.0, segment.part));
         Some(Self {
             segment,
             slave,
             place,
-            ring: of.ring,
+            ring: of.shared_node_mask,
             interface,
             thickness,
             scale,
@@ -209,7 +216,7 @@ pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal:
 
 /// Where a node is against a segment: the direction in which it is to be kept off, and its distance
 /// along it.
-struct Place {
+struct ContactFrame {
     normal: V3,
     /// Side of the node along the segment's own normal.
     side: f64,
@@ -220,12 +227,12 @@ struct Place {
 /// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node
 /// passes from one segment to the next or slides off. Deep inside, the side that is remembered of
 /// this segment decides, or of the next `beside`.
-fn beside_shell(
-    visit: &Visit<'_>,
+fn shell_frame(
+    visit: &PairGeometry<'_>,
     offset: &V3,
     known: Option<f64>,
     beside: impl Fn() -> Option<f64>,
-) -> Place {
+) -> ContactFrame {
     let near = visit.near;
     let (distance, height) = (offset.norm(), offset.dot(&near.normal));
     let here = if height < 0.0 { -1.0 } else { 1.0 };
@@ -233,32 +240,37 @@ fn beside_shell(
     let deep = height * side < 0.0 || distance < 0.05 * visit.thickness;
     let (normal, reached) =
         if deep { (near.normal * side, height * side) } else { (offset / distance, distance) };
-    Place { normal, side, reached }
+    ContactFrame { normal, side, reached }
 }
 
 /// All around a line the normal turns with the node. One that was on the other side, by the normal
 /// that is remembered, and has come through is still kept on that side.
-fn around_line(visit: &Visit<'_>, offset: &V3, known: Option<V3>) -> Place {
+fn line_frame(visit: &PairGeometry<'_>, offset: &V3, known: Option<V3>) -> ContactFrame {
     let near = visit.near;
     let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
-    Place { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
+    ContactFrame { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
 }
 
 /// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face:
 /// it belongs to the same element, is deeper inside than it could have come, or is not over the
 /// face when the step ends.
-fn before_solid(nodes: &Nodes, visit: &Visit<'_>, at: &V3, old: bool) -> Option<Place> {
-    let Visit { segment, slave, scale, dt, near, .. } = visit;
+fn solid_frame(
+    nodes: &Nodes,
+    visit: &PairGeometry<'_>,
+    at: &V3,
+    old: bool,
+) -> Option<ContactFrame> {
+    let PairGeometry { segment, slave, scale, dt, near, .. } = visit;
     let height = (at - near.point).dot(&near.normal);
     if segment.behind.contains(slave) || !old && height < -BEHIND * scale {
         return None;
     }
-    let later = |n: u32| v3(&nodes.x[n as usize]) + v3(&nodes.next_v[n as usize]) * *dt;
+    let later = |n: u32| v3(&nodes.x[n as usize]) + v3(&nodes.v_next[n as usize]) * *dt;
     let then = later(*slave);
     let met = nearest(&then, &segment.nodes.map(later), segment.is_triangle())?;
     let offset = then - met.point;
     let beside = (offset - met.normal * offset.dot(&met.normal)).norm();
-    (!met.rim || beside <= BESIDE * scale).then_some(Place {
+    (!met.rim || beside <= BESIDE * scale).then_some(ContactFrame {
         normal: near.normal,
         side: 1.0,
         reached: height,
@@ -269,7 +281,7 @@ fn before_solid(nodes: &Nodes, visit: &Visit<'_>, at: &V3, old: bool) -> Option<
 /// the slave stands above the shell's inside. The shell's rim is that of the slave's segments too,
 /// or of what comes next; were it met, a mesh finer than its thickness would touch itself in its
 /// plane and at every corner.
-fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
+fn has_folded_over(nodes: &Nodes, visit: &PairGeometry<'_>, offset: &V3) -> bool {
     let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
     let mean = |of: &[usize]| {
         of.iter().map(|&k| v3(&nodes.x[visit.segment.nodes[k] as usize])).sum::<V3>()
@@ -292,7 +304,13 @@ fn has_folded_over(nodes: &Nodes, visit: &Visit<'_>, offset: &V3) -> bool {
 /// far, at most by `moved` [length]: its normal has turned, or it follows on that of another
 /// segment or edge. A force against that would come from nothing, and make energy. The step `dt`
 /// and the wave speed of what touches say how much is given back.
-pub(super) fn tolerated(old: Option<&Memory>, gap: f64, moved: f64, dt: f64, speed: f64) -> f64 {
+pub(super) fn tolerated(
+    old: Option<&PairHistory>,
+    gap: f64,
+    moved: f64,
+    dt: f64,
+    speed: f64,
+) -> f64 {
     let Some(old) = old else { return gap.min(0.0) };
     let jump = (gap + old.depth + moved).min(0.0);
     ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
@@ -321,10 +339,10 @@ pub(super) fn moved(
 /// about its normal meets next to no stiffness: where friction acts on the rim of one, the other
 /// side bears the couple. So each half thickness counts by the square of the cosine between the
 /// pair's normal and the shell's.
-fn levers(nodes: &Nodes, surface: &Surface, visit: &Visit<'_>, normal: &V3) -> [f64; 2] {
+fn levers(nodes: &Nodes, surface: &Surface, visit: &PairGeometry<'_>, normal: &V3) -> [f64; 2] {
     /// Both surfaces are met at their rims where neither square is above this.
     const RIM: f64 = 1e-6;
-    let Visit { segment, slave, interface, near, .. } = *visit;
+    let PairGeometry { segment, slave, interface, near, .. } = *visit;
     if !surface.interfaces.has_friction(interface) {
         return [0.0; 2];
     }
@@ -342,14 +360,14 @@ fn levers(nodes: &Nodes, surface: &Surface, visit: &Visit<'_>, normal: &V3) -> [
     [halves[0] * ahead, halves[1] * behind]
 }
 
-fn look(
+fn evaluate_pair(
     nodes: &Nodes,
     surface: &Surface,
-    visit: &Visit<'_>,
-    memory: &[Memory],
+    visit: &PairGeometry<'_>,
+    memory: &[PairHistory],
     opposed: impl Fn(&V3) -> bool,
-) -> Option<Find> {
-    let Visit { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
+) -> Option<PairCandidate> {
+    let PairGeometry { segment, slave, thickness, scale, speed, dt, step, near, .. } = *visit;
     let at = v3(&nodes.x[slave as usize]);
     let offset = at - near.point;
     if offset.norm() > REACH * scale {
@@ -359,11 +377,11 @@ fn look(
         return None;
     }
     let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
-    let is_fresh = |m: &&Memory| m.age == 0 || m.is_fresh(moved(), scale);
+    let is_fresh = |m: &&PairHistory| m.age == 0 || m.is_fresh(moved(), scale);
     let known = memory.iter().find(|m| m.is_of(segment.id)).filter(is_fresh);
     // A node that slid over an edge keeps what it had on the neighbouring segment; another body's
     // that faces the same way is none of it.
-    let slid_here = |m: &&Memory, normal: &V3| {
+    let slid_here = |m: &&PairHistory, normal: &V3| {
         m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment)
     };
     // What was there in the last step comes before what was lost earlier, whichever segment it was
@@ -375,34 +393,30 @@ fn look(
         };
         present.or_else(|| slid(false)).or(known).or_else(|| slid(true))
     };
-    let Place { normal, side, reached } = if segment.is_solid() {
+    let ContactFrame { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
         // However the face is warped and turns: the list of near candidates goes no farther.
         if is_new && offset.norm() > reach(surface, slave, segment, step) {
             return None;
         }
-        before_solid(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
+        solid_frame(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
         // A node that is past the middle of one segment has not come to the other side of the next.
-        let past = |m: &&Memory| {
+        let past = |m: &&PairHistory| {
             m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment)
         };
         if surface.has_lines && segment.is_line() {
-            around_line(
-                visit,
-                &offset,
-                known.or_else(|| memory.iter().find(past)).map(|m| m.normal),
-            )
+            line_frame(visit, &offset, known.or_else(|| memory.iter().find(past)).map(|m| m.normal))
         } else {
-            let turned = |m: &Memory| {
+            let turned = |m: &PairHistory| {
                 Some(m.normal.dot(&near.normal)).filter(|d| d.abs() > 0.7).map(f64::signum)
             };
             let on_side = || memory.iter().filter(past).find_map(turned);
-            beside_shell(visit, &offset, known.map(|m| m.side), on_side)
+            shell_frame(visit, &offset, known.map(|m| m.side), on_side)
         }
     };
     let gap = reached - thickness;
-    let velocity = |n: u32| v3(&nodes.next_v[n as usize]);
+    let velocity = |n: u32| v3(&nodes.v_next[n as usize]);
     let point_velocity: V3 =
         segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
@@ -422,28 +436,28 @@ fn look(
         (gap / (gap - predicted).max(f64::MIN_POSITIVE)).min(1.0)
     };
     let [a, b, c, d] = near.shape;
-    let shape = by_role([1.0, a, b, c, d]);
+    let shape = padded([1.0, a, b, c, d]);
     let [i, j, k, l] = segment.nodes;
     let pair = Pair {
         shape,
         weight: shape,
         normal,
-        arm: levers(nodes, surface, visit, &normal),
+        lever_arms: levers(nodes, surface, visit, &normal),
         side,
         interface: visit.interface,
-        thickness: scale,
+        contact_thickness: scale,
         speed,
-        first: visit.first,
-        own: true,
-        ..Pair::unknown(
-            Name::of_node(nodes.id[slave as usize], segment.id),
+        slave_surface_first: visit.first,
+        is_owned: true,
+        ..Pair::new(
+            PairKey::of_node(nodes.id[slave as usize], segment.id),
             segment.id,
             [slave, i, j, k, l],
         )
     };
     let is_line = surface.has_lines && segment.is_line();
-    Some(Find {
-        pair: pair.remembering(old, gap, tolerated),
+    Some(PairCandidate {
+        pair: pair.with_history(old, gap, tolerated),
         impact,
         opening,
         offset,
@@ -456,9 +470,9 @@ fn look(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::close::Picker;
+    use crate::contact::close::CandidateFilter;
     use crate::contact::geometry::Sphere;
-    use crate::contact::neighbours::Neighbours;
+    use crate::contact::neighbours::CandidatePair;
     use crate::contact::surface::NOT_LOCAL;
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
@@ -466,9 +480,10 @@ mod tests {
 
     #[test]
     fn a_depth_that_no_motion_explains_is_let_be() {
-        let pair = Pair::unknown(Name::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
-        let memory = pair.remembering(None, -0.25, 0.0).memory();
-        let tolerated = |old: Option<&Memory>, gap, moved| tolerated(old, gap, moved, 1e-3, 2.0);
+        let pair = Pair::new(PairKey::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
+        let memory = pair.with_history(None, -0.25, 0.0).to_history();
+        let tolerated =
+            |old: Option<&PairHistory>, gap, moved| tolerated(old, gap, moved, 1e-3, 2.0);
         assert_eq!(tolerated(None, -0.5, 0.125), -0.5, "a pair that begins inside");
         assert_eq!(tolerated(Some(&memory), -0.375, 0.125), 0.0, "it has moved that far");
         assert_eq!(tolerated(Some(&memory), -0.5, 0.125), -0.125, "and no farther");
@@ -477,9 +492,9 @@ mod tests {
 
     #[test]
     fn what_is_let_be_is_given_back_at_a_speed_whatever_the_step() {
-        let pair = Pair::unknown(Name::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
+        let pair = Pair::new(PairKey::of_node(NodeId(1), SegmentId(2)), SegmentId(2), [0; 5]);
         let (speed, depth) = (2.0, 0.25);
-        let mut memory = pair.remembering(None, -depth, -depth).memory();
+        let mut memory = pair.with_history(None, -depth, -depth).to_history();
         for dt in [1e-3, 1e-5] {
             let before = memory.tolerated;
             for _ in 0..1000 {
@@ -507,7 +522,7 @@ mod tests {
             id: SegmentId(8),
             nodes: [0, 1, 2, 3],
             behind: [NOT_LOCAL; 4],
-            half: 0.0,
+            half_thickness: 0.0,
             scale: SCALE,
             part: 0,
             own: true,
@@ -529,7 +544,7 @@ mod tests {
 
     /// A node 0.05 deep in the second of two shells side by side, with what it remembers of them:
     /// force and what was let be.
-    fn on_the_second_of_two(memory: &[Memory]) -> (f64, f64) {
+    fn on_the_second_of_two(memory: &[PairHistory]) -> (f64, f64) {
         const HALF: f64 = 0.1;
         let row = |y: f64| [0.0, 1.0, 2.0].map(|x| [x, y, 0.0]);
         let nodes = nodes_at(&[&row(0.0)[..], &row(1.0)[..], &[[1.3, 0.5, 0.15]]].concat());
@@ -537,7 +552,7 @@ mod tests {
             id: SegmentId(id),
             nodes,
             behind: [NOT_LOCAL; 4],
-            half: HALF,
+            half_thickness: HALF,
             scale: HALF,
             part: 0,
             own: true,
@@ -553,20 +568,25 @@ mod tests {
         surface.link_faces(7);
         let at = v3(&nodes.x[6]);
         let near = nearest(&at, &surface.segments[1].corners(&nodes.x), false).unwrap();
-        let of = Neighbours { place: 0, segment: 1, ring: 0, is_lone: false };
+        let of = CandidatePair {
+            slave_index: 0,
+            segment: 1,
+            shared_node_mask: 0,
+            has_no_history: false,
+        };
         let mut found = Vec::new();
         find_pairs(
             &nodes,
             (&surface, &[true]),
             0,
-            &[Meeting { of, step: 0.0, near }],
+            &[ProjectedPair { of, step: 0.0, near }],
             memory,
             0.0,
             &mut found,
         );
         let [pair] = found[..] else { panic!("one pair, not {}", found.len()) };
-        assert!((pair.depth - 0.05).abs() < 1e-15 && pair.normal == V3::z());
-        (pair.force.z, pair.tolerated)
+        assert!((pair.penetration - 0.05).abs() < 1e-15 && pair.normal == V3::z());
+        (pair.force.z, pair.tolerated_gap)
     }
 
     /// What was there in the last step is taken over before what was lost earlier, though that was
@@ -574,17 +594,18 @@ mod tests {
     #[test]
     fn memories_of_the_last_step_come_before_lost_ones() {
         let pair = |segment: u64, force: f64, tolerated: f64| {
-            let name = Name::of_node(NodeId(7), SegmentId(segment));
+            let name = PairKey::of_node(NodeId(7), SegmentId(segment));
             let (normal, side) = (V3::z(), 1.0);
             let of = Pair {
                 normal,
                 side,
-                thickness: 0.2,
-                ..Pair::unknown(name, SegmentId(segment), [6, 0, 0, 0, 0])
+                contact_thickness: 0.2,
+                ..Pair::new(name, SegmentId(segment), [6, 0, 0, 0, 0])
             };
-            Pair { force: V3::z() * force, ..of.remembering(None, -0.05, tolerated) }.memory()
+            Pair { force: V3::z() * force, ..of.with_history(None, -0.05, tolerated) }.to_history()
         };
-        let lost = |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).lost().unwrap();
+        let lost =
+            |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).after_loss().unwrap();
         // Times without length give nothing back.
         assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own, lost");
         assert_eq!(on_the_second_of_two(&[pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own");
@@ -614,18 +635,18 @@ mod tests {
     fn a_slave_with_a_past_is_given_faces_that_it_may_go_over_to() {
         let (nodes, surface) = face_and_slave([[0.0; 3]; 4], [0.5, 0.5, 0.3]);
         let pair =
-            Pair::unknown(Name::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
-        let picked = |memory: &[Memory]| {
+            Pair::new(PairKey::of_node(NodeId(5), SegmentId(16)), SegmentId(16), [4, 0, 1, 2, 3]);
+        let picked = |memory: &[PairHistory]| {
             let mut near = Vec::new();
-            let mut picker = Picker::new(&nodes, &surface, (0.0, 0.0), |g| {
+            let mut picker = CandidateFilter::new(&nodes, &surface, (0.0, 0.0), |g| {
                 Sphere::around(&surface.segments[g].corners(&nodes.x))
             });
-            picker.look(0, &[0], memory, &mut near);
+            picker.add_slave(0, &[0], memory, &mut near);
             picker.finish(&mut near);
             near.len()
         };
         assert_eq!(picked(&[]), 0, "new to it, and too far for a step without motion");
-        assert_eq!(picked(&[pair.memory()]), 1, "within 1.5 of the scales");
+        assert_eq!(picked(&[pair.to_history()]), 1, "within 1.5 of the scales");
     }
 
     proptest! {
@@ -638,16 +659,16 @@ mod tests {
             moves in prop::array::uniform5(prop::array::uniform3(-0.1..0.1f64)),
         ) {
             let (mut nodes, surface) = face_and_slave(corners, at);
-            nodes.next_v.iter_mut().zip(moves).for_each(|(v, m)| *v = [m[0], m[1], m[2], 0.0]);
+            nodes.v_next.iter_mut().zip(moves).for_each(|(v, m)| *v = [m[0], m[1], m[2], 0.0]);
             let segment = &surface.segments[0];
-            let v = |n: u32| v3(&nodes.next_v[n as usize]);
+            let v = |n: u32| v3(&nodes.v_next[n as usize]);
             let step = segment.nodes.iter().map(|&n| (v(n) - v(4)).norm()).fold(0.0, f64::max);
             let (at, scale) = (V3::from(at), 2.0 * SCALE);
             let Some(near) = nearest(&at, &segment.corners(&nodes.x), false) else { return Ok(()) };
-            let of = Neighbours { place: 0, segment: 0, ring: 0, is_lone: true };
-            let meeting = Meeting { of, step, near };
-            let visit = Visit::new(&surface, 0, &meeting, 1.0).expect("all touch");
-            let Some(place) = before_solid(&nodes, &visit, &at, false) else { return Ok(()) };
+            let of = CandidatePair { slave_index: 0, segment: 0, shared_node_mask: 0, has_no_history: true };
+            let meeting = ProjectedPair { of, step, near };
+            let visit = PairGeometry::new(&surface, 0, &meeting, 1.0).expect("all touch");
+            let Some(place) = solid_frame(&nodes, &visit, &at, false) else { return Ok(()) };
             let moving: V3 = segment.nodes.iter().zip(near.shape).map(|(&n, s)| v(n) * s).sum();
             if place.reached + (v(4) - moving).dot(&place.normal) < ACTIVE * scale {
                 let (far, reach) = ((at - near.point).norm(), reach(&surface, 4, segment, step));

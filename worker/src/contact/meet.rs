@@ -2,19 +2,19 @@
 //! several at once, whoever their slaves are.
 
 use crate::contact::geometry::{Nearest, V3};
-use crate::contact::kernels::{is_beside, is_in, is_within, project, slab};
+use crate::contact::kernels::{is_in, is_within, plane_bound, project, projects_outside};
 use crate::contact::local::{reach, reach_of_old};
-use crate::contact::neighbours::{Four, Neighbours};
-use crate::contact::pairs::Memory;
+use crate::contact::neighbours::{CandidatePair, PairBatch};
+use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
 /// Neighbours that may touch in the step.
 #[derive(Debug)]
-pub struct Meeting {
+pub struct ProjectedPair {
     /// Who meets.
-    pub of: Neighbours,
+    pub of: CandidatePair,
     /// The most that the slave and a node of the segment move against each other, contact not yet
     /// felt [length].
     pub step: f64,
@@ -24,35 +24,35 @@ pub struct Meeting {
 
 /// Meetings of a step.
 #[derive(Debug, Default)]
-pub struct Meetings {
+pub struct ProjectedPairs {
     /// Neighbours in reach, with what they move against each other.
-    reached: Vec<(Neighbours, f64)>,
+    reached: Vec<(CandidatePair, f64)>,
     /// In the order in which they were asked for.
-    pub all: Vec<Meeting>,
+    pub all: Vec<ProjectedPair>,
 }
 
-impl Meetings {
+impl ProjectedPairs {
     /// Bytes in use, spare room left out.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
     }
 
     /// Those among `asked`; `memory` is what a slave remembers, by place.
-    pub fn find<'a>(
+    pub fn project<'a>(
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
-        asked: &[Neighbours],
-        memory: impl Fn(u32) -> &'a [Memory],
+        asked: &[CandidatePair],
+        memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
         self.reached.clear();
         for some in asked.chunks(LANES) {
-            self.keep_reached(nodes, surface, some, &memory, dt);
+            self.retain_reached(nodes, surface, some, &memory, dt);
         }
         self.all.clear();
         for some in self.reached.chunks(LANES) {
-            let four = Four::of(surface, some, |s| s.0);
+            let four = PairBatch::of(surface, some, |s| s.0);
             let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
             for (lane, &(of, step)) in some.iter().enumerate() {
                 let segment = four.segment[lane];
@@ -61,25 +61,25 @@ impl Meetings {
                         .nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
                     false => Nearest::of(&found, lane),
                 };
-                self.all.extend(near.map(|near| Meeting { of, step, near }));
+                self.all.extend(near.map(|near| ProjectedPair { of, step, near }));
             }
         }
     }
 
     /// A cheap look before the projection: is the node within reach of the segment's box and of its
     /// mean plane, and not beside one that has to fold over to be met?
-    fn keep_reached<'a>(
+    fn retain_reached<'a>(
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
-        some: &[Neighbours],
-        memory: impl Fn(u32) -> &'a [Memory],
+        some: &[CandidatePair],
+        memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
-        let four = Four::of(surface, some, |&s| s);
+        let four = PairBatch::of(surface, some, |&s| s);
         let (at, q) = (four.slaves(&nodes.x), four.corners(&nodes.x));
-        let v = four.slaves(&nodes.next_v);
-        let apart = four.corners(&nodes.next_v).map(|of| (of - v).square());
+        let v = four.slaves(&nodes.v_next);
+        let apart = four.corners(&nodes.v_next).map(|of| (of - v).square());
         let step = (apart[0].max(apart[1]).max(apart[2].max(apart[3])).sqrt() * Lane::splat(dt))
             .to_array();
         let [new, old]: [[f64; LANES]; 2] = [
@@ -88,18 +88,19 @@ impl Meetings {
             }),
             std::array::from_fn(|lane| reach_of_old(surface, four.slave[lane], four.segment[lane])),
         ];
-        let slab = slab(at, &q);
+        let slab = plane_bound(at, &q);
         let is_new = is_within(&slab, Lane::new(new));
         let is_old = is_within(&slab, Lane::new(old));
-        let ring = some.iter().any(|n| n.ring != 0);
-        let is_turned_away = if ring { is_beside(at, &q, 0.0) } else { Lane::splat(0.0) };
+        let ring = some.iter().any(|n| n.shared_node_mask != 0);
+        let is_turned_away = if ring { projects_outside(at, &q, 0.0) } else { Lane::splat(0.0) };
         for (lane, &of) in some.iter().enumerate() {
             let segment = four.segment[lane];
             let goes_over =
-                |m: &Memory| segment.is_solid() && surface.is_beside(m.segment(), segment);
-            let is_kept = || memory(of.place).iter().any(|m| m.is_of(segment.id) || goes_over(m));
+                |m: &PairHistory| segment.is_solid() && surface.is_beside(m.segment(), segment);
+            let is_kept =
+                || memory(of.slave_index).iter().any(|m| m.is_of(segment.id) || goes_over(m));
             let reaches = is_in::<Lane>(is_new, lane) || is_in::<Lane>(is_old, lane) && is_kept();
-            if reaches && !(of.ring != 0 && is_in::<Lane>(is_turned_away, lane)) {
+            if reaches && !(of.shared_node_mask != 0 && is_in::<Lane>(is_turned_away, lane)) {
                 self.reached.push((of, step[lane]));
             }
         }
@@ -109,7 +110,7 @@ impl Meetings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::pairs::{Name, Pair};
+    use crate::contact::pairs::{Pair, PairKey};
     use crate::contact::surface::{NOT_LOCAL, Segment};
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
@@ -127,7 +128,7 @@ mod tests {
         ];
         let above = [[0.4, 0.4, 0.1], [0.95, 0.5, 0.12], [1.6, 0.3, 0.05], [0.2, 1.1, 0.1]];
         let mut nodes = nodes_at(&[&strip[..], &above[..]].concat());
-        nodes.next_v[6..]
+        nodes.v_next[6..]
             .iter_mut()
             .zip(1..)
             .for_each(|(v, k)| *v = [0.1, 0.0, -0.05 * f64::from(k), 0.0]);
@@ -135,7 +136,7 @@ mod tests {
             id: SegmentId(8 * (i as u64 + 1)),
             nodes,
             behind: [NOT_LOCAL; 4],
-            half,
+            half_thickness: half,
             scale: 0.1,
             part: 0,
             own: true,
@@ -157,28 +158,28 @@ mod tests {
     fn a_pair_meets_in_company_where_it_meets_alone() {
         let (nodes, surface) = scene();
         let past =
-            Pair::unknown(Name::of_node(NodeId(8), SegmentId(16)), SegmentId(16), [7, 1, 4, 2, 2])
-                .memory();
+            Pair::new(PairKey::of_node(NodeId(8), SegmentId(16)), SegmentId(16), [7, 1, 4, 2, 2])
+                .to_history();
         let remembered = [past];
         let memory = |place: u32| if place == 1 { &remembered[..] } else { &[] };
-        let asked: Vec<Neighbours> = (0..4)
+        let asked: Vec<CandidatePair> = (0..4)
             .flat_map(|place| (0..3).map(move |segment| (place, segment)))
-            .map(|(place, segment)| Neighbours {
-                place,
+            .map(|(place, segment)| CandidatePair {
+                slave_index: place,
                 segment,
-                ring: (place == 3) as u8,
-                is_lone: false,
+                shared_node_mask: (place == 3) as u8,
+                has_no_history: false,
             })
             .collect();
-        let meet = |asked: &[Neighbours]| {
-            let mut meetings = Meetings::default();
-            meetings.find(&nodes, &surface, asked, memory, 1.0);
-            let told = |m: &Meeting| {
+        let meet = |asked: &[CandidatePair]| {
+            let mut meetings = ProjectedPairs::default();
+            meetings.project(&nodes, &surface, asked, memory, 1.0);
+            let told = |m: &ProjectedPair| {
                 let numbers =
                     m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
                 let bits: Vec<u64> =
                     numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
-                (m.of.place, m.of.segment, m.near.rim, bits)
+                (m.of.slave_index, m.of.segment, m.near.rim, bits)
             };
             meetings.all.iter().map(told).collect::<Vec<_>>()
         };

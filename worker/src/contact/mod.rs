@@ -37,72 +37,72 @@ pub mod surface;
 mod sweep;
 
 use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::Joined;
+use crate::constraints::ties::ContactExclusions;
 use crate::constraints::walls::Walls;
 use crate::energy::{ContactWork, Work};
-use crate::math::rigid_motion::Motion;
+use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::{Nodes, Row, row, xyz};
-use crate::parallel::ghosts::Halo;
-use close::{Close, Picker};
+use crate::parallel::ghosts::Ghosts;
+use close::{CandidateFilter, NearList};
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
-use crumple_proto::transport::{Lost, Transport};
+use crumple_proto::transport::{RankLost, Transport};
 use edges::Edges;
-use enforce::{Elasticity, Laws, Steps};
+use enforce::{Elasticity, Laws, StepSizes};
 use facets::Facets;
 use geometry::{Sphere, V3};
 use interfaces::Interfaces;
-use meet::Meetings;
-use neighbours::Neighbours;
-use pairs::{Memory, Pair, PairTable, push};
-use record::Record;
+use meet::ProjectedPairs;
+use neighbours::CandidatePair;
+use pairs::{Pair, PairHistory, PairTable, accelerated_velocity};
+use record::SearchRecord;
 use search::{SEARCHES, Search};
 use surface::{Segment, Surface};
-pub use sweep::Exchange;
-use sweep::Sweeps;
+use sweep::ContactSolver;
+pub use sweep::TrafficEstimate;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
     laws: Laws,
-    find: Search,
+    search_method: Search,
     skin: f64,
     by_mass: bool,
     /// Wave speed per part [length/time].
     speeds: Vec<f64>,
     with_edges: bool,
     /// Whether of edges none but beams meet others.
-    of_beams: bool,
+    beams_only: bool,
     /// What can touch.
     pub surface: Surface,
     /// Candidate segments per slave: start of each slave's run, and segments ascending.
     candidate_start: Vec<u32>,
     candidates: Vec<u32>,
     /// Those of them that are near.
-    close: Close,
+    near_list: NearList,
     /// The same where some were picked anew, for slaves with a past since.
-    neighbours: Vec<Neighbours>,
+    neighbours: Vec<CandidatePair>,
     /// What of these may touch in a step.
-    meetings: Meetings,
+    projected_pairs: ProjectedPairs,
     /// Motion since `close` was made, and what relative motion there was between the search and
     /// that [length].
-    since_close: Motion,
-    moved: f64,
+    motion_since_near_list: MotionTracker,
+    motion_before_near_list: f64,
     /// Stiffness per segment, empty unless the law wants it [force/length].
     stiffness: Vec<f64>,
     /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
-    memory_start: Vec<u32>,
-    memories: Vec<Memory>,
+    history_start: Vec<u32>,
+    pair_histories: Vec<PairHistory>,
     /// Edges that could meet each other, with what they remember.
     edges: Edges,
     /// Segments that could meet each other, with what they remember.
     facets: Facets,
     table: PairTable,
     /// Velocities of touched nodes without contact, in the order of the table's `touched`.
-    free: Vec<Row>,
+    free_velocities: Vec<Row>,
     /// Their rotational velocities without contact, if friction turns any [1/time].
     free_spins: Vec<Row>,
-    record: Record,
+    record: SearchRecord,
     /// Global searches so far.
     pub searches: u64,
     /// Sweeps so far.
@@ -114,7 +114,7 @@ pub struct Contact {
     pub unsettled: [u64; 2],
     /// Pairs that were held softer than the job asks so that the step stays stable, summed over the
     /// steps so far.
-    pub capped: u64,
+    pub capped_pairs: u64,
     /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
     pub penetration: f64,
     /// Largest rate at which something near passed what it could meet in the last step, where that
@@ -122,7 +122,7 @@ pub struct Contact {
     pub approach: f64,
     /// Whether pairs of each interface were looked for in the last step: what penetrates when they
     /// first are, has from the start.
-    begun: Vec<bool>,
+    interface_started: Vec<bool>,
 }
 
 /// Every so many cycles surfaces are looked at for folds.
@@ -130,7 +130,7 @@ const FOLDS_EVERY: u64 = 64;
 
 /// How far beyond their own box segments must be known for a search with the local search's reach,
 /// by the scales of segment and nodes [length].
-pub fn reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
+pub fn search_reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
     local::REACH * interfaces.most(segment_scale + largest_scale)
 }
 
@@ -141,42 +141,42 @@ impl Contact {
     /// On a law or search that is not in the tables; the master checks names before it deals out
     /// work.
     pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
-        let laws = Laws::of(job, parts);
+        let laws = Laws::new(job, parts);
         let method = SEARCHES
             .iter()
             .find(|s| s.name == job.search)
             .unwrap_or_else(|| panic!("no search {}", job.search));
         Self {
-            begun: vec![false; laws.count()],
+            interface_started: vec![false; laws.count()],
             facets: Facets::new(laws.by_segments()),
             laws,
-            find: method.find,
+            search_method: method.find,
             skin: job.skin,
             by_mass: job.weighting == "mass",
             speeds: parts.speeds.clone(),
             with_edges: parts.with_edges,
-            of_beams: !job.edges,
+            beams_only: !job.edges,
             surface: Surface::default(),
             candidate_start: Vec::new(),
             candidates: Vec::new(),
-            close: Close::default(),
+            near_list: NearList::default(),
             neighbours: Vec::new(),
-            meetings: Meetings::default(),
-            since_close: Motion::since(&[]),
-            moved: 0.0,
+            projected_pairs: ProjectedPairs::default(),
+            motion_since_near_list: MotionTracker::since(&[]),
+            motion_before_near_list: 0.0,
             stiffness: Vec::new(),
-            memory_start: Vec::new(),
-            memories: Vec::new(),
+            history_start: Vec::new(),
+            pair_histories: Vec::new(),
             edges: Edges::default(),
             table: PairTable::default(),
-            free: Vec::new(),
+            free_velocities: Vec::new(),
             free_spins: Vec::new(),
-            record: Record::default(),
+            record: SearchRecord::default(),
             searches: 0,
             sweeps: 0,
             accelerated: job.accelerated,
             unsettled: [0; 2],
-            capped: 0,
+            capped_pairs: 0,
             penetration: 0.0,
             approach: 0.0,
         }
@@ -187,63 +187,63 @@ impl Contact {
         &mut self,
         surface: Surface,
         nodes: &Nodes,
-        memory_of: impl Fn(NodeId) -> Vec<Memory>,
+        memory_of: impl Fn(NodeId) -> Vec<PairHistory>,
     ) {
         self.record.renew(&self.surface.segments, nodes.len());
         self.surface = surface;
-        self.surface.link_faces(nodes.held);
+        self.surface.link_faces(nodes.local_count);
         self.surface.speeds.clone_from(&self.speeds);
         let stiffness =
             self.surface.segments.iter().map(|s| self.laws.segment_stiffness(s, &nodes.x0));
         self.stiffness = stiffness.collect::<Option<_>>().unwrap_or_default();
-        self.memories.clear();
-        self.memory_start.clear();
+        self.pair_histories.clear();
+        self.history_start.clear();
         self.candidate_start.clear();
-        self.close.list.clear();
+        self.near_list.list.clear();
         for &s in &self.surface.slaves {
-            self.memory_start.push(self.memories.len() as u32);
-            let start = self.memories.len();
-            self.memories
+            self.history_start.push(self.pair_histories.len() as u32);
+            let start = self.pair_histories.len();
+            self.pair_histories
                 .extend(memory_of(nodes.id[s as usize]).into_iter().filter(|m| m.name.is_node()));
-            self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
+            self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
-        self.memory_start.push(self.memories.len() as u32);
+        self.history_start.push(self.pair_histories.len() as u32);
         self.facets.renew(&self.surface, &self.stiffness, nodes, &memory_of);
         self.table.by_area = self.facets.are_wanted();
         if self.with_edges {
-            self.edges = Edges::of(&self.surface, nodes, memory_of, self.of_beams);
+            self.edges = Edges::new(&self.surface, nodes, memory_of, self.beams_only);
         }
     }
 
     /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what
     /// tells when to search.
     pub fn bytes(&self) -> usize {
-        let lists = [&self.candidate_start, &self.candidates, &self.memory_start];
+        let lists = [&self.candidate_start, &self.candidates, &self.history_start];
         self.surface.bytes()
             + lists.iter().map(|l| size_of_val(&l[..])).sum::<usize>()
             + size_of_val(&self.stiffness[..])
-            + self.since_close.bytes()
-            + self.close.bytes()
+            + self.motion_since_near_list.bytes()
+            + self.near_list.bytes()
             + size_of_val(&self.neighbours[..])
-            + self.meetings.bytes()
+            + self.projected_pairs.bytes()
             + self.record.bytes()
             + self.edges.bytes()
             + self.facets.bytes()
     }
 
     /// What each slave remembers; edges under all nodes of their pairs, segments under their own.
-    pub fn memories(&self) -> impl Iterator<Item = (u32, &[Memory])> {
+    pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &[PairHistory])> {
         let run = |i: usize| {
-            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
         };
         let of_nodes = self.surface.slaves.iter().enumerate().map(move |(i, &s)| (s, run(i)));
-        let others = self.edges.memories().chain(self.facets.memories());
+        let others = self.edges.pair_histories().chain(self.facets.pair_histories());
         of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))
     }
 
     /// Edges that have gone through a surface, see [`crossing`].
     pub fn crossings(&self, nodes: &Nodes, time: f64) -> Vec<Crossing> {
-        crossing::crossings(&self.surface, nodes, time, self.find)
+        crossing::crossings(&self.surface, nodes, time, self.search_method)
     }
 
     /// Whether workers ask each other in every step if their sweeps have settled, to accelerate
@@ -260,36 +260,36 @@ impl Contact {
     /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this
     /// worker knows.
     pub fn record_of(&self, part: usize) -> (bool, bool) {
-        self.record.part(&self.surface.segments, part)
+        self.record.part_seen(&self.surface.segments, part)
     }
 
     /// Active pairs of owned nodes after the last local search, as ids of the slave, or its lower
     /// node, and of the segment.
-    pub fn own_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
-        self.table.pairs.iter().filter(|p| p.own).map(|p| (p.name.slave, p.segment))
+    pub fn owned_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
+        self.table.pairs.iter().filter(|p| p.is_owned).map(|p| (p.key.slave, p.segment))
     }
 
     /// Local nodes of the slaves of own pairs, for the load.
-    pub fn own_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
-        self.table.pairs.iter().filter(|p| p.own).map(|p| p.nodes[0])
+    pub fn owned_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.table.pairs.iter().filter(|p| p.is_owned).map(|p| p.nodes[0])
     }
 
     /// Active pairs of owned nodes and edges after the last local search.
-    pub fn own_table(&self) -> impl Iterator<Item = &Pair> {
-        self.table.pairs.iter().filter(|p| p.own)
+    pub fn owned_table(&self) -> impl Iterator<Item = &Pair> {
+        self.table.pairs.iter().filter(|p| p.is_owned)
     }
 
     /// Slaves that have candidates, with the number of those that are near, once these have been
     /// searched for.
-    pub fn near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        let runs = self.close.list.chunk_by(|a, b| a.place == b.place);
-        runs.map(|run| (self.surface.slaves[run[0].place as usize], run.len()))
+    pub fn count_near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let runs = self.near_list.list.chunk_by(|a, b| a.slave_index == b.slave_index);
+        runs.map(|run| (self.surface.slaves[run[0].slave_index as usize], run.len()))
     }
 
     /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know
     /// after `quiet` rounds that all are quiet.
-    pub fn exchange(&self, sweeps: f64, quiet: u64) -> Exchange {
-        Exchange::of(&self.laws, sweeps, quiet)
+    pub fn exchange(&self, sweeps: f64, quiet: u64) -> TrafficEstimate {
+        TrafficEstimate::estimate(&self.laws, sweeps, quiet)
     }
 
     /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they
@@ -298,11 +298,11 @@ impl Contact {
     pub fn refresh_candidates(
         &mut self,
         nodes: &Nodes,
-        joined: Joined<'_>,
+        joined: ContactExclusions<'_>,
         (time, dt): (f64, f64),
         stable: f64,
     ) {
-        let spread = spread(&nodes.next_v);
+        let spread = velocity_range(&nodes.v_next);
         // Else no two nodes pass the thinnest of segments in a step of elements.
         let fast = stable * spread > self.surface.thinnest;
         self.refresh(nodes, joined, dt * spread, fast);
@@ -333,30 +333,37 @@ impl Contact {
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
-    fn refresh(&mut self, nodes: &Nodes, joined: Joined<'_>, step: f64, fast: bool) {
+    fn refresh(&mut self, nodes: &Nodes, joined: ContactExclusions<'_>, step: f64, fast: bool) {
         let fresh = !self.candidate_start.is_empty();
-        let moved = if fresh { 2.0 * self.since_close.update(&nodes.x).residual } else { 0.0 };
+        let moved =
+            if fresh { 2.0 * self.motion_since_near_list.update(&nodes.x).residual } else { 0.0 };
         // What comes near in the next steps has to be known, unless that is so much that the step
         // goes by the whole surface.
-        let ahead = approach::STEPS * (2.0 * step).max(self.close.step);
+        let ahead = approach::STEPS * (2.0 * step).max(self.near_list.step);
         let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
-        let used_up = self.moved + moved + ahead > self.skin;
-        if fresh && moved <= self.close.skin && step <= self.close.step && !used_up {
+        let used_up = self.motion_before_near_list + moved + ahead > self.skin;
+        if fresh && moved <= self.near_list.skin && step <= self.near_list.step && !used_up {
             if self.edges.is_stale() {
                 self.search_edges(nodes, joined);
                 self.pick(nodes);
             }
             return;
         }
-        self.since_close.restart(&nodes.x, Vec::new());
-        self.moved += moved;
+        self.motion_since_near_list.restart(&nodes.x, Vec::new());
+        self.motion_before_near_list += moved;
         let spheres: Vec<Sphere> =
             self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
-        if !fresh || self.moved + self.close.skin + ahead > self.skin {
+        if !fresh || self.motion_before_near_list + self.near_list.skin + ahead > self.skin {
             self.search(nodes, &spheres, joined);
             self.search_edges(nodes, joined);
-            self.facets.search((&self.surface, &spheres), nodes, joined, self.find, self.skin);
-            self.moved = 0.0;
+            self.facets.search(
+                (&self.surface, &spheres),
+                nodes,
+                joined,
+                self.search_method,
+                self.skin,
+            );
+            self.motion_before_near_list = 0.0;
         } else if self.edges.is_stale() {
             self.search_edges(nodes, joined);
         }
@@ -364,38 +371,38 @@ impl Contact {
             &self.candidates[self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize]
         };
         let memory = |i: usize| {
-            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
         };
-        self.close.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
+        self.near_list.renew((nodes, &self.surface, &spheres), (self.skin, step), found, memory);
         self.pick(nodes);
     }
 
     /// Which edges each edge could meet before the next search.
-    fn search_edges(&mut self, nodes: &Nodes, joined: Joined<'_>) {
-        self.edges.search(&self.surface, nodes, joined, self.find, self.skin);
+    fn search_edges(&mut self, nodes: &Nodes, joined: ContactExclusions<'_>) {
+        self.edges.search(&self.surface, nodes, joined, self.search_method, self.skin);
     }
 
     /// Which edges and segments could meet others before the list of near segments is made over.
     fn pick(&mut self, nodes: &Nodes) {
-        self.edges.pick(nodes, &self.surface, self.close.skin, self.close.step);
+        self.edges.pick(nodes, &self.surface, self.near_list.skin, self.near_list.step);
         self.edges
             .near()
             .for_each(|(slave, g)| self.record.near(slave, &self.surface.segments[g as usize]));
-        self.facets.pick(nodes, &self.surface, self.close.skin, self.close.step);
+        self.facets.pick(nodes, &self.surface, self.near_list.skin, self.near_list.step);
         self.facets.near(&self.surface).for_each(|(slave, met)| self.record.near(slave, met));
     }
 
     /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are
     /// where their owners have them.
-    pub fn look_at_folds(&mut self, nodes: &mut Nodes, cycle: u64) {
+    pub fn update_folds(&mut self, nodes: &mut Nodes, cycle: u64) {
         if self.with_edges && cycle.is_multiple_of(FOLDS_EVERY) {
             nodes.seen.clone_from(&nodes.x);
-            self.edges.look_at_folds(&self.surface, nodes);
+            self.edges.update_folds(&self.surface, nodes);
         }
     }
 
     /// Which segments each slave could meet before it moves by more than the skin.
-    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: Joined<'_>) {
+    fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: ContactExclusions<'_>) {
         self.searches += 1;
         self.candidates = Vec::new(); // what this takes for a moment is the most a worker needs
         let s = &self.surface;
@@ -404,18 +411,18 @@ impl Contact {
         {
             let largest = s.largest_scale();
             let bounds = |g: &Segment| {
-                g.bounds(&nodes.x, reach(&s.interfaces, g.scale, largest) + self.skin)
+                g.bounds(&nodes.x, search_reach(&s.interfaces, g.scale, largest) + self.skin)
             };
             let boxes: Vec<_> = s.segments.iter().map(bounds).collect();
             let points: Vec<[f64; 3]> =
                 s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
-            (self.find)(&boxes, &points, &mut |g, p| {
+            (self.search_method)(&boxes, &points, &mut |g, p| {
                 let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
                 let reach = local::reach_of_old(s, slave, segment) + self.skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
                 let touches = || s.interface(p as usize, segment).is_some();
                 let is_other =
-                    !segment.nodes.contains(&slave) && !joined.are_one(slave, &segment.nodes);
+                    !segment.nodes.contains(&slave) && !joined.excludes(slave, &segment.nodes);
                 if !is_far && is_other && touches() {
                     found.push(p);
                     count[g as usize] += 1;
@@ -440,27 +447,40 @@ impl Contact {
     }
 
     /// Which pairs of own nodes are active in this step.
-    pub fn find_pairs(&mut self, nodes: &Nodes, joined: Joined<'_>, time: f64, steps: Steps) {
+    pub fn find_pairs(
+        &mut self,
+        nodes: &Nodes,
+        joined: ContactExclusions<'_>,
+        time: f64,
+        steps: StepSizes,
+    ) {
         let is_alive = |i| self.surface.interfaces.is_alive(i, time);
         let alive: Vec<bool> = (0..self.surface.interfaces.count() as u16).map(is_alive).collect();
         let mut pairs = std::mem::take(&mut self.table.pairs);
         pairs.clear();
         let memory = |i: usize| {
-            &self.memories[self.memory_start[i] as usize..self.memory_start[i + 1] as usize]
+            &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
         };
-        let has_new_past = |n: &Neighbours| n.is_lone && !memory(n.place as usize).is_empty();
-        let near = match self.close.list.iter().any(has_new_past) {
-            false => &self.close.list,
+        let has_new_past =
+            |n: &CandidatePair| n.has_no_history && !memory(n.slave_index as usize).is_empty();
+        let near = match self.near_list.list.iter().any(has_new_past) {
+            false => &self.near_list.list,
             true => {
                 self.neighbours.clear();
                 let sphere = |g: usize| Sphere::around(&self.surface.segments[g].corners(&nodes.x));
-                let mut picker = Picker::new(nodes, &self.surface, (0.0, self.close.step), sphere);
-                for run in self.close.list.chunk_by(|a, b| a.place == b.place) {
-                    let i = run[0].place as usize;
+                let mut picker =
+                    CandidateFilter::new(nodes, &self.surface, (0.0, self.near_list.step), sphere);
+                for run in self.near_list.list.chunk_by(|a, b| a.slave_index == b.slave_index) {
+                    let i = run[0].slave_index as usize;
                     if has_new_past(&run[0]) {
                         let found =
                             self.candidate_start[i] as usize..self.candidate_start[i + 1] as usize;
-                        picker.look(i, &self.candidates[found], memory(i), &mut self.neighbours);
+                        picker.add_slave(
+                            i,
+                            &self.candidates[found],
+                            memory(i),
+                            &mut self.neighbours,
+                        );
                         picker.finish(&mut self.neighbours);
                     } else {
                         self.neighbours.extend(run);
@@ -469,9 +489,11 @@ impl Contact {
                 &self.neighbours
             }
         };
-        self.meetings.find(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
-        for meetings in self.meetings.all.chunk_by(|a, b| a.of.place == b.of.place) {
-            let i = meetings[0].of.place as usize;
+        self.projected_pairs.project(nodes, &self.surface, near, |i| memory(i as usize), steps.dt);
+        for meetings in
+            self.projected_pairs.all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index)
+        {
+            let i = meetings[0].of.slave_index as usize;
             local::find_pairs(
                 nodes,
                 (&self.surface, &alive),
@@ -501,42 +523,42 @@ impl Contact {
             &mut pairs,
         );
         if with_segments {
-            pairs.iter_mut().for_each(|p| p.area = p.thickness * p.thickness);
+            pairs.iter_mut().for_each(|p| p.area = p.contact_thickness * p.contact_thickness);
             self.facets.find_pairs(nodes, (&self.surface, &alive), steps.dt, &mut pairs);
         }
         if pairs.len() > of_nodes {
-            pairs.sort_unstable_by_key(|p| p.name);
+            pairs.sort_unstable_by_key(|p| p.key);
         }
-        let begun = std::mem::replace(&mut self.begun, alive);
+        let begun = std::mem::replace(&mut self.interface_started, alive);
         for p in &mut pairs {
             if !begun[p.interface as usize] {
-                p.kept = p.tolerated;
+                p.initial_gap = p.tolerated_gap;
             }
             p.lever(nodes);
-            p.weigh_slave(nodes);
+            p.set_slave_mass(nodes);
             let speed = || {
                 // Others' nodes are known with the velocities that they have before contact.
                 let velocity = p.relative_velocity(nodes);
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
-            p.friction = self.surface.interfaces.friction(p.interface, speed);
+            p.friction_coefficient = self.surface.interfaces.friction(p.interface, speed);
             let limit = self.surface.interfaces.friction_limit(p.interface);
-            if limit < f64::INFINITY && !p.name.is_edge() {
+            if limit < f64::INFINITY && !p.key.is_edge() {
                 // What two segments press on is the area of their pair.
                 let of_node = || self.surface.area_of(p, &nodes.x, |_| true);
-                let area = if p.name.is_segment() { p.area } else { of_node() };
+                let area = if p.key.is_segment() { p.area } else { of_node() };
                 // The line of a beam has no area, and a limit of stress no meaning there.
                 if area > 0.0 {
                     p.limit_friction(limit, area);
                 }
             }
             self.record.touched(&p.nodes);
-            p.force = self.laws.of_pair(p).start(p, steps);
-            self.penetration = self.penetration.max(p.depth / p.thickness);
+            p.force = self.laws.of_pair(p).initial_force(p, steps);
+            self.penetration = self.penetration.max(p.penetration / p.contact_thickness);
         }
         self.table.pairs = pairs;
         if self.by_mass {
-            self.table.weigh_by_mass(nodes);
+            self.table.weight_by_mass(nodes);
         }
     }
 
@@ -546,11 +568,11 @@ impl Contact {
     /// A worker is gone.
     pub fn share_pairs(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &Nodes,
-        halo: &Halo,
-    ) -> Result<(), Lost> {
-        self.table.share(wire, nodes, halo)
+        halo: &Ghosts,
+    ) -> Result<(), RankLost> {
+        self.table.exchange_pairs(comm, nodes, halo)
     }
 
     /// Contact forces; brings the velocities of the nodes that pairs touch to those with contact
@@ -560,24 +582,24 @@ impl Contact {
     /// A worker is gone.
     pub fn enforce(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
         walls: &Walls,
         bodies: &mut Bodies,
-        steps: Steps,
-    ) -> Result<(), Lost> {
+        steps: StepSizes,
+    ) -> Result<(), RankLost> {
         let accelerated = if self.accelerates() { self.accelerated } else { 0 };
         let couples = self.has_couples(nodes);
         let t = &mut self.table;
-        self.free.clear();
-        self.free.extend(t.touched.iter().map(|&n| nodes.next_v[n as usize]));
+        self.free_velocities.clear();
+        self.free_velocities.extend(t.touched.iter().map(|&n| nodes.v_next[n as usize]));
         self.free_spins.clear();
         if !t.couples.is_empty() {
-            self.free_spins.extend(t.touched.iter().map(|&n| nodes.next_w[n as usize]));
+            self.free_spins.extend(t.touched.iter().map(|&n| nodes.w_next[n as usize]));
         }
-        let coupled = bodies.meet(wire, &t.touched, nodes, couples)?;
-        let (free, free_spins) = (&self.free[..], &self.free_spins[..]);
-        let mut sweeps = Sweeps {
+        let coupled = bodies.contact_walls(comm, &t.touched, nodes, couples)?;
+        let (free, free_spins) = (&self.free_velocities[..], &self.free_spins[..]);
+        let mut sweeps = ContactSolver {
             laws: &self.laws,
             nodes,
             free,
@@ -588,7 +610,7 @@ impl Contact {
             steps,
             accelerated,
         };
-        let swept = sweeps.run(t, wire)?;
+        let swept = sweeps.run(t, comm)?;
         self.sweeps += swept.sweeps;
         for (count, is_so) in self.unsettled.iter_mut().zip([swept.accelerated, swept.unsettled]) {
             *count += u64::from(is_so);
@@ -598,14 +620,15 @@ impl Contact {
 
     /// Nodes that pairs touch, ascending, with their velocities after contact but before walls
     /// [length/time].
-    pub fn pushed<'a>(
+    pub fn contact_forces<'a>(
         &'a self,
         nodes: &'a Nodes,
-        steps: Steps,
+        steps: StepSizes,
     ) -> impl Iterator<Item = (u32, Row)> + 'a {
-        let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free);
-        touched
-            .map(move |((&n, f), free)| (n, push(free, f, &nodes.inv_mass[n as usize], steps.push)))
+        let touched = self.table.touched.iter().zip(&self.table.total).zip(&self.free_velocities);
+        touched.map(move |((&n, f), free)| {
+            (n, accelerated_velocity(free, f, &nodes.inv_mass[n as usize], steps.dt_damped))
+        })
     }
 
     /// Contact force on local node `n` in this step [force].
@@ -625,14 +648,14 @@ impl Contact {
     }
 
     /// Lets own pairs whose friction is limited know the pressure on their slaves.
-    fn note_pressures(&mut self, nodes: &Nodes) {
+    fn update_pressures(&mut self, nodes: &Nodes) {
         let (surface, t) = (&self.surface, &self.table);
         if !surface.interfaces.limits_friction() {
             return;
         }
         let is_limited = |p: &Pair| {
-            p.own
-                && p.name.is_node()
+            p.is_owned
+                && p.key.is_node()
                 && surface.interfaces.friction_limit(p.interface) < f64::INFINITY
         };
         let noted = |(q, p): (usize, &Pair)| {
@@ -647,64 +670,66 @@ impl Contact {
     }
 
     /// Books the work done with the velocities at hand and lets the slaves remember their pairs.
-    pub fn close(&mut self, nodes: &Nodes, steps: Steps) -> ContactWork {
-        self.note_pressures(nodes);
+    pub fn finish_step(&mut self, nodes: &Nodes, steps: StepSizes) -> ContactWork {
+        self.update_pressures(nodes);
         let t = &mut self.table;
         let mut work = ContactWork::default();
-        for p in t.pairs.iter_mut().filter(|p| p.own) {
+        for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             let velocity = p.relative_velocity(nodes);
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
             // Friction is judged by where the node slides to; half of that by the present time.
-            let slid = 0.5 * steps.mid * sheared.dot(&velocity);
+            let slid = 0.5 * steps.dt_velocity * sheared.dot(&velocity);
             work.friction += Work { before: slid, after: slid };
-            if p.kept < 0.0 {
-                work.starting += p.work(nodes, steps.mid);
+            if p.initial_gap < 0.0 {
+                work.starting += p.work(nodes, steps.dt_velocity);
             }
             let law = self.laws.of_pair(p);
             p.slip = law.slip(p, &velocity, steps);
-            self.capped += u64::from(law.is_capped(p, steps));
+            self.capped_pairs += u64::from(law.is_capped(p, steps));
         }
-        for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_own(**n as usize)) {
-            let (before, after) = (&nodes.v[n as usize], &nodes.next_v[n as usize]);
-            work.total += Work::of_all(&row((f * steps.mid).into()), before, after);
+        for (&n, f) in t.touched.iter().zip(&t.total).filter(|(n, _)| nodes.is_owned(**n as usize))
+        {
+            let (before, after) = (&nodes.v[n as usize], &nodes.v_next[n as usize]);
+            work.total += Work::from_impulses(&row((f * steps.dt_velocity).into()), before, after);
         }
         for (&n, couple) in
-            t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_own(**n as usize))
+            t.touched.iter().zip(&t.couples).filter(|(n, _)| nodes.is_owned(**n as usize))
         {
-            let (before, after) = (&nodes.w[n as usize], &nodes.next_w[n as usize]);
-            work.total += Work::of_all(&row((couple * steps.mid).into()), before, after);
+            let (before, after) = (&nodes.w[n as usize], &nodes.w_next[n as usize]);
+            work.total +=
+                Work::from_impulses(&row((couple * steps.dt_velocity).into()), before, after);
         }
-        let before = std::mem::take(&mut self.memories);
-        let mut own = t.pairs.iter().filter(|p| p.own && p.name.is_node()).peekable();
+        let before = std::mem::take(&mut self.pair_histories);
+        let mut own = t.pairs.iter().filter(|p| p.is_owned && p.key.is_node()).peekable();
         for (i, &s) in self.surface.slaves.iter().enumerate() {
-            let old = self.memory_start[i] as usize..self.memory_start[i + 1] as usize;
-            let start = self.memories.len();
-            self.memory_start[i] = start as u32;
+            let old = self.history_start[i] as usize..self.history_start[i + 1] as usize;
+            let start = self.pair_histories.len();
+            self.history_start[i] = start as u32;
             if old.is_empty() && own.peek().is_none_or(|p| p.nodes[0] != s) {
                 continue;
             }
             while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
-                self.memories.push(p.memory());
+                self.pair_histories.push(p.to_history());
             }
             // Those of the step come first, in order, then what is lost, in order too.
             for m in &before[old] {
-                if !self.memories[start..].iter().any(|n| n.name == m.name) {
-                    self.memories.extend(m.lost());
+                if !self.pair_histories[start..].iter().any(|n| n.name == m.name) {
+                    self.pair_histories.extend(m.after_loss());
                 }
             }
-            self.memories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
+            self.pair_histories[start..].sort_unstable_by_key(|m| (m.age > 0, m.name));
         }
-        if let Some(end) = self.memory_start.last_mut() {
-            *end = self.memories.len() as u32;
+        if let Some(end) = self.history_start.last_mut() {
+            *end = self.pair_histories.len() as u32;
         }
-        self.edges.remember(t.pairs.iter());
-        self.facets.remember(t.pairs.iter());
+        self.edges.store_history(t.pairs.iter());
+        self.facets.store_history(t.pairs.iter());
         work
     }
 }
 
 /// No two of these velocities differ by more [length/time].
-fn spread(v: &[Row]) -> f64 {
+fn velocity_range(v: &[Row]) -> f64 {
     let range = v.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], v| {
         [std::array::from_fn(|c| v[c].min(low[c])), std::array::from_fn(|c| v[c].max(high[c]))]
     });

@@ -7,33 +7,33 @@ use crate::nodes::Row;
 
 /// A slave and a segment that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Neighbours {
+pub struct CandidatePair {
     /// Place of the slave in the surface's slaves.
-    pub place: u32,
+    pub slave_index: u32,
     /// Place of the segment in the surface's segments.
     pub segment: u32,
     /// The segment's nodes that a segment has on which the slave lies, bit by bit: of a shell next
     /// but one to the slave.
-    pub ring: u8,
+    pub shared_node_mask: u8,
     /// Whether the slave remembered nothing when it was given the segment; what one with memories
     /// may meet is then left out.
-    pub is_lone: bool,
+    pub has_no_history: bool,
 }
 
 /// Slaves and segments side by side.
-pub struct Four<'a> {
+pub struct PairBatch<'a> {
     /// Nodes of the slaves.
     pub slave: [u32; LANES],
     /// Segments.
     pub segment: [&'a Segment; LANES],
 }
 
-impl<'a> Four<'a> {
+impl<'a> PairBatch<'a> {
     /// Those of a few neighbours, the last repeated; `of` tells which.
-    pub fn of<T>(surface: &'a Surface, some: &[T], of: impl Fn(&T) -> Neighbours) -> Self {
+    pub fn of<T>(surface: &'a Surface, some: &[T], of: impl Fn(&T) -> CandidatePair) -> Self {
         let lane = |lane: usize| of(&some[lane.min(some.len() - 1)]);
         Self {
-            slave: std::array::from_fn(|l| surface.slaves[lane(l).place as usize]),
+            slave: std::array::from_fn(|l| surface.slaves[lane(l).slave_index as usize]),
             segment: std::array::from_fn(|l| &surface.segments[lane(l).segment as usize]),
         }
     }

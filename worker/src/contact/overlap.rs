@@ -59,7 +59,7 @@ pub struct Plane {
 
 impl Plane {
     /// At right angles to a unit vector.
-    pub fn across(normal: V3, origin: V3) -> Self {
+    pub fn perpendicular(normal: V3, origin: V3) -> Self {
         // Any direction that is not the normal's own.
         let least =
             (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
@@ -76,7 +76,7 @@ struct Outline {
 }
 
 impl Outline {
-    fn of(corners: &[V2]) -> Self {
+    fn new(corners: &[V2]) -> Self {
         let mut outline = Self { corners: [V2::zeros(); MOST], count: 0 };
         corners.iter().for_each(|&c| outline.push(c));
         outline
@@ -121,7 +121,7 @@ impl Outline {
     }
 
     /// What it has in common with another one.
-    fn common(&self, other: &Self) -> Self {
+    fn intersection(&self, other: &Self) -> Self {
         let c = other.corners();
         (0..c.len()).fold(*self, |left, i| {
             let (from, along) = (c[i], c[(i + 1) % c.len()] - c[i]);
@@ -131,7 +131,7 @@ impl Outline {
 }
 
 /// A segment on a plane.
-pub struct Laid {
+pub struct ProjectedSegment {
     /// Corners on the plane, and their heights above it [length].
     corners: [V2; 4],
     heights: [f64; 4],
@@ -143,7 +143,7 @@ pub struct Laid {
     high: V2,
 }
 
-impl Laid {
+impl ProjectedSegment {
     /// Lays a segment with corners `q` on a plane; `None` where nothing is left of it.
     pub fn on(plane: &Plane, q: &[V3; 4], triangle: bool) -> Option<Self> {
         let [e, f, n] = &plane.axes;
@@ -169,7 +169,7 @@ impl Laid {
             }
             let is_convex = (0..4)
                 .all(|i| (c[(i + 1) % 4] - c[i]).perp(&(c[(i + 2) % 4] - c[(i + 1) % 4])) > 0.0);
-            (k < count && is_convex).then(|| Outline::of(&c))
+            (k < count && is_convex).then(|| Outline::new(&c))
         };
         let quarters = [0, 1, 2, 3].map(quarter);
         let (low, high) =
@@ -215,7 +215,7 @@ impl Laid {
     /// Calls `found` with what each quarter of this segment and each quarter of another one below
     /// it have over each other, in ascending order; they touch at the distance `thickness`
     /// [length].
-    pub fn over(&self, below: &Self, thickness: f64, mut found: impl FnMut([usize; 2], Overlap)) {
+    pub fn gap_at(&self, below: &Self, thickness: f64, mut found: impl FnMut([usize; 2], Overlap)) {
         if self.low.x >= below.high.x
             || below.low.x >= self.high.x
             || self.low.y >= below.high.y
@@ -227,16 +227,16 @@ impl Laid {
             let Some(one) = one else { continue };
             let left = (0..4).filter_map(|j| Some((j, below.quarters[j].as_ref()?)));
             for (j, other) in left {
-                let common = one.common(other);
+                let common = one.intersection(other);
                 if common.count > 2 && common.area() > SLIVER * one.area().min(other.area()) {
-                    found([i, j], self.pressed(below, &common, thickness));
+                    found([i, j], self.pressed_area(below, &common, thickness));
                 }
             }
         }
     }
 
     /// What it has over another one within an outline.
-    fn pressed(&self, below: &Self, within: &Outline, thickness: f64) -> Overlap {
+    fn pressed_area(&self, below: &Self, within: &Outline, thickness: f64) -> Overlap {
         let shapes = |p: &V2| [self.shape(p), below.shape(p)];
         let gap_of =
             |[ahead, behind]: &[[f64; 4]; 2]| self.height(ahead) - below.height(behind) - thickness;
@@ -299,10 +299,11 @@ mod tests {
     }
 
     fn all(above: &[V3; 4], below: &[V3; 4]) -> Vec<([usize; 2], Overlap)> {
-        let plane = Plane::across(V3::z(), V3::zeros());
-        let [one, two] = [above, below].map(|q| Laid::on(&plane, q, q[2] == q[3]).unwrap());
+        let plane = Plane::perpendicular(V3::z(), V3::zeros());
+        let [one, two] =
+            [above, below].map(|q| ProjectedSegment::on(&plane, q, q[2] == q[3]).unwrap());
         let mut found = Vec::new();
-        one.over(&two, 0.0, |quarters, overlap| found.push((quarters, overlap)));
+        one.gap_at(&two, 0.0, |quarters, overlap| found.push((quarters, overlap)));
         found
     }
 
@@ -357,10 +358,10 @@ mod tests {
     /// Shape values of a place on an uneven quad give back the place.
     #[test]
     fn shape_values_place_a_point() {
-        let plane = Plane::across(V3::z(), V3::zeros());
+        let plane = Plane::perpendicular(V3::z(), V3::zeros());
         let q = [[0.0, 0.0], [1.2, 0.1], [0.9, 1.4], [-0.2, 0.8]].map(|[x, y]| V3::new(x, y, 0.0));
         for corners in [q, [q[0], q[1], q[2], q[2]]] {
-            let laid = Laid::on(&plane, &corners, corners[2] == corners[3]).unwrap();
+            let laid = ProjectedSegment::on(&plane, &corners, corners[2] == corners[3]).unwrap();
             for at in [V2::new(0.3, 0.3), V2::new(0.7, 0.2)] {
                 let at = V2::new(
                     at.x * plane.axes[0].x + at.y * plane.axes[0].y,

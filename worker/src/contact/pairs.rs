@@ -8,22 +8,24 @@ mod order;
 mod pair;
 pub mod quiet;
 
-pub use pair::{HELD, Memory, Name, Opposed, Pair, ROLES, by_role};
+pub use pair::{
+    FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairHistory, PairKey, padded,
+};
 
 use crate::constraints::rigid::Bodies;
 use crate::contact::enforce::Iteration;
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
 use crate::nodes::{Nodes, Row, row};
-use crate::parallel::ghosts::Halo;
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crate::parallel::ghosts::Ghosts;
+use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// What a node feels of all pairs: force [force], and moment if any pair has one [force length].
-pub type Felt<'a> = (&'a V3, Option<&'a V3>);
+pub type NodalLoad<'a> = (&'a V3, Option<&'a V3>);
 
 /// The pairs that one other worker and this one both know.
 #[derive(Debug, Default)]
-struct Common {
+struct SharedPairs {
     worker: usize,
     /// Own pairs that the other knows, ascending.
     sent: Vec<u32>,
@@ -34,13 +36,13 @@ struct Common {
 /// Shares of guesses that a node takes as one of those that slaves meet, see
 /// [`PairTable::rubbed_on`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Rubbed {
+pub struct PredictedLoad {
     /// Of guesses, friction that turns nodes left out [force].
     pub force: V3,
     /// Of the masses of slaves along the normal [mass].
     pub mass: f64,
     /// Of friction that turns nodes [force].
-    pub drag: V3,
+    pub tangential_force: V3,
     /// Its moment [force length].
     pub couple: V3,
     /// Of the masses of slaves across the normal [mass].
@@ -65,14 +67,14 @@ pub struct PairTable {
     roles: Vec<(u32, u8)>,
     /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one
     /// does not; see [`Self::soften`].
-    crowds: Vec<[f64; ROLES]>,
+    weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
     /// The same of the shares times the lever arms; empty if no pair has one [length].
-    twists: Vec<[f64; ROLES]>,
-    common: Vec<Common>,
+    moment_weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
+    shared: Vec<SharedPairs>,
     /// Whether pairs count for areas, see [`Pair::area`].
     pub by_area: bool,
-    quiet: quiet::Quiet,
-    order: order::Order,
+    convergence: quiet::ConvergenceDetector,
+    schedule: order::SweepSchedule,
     incidence: Vec<(u32, u32, u8)>,
     words: Vec<u64>,
 }
@@ -83,37 +85,38 @@ impl PairTable {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn share(
+    pub fn exchange_pairs(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &Nodes,
-        halo: &Halo,
-    ) -> Result<(), Lost> {
-        self.common.clear();
-        for link in halo.links.iter().filter(|l| l.meets) {
+        halo: &Ghosts,
+    ) -> Result<(), RankLost> {
+        self.shared.clear();
+        for link in halo.links.iter().filter(|l| l.shares_nodes) {
             self.words.clear();
             let concerns = |p: &Pair| {
-                p.touching().any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok())
+                p.local_nodes()
+                    .any(|n| halo.users_of(n).binary_search(&(link.worker as u32)).is_ok())
             };
             let sent: Vec<u32> = (0..self.pairs.len())
                 .filter(|&i| concerns(&self.pairs[i]))
                 .map(|i| i as u32)
                 .collect();
             for &i in &sent {
-                self.pairs[i as usize].tell(nodes, &mut self.words);
+                self.pairs[i as usize].pack(nodes, &mut self.words);
             }
-            wire.send(link.worker + 1, Tag::Pairs, &self.words)?;
-            self.common.push(Common { worker: link.worker, sent, received: Vec::new() });
+            comm.send(link.worker + 1, Tag::Pairs, &self.words)?;
+            self.shared.push(SharedPairs { worker: link.worker, sent, received: Vec::new() });
         }
         let own = self.pairs.len();
         let mut source = vec![(usize::MAX, 0u32); own];
-        for (c, common) in self.common.iter_mut().enumerate() {
-            wire.recv(common.worker + 1, Tag::Pairs, &mut self.words)?;
+        for (c, common) in self.shared.iter_mut().enumerate() {
+            comm.recv(common.worker + 1, Tag::Pairs, &mut self.words)?;
             let (mut rest, mut k) = (&self.words[..], 0);
             while !rest.is_empty() {
-                let (mut pair, after) = Pair::told(rest, nodes);
-                if self.by_area && !pair.name.is_segment() {
-                    pair.area = pair.thickness * pair.thickness;
+                let (mut pair, after) = Pair::unpack(rest, nodes);
+                if self.by_area && !pair.key.is_segment() {
+                    pair.area = pair.contact_thickness * pair.contact_thickness;
                 }
                 self.pairs.push(pair);
                 source.push((c, k));
@@ -121,22 +124,22 @@ impl PairTable {
             }
         }
         if self.pairs.len() > own {
-            self.sort(&source);
+            self.sort_by_key(&source);
         }
-        self.common.retain(|c| !c.sent.is_empty() || !c.received.is_empty());
-        self.quiet.start(wire.rank() - 1, self.common.iter().map(|c| c.worker));
-        self.index();
+        self.shared.retain(|c| !c.sent.is_empty() || !c.received.is_empty());
+        self.convergence.start(comm.rank() - 1, self.shared.iter().map(|c| c.worker));
+        self.index_by_node();
         Ok(())
     }
 
     /// Puts pairs in ascending order of their names; where each goes is noted in `common`.
-    fn sort(&mut self, source: &[(usize, u32)]) {
+    fn sort_by_key(&mut self, source: &[(usize, u32)]) {
         let mut order: Vec<u32> = (0..self.pairs.len() as u32).collect();
-        order.sort_unstable_by_key(|&i| self.pairs[i as usize].name);
+        order.sort_unstable_by_key(|&i| self.pairs[i as usize].key);
         let mut place = vec![0u32; order.len()];
         order.iter().enumerate().for_each(|(to, &from)| place[from as usize] = to as u32);
         self.pairs = order.iter().map(|&i| self.pairs[i as usize]).collect();
-        for (c, common) in self.common.iter_mut().enumerate() {
+        for (c, common) in self.shared.iter_mut().enumerate() {
             common.sent.iter_mut().for_each(|i| *i = place[*i as usize]);
             // A sender's pairs arrive in its ascending order, which is also the order here.
             let received =
@@ -146,10 +149,10 @@ impl PairTable {
     }
 
     /// Which pairs touch which local node, ascending.
-    fn index(&mut self) {
+    fn index_by_node(&mut self) {
         self.incidence.clear();
         for (p, pair) in self.pairs.iter().enumerate() {
-            let nodes = pair.nodes[..pair.roles()].iter().enumerate();
+            let nodes = pair.nodes[..pair.node_count()].iter().enumerate();
             let roles = nodes.filter(|&(r, &n)| n != NOT_LOCAL && pair.share(r) != 0.0);
             self.incidence.extend(roles.map(|(r, &n)| (n, p as u32, r as u8)));
         }
@@ -168,7 +171,7 @@ impl PairTable {
         self.total.clear();
         self.total.resize(self.touched.len(), V3::zeros());
         self.couples.clear();
-        if self.pairs.iter().any(Pair::turns) {
+        if self.pairs.iter().any(Pair::has_couple) {
             self.couples.resize(self.touched.len(), V3::zeros());
         }
     }
@@ -176,8 +179,8 @@ impl PairTable {
     /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq.
     /// 7 and 11: m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their shape values. To
     /// be done before others are told.
-    pub fn weigh_by_mass(&mut self, nodes: &Nodes) {
-        for pair in self.pairs.iter_mut().filter(|p| p.own && p.name.is_node()) {
+    pub fn weight_by_mass(&mut self, nodes: &Nodes) {
+        for pair in self.pairs.iter_mut().filter(|p| p.is_owned && p.key.is_node()) {
             let m: [f64; 4] = std::array::from_fn(|k| {
                 nodes.contact_mass(pair.nodes[k + 1] as usize) * pair.shape[k + 1]
             });
@@ -199,17 +202,17 @@ impl PairTable {
     /// which are split in the same way: pairs have shares in a moment as in a force, each times its
     /// lever arm. With prediction and correction the masses of edges are split: a slave edge may be
     /// in several pairs, which do not see each other's corrections as pairs on one segment do.
-    pub fn soften(
+    pub fn compute_compliances(
         &mut self,
         nodes: &Nodes,
         bodies: &Bodies,
         iteration: impl Fn(&Pair) -> Iteration,
     ) {
-        self.crowds.clear();
-        self.crowds.resize(self.pairs.len(), [0.0; ROLES]);
-        self.twists.clear();
+        self.weight_sums.clear();
+        self.weight_sums.resize(self.pairs.len(), [0.0; MAX_PAIR_NODES]);
+        self.moment_weight_sums.clear();
         if !self.couples.is_empty() {
-            self.twists.resize(self.pairs.len(), [0.0; ROLES]);
+            self.moment_weight_sums.resize(self.pairs.len(), [0.0; MAX_PAIR_NODES]);
         }
         for t in 0..self.touched.len() {
             let roles = self.start[t] as usize..self.start[t + 1] as usize;
@@ -218,66 +221,74 @@ impl PairTable {
             };
             let crowd = self.roles[roles.clone()].iter().map(|&(p, r)| counts(p, r)).sum();
             for &(p, r) in &self.roles[roles.clone()] {
-                self.crowds[p as usize][r as usize] = crowd;
+                self.weight_sums[p as usize][r as usize] = crowd;
             }
-            if !self.twists.is_empty() {
-                let turns =
-                    |p: u32, r: u8| counts(p, r) * self.pairs[p as usize].arm_of(r as usize).abs();
+            if !self.moment_weight_sums.is_empty() {
+                let turns = |p: u32, r: u8| {
+                    counts(p, r) * self.pairs[p as usize].lever_arm_of(r as usize).abs()
+                };
                 let twist = self.roles[roles.clone()].iter().map(|&(p, r)| turns(p, r)).sum();
                 for &(p, r) in &self.roles[roles] {
-                    self.twists[p as usize][r as usize] = twist;
+                    self.moment_weight_sums[p as usize][r as usize] = twist;
                 }
             }
         }
         // Where two segments have nothing in contact yet there is nothing to answer.
-        let answers = |p: &Pair| p.own && p.area > 0.0;
-        for (i, (pair, crowd)) in
-            self.pairs.iter_mut().zip(&self.crowds).enumerate().filter(|(_, (p, _))| answers(p))
+        let answers = |p: &Pair| p.is_owned && p.area > 0.0;
+        for (i, (pair, crowd)) in self
+            .pairs
+            .iter_mut()
+            .zip(&self.weight_sums)
+            .enumerate()
+            .filter(|(_, (p, _))| answers(p))
         {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
             let mut rolling = 0.0;
             let split = match iteration(pair) {
                 Iteration::Split => true,
-                Iteration::Correct { .. } => pair.name.is_edge(),
+                Iteration::Correct { .. } => pair.key.is_edge(),
                 Iteration::GaussSeidel => false,
             };
             // In the order of roles: local numbers, and with them any other order, differ from
             // worker to worker.
-            for r in (0..pair.roles()).filter(|&r| crowd[r] > 0.0) {
+            for r in (0..pair.node_count()).filter(|&r| crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
                 // The nodes of a rigid body feel a sweep's forces together, when it is over.
-                let together = split || bodies.of(pair.nodes[r]).is_some();
+                let together = split || bodies.body_of(pair.nodes[r]).is_some();
                 let moved =
                     if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
                 let along = moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
                 soft[0] += along;
-                sides[usize::from(pair.is_ahead(r as u8))] += along;
+                sides[usize::from(pair.is_slave_role(r as u8))] += along;
                 soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
-                let arm = pair.arm_of(r).abs();
+                let arm = pair.lever_arm_of(r).abs();
                 if arm > 0.0 {
                     let inv = bodies.inv_inertia(pair.nodes[r], nodes);
-                    let twist =
-                        if together { self.twists[i][r] / pair.area } else { pair.share(r) * arm };
+                    let twist = if together {
+                        self.moment_weight_sums[i][r] / pair.area
+                    } else {
+                        pair.share(r) * arm
+                    };
                     rolling += twist * arm * pair.follows(r) * inv[0].max(inv[1]).max(inv[2]);
                 }
             }
             pair.compliance = [soft[0], soft[1] + rolling];
-            pair.rolling = rolling;
-            pair.firm = sides[0].min(sides[1]);
+            pair.rotational_compliance = rolling;
+            pair.stiffer_compliance = sides[0].min(sides[1]);
         }
     }
 
     /// Adds up the contact force on every touched node, and the moment.
-    pub fn add_up(&mut self) {
+    pub fn sum_forces(&mut self) {
         for t in 0..self.touched.len() {
-            self.add_up_at(t);
+            self.sum_forces_at(t);
         }
     }
 
     /// Adds them up at place `t` of `touched`.
-    fn add_up_at(&mut self, t: usize) {
+    fn sum_forces_at(&mut self, t: usize) {
         self.total[t] = self.force_at(t);
         if !self.couples.is_empty() {
             self.couples[t] = self.couple_at(t);
@@ -295,7 +306,7 @@ impl PairTable {
         for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
             let part = pair.force * pair.share(r as usize);
-            if pair.is_ahead(r) { sum += part } else { sum -= part }
+            if pair.is_slave_role(r) { sum += part } else { sum -= part }
         }
         sum
     }
@@ -305,7 +316,7 @@ impl PairTable {
         let mut sum = V3::zeros();
         for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
-            let arm = pair.arm_of(r as usize);
+            let arm = pair.lever_arm_of(r as usize);
             if arm != 0.0 {
                 sum += pair.twist(&pair.force) * (arm * pair.share(r as usize));
             }
@@ -315,13 +326,13 @@ impl PairTable {
 
     /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at
     /// place `t` of `touched` takes as a node of what slaves meet [force], [mass].
-    pub fn pressed_on(&self, t: usize) -> (V3, f64) {
+    pub fn predicted_normal_load(&self, t: usize) -> (V3, f64) {
         let (mut force, mut mass) = (V3::zeros(), 0.0);
         for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
-            if !pair.is_ahead(r) && pair.guess != V3::zeros() {
-                force += pair.guess * pair.share(r as usize);
-                mass += pair.mass * pair.share(r as usize);
+            if !pair.is_slave_role(r) && pair.predictor_force != V3::zeros() {
+                force += pair.predictor_force * pair.share(r as usize);
+                mass += pair.slave_mass * pair.share(r as usize);
             }
         }
         (force, mass)
@@ -329,24 +340,24 @@ impl PairTable {
 
     /// The same where friction turns nodes: of pairs that do, the tangential part of the guess is
     /// apart.
-    pub fn rubbed_on(&self, t: usize) -> Rubbed {
-        let mut sum = Rubbed::default();
+    pub fn predicted_load(&self, t: usize) -> PredictedLoad {
+        let mut sum = PredictedLoad::default();
         for &(p, r) in self.roles_at(t) {
             let pair = &self.pairs[p as usize];
-            if pair.is_ahead(r) || pair.guess == V3::zeros() {
+            if pair.is_slave_role(r) || pair.predictor_force == V3::zeros() {
                 continue;
             }
-            let (share, arm) = (pair.share(r as usize), pair.arm_of(r as usize));
-            sum.mass += pair.mass * share;
-            if pair.turns() {
-                let pressed = pair.normal * pair.guess.dot(&pair.normal);
+            let (share, arm) = (pair.share(r as usize), pair.lever_arm_of(r as usize));
+            sum.mass += pair.slave_mass * share;
+            if pair.has_couple() {
+                let pressed = pair.normal * pair.predictor_force.dot(&pair.normal);
                 sum.force += pressed * share;
-                sum.drag += (pair.guess - pressed) * share;
-                sum.couple += pair.twist(&pair.guess) * (arm * share);
-                sum.sliding_mass += pair.sliding_mass * share;
-                sum.turned_mass += pair.sliding_mass * share * arm * arm;
+                sum.tangential_force += (pair.predictor_force - pressed) * share;
+                sum.couple += pair.twist(&pair.predictor_force) * (arm * share);
+                sum.sliding_mass += pair.slave_sliding_mass * share;
+                sum.turned_mass += pair.slave_sliding_mass * share * arm * arm;
             } else {
-                sum.force += pair.guess * share;
+                sum.force += pair.predictor_force * share;
             }
         }
         sum
@@ -355,20 +366,21 @@ impl PairTable {
     /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back
     /// from the pair's side. Those whose guess is below the fraction `little` of their force have
     /// settled.
-    pub fn opposed(&self, pair: &Pair, little: f64) -> Opposed {
-        let mut found = Opposed { free: false, held: false, settled: true };
-        let places = (pair.ahead()..pair.roles()).filter(|&r| pair.share(r) != 0.0);
+    pub fn opposing_pairs(&self, pair: &Pair, little: f64) -> OpposingPairs {
+        let mut found = OpposingPairs { free: false, held: false, settled: true };
+        let places = (pair.slave_node_count()..pair.node_count()).filter(|&r| pair.share(r) != 0.0);
         let places = places.filter_map(|r| self.touched.binary_search(&pair.nodes[r]).ok());
         for &(q, _) in places
             .flat_map(|t| self.roles_at(t))
-            .filter(|&&(q, r)| self.pairs[q as usize].is_ahead(r))
+            .filter(|&&(q, r)| self.pairs[q as usize].is_slave_role(r))
         {
             let other = &self.pairs[q as usize];
-            let force = other.force + other.guess;
+            let force = other.force + other.predictor_force;
             if force.dot(&pair.normal) < 0.0 {
-                found.free |= !other.held;
-                found.held |= other.held;
-                found.settled &= other.held || other.guess.norm() <= little * force.norm();
+                found.free |= !other.slave_is_fixed;
+                found.held |= other.slave_is_fixed;
+                found.settled &=
+                    other.slave_is_fixed || other.predictor_force.norm() <= little * force.norm();
             }
         }
         found
@@ -379,14 +391,14 @@ impl PairTable {
         let Ok(t) = self.touched.binary_search(&node) else { return false };
         let of = |&(q, r): &(u32, u8)| {
             let pair = &self.pairs[q as usize];
-            r == 0 && pair.name.is_node() && pair.normal.dot(normal) > 0.5
+            r == 0 && pair.key.is_node() && pair.normal.dot(normal) > 0.5
         };
         self.roles_at(t).iter().any(of)
     }
 
     /// Whether other workers know some of these pairs.
-    pub fn is_common(&self) -> bool {
-        !self.common.is_empty()
+    pub fn has_shared_pairs(&self) -> bool {
+        !self.shared.is_empty()
     }
 
     /// Exchanges the forces of pairs that several workers know, after a sweep that has `changed` an
@@ -394,38 +406,45 @@ impl PairTable {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_forces(&mut self, wire: &mut dyn Transport, changed: bool) -> Result<bool, Lost> {
-        self.quiet.note(changed);
-        let mut quiet = std::mem::take(&mut self.quiet);
-        self.swap(wire, Some(&mut quiet), |pair| &mut pair.force)?;
-        quiet.close();
-        self.quiet = quiet;
-        Ok(self.quiet.is_over())
+    pub fn exchange_forces(
+        &mut self,
+        comm: &mut dyn Transport,
+        changed: bool,
+    ) -> Result<bool, RankLost> {
+        self.convergence.record_change(changed);
+        let mut quiet = std::mem::take(&mut self.convergence);
+        self.exchange(comm, Some(&mut quiet), |pair| &mut pair.force)?;
+        quiet.end_round();
+        self.convergence = quiet;
+        Ok(self.convergence.has_converged())
     }
 
     /// Exchanges the forces of pairs that several workers know, within a sweep.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_between(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.swap(wire, None, |pair| &mut pair.force)
+    pub fn exchange_intermediate_forces(
+        &mut self,
+        comm: &mut dyn Transport,
+    ) -> Result<(), RankLost> {
+        self.exchange(comm, None, |pair| &mut pair.force)
     }
 
     /// Exchanges the guesses of pairs that several workers know.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_guesses(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        self.swap(wire, None, |pair| &mut pair.guess)
+    pub fn exchange_predictor_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        self.exchange(comm, None, |pair| &mut pair.predictor_force)
     }
 
-    fn swap(
+    fn exchange(
         &mut self,
-        wire: &mut dyn Transport,
-        mut quiet: Option<&mut quiet::Quiet>,
+        comm: &mut dyn Transport,
+        mut quiet: Option<&mut quiet::ConvergenceDetector>,
         of: fn(&mut Pair) -> &mut V3,
-    ) -> Result<(), Lost> {
-        for c in &self.common {
+    ) -> Result<(), RankLost> {
+        for c in &self.shared {
             self.words.clear();
             if let Some(quiet) = &quiet {
                 quiet.write(&mut self.words);
@@ -434,10 +453,10 @@ impl PairTable {
                 let f = of(&mut self.pairs[i as usize]);
                 self.words.extend([f.x, f.y, f.z].map(f64::to_bits));
             }
-            wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
+            comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
         }
-        for c in &self.common {
-            wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
+        for c in &self.shared {
+            comm.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
             let forces = quiet.as_mut().map_or(&self.words[..], |q| q.read(&self.words));
             for (&i, f) in c.received.iter().zip(forces.chunks_exact(3)) {
                 *of(&mut self.pairs[i as usize]) =
@@ -449,7 +468,7 @@ impl PairTable {
 }
 
 /// Adds impulse `force * dt` to a velocity row.
-pub fn push(v: &Row, force: &V3, inv_mass: &Row, dt: f64) -> Row {
+pub fn accelerated_velocity(v: &Row, force: &V3, inv_mass: &Row, dt: f64) -> Row {
     let f = row([force.x, force.y, force.z]);
     std::array::from_fn(|c| v[c] + dt * f[c] * inv_mass[c])
 }

@@ -13,12 +13,12 @@ const TOUCHED: u8 = 2;
 
 /// Marks of local nodes since the surface was last renewed, and of parts before.
 #[derive(Debug, Default)]
-pub struct Record {
+pub struct SearchRecord {
     nodes: Vec<u8>,
     parts: Vec<u8>,
 }
 
-impl Record {
+impl SearchRecord {
     /// Books the marks of nodes to the parts of `segments`; nodes are to be numbered anew, `count`
     /// of them.
     pub fn renew(&mut self, segments: &[Segment], count: usize) {
@@ -42,7 +42,7 @@ impl Record {
     }
 
     /// Whether a part ever was near, and whether it was ever touched, by the index of the part.
-    pub fn part(&self, segments: &[Segment], part: usize) -> (bool, bool) {
+    pub fn part_seen(&self, segments: &[Segment], part: usize) -> (bool, bool) {
         let marks = self.of_parts(segments).get(part).copied().unwrap_or(0);
         (marks & NEAR != 0, marks & TOUCHED != 0)
     }
@@ -78,24 +78,24 @@ mod tests {
             id: SegmentId::new(ElemId(1), 0),
             nodes,
             behind: [NOT_LOCAL; 4],
-            half: 1.0,
+            half_thickness: 1.0,
             scale: 1.0,
             part,
             own: true,
         };
         let before =
             [segment(0, [0, 1, 2, 3]), segment(1, [4, 5, 6, 7]), segment(2, [8, 9, 10, 11])];
-        let mut record = Record::default();
+        let mut record = SearchRecord::default();
         record.renew(&[], 12);
         record.near(0, &before[1]);
-        assert_eq!(record.part(&before, 0), (true, false));
-        assert_eq!(record.part(&before, 1), (true, false));
-        assert_eq!(record.part(&before, 2), (false, false));
+        assert_eq!(record.part_seen(&before, 0), (true, false));
+        assert_eq!(record.part_seen(&before, 1), (true, false));
+        assert_eq!(record.part_seen(&before, 2), (false, false));
         record.touched(&[5, 0, 1, 2, 3]);
         record.renew(&before, 4);
         let after = [segment(2, [0, 1, 2, 3])];
         assert_eq!(
-            [0, 1, 2].map(|p| record.part(&after, p)),
+            [0, 1, 2].map(|p| record.part_seen(&after, p)),
             [(true, true), (true, true), (false, false)]
         );
     }

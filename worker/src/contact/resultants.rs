@@ -13,7 +13,7 @@ impl Contact {
     /// that is in contact.
     pub fn forces_between_parts(&self) -> Vec<ContactShare> {
         let mut sums: BTreeMap<[u32; 2], [f64; 3]> = BTreeMap::new();
-        for pair in self.own_table() {
+        for pair in self.owned_table() {
             let Some([slave, met]) = self.parts_of(pair).filter(|[a, b]| a != b) else { continue };
             let sign = if slave < met { 1.0 } else { -1.0 };
             let sum = sums.entry([slave.min(met), slave.max(met)]).or_default();
@@ -30,18 +30,18 @@ impl Contact {
         nodes: &Nodes,
     ) -> Vec<PairForce> {
         let mut felt = Vec::new();
-        for pair in self.own_table() {
+        for pair in self.owned_table() {
             let Some([slave, met]) = self.parts_of(pair) else { continue };
             let ids = pair.nodes.map(|n| nodes.id.get(n as usize).copied().unwrap_or(NodeId(0)));
-            let (first, rest) = ids[..pair.roles()].split_at(pair.ahead());
+            let (first, rest) = ids[..pair.node_count()].split_at(pair.slave_node_count());
             for (transducer, number) in transducers.iter().zip(0..) {
                 let (on, from) = (&transducer.on, &transducer.from);
                 let pushed = on.has(slave, first) && from.has(met, rest);
                 let pushing = on.has(met, rest) && from.has(slave, first);
                 let sign = f64::from(i8::from(pushed) - i8::from(pushing));
                 if sign != 0.0 {
-                    let name = &pair.name;
-                    let words = [name.slave.0, name.far.0, name.met[0], name.met[1]];
+                    let name = &pair.key;
+                    let words = [name.slave.0, name.slave_end.0, name.target[0], name.target[1]];
                     let force = (pair.force * sign).into();
                     felt.push(PairForce { transducer: number, pair: words, force });
                 }
@@ -55,14 +55,14 @@ impl Contact {
     fn parts_of(&self, pair: &Pair) -> Option<[u32; 2]> {
         let s = &self.surface;
         let met = s.segments[s.segments.binary_search_by_key(&pair.segment, |g| g.id).ok()?].part;
-        let slave = if pair.name.is_segment() {
+        let slave = if pair.key.is_segment() {
             s.segments
-                [s.segments.binary_search_by_key(&pair.name.slave_quarter().0, |g| g.id).ok()?]
+                [s.segments.binary_search_by_key(&pair.key.slave_quarter().0, |g| g.id).ok()?]
             .part
-        } else if pair.name.is_edge() {
+        } else if pair.key.is_edge() {
             s.segments[self.edges.segment_of([pair.nodes[0], pair.nodes[1]])? as usize].part
         } else {
-            s.first(s.slaves.binary_search(&pair.nodes[0]).ok()?).0
+            s.precedes(s.slaves.binary_search(&pair.nodes[0]).ok()?).0
         };
         Some([slave, met])
     }

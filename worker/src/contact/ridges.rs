@@ -33,7 +33,7 @@ fn limit(half: f64, width: f64) -> f64 {
 
 /// The outermost arms of an edge.
 #[derive(Clone, Copy, Debug)]
-pub struct Wedge {
+pub struct FoldWedge {
     /// Unit vectors.
     pub arms: [V3; 2],
     /// Length of the longer one, the width of its segment [length].
@@ -91,7 +91,7 @@ type Side = ([u32; 2], u32);
 
 /// Edges of a surface with the segments that have them.
 #[derive(Debug, Default)]
-pub struct Lines {
+pub struct EdgeTable {
     /// Edges in ascending order of their local nodes.
     pub all: Vec<Edge>,
     /// Indices of the segments of each edge, ascending; run after run.
@@ -100,10 +100,10 @@ pub struct Lines {
     far: Vec<[u32; 2]>,
 }
 
-impl Lines {
+impl EdgeTable {
     /// Those of a surface that stand out or could: faces of solids have no rims, and more than two
     /// are no wedge.
-    pub fn of(surface: &Surface, nodes: &Nodes) -> Self {
+    pub fn new(surface: &Surface, nodes: &Nodes) -> Self {
         let mut sides: Vec<Side> = Vec::with_capacity(4 * surface.segments.len());
         for (g, s) in surface.segments.iter().enumerate() {
             let corners = if s.is_triangle() { 3 } else { 4 };
@@ -131,7 +131,8 @@ impl Lines {
             let segments = run.iter().map(|side| &surface.segments[side.1 as usize]);
             let shells = segments.clone().filter(|s| kind == Kind::Solid || !s.is_solid());
             let counted = shells.take(if kind == Kind::Solid { 1 } else { run.len() });
-            let largest = |of: (f64, f64), s: &Segment| (of.0.max(s.half), of.1.max(s.scale));
+            let largest =
+                |of: (f64, f64), s: &Segment| (of.0.max(s.half_thickness), of.1.max(s.scale));
             let (half, scale) = counted.fold((0.0, 0.0), largest);
             lines.all.push(Edge { nodes: run[0].0, kind, first, count, half, scale });
             lines.segments.extend(run.iter().map(|side| side.1));
@@ -158,7 +159,7 @@ impl Lines {
     }
 
     /// The lowest segment that has an edge.
-    pub fn lowest<'a>(&self, edge: &Edge, surface: &'a Surface) -> &'a Segment {
+    pub fn lowest_segment<'a>(&self, edge: &Edge, surface: &'a Surface) -> &'a Segment {
         &surface.segments[self.segments[edge.first as usize] as usize]
     }
 
@@ -166,7 +167,7 @@ impl Lines {
     pub fn interface(&self, edges: [&Edge; 2], surface: &Surface) -> Option<u16> {
         let [ahead, behind] =
             edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
-        surface.interfaces.between(ahead, behind)
+        surface.interfaces.for_pair(ahead, behind)
     }
 
     /// Place of the edge between these local nodes, in the order in which edges have them.
@@ -188,18 +189,18 @@ impl Lines {
     }
 
     /// Outermost arms of an edge. `None` without an outside, or where a segment has no area.
-    pub fn wedge(&self, edge: &Edge, x: &[Row]) -> Option<Wedge> {
-        let axis = Axis::of(edge, x);
+    pub fn wedge(&self, edge: &Edge, x: &[Row]) -> Option<FoldWedge> {
+        let axis = Axis::new(edge, x);
         let arm = |far: &[u32; 2]| axis.arm(far, x);
         match &self.far[edge.first as usize..(edge.first + edge.count) as usize] {
-            [g] => Wedge::of(arm(g), arm(g)),
-            [g, h] => Wedge::of(arm(g), arm(h)),
+            [g] => FoldWedge::between(arm(g), arm(g)),
+            [g, h] => FoldWedge::between(arm(g), arm(h)),
             all => outermost(&all.iter().map(arm).collect::<Vec<V3>>()),
         }
     }
 
     /// Whether an edge stands out, with nodes at `x`.
-    pub fn stands_out(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> bool {
+    pub fn is_exposed(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> bool {
         let [out] = self.is_folded(edge, surface, x, [1.0]);
         out
     }
@@ -215,12 +216,15 @@ impl Lines {
         if matches!(edge.kind, Kind::Rim | Kind::Beam) {
             return [true; N];
         }
-        let Some(Wedge { arms: [a, b], width }) = self.wedge(edge, x) else { return [false; N] };
+        let Some(FoldWedge { arms: [a, b], width }) = self.wedge(edge, x) else {
+            return [false; N];
+        };
         let turned = -a.dot(&b);
         if edge.kind == Kind::Solid {
             // Of a solid it is convex: the other face lies behind this one.
-            let convex =
-                || self.lowest(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0);
+            let convex = || {
+                self.lowest_segment(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0)
+            };
             return by.map(|fraction| turned < (fraction * SOLID_FOLD).cos() && convex());
         }
         by.map(|fraction| {
@@ -243,7 +247,7 @@ struct Axis {
 }
 
 impl Axis {
-    fn of(edge: &Edge, x: &[Row]) -> Self {
+    fn new(edge: &Edge, x: &[Row]) -> Self {
         let [p, q] = edge.ends(x);
         Self { from: p, along: q - p, length2: (q - p).norm_squared() }
     }
@@ -257,9 +261,9 @@ impl Axis {
     }
 }
 
-impl Wedge {
+impl FoldWedge {
     /// Between two arms [length].
-    fn of(a: V3, b: V3) -> Option<Self> {
+    fn between(a: V3, b: V3) -> Option<Self> {
         let [one, two] = [a.norm(), b.norm()];
         (one > 0.0 && two > 0.0).then(|| Self { arms: [a / one, b / two], width: one.max(two) })
     }
@@ -267,7 +271,7 @@ impl Wedge {
 
 /// The two of some arms about a line [length] that all others lie between; `None` where these take
 /// half a turn or more.
-fn outermost(arms: &[V3]) -> Option<Wedge> {
+fn outermost(arms: &[V3]) -> Option<FoldWedge> {
     /// Round-off of unit vectors.
     const BETWEEN: f64 = 1e-9;
     let units: Vec<V3> = arms.iter().map(|a| a.try_normalize(0.0)).collect::<Option<_>>()?;
@@ -276,7 +280,7 @@ fn outermost(arms: &[V3]) -> Option<Wedge> {
             let Some(middle) = (a + b).try_normalize(BETWEEN) else { continue };
             let half = middle.dot(a);
             if half > BETWEEN && units.iter().all(|c| middle.dot(c) >= half - BETWEEN) {
-                return Wedge::of(arms[i], arms[k]);
+                return FoldWedge::between(arms[i], arms[k]);
             }
         }
     }
@@ -303,7 +307,7 @@ mod tests {
                 id: SegmentId(8 * (i as u64 + 1)),
                 nodes: [0, 1, n - 2, n - 1],
                 behind: [NOT_LOCAL; 4],
-                half,
+                half_thickness: half,
                 scale: 0.1,
                 part: 0,
                 own: true,
@@ -314,8 +318,8 @@ mod tests {
 
     fn stands_out(angles: &[f64], half: f64) -> bool {
         let (nodes, surface) = star(angles, half);
-        let lines = Lines::of(&surface, &nodes);
-        lines.stands_out(&lines.all[lines.place([0, 1]).unwrap()], &surface, &nodes.x)
+        let lines = EdgeTable::new(&surface, &nodes);
+        lines.is_exposed(&lines.all[lines.place([0, 1]).unwrap()], &surface, &nodes.x)
     }
 
     #[test]

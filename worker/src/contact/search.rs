@@ -31,7 +31,7 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
     let grid = Grid::new(&bounds, boxes, points.len());
     let (start, members) = grid.fill(points);
     for (b, bx) in boxes.iter().enumerate() {
-        let common = bx.common(&bounds);
+        let common = bx.intersection(&bounds);
         if common.is_empty() {
             continue;
         }
@@ -40,7 +40,7 @@ pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
             for j in lo[1]..=hi[1] {
                 let line = (k * grid.count[1] + j) * grid.count[0];
                 let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
-                let inside = members[cells].iter().filter(|&&p| bx.holds(points[p as usize]));
+                let inside = members[cells].iter().filter(|&&p| bx.contains(points[p as usize]));
                 inside.for_each(|&p| found(b as u32, p));
             }
         }
@@ -122,7 +122,7 @@ pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u
         let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
         let inside = sorted[fewest][ranges[fewest].clone()]
             .iter()
-            .filter(|p| bx.holds(points[p.1 as usize]));
+            .filter(|p| bx.contains(points[p.1 as usize]));
         inside.for_each(|p| found(b as u32, p.1));
     }
 }
@@ -134,7 +134,9 @@ mod tests {
 
     fn brute(boxes: &[Aabb], points: &[[f64; 3]]) -> Vec<(u32, u32)> {
         let all = (0..boxes.len()).flat_map(|b| (0..points.len()).map(move |p| (b, p)));
-        all.filter(|&(b, p)| boxes[b].holds(points[p])).map(|(b, p)| (b as u32, p as u32)).collect()
+        all.filter(|&(b, p)| boxes[b].contains(points[p]))
+            .map(|(b, p)| (b as u32, p as u32))
+            .collect()
     }
 
     proptest! {

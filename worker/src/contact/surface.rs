@@ -34,7 +34,7 @@ pub struct Segment {
     /// for a shell.
     pub behind: [u32; 4],
     /// Half the shell's thickness, or the beam's radius; 0 for a solid [length].
-    pub half: f64,
+    pub half_thickness: f64,
     /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge
     /// [length].
     pub scale: f64,
@@ -81,7 +81,7 @@ pub struct Surface {
 impl Segment {
     /// Whether the segment is a solid's face, which is touched from outside only.
     pub fn is_solid(&self) -> bool {
-        self.half == 0.0
+        self.half_thickness == 0.0
     }
 
     /// Whether it is the line of a beam.
@@ -139,7 +139,7 @@ pub struct ContactParts {
 
 impl ContactParts {
     /// Of a job.
-    pub fn of(settings: &Settings) -> Self {
+    pub fn from_settings(settings: &Settings) -> Self {
         let contact = settings.contact.as_ref();
         let interfaces = Arc::new(
             contact.map_or(Interfaces::default(), |c| Interfaces::of_parts(c, &settings.parts)),
@@ -169,7 +169,7 @@ impl ContactParts {
 
     /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a
     /// solid [length].
-    pub fn half(&self, record: &ElementRecord) -> Option<f64> {
+    pub fn half_thickness(&self, record: &ElementRecord) -> Option<f64> {
         let (of_part, instead, scale) = self.half[record.part as usize]?;
         let half =
             if record.thickness > 0.0 && !instead { 0.5 * record.thickness } else { of_part };
@@ -179,7 +179,9 @@ impl ContactParts {
 
 /// The segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
-    let Some(half) = parts.half(&e.record).filter(|_| !e.record.failed) else { return Vec::new() };
+    let Some(half) = parts.half_thickness(&e.record).filter(|_| !e.record.failed) else {
+        return Vec::new();
+    };
     let shape = e.record.shape;
     if shape == Shape::Beam2 {
         return line_of(e, nodes, half, parts.limit).into_iter().collect();
@@ -201,7 +203,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
             id: SegmentId::new(e.record.id, face),
             nodes: corners.map(|c| e.nodes[c]),
             behind,
-            half: if shell { half } else { 0.0 },
+            half_thickness: if shell { half } else { 0.0 },
             scale,
             part: e.record.part,
             own: true,
@@ -220,7 +222,7 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
         id: SegmentId::new(e.record.id, 0),
         nodes: [a, b, b, b],
         behind: [NOT_LOCAL; 4],
-        half,
+        half_thickness: half,
         scale: half,
         part: e.record.part,
         own: true,
@@ -241,12 +243,12 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 
 impl Surface {
     /// Segments of elements and what they make of the held nodes.
-    pub fn of(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
+    pub fn new(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
         let mut s = Self {
             segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
             slaves: Vec::new(),
-            node_half: vec![0.0; nodes.held],
-            node_scale: vec![0.0; nodes.held],
+            node_half: vec![0.0; nodes.local_count],
+            node_scale: vec![0.0; nodes.local_count],
             thinnest: f64::INFINITY,
             short: f64::INFINITY,
             interfaces: parts.interfaces.clone(),
@@ -254,13 +256,13 @@ impl Surface {
         };
         for i in 0..s.segments.len() {
             let g = s.segments[i];
-            g.nodes.iter().for_each(|&n| s.widen(n, g.half, g.scale));
+            g.nodes.iter().for_each(|&n| s.include_remote(n, g.half_thickness, g.scale));
         }
         s
     }
 
     /// Lets a held node have at least this half thickness and scale [length].
-    pub fn widen(&mut self, node: u32, half: f64, scale: f64) {
+    pub fn include_remote(&mut self, node: u32, half: f64, scale: f64) {
         let (h, s) = (&mut self.node_half[node as usize], &mut self.node_scale[node as usize]);
         (*h, *s) = (h.max(half), s.max(scale));
     }
@@ -316,7 +318,7 @@ impl Surface {
     /// touch.
     pub fn interface(&self, place: usize, segment: &Segment) -> Option<u16> {
         let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
-        self.interfaces.between(parts.iter().copied(), std::iter::once(segment.part))
+        self.interfaces.for_pair(parts.iter().copied(), std::iter::once(segment.part))
     }
 
     /// Half thicknesses of a node and a segment together in an interface, and their scales
@@ -324,7 +326,7 @@ impl Surface {
     pub fn sizes(&self, interface: u16, node: u32, segment: &Segment) -> (f64, f64) {
         let n = node as usize;
         let ahead = self.interfaces.measure(interface, (self.node_half[n], self.node_scale[n]));
-        let behind = self.interfaces.measure(interface, (segment.half, segment.scale));
+        let behind = self.interfaces.measure(interface, (segment.half_thickness, segment.scale));
         (ahead.0 + behind.0, ahead.1 + behind.1)
     }
 
@@ -332,7 +334,7 @@ impl Surface {
     pub fn halves(&self, interface: u16, node: u32, segment: &Segment) -> [f64; 2] {
         let n = node as usize;
         let of = |half, scale| self.interfaces.measure(interface, (half, scale)).0;
-        [of(self.node_half[n], self.node_scale[n]), of(segment.half, segment.scale)]
+        [of(self.node_half[n], self.node_scale[n]), of(segment.half_thickness, segment.scale)]
     }
 
     /// Whether a segment has a node with another one, by its id, in common.
@@ -342,7 +344,7 @@ impl Surface {
     }
 
     /// The lowest part, and of that the lowest segment, around the slave at place `i` of `slaves`.
-    pub fn first(&self, i: usize) -> (u32, SegmentId) {
+    pub fn precedes(&self, i: usize) -> (u32, SegmentId) {
         let first = self.segments.get(self.first[i] as usize);
         first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
     }
@@ -422,7 +424,8 @@ impl Surface {
 
     /// Finds the slaves: owned nodes that lie on the surface.
     pub fn collect_slaves(&mut self, nodes: &Nodes) {
-        let on_surface = |i: &u32| nodes.is_own(*i as usize) && self.node_scale[*i as usize] > 0.0;
-        self.slaves = (0..nodes.held as u32).filter(on_surface).collect();
+        let on_surface =
+            |i: &u32| nodes.is_owned(*i as usize) && self.node_scale[*i as usize] > 0.0;
+        self.slaves = (0..nodes.local_count as u32).filter(on_surface).collect();
     }
 }

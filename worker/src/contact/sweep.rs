@@ -5,14 +5,14 @@
 use crate::constraints::rigid::Bodies;
 use crate::constraints::walls::Walls;
 use crate::contact::acceleration::{Acceleration, Forces};
-use crate::contact::enforce::{ContactLaw, Iteration, Laws, Steps, demand};
+use crate::contact::enforce::{ContactLaw, Iteration, Laws, StepSizes, demand};
 use crate::contact::geometry::V3;
-use crate::contact::pairs::{Felt, Pair, PairTable, push};
+use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
 use crate::nodes::{Nodes, Row};
-use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport};
+use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 
 /// What all pairs act on.
-pub struct Sweeps<'a> {
+pub struct ContactSolver<'a> {
     /// The laws of all interfaces.
     pub laws: &'a Laws,
     /// Nodes; those that pairs touch are brought to the velocities with contact and walls.
@@ -28,7 +28,7 @@ pub struct Sweeps<'a> {
     /// Whether a pair touches a body, on any worker.
     pub coupled: bool,
     /// Steps around the present time.
-    pub steps: Steps,
+    pub steps: StepSizes,
     /// Most accelerated sweeps if the others do not settle, the same on all workers; 0 if no law
     /// converges.
     pub accelerated: usize,
@@ -36,7 +36,7 @@ pub struct Sweeps<'a> {
 
 /// What sweeps of a step have come to.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Swept {
+pub struct SolverOutcome {
     /// Number of sweeps.
     pub sweeps: u64,
     /// Whether some were accelerated.
@@ -78,7 +78,7 @@ impl Selection {
 /// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs
 /// apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exchange {
+pub struct TrafficEstimate {
     /// Sweeps of both.
     pub sweeps: f64,
     /// Messages one way.
@@ -87,7 +87,7 @@ pub struct Exchange {
     pub words: [f64; 2],
 }
 
-impl Exchange {
+impl TrafficEstimate {
     /// That of a step that takes `alone` sweeps on one worker, among workers that know after
     /// `quiet` rounds that none has changed anything. What `Sweeps::run` does, with the least that
     /// it may take: one message in a sweep for the forces; one more for guesses, or for the forces
@@ -96,7 +96,7 @@ impl Exchange {
     /// several there are `quiet` such, as far as the laws let them. Where interfaces have several
     /// ways to iterate, each takes its messages in every sweep, and the forces are exchanged once
     /// more.
-    pub fn of(laws: &Laws, alone: f64, quiet: u64) -> Self {
+    pub fn estimate(laws: &Laws, alone: f64, quiet: u64) -> Self {
         let quiet = quiet as f64;
         let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
         let of_one = |iteration: &Iteration| match iteration {
@@ -117,46 +117,56 @@ impl Exchange {
     }
 }
 
-impl Sweeps<'_> {
+impl ContactSolver<'_> {
     /// Sweeps until all forces are good enough or the law has had enough.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn run(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<Swept, Lost> {
+    pub fn run(
+        &mut self,
+        t: &mut PairTable,
+        comm: &mut dyn Transport,
+    ) -> Result<SolverOutcome, RankLost> {
         let touches = !t.pairs.is_empty() || self.coupled;
-        let mut swept = if touches { self.settle(t, wire)? } else { Swept::default() };
+        let mut swept =
+            if touches { self.run_plain_sweeps(t, comm)? } else { SolverOutcome::default() };
         if self.accelerated > 0 {
             let mut any = MaxReduction::new(1, Tag::Settled);
-            any.begin(wire, &[f64::from(swept.unsettled)])?;
-            swept.unsettled = any.finish(wire)?[0] > 0.0;
+            any.begin(comm, &[f64::from(swept.unsettled)])?;
+            swept.unsettled = any.finish(comm)?[0] > 0.0;
             swept.accelerated = swept.unsettled;
         }
         if swept.accelerated {
-            self.accelerate(t, wire, &mut swept)?;
+            self.run_accelerated_sweeps(t, comm, &mut swept)?;
         }
         Ok(swept)
     }
 
     /// Sweeps as many as the laws ask for.
-    fn settle(&mut self, t: &mut PairTable, wire: &mut dyn Transport) -> Result<Swept, Lost> {
-        t.soften(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
-        for p in t.pairs.iter_mut().filter(|p| p.own) {
-            p.demand = demand(p, &p.relative_velocity(self.nodes), self.steps);
+    fn run_plain_sweeps(
+        &mut self,
+        t: &mut PairTable,
+        comm: &mut dyn Transport,
+    ) -> Result<SolverOutcome, RankLost> {
+        t.compute_compliances(self.nodes, self.bodies, |pair| self.laws.of_pair(pair).iteration());
+        for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
+            p.approach_speed = demand(p, &p.relative_velocity(self.nodes), self.steps);
         }
         if self.laws.iterations().contains(&Iteration::GaussSeidel) {
-            t.lay_order(wire)?;
+            t.build_schedule(comm)?;
         }
-        self.feel(t);
-        self.move_bodies(t, wire, true)?;
-        let mut swept = Swept::default();
+        self.apply_forces(t);
+        self.apply_to_bodies(t, comm, true)?;
+        let mut swept = SolverOutcome::default();
         for sweep in 0..self.laws.sweeps() {
             swept.sweeps += 1;
-            let left = self.sweep(t, Stage::Plain(sweep), wire)?;
+            let left = self.sweep(t, Stage::Plain(sweep), comm)?;
             let changed = left > 1.0;
-            let quiet = if t.is_common() { t.swap_forces(wire, changed)? } else { !changed };
-            self.feel_all(t);
+            let quiet =
+                if t.has_shared_pairs() { t.exchange_forces(comm, changed)? } else { !changed };
+            self.apply_all_forces(t);
             // With bodies all workers hear of each other, and end together.
-            let over = if self.coupled { !self.move_bodies(t, wire, changed)? } else { quiet };
+            let over = if self.coupled { !self.apply_to_bodies(t, comm, changed)? } else { quiet };
             swept.unsettled = !over && left > self.laws.coarse();
             if over {
                 break;
@@ -167,46 +177,50 @@ impl Sweeps<'_> {
 
     /// More sweeps, each from forces that the ones before it point to, until nothing changes on any
     /// worker.
-    fn accelerate(
+    fn run_accelerated_sweeps(
         &mut self,
         t: &mut PairTable,
-        wire: &mut dyn Transport,
-        swept: &mut Swept,
-    ) -> Result<(), Lost> {
+        comm: &mut dyn Transport,
+        swept: &mut SolverOutcome,
+    ) -> Result<(), RankLost> {
         let mut acceleration = Acceleration::default();
         for left in (0..self.accelerated).rev() {
             swept.sweeps += 1;
-            let before: Forces = t.pairs.iter().filter(|p| p.own).map(|p| p.force).collect();
+            let before: Forces = t.pairs.iter().filter(|p| p.is_owned).map(|p| p.force).collect();
             // Who has no pairs has laid no order for them, and takes part in what all agree on
             // only.
-            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, wire)? > 1.0;
-            self.feel_others(t, wire, changed)?;
-            let advice = acceleration.note(&t.pairs, &before, changed, wire)?;
+            let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, comm)? > 1.0;
+            self.exchange_and_apply_forces(t, comm, changed)?;
+            let advice = acceleration.update(&t.pairs, &before, changed, comm)?;
             swept.unsettled = advice.changed;
             if !advice.changed {
                 break;
             }
             if let Some(forces) = advice.forces.filter(|_| left > 0) {
-                t.pairs.iter_mut().filter(|p| p.own).zip(forces).for_each(|(p, f)| p.force = f);
-                self.feel_others(t, wire, true)?;
+                t.pairs
+                    .iter_mut()
+                    .filter(|p| p.is_owned)
+                    .zip(forces)
+                    .for_each(|(p, f)| p.force = f);
+                self.exchange_and_apply_forces(t, comm, true)?;
             }
         }
         Ok(())
     }
 
     /// Lets nodes and bodies feel the forces of own pairs and of others'.
-    fn feel_others(
+    fn exchange_and_apply_forces(
         &mut self,
         t: &mut PairTable,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         changed: bool,
-    ) -> Result<(), Lost> {
-        if t.is_common() {
-            t.swap_between(wire)?;
+    ) -> Result<(), RankLost> {
+        if t.has_shared_pairs() {
+            t.exchange_intermediate_forces(comm)?;
         }
-        self.feel(t);
-        t.look_at_all();
-        self.move_bodies(t, wire, changed)?;
+        self.apply_forces(t);
+        t.mark_all_changed();
+        self.apply_to_bodies(t, comm, changed)?;
         Ok(())
     }
 
@@ -216,8 +230,8 @@ impl Sweeps<'_> {
         &mut self,
         t: &mut PairTable,
         stage: Stage,
-        wire: &mut dyn Transport,
-    ) -> Result<f64, Lost> {
+        comm: &mut dyn Transport,
+    ) -> Result<f64, RankLost> {
         let iterations = self.laws.iterations();
         let mut undone: f64 = 0.0;
         for (left, &iteration) in (0..iterations.len()).rev().zip(iterations) {
@@ -225,49 +239,49 @@ impl Sweeps<'_> {
             let most = match iteration {
                 Iteration::Split => self.all_at_once(t, some),
                 Iteration::GaussSeidel => {
-                    t.sweep_in_order(wire, self, |p, s| s.updated(p, some), Self::feel_at)?
+                    t.sweep_in_order(comm, self, |p, s| s.updated(p, some), Self::apply_force_at)?
                 }
                 Iteration::Correct { partition, little } => {
-                    self.correct(t, some, (partition, little), wire)?
+                    self.predict_and_correct(t, some, (partition, little), comm)?
                 }
             };
             undone = undone.max(most);
             if left > 0 {
                 // The next interfaces feel what these have come to.
-                if t.is_common() {
-                    t.swap_between(wire)?;
+                if t.has_shared_pairs() {
+                    t.exchange_intermediate_forces(comm)?;
                 }
-                self.feel(t);
-                t.look_at_all();
+                self.apply_forces(t);
+                t.mark_all_changed();
             }
         }
         Ok(undone)
     }
 
     /// Lets nodes feel what a sweep has come to, where they have not within it.
-    fn feel_all(&mut self, t: &mut PairTable) {
+    fn apply_all_forces(&mut self, t: &mut PairTable) {
         let iterations = self.laws.iterations();
         // One by one, what own and others' pairs have come to has been felt within the sweep.
         if iterations != [Iteration::GaussSeidel] {
-            self.feel(t);
+            self.apply_forces(t);
         }
         if self.coupled || iterations.len() > 1 {
-            t.look_at_all();
+            t.mark_all_changed();
         }
     }
 
     /// Lets rigid bodies feel the forces of all pairs; whether `changed` holds on any worker.
-    fn move_bodies(
+    fn apply_to_bodies(
         &mut self,
         t: &PairTable,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         changed: bool,
-    ) -> Result<bool, Lost> {
+    ) -> Result<bool, RankLost> {
         if !self.coupled {
             return Ok(changed);
         }
-        self.bodies.feel(
-            wire,
+        self.bodies.apply_contact(
+            comm,
             self.nodes,
             (&t.touched, &t.total, &t.couples),
             self.walls,
@@ -288,7 +302,7 @@ impl Sweeps<'_> {
     /// Some of the own pairs, from the same state; the most that one has had left undone.
     fn all_at_once(&self, t: &mut PairTable, some: Selection) -> f64 {
         let mut undone: f64 = 0.0;
-        for p in t.pairs.iter_mut().filter(|p| p.own) {
+        for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             if let Some((force, left)) = self.updated(p, some) {
                 p.force = force;
                 undone = undone.max(left);
@@ -300,44 +314,49 @@ impl Sweeps<'_> {
     /// Guesses what all pairs still need, sees how segments would move under that, each slave's
     /// mass and force shared among a segment's nodes, and corrects the forces of own pairs; the
     /// most that one has had left undone.
-    fn correct(
+    fn predict_and_correct(
         &mut self,
         t: &mut PairTable,
         some: Selection,
         (partition, little): (f64, f64),
-        wire: &mut dyn Transport,
-    ) -> Result<f64, Lost> {
-        for p in t.pairs.iter_mut().filter(|p| p.own) {
+        comm: &mut dyn Transport,
+    ) -> Result<f64, RankLost> {
+        for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             let velocity = p.relative_velocity(self.nodes);
             let guess = |law: &dyn ContactLaw| law.guess(p, &velocity, self.steps);
-            p.guess = some.law(p, self.laws).map_or(V3::zeros(), guess);
-            if p.turns() && p.compliance[1] > 0.0 {
+            p.predictor_force = some.law(p, self.laws).map_or(V3::zeros(), guess);
+            if p.has_couple() && p.compliance[1] > 0.0 {
                 let sliding = velocity - p.normal * velocity.dot(&p.normal);
-                p.pull_most =
-                    (p.slip / self.steps.dt + sliding).norm() / (self.steps.push * p.compliance[1]);
+                p.max_tangential_correction = (p.slip / self.steps.dt + sliding).norm()
+                    / (self.steps.dt_damped * p.compliance[1]);
             }
         }
-        if t.is_common() {
-            t.swap_guesses(wire)?;
+        if t.has_shared_pairs() {
+            t.exchange_predictor_forces(comm)?;
         }
-        let fraction =
-            |p: &Pair| if p.own { p.turn_of(partition, t.opposed(p, little)) } else { 1.0 };
+        let fraction = |p: &Pair| {
+            if p.is_owned {
+                p.partition_factor_of(partition, t.opposing_pairs(p, little))
+            } else {
+                1.0
+            }
+        };
         let fractions: Vec<f64> = t.pairs.iter().map(fraction).collect();
-        t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.turn = fraction);
+        t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.partition_factor = fraction);
         // The slave of a pair is taken where it goes now, the segment where all guesses would take
         // it.
-        let own = t.pairs.iter().filter(|p| p.own);
+        let own = t.pairs.iter().filter(|p| p.is_owned);
         let slaves: Vec<V3> = own.map(|p| p.slave_velocity(self.nodes)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
             if !t.couples.is_empty() {
                 self.predict_turning(t, k, n);
                 continue;
             }
-            let (force, mass) = t.pressed_on(k);
-            self.bring(n, self.predicted(n, &force, mass));
+            let (force, mass) = t.predicted_normal_load(k);
+            self.set_velocity(n, self.predicted(n, &force, mass));
         }
         let mut undone: f64 = 0.0;
-        for (p, slave) in t.pairs.iter_mut().filter(|p| p.own).zip(slaves) {
+        for (p, slave) in t.pairs.iter_mut().filter(|p| p.is_owned).zip(slaves) {
             let moved = p.slave_velocity(self.nodes);
             let velocity = p.relative_velocity(self.nodes) + slave - moved;
             if let Some(force) =
@@ -355,57 +374,90 @@ impl Sweeps<'_> {
         let total = self.nodes.contact_mass(n as usize) + mass;
         let inverse =
             self.nodes.inv_mass[n as usize].map(|i| if i > 0.0 { 1.0 / total } else { 0.0 });
-        push(&self.nodes.next_v[n as usize], &-force, &inverse, self.steps.push)
+        accelerated_velocity(
+            &self.nodes.v_next[n as usize],
+            &-force,
+            &inverse,
+            self.steps.dt_damped,
+        )
     }
 
     /// The same where friction turns nodes: what slides on node n has a share M of its mass there,
     /// which moves and turns it together, so that a force gives `1/m / (1 + M (1/m + b^2/I))` of
     /// velocity with the lever arm b and the inertia I, and a moment as much of spin with `1/I`.
     fn predict_turning(&mut self, t: &PairTable, k: usize, n: u32) {
-        let guessed = t.rubbed_on(k);
+        let guessed = t.predicted_load(k);
         let v = self.predicted(n, &guessed.force, guessed.mass);
         let (inv_mass, inv_inertia) =
             (self.nodes.inv_mass[n as usize], self.nodes.inv_inertia[n as usize]);
         let most = |inverse: &Row| inverse[0].max(inverse[1]).max(inverse[2]);
         let held =
             1.0 + guessed.sliding_mass * most(&inv_mass) + guessed.turned_mass * most(&inv_inertia);
-        self.bring(n, push(&v, &-guessed.drag, &inv_mass.map(|i| i / held), self.steps.push));
-        let spin = &self.nodes.next_w[n as usize];
-        self.spin(n, push(spin, &guessed.couple, &inv_inertia.map(|i| i / held), self.steps.push));
+        self.set_velocity(
+            n,
+            accelerated_velocity(
+                &v,
+                &-guessed.tangential_force,
+                &inv_mass.map(|i| i / held),
+                self.steps.dt_damped,
+            ),
+        );
+        let spin = &self.nodes.w_next[n as usize];
+        self.set_rotational_velocity(
+            n,
+            accelerated_velocity(
+                spin,
+                &guessed.couple,
+                &inv_inertia.map(|i| i / held),
+                self.steps.dt_damped,
+            ),
+        );
     }
 
     /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and
     /// walls.
-    fn feel(&mut self, t: &mut PairTable) {
-        t.add_up();
+    fn apply_forces(&mut self, t: &mut PairTable) {
+        t.sum_forces();
         for (k, total) in t.total.iter().enumerate() {
-            self.feel_at(k as u32, t.touched[k], (total, t.couples.get(k)));
+            self.apply_force_at(k as u32, t.touched[k], (total, t.couples.get(k)));
         }
     }
 
-    fn feel_at(&mut self, k: u32, n: u32, (total, couple): Felt<'_>) {
-        let v =
-            push(&self.free[k as usize], total, &self.nodes.inv_mass[n as usize], self.steps.push);
-        self.bring(n, v);
+    fn apply_force_at(&mut self, k: u32, n: u32, (total, couple): NodalLoad<'_>) {
+        let v = accelerated_velocity(
+            &self.free[k as usize],
+            total,
+            &self.nodes.inv_mass[n as usize],
+            self.steps.dt_damped,
+        );
+        self.set_velocity(n, v);
         if let Some(couple) = couple {
             let inverse = &self.nodes.inv_inertia[n as usize];
-            self.spin(n, push(&self.free_spins[k as usize], couple, inverse, self.steps.push));
+            self.set_rotational_velocity(
+                n,
+                accelerated_velocity(
+                    &self.free_spins[k as usize],
+                    couple,
+                    inverse,
+                    self.steps.dt_damped,
+                ),
+            );
         }
     }
 
     /// Node `n` turns with the rotational velocity `w` unless it belongs to a rigid body.
-    fn spin(&mut self, n: u32, w: Row) {
-        if self.bodies.of(n).is_none() {
-            self.nodes.next_w[n as usize] = w;
+    fn set_rotational_velocity(&mut self, n: u32, w: Row) {
+        if self.bodies.body_of(n).is_none() {
+            self.nodes.w_next[n as usize] = w;
         }
     }
 
     /// Node `n` goes with velocity `v` unless a wall stops it, or it belongs to a rigid body.
-    fn bring(&mut self, n: u32, v: Row) {
-        if self.bodies.of(n).is_some() {
+    fn set_velocity(&mut self, n: u32, v: Row) {
+        if self.bodies.body_of(n).is_some() {
             return;
         }
         let n = n as usize;
-        self.nodes.next_v[n] = self.walls.stop(self.nodes, n, v, self.steps.dt);
+        self.nodes.v_next[n] = self.walls.stop(self.nodes, n, v, self.steps.dt);
     }
 }

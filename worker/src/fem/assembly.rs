@@ -6,14 +6,14 @@ use std::ops::Range;
 
 /// Order in which elements are computed and nodes gather.
 #[derive(Debug, Default)]
-pub struct Plan {
+pub struct AssemblyPlan {
     /// For each held node, where its slots start.
     start: Vec<u32>,
     /// Corner slots, node after node, in ascending global element id.
     slots: Vec<u32>,
     /// Groups in the order in which they are computed: those that other workers wait for, then the
     /// rest.
-    pub batches: [Vec<Batch>; 2],
+    pub batches: [Vec<AssemblyBatch>; 2],
     /// Nodes that batches gather, batch after batch.
     pub early: Vec<u32>,
     /// Held nodes that are gathered at the end: what others send is part of their sum, or they have
@@ -24,7 +24,7 @@ pub struct Plan {
 /// Groups of a block that are computed together, and the nodes whose corners are then complete:
 /// they gather while these are still in the cache.
 #[derive(Debug)]
-pub struct Batch {
+pub struct AssemblyBatch {
     /// The block.
     pub block: usize,
     /// Its groups.
@@ -34,16 +34,16 @@ pub struct Batch {
 }
 
 /// An element's corners at held nodes, own or received.
-pub struct Corners<'a> {
+pub struct ElementCorner<'a> {
     /// Local nodes.
     pub nodes: &'a [u32],
     /// Slot of the first; the others follow.
     pub first: usize,
 }
 
-impl Plan {
+impl AssemblyPlan {
     /// A plan in which nodes take corners in the order of `elements`.
-    pub fn new<'a>(held: usize, elements: impl Iterator<Item = Corners<'a>> + Clone) -> Self {
+    pub fn new<'a>(held: usize, elements: impl Iterator<Item = ElementCorner<'a>> + Clone) -> Self {
         let mut start = vec![0; held + 1];
         for e in elements.clone() {
             e.nodes.iter().for_each(|&n| start[n as usize + 1] += 1);
@@ -65,12 +65,12 @@ impl Plan {
     /// Lays down when nodes gather: with the last of the batches that complete them, `front` ones
     /// before the rest, and at the end with a slot from `received` on or in `loaded`, to which
     /// something is added until then. `slots_of` are the corner slots that a batch fills.
-    pub fn lay_batches(
+    pub fn build_batches(
         &mut self,
-        batches: [Vec<Batch>; 2],
+        batches: [Vec<AssemblyBatch>; 2],
         received: usize,
         loaded: &[Range<usize>],
-        slots_of: impl Fn(&Batch) -> Range<usize>,
+        slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
     ) {
         self.batches = batches;
         // When each slot is complete; those of idle elements always are.
@@ -111,7 +111,7 @@ impl Plan {
     }
 
     /// Minus the sum of the corners in `column`, for some held nodes, in ascending element id.
-    pub fn gather(&self, column: &[Row], sums: &mut [Row], which: &[u32]) {
+    pub fn assemble(&self, column: &[Row], sums: &mut [Row], which: &[u32]) {
         for i in which.iter().map(|&i| i as usize) {
             let mut sum = [0.0; 4];
             for &slot in self.slots_of(i) {
@@ -122,7 +122,7 @@ impl Plan {
     }
 
     /// The same of two columns at once.
-    pub fn gather_both(&self, columns: [&[Row]; 2], sums: [&mut [Row]; 2], which: &[u32]) {
+    pub fn assemble_both(&self, columns: [&[Row]; 2], sums: [&mut [Row]; 2], which: &[u32]) {
         let ([forces, moments], [force, moment]) = (columns, sums);
         for i in which.iter().map(|&i| i as usize) {
             let (mut f, mut m) = ([0.0; 4], [0.0; 4]);

@@ -4,9 +4,11 @@
 //! A node adds its corners in ascending global element id, own and received ones alike:
 //! the sum has the same bits whoever computes it.
 
-use crate::fem::assembly::{Batch, Corners, Plan};
-use crate::fem::columns::{Columns, State};
-use crate::fem::elements::{CornerForces, Element, NodeView, Pass, PassTotals, build_block};
+use crate::fem::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
+use crate::fem::columns::{HistoryColumns, State};
+use crate::fem::elements::{
+    Element, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
+};
 use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::Precision;
@@ -46,7 +48,7 @@ pub struct Block {
     /// Local nodes: per group one row per slot.
     groups: Vec<u32>,
     /// History columns.
-    history: Columns,
+    history: HistoryColumns,
     /// Groups that nothing has strained yet: their forces are nought while their nodes move alike.
     unstrained: Vec<bool>,
 }
@@ -81,7 +83,7 @@ pub struct Blocks {
     /// Held nodes with slow and with fast elements.
     between: Vec<u32>,
     /// How nodes gather in steps with all elements, and in those without slow ones.
-    plans: [Plan; 2],
+    plans: [AssemblyPlan; 2],
 }
 
 /// Elements of a batch: their corner forces and history fit into the second level of a cache beside
@@ -103,7 +105,7 @@ pub struct BlockBytes {
 
 /// A corner of another worker's element at a held node.
 #[derive(Clone, Copy, Debug)]
-pub struct ForeignCorner {
+pub struct RemoteCorner {
     /// Local node.
     pub node: u32,
     /// The element.
@@ -115,7 +117,7 @@ pub struct ForeignCorner {
 impl Block {
     /// History columns of one element.
     pub fn state(&self, index: usize) -> State<'_> {
-        self.history.of(index)
+        self.history.element(index)
     }
 
     /// Elements of a group.
@@ -159,7 +161,7 @@ impl Blocks {
         let mut all = Self {
             weak,
             mass_scaled: elements.iter().any(|e: &LocalElement| {
-                e.record.mass_factor != 1.0 && !is_idle(settings, e.record.part)
+                e.record.mass_factor != 1.0 && !is_inactive(settings, e.record.part)
             }),
             massless_dt: elements
                 .iter()
@@ -214,7 +216,7 @@ impl Blocks {
     /// Bytes in use, spare room of lists left out.
     pub fn bytes(&self) -> BlockBytes {
         let groups = |b: &Block| size_of_val(&b.groups[..]) + size_of_val(&b.unstrained[..]);
-        let lists = self.plans.iter().map(Plan::bytes).sum::<usize>();
+        let lists = self.plans.iter().map(AssemblyPlan::bytes).sum::<usize>();
         let records =
             size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
@@ -238,10 +240,10 @@ impl Blocks {
     /// Lays down in which order each held node gathers corners, and when; received corners take the
     /// slots after the own ones. Nodes of loaded elements gather at the end, since something is
     /// added to the corners until then.
-    pub fn lay_gather(
+    pub fn build_assembly(
         &mut self,
         held: usize,
-        foreign: &[ForeignCorner],
+        foreign: &[RemoteCorner],
         is_loaded: impl Fn(ElemId) -> bool,
     ) {
         let (own, count) = (self.own_slots(), self.elements.len());
@@ -252,8 +254,10 @@ impl Blocks {
         order.sort_unstable();
         let slots = self.first_slots();
         let corners = |i: usize| match self.elements.get(i) {
-            Some(e) => Corners { nodes: &e.nodes[..e.record.shape.corners()], first: slots[i] },
-            None => Corners {
+            Some(e) => {
+                ElementCorner { nodes: &e.nodes[..e.record.shape.corners()], first: slots[i] }
+            }
+            None => ElementCorner {
                 nodes: std::slice::from_ref(&foreign[i - count].node),
                 first: own + i - count,
             },
@@ -266,14 +270,15 @@ impl Blocks {
         };
         let of = |all: bool| {
             let picked = order.iter().map(|o| o.1 as usize).filter(|&i| all || !is_slow(i));
-            let mut plan = Plan::new(held, picked.map(corners));
+            let mut plan = AssemblyPlan::new(held, picked.map(corners));
             let batches = [true, false].map(|front| self.batches(front, all));
-            plan.lay_batches(batches, own, &loaded, |batch| {
+            plan.build_batches(batches, own, &loaded, |batch| {
                 self.blocks[batch.block].slots_of(&batch.groups)
             });
             plan
         };
-        self.plans = [of(true), if self.subcycles > 1 { of(false) } else { Plan::default() }];
+        self.plans =
+            [of(true), if self.subcycles > 1 { of(false) } else { AssemblyPlan::default() }];
         if self.subcycles > 1 {
             let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
             let is_between =
@@ -288,7 +293,7 @@ impl Blocks {
 
     /// Cuts the groups that other workers wait for, or the rest, into batches; with `all` those of
     /// slow elements too.
-    fn batches(&self, front: bool, all: bool) -> Vec<Batch> {
+    fn batches(&self, front: bool, all: bool) -> Vec<AssemblyBatch> {
         let cut = |(block, b): (usize, &Block)| {
             let groups = if b.idle || b.slow && !all {
                 0..0
@@ -300,7 +305,7 @@ impl Blocks {
             let (end, size) = (groups.end, BATCH / b.lanes());
             groups
                 .step_by(size)
-                .map(move |g| Batch { block, groups: g..(g + size).min(end), nodes: 0..0 })
+                .map(move |g| AssemblyBatch { block, groups: g..(g + size).min(end), nodes: 0..0 })
                 .collect::<Vec<_>>()
         };
         self.blocks.iter().enumerate().flat_map(cut).collect()
@@ -329,7 +334,7 @@ impl Blocks {
             let slots = b.base..b.base + b.corner_slots();
             let moment =
                 if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
-            let out = CornerForces { force: &mut self.force[slots], moment };
+            let out = ElementNodalForces { force: &mut self.force[slots], moment };
             let mut pass = if b.slow {
                 let cycles = self.subcycles as f64;
                 let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), cycles * dt, out);
@@ -350,7 +355,7 @@ impl Blocks {
                 *energy = [energy[0] + pass.internal, energy[1] + pass.hourglass];
             }
             totals.add(&pass);
-            self.gather(&plan, nodes, &plan.early[batch.nodes.clone()]);
+            self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
         }
         self.plans[usize::from(!all)] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
@@ -358,18 +363,18 @@ impl Blocks {
     }
 
     /// Whether held node `i` has slow elements, and no others.
-    pub fn is_slow_only(&self, i: usize) -> bool {
+    pub fn has_subcycled_only(&self, i: usize) -> bool {
         self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
     }
 
     /// Sum of `f_s f_f / m` over own nodes between slow and fast elements when an outer step
     /// begins: f_s are the forces of slow elements, f_f all others but those of contact, m masses,
     /// or inertias [energy/time^2].
-    pub fn coupling(&self, nodes: &Nodes) -> f64 {
+    pub fn subcycle_coupling(&self, nodes: &Nodes) -> f64 {
         let cycles = self.subcycles as f64;
         let [all, fast] = &self.plans;
         let product = |column: &[Row], force: &Row, inverse: &Row, i: usize| {
-            let sum = |plan: &Plan, c: usize| {
+            let sum = |plan: &AssemblyPlan, c: usize| {
                 plan.slots_of(i).iter().map(|&s| column[s as usize][c]).sum::<f64>()
             };
             let of = |c: usize| {
@@ -385,22 +390,22 @@ impl Blocks {
             };
             product(&self.force, &nodes.force[i], &nodes.inv_mass[i], i) + turning
         };
-        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_own(i)).map(of).sum()
+        self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_owned(i)).map(of).sum()
     }
 
     /// Gives the held nodes that have not gathered yet minus the sum of their corners; with `all`
     /// those of slow elements too.
     pub fn assemble(&self, nodes: &mut Nodes, all: bool) {
         let plan = &self.plans[usize::from(!all)];
-        self.gather(plan, nodes, &plan.late);
+        self.assemble_nodal(plan, nodes, &plan.late);
     }
 
-    fn gather(&self, plan: &Plan, nodes: &mut Nodes, which: &[u32]) {
+    fn assemble_nodal(&self, plan: &AssemblyPlan, nodes: &mut Nodes, which: &[u32]) {
         if self.moment.is_empty() {
-            plan.gather(&self.force, &mut nodes.force, which);
+            plan.assemble(&self.force, &mut nodes.force, which);
         } else {
             let sums = [&mut nodes.force[..], &mut nodes.moment[..]];
-            plan.gather_both([&self.force, &self.moment], sums, which);
+            plan.assemble_both([&self.force, &self.moment], sums, which);
         }
     }
 
@@ -409,7 +414,7 @@ impl Blocks {
         for b in &mut self.blocks {
             for place in 0..b.unstrained.len() * b.lanes() {
                 let e = &self.elements[b.first + place.min(b.count - 1)];
-                let mut history = b.history.of(place).to_vec();
+                let mut history = b.history.element(place).to_vec();
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
                 b.element.measure(&mut history, &x, e.record.thickness);
                 b.history.set(place, &history);
@@ -419,7 +424,7 @@ impl Blocks {
 
     /// Puts the corner masses and inertias of own elements at initial coordinates into the corner
     /// slots.
-    pub fn lay_masses(&mut self, nodes: &Nodes) {
+    pub fn set_corner_masses(&mut self, nodes: &Nodes) {
         let slots = self.first_slots();
         for b in &self.blocks {
             let own = b.first..b.first + b.count;
@@ -435,8 +440,8 @@ impl Blocks {
     }
 
     /// Adds the gathered corner masses to the nodes, in ascending element id.
-    pub fn gather_masses(&mut self, nodes: &mut Nodes) {
-        for i in 0..nodes.held {
+    pub fn assemble_masses(&mut self, nodes: &mut Nodes) {
+        for i in 0..nodes.local_count {
             for &slot in self.plans[0].slots_of(i) {
                 nodes.mass[i] += self.force[slot as usize][0];
                 if nodes.rotations {
@@ -528,7 +533,7 @@ fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
 }
 
 /// Whether the elements of a part bear nothing: it belongs to a rigid body, or is a skin.
-fn is_idle(settings: &Settings, part: u32) -> bool {
+fn is_inactive(settings: &Settings, part: u32) -> bool {
     settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
 
@@ -545,7 +550,7 @@ impl Block {
         });
         let precision =
             if element.any_precision() { settings.precision } else { Precision::Double };
-        let history = Columns::new(precision, run.len(), element.columns());
+        let history = HistoryColumns::new(precision, run.len(), element.columns());
         let (lanes, slots) = (history.lanes(), shape.slots());
         let groups = run.len().div_ceil(lanes);
         let mut b = Self {
@@ -556,7 +561,7 @@ impl Block {
             unstrained: vec![false; groups],
             front: run.iter().filter(|e| e.shared).count().div_ceil(lanes),
             count: run.len(),
-            idle: is_idle(settings, run[0].record.part),
+            idle: is_inactive(settings, run[0].record.part),
             slow: run[0].record.slow,
             first,
             element,
@@ -581,7 +586,7 @@ impl Block {
         }
         for (group, unstrained) in b.unstrained.iter_mut().enumerate() {
             *unstrained = (group * lanes..(group + 1) * lanes)
-                .all(|i| b.element.is_unstrained(b.history.of(i)));
+                .all(|i| b.element.is_unstrained(b.history.element(i)));
         }
         b
     }
@@ -611,11 +616,11 @@ impl Block {
         range: Range<usize>,
         nodes: NodeView<'_>,
         dt: f64,
-        out: CornerForces<'_>,
+        out: ElementNodalForces<'_>,
     ) -> PassTotals {
         let (groups, history, unstrained) =
             (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
-        self.element.forces(Pass {
+        self.element.forces(ElementPass {
             range,
             count: self.count,
             groups,

@@ -6,7 +6,7 @@ use crumple_proto::job::Precision;
 
 /// Columns in lanes of one kind.
 #[derive(Clone)]
-pub enum Numbers<D, S> {
+pub enum HistoryStorage<D, S> {
     /// Of [`LANES`] elements each.
     Double(D),
     /// Of [`LANES32`] elements each.
@@ -14,23 +14,25 @@ pub enum Numbers<D, S> {
 }
 
 /// Columns of a block, as its kernels see them.
-pub type ColumnsMut<'a> = Numbers<&'a mut [Lane], &'a mut [Lane32]>;
+pub type HistoryColumnsMut<'a> = HistoryStorage<&'a mut [Lane], &'a mut [Lane32]>;
 
 /// All columns of a block.
 #[derive(Clone)]
-pub struct Columns {
+pub struct HistoryColumns {
     /// Columns of an element.
     each: usize,
-    numbers: Numbers<Vec<Lane>, Vec<Lane32>>,
+    numbers: HistoryStorage<Vec<Lane>, Vec<Lane32>>,
 }
 
-impl Columns {
+impl HistoryColumns {
     /// So many columns of nought for each of so many elements.
     pub fn new(precision: Precision, elements: usize, each: usize) -> Self {
         let numbers = match precision {
-            Precision::Double => Numbers::Double(vec![Lane::ZERO; elements.div_ceil(LANES) * each]),
+            Precision::Double => {
+                HistoryStorage::Double(vec![Lane::ZERO; elements.div_ceil(LANES) * each])
+            }
             Precision::Single => {
-                Numbers::Single(vec![Lane32::ZERO; elements.div_ceil(LANES32) * each])
+                HistoryStorage::Single(vec![Lane32::ZERO; elements.div_ceil(LANES32) * each])
             }
         };
         Self { each, numbers }
@@ -39,37 +41,37 @@ impl Columns {
     /// Elements of a group.
     pub fn lanes(&self) -> usize {
         match self.numbers {
-            Numbers::Double(_) => LANES,
-            Numbers::Single(_) => LANES32,
+            HistoryStorage::Double(_) => LANES,
+            HistoryStorage::Single(_) => LANES32,
         }
     }
 
     /// Bytes in use.
     pub fn bytes(&self) -> usize {
         match &self.numbers {
-            Numbers::Double(columns) => size_of_val(&columns[..]),
-            Numbers::Single(columns) => size_of_val(&columns[..]),
+            HistoryStorage::Double(columns) => size_of_val(&columns[..]),
+            HistoryStorage::Single(columns) => size_of_val(&columns[..]),
         }
     }
 
     /// The columns of one element.
-    pub fn of(&self, element: usize) -> State<'_> {
+    pub fn element(&self, element: usize) -> State<'_> {
         State { columns: self, element }
     }
 
     /// Puts columns in for one element, rounded where numbers are short.
     pub fn set(&mut self, element: usize, state: &[f64]) {
         match &mut self.numbers {
-            Numbers::Double(columns) => set(columns, self.each, element, state),
-            Numbers::Single(columns) => set(columns, self.each, element, state),
+            HistoryStorage::Double(columns) => set(columns, self.each, element, state),
+            HistoryStorage::Single(columns) => set(columns, self.each, element, state),
         }
     }
 
     /// For kernels.
-    pub fn as_mut(&mut self) -> ColumnsMut<'_> {
+    pub fn as_mut(&mut self) -> HistoryColumnsMut<'_> {
         match &mut self.numbers {
-            Numbers::Double(columns) => Numbers::Double(columns),
-            Numbers::Single(columns) => Numbers::Single(columns),
+            HistoryStorage::Double(columns) => HistoryStorage::Double(columns),
+            HistoryStorage::Single(columns) => HistoryStorage::Single(columns),
         }
     }
 }
@@ -77,7 +79,7 @@ impl Columns {
 /// The columns of one element.
 #[derive(Clone, Copy)]
 pub struct State<'a> {
-    columns: &'a Columns,
+    columns: &'a HistoryColumns,
     element: usize,
 }
 
@@ -87,13 +89,15 @@ impl State<'_> {
     pub fn at(&self, column: usize) -> f64 {
         let (e, each) = (self.element, self.columns.each);
         match &self.columns.numbers {
-            Numbers::Double(columns) => columns[e / LANES * each + column].lane(e % LANES),
-            Numbers::Single(columns) => columns[e / LANES32 * each + column].lane(e % LANES32),
+            HistoryStorage::Double(columns) => columns[e / LANES * each + column].lane(e % LANES),
+            HistoryStorage::Single(columns) => {
+                columns[e / LANES32 * each + column].lane(e % LANES32)
+            }
         }
     }
 
     /// Whether those for which `which` holds are zero.
-    pub fn is_nought_where(&self, which: impl Fn(usize) -> bool) -> bool {
+    pub fn is_zero_where(&self, which: impl Fn(usize) -> bool) -> bool {
         (0..self.columns.each).all(|c| !which(c) || self.at(c) == 0.0)
     }
 
@@ -118,16 +122,19 @@ mod tests {
     #[test]
     fn what_is_put_in_comes_out_beside_what_was_there() {
         for precision in [Precision::Double, Precision::Single] {
-            let mut columns = Columns::new(precision, 9, 3);
+            let mut columns = HistoryColumns::new(precision, 9, 3);
             let state = |element: usize| [0, 1, 2].map(|column| (10 * element + column) as f64);
             (0..9).rev().for_each(|element| columns.set(element, &state(element)));
             assert!(
-                (0..9).all(|element| columns.of(element).to_vec() == state(element)),
+                (0..9).all(|element| columns.element(element).to_vec() == state(element)),
                 "{precision:?}"
             );
             columns.set(4, &[0.1, 0.0, 0.0]);
             let rounded = if precision == Precision::Double { 0.1 } else { f64::from(0.1f32) };
-            assert_eq!((columns.of(4).at(0), columns.of(5).to_vec()), (rounded, state(5).to_vec()));
+            assert_eq!(
+                (columns.element(4).at(0), columns.element(5).to_vec()),
+                (rounded, state(5).to_vec())
+            );
             let numbers = columns.bytes() / 3;
             assert_eq!(
                 numbers,

@@ -15,13 +15,13 @@ const SAMPLES: usize = 64;
 /// Largest difference of two rotations for which the nearby bound holds: away from the region where
 /// it is evaluated the difference of the motions grows by at most this fraction of the distance,
 /// which the slacks leave over for it.
-const MOST_TURN: f64 = 0.25;
+const MAX_ROTATION: f64 = 0.25;
 /// Fewer nodes than these do not make a sample.
-const LEAST_SAMPLES: usize = 8;
+const MIN_SAMPLES: usize = 8;
 
 /// A rigid motion and the largest distance by which a node departs from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drift {
+pub struct RigidMotion {
     /// Rotation.
     pub rotation: Matrix3<f64>,
     /// Translation after rotation about the origin [length].
@@ -32,7 +32,7 @@ pub struct Drift {
     pub beyond_slack: f64,
 }
 
-impl Drift {
+impl RigidMotion {
     /// Numbers of a drift in a message.
     pub const WORDS: usize = 14;
 
@@ -47,28 +47,29 @@ impl Drift {
     }
 
     /// Where the motion takes `p`.
-    pub fn carry(&self, p: Vector3<f64>) -> Vector3<f64> {
+    pub fn carried(&self, p: Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.translation
     }
 
     /// Bound on the relative displacement of a node whose reference lies in `region` and that
     /// follows this motion, and any that follows `other` [length].
-    pub fn apart(&self, other: &Self, region: &Aabb) -> f64 {
-        self.carried_apart(other, region) + self.residual + other.residual
+    pub fn relative_motion(&self, other: &Self, region: &Aabb) -> f64 {
+        self.carried_relative_motion(other, region) + self.residual + other.residual
     }
 
     /// The same bound for all nodes of two workers, where `region` holds those of this one that the
     /// other's could reach with no slack. Motions that turn too much against each other cannot be
     /// bounded so.
-    pub fn apart_nearby(&self, other: &Self, region: &Aabb) -> f64 {
-        let turns = (self.rotation - other.rotation).norm() > MOST_TURN;
-        let apart = self.carried_apart(other, region) + self.beyond_slack + other.beyond_slack;
+    pub fn relative_motion_within(&self, other: &Self, region: &Aabb) -> f64 {
+        let turns = (self.rotation - other.rotation).norm() > MAX_ROTATION;
+        let apart =
+            self.carried_relative_motion(other, region) + self.beyond_slack + other.beyond_slack;
         if turns { f64::INFINITY } else { apart }
     }
 
-    fn carried_apart(&self, other: &Self, region: &Aabb) -> f64 {
+    fn carried_relative_motion(&self, other: &Self, region: &Aabb) -> f64 {
         // The difference is linear in the point, its length convex: the largest is at a corner.
-        let at = |p: [f64; 3]| (self.carry(p.into()) - other.carry(p.into())).norm();
+        let at = |p: [f64; 3]| (self.carried(p.into()) - other.carried(p.into())).norm();
         region.corners().into_iter().map(at).fold(0.0, f64::max)
     }
 
@@ -95,23 +96,23 @@ impl Drift {
 
 /// Reference positions and the motion since.
 #[derive(Debug)]
-pub struct Motion {
+pub struct MotionTracker {
     reference: Vec<Row>,
     /// Nodes that the rigid motion is fitted to.
     sample: Vec<u32>,
     /// How far each node may depart before it counts [length]; none at all if empty.
     slack: Vec<f64>,
-    drift: Drift,
+    drift: RigidMotion,
 }
 
-impl Motion {
+impl MotionTracker {
     /// Starts at the present positions.
     pub fn since(x: &[Row]) -> Self {
         let mut motion = Self {
             reference: Vec::new(),
             sample: Vec::new(),
             slack: Vec::new(),
-            drift: Drift::none(),
+            drift: RigidMotion::none(),
         };
         motion.restart(x, Vec::new());
         motion
@@ -126,11 +127,11 @@ impl Motion {
         let tight = |i: &u32| self.slack.get(*i as usize).is_none_or(|&s| s == 0.0);
         let all = 0..x.len() as u32;
         let mut picked: Vec<u32> = all.clone().filter(tight).collect();
-        if picked.len() < LEAST_SAMPLES {
+        if picked.len() < MIN_SAMPLES {
             picked = all.collect();
         }
         self.sample = picked.iter().copied().step_by((picked.len() / SAMPLES).max(1)).collect();
-        self.drift = Drift::none();
+        self.drift = RigidMotion::none();
     }
 
     /// Bytes in use.
@@ -141,7 +142,7 @@ impl Motion {
     }
 
     /// The motion up to `x`, positions of the same nodes.
-    pub fn update(&mut self, x: &[Row]) -> Drift {
+    pub fn update(&mut self, x: &[Row]) -> RigidMotion {
         self.fit(x);
         let (r, t) = (&self.drift.rotation, &self.drift.translation);
         let departure = |a: &Row, b: &Row| {
@@ -214,7 +215,7 @@ mod tests {
     #[test]
     fn rigid_motion_leaves_nothing_over_and_a_dent_is_measured() {
         let x0 = cloud();
-        let mut motion = Motion::since(&x0);
+        let mut motion = MotionTracker::since(&x0);
         let r = Rotation3::from_euler_angles(0.4, -1.0, 2.0);
         let mut x: Vec<Row> = x0
             .iter()
@@ -227,6 +228,6 @@ mod tests {
         x[3][1] += 2.5; // not a sampled node
         let d = motion.update(&x);
         assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
-        assert_eq!(Drift::from_words(&d.to_words()), d);
+        assert_eq!(RigidMotion::from_words(&d.to_words()), d);
     }
 }

@@ -129,16 +129,16 @@ impl Census {
     /// Adds candidates and pairs of the engine's last local search.
     pub fn count_contact(&mut self, engine: &Engine) {
         let Some(contact) = &engine.contact else { return };
-        for (slave, near) in contact.near() {
+        for (slave, near) in contact.count_near() {
             let owner = self.owner(slave);
             self.counts[owner].near += near as u64;
         }
         let workers = self.workers_of_elements(engine);
         let mut partners: Vec<(u32, u32)> = Vec::new();
-        for pair in contact.own_table() {
+        for pair in contact.owned_table() {
             let owner = self.owner_of_pair(&contact.surface, pair, &workers);
             let mut others: Vec<u32> =
-                pair.touching().flat_map(|n| self.local(n)).copied().collect();
+                pair.local_nodes().flat_map(|n| self.local(n)).copied().collect();
             others.sort_unstable();
             others.dedup();
             others.retain(|&w| w != owner);
@@ -289,7 +289,9 @@ impl Census {
             let region = seeking.grown(grow);
             let first = bounds.partition_point(|(b, _)| b.min[0] < region.min[0] - widest);
             let last = bounds.partition_point(|(b, _)| b.min[0] <= region.max[0]);
-            for (_, g) in bounds[first..last.max(first)].iter().filter(|(b, _)| region.touches(b)) {
+            for (_, g) in
+                bounds[first..last.max(first)].iter().filter(|(b, _)| region.intersects(b))
+            {
                 if of_segment[*g as usize] != w {
                     count.exterior_segments += 1;
                     copies.extend(surface.segments[*g as usize].nodes.map(|n| (n, w)));
@@ -366,8 +368,8 @@ impl Census {
     /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that
     /// has the edge, a segment's to that of the segment.
     fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
-        if pair.name.is_segment() {
-            let of_slave = worker_of(workers, pair.name.slave_quarter().0.elem());
+        if pair.key.is_segment() {
+            let of_slave = worker_of(workers, pair.key.slave_quarter().0.elem());
             return of_slave.unwrap_or_else(|| self.owner(pair.nodes[0]) as u32);
         }
         let [slave, far] = [pair.nodes[0], pair.nodes[1]];
@@ -377,7 +379,7 @@ impl Census {
             worker_of(workers, segment.id.elem())
         };
         let of_node = self.owner(slave) as u32;
-        if pair.name.is_edge() { of_edge().unwrap_or(of_node) } else { of_node }
+        if pair.key.is_edge() { of_edge().unwrap_or(of_node) } else { of_node }
     }
 }
 
@@ -392,13 +394,14 @@ impl Count {
         }
         let hops = MaxReduction::hops(workers) as f64;
         let mut messages = self.neighbours as f64 + hops + messages_to_all(engine, workers);
-        let mut words = (self.corners * ghosts::corner_words(engine.settings.rotations)) as f64;
+        let mut words =
+            (self.corners * ghosts::element_force_words(engine.settings.rotations)) as f64;
         words += hops * reduction::WORDS as f64;
         if engine.contact.is_some() {
             messages += (self.near_workers + self.meets) as f64;
             let spins = engine.contact.as_ref().is_some_and(|c| c.has_couples(&engine.nodes));
-            words += (self.near_workers * ghosts::DRIFT_WORDS as u64) as f64
-                + (self.exports * ghosts::exterior_words(spins)) as f64;
+            words += (self.near_workers * ghosts::RIGID_MOTION_WORDS as u64) as f64
+                + (self.exports * ghosts::ghost_words(spins)) as f64;
             words += self.told_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {

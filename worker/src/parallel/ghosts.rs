@@ -1,33 +1,33 @@
 //! What a worker exchanges with others in every step, over any transport.
 
 use crate::fem::blocks::Blocks;
-use crate::math::rigid_motion::Drift;
+use crate::math::rigid_motion::RigidMotion;
 use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// Words of a drift, which leads the states of exterior nodes.
-pub const DRIFT_WORDS: usize = Drift::WORDS;
+pub const RIGID_MOTION_WORDS: usize = RigidMotion::WORDS;
 /// Words of the state of an exterior node: position, and velocities at the last and at the next
 /// mid-step; with `spins` rotational velocities at both too.
-pub fn exterior_words(spins: bool) -> u64 {
+pub fn ghost_words(spins: bool) -> u64 {
     if spins { 15 } else { 9 }
 }
 
 /// Words of a corner's force, and of its moment where nodes can turn.
-pub fn corner_words(rotations: bool) -> u64 {
+pub fn element_force_words(rotations: bool) -> u64 {
     if rotations { 6 } else { 3 }
 }
 
 /// The connection to one other worker.
 #[derive(Debug, Default)]
-pub struct Link {
+pub struct GhostLink {
     /// The other worker (0-based).
     pub worker: usize,
     /// Own corner slots at shared nodes, in the order of (element, corner).
-    pub corners_out: Vec<u32>,
+    pub element_forces_out: Vec<u32>,
     /// First received corner slot and their number.
-    pub corners_in: (usize, usize),
+    pub element_forces_in: (usize, usize),
     /// Of both what does not belong to slow elements, as slots; without subcycles nobody asks.
     pub fast_out: Vec<u32>,
     /// See `fast_out`.
@@ -37,16 +37,16 @@ pub struct Link {
     /// Exterior copies here of nodes that the other owns.
     pub import: Vec<u32>,
     /// Whether some node is local on both sides, so that contact pairs may concern both.
-    pub meets: bool,
+    pub shares_nodes: bool,
     /// Where own contact nodes could come near the other's elements.
     pub region: Option<Aabb>,
     /// Relative motion since the last renewal that the exterior copies cover [length].
     pub margin: f64,
     /// Whether the other is so far off that no copies of its nodes are needed yet: the margin is
     /// then the distance left.
-    pub far: bool,
+    pub is_distant: bool,
     /// Whether that is so on both sides: they tell each other of their motion now and then only.
-    pub apart: bool,
+    pub both_distant: bool,
     /// Relative motion when they last did [length].
     pub base: f64,
     /// Box around the other's held nodes at the last renewal, grown by all that the exterior copies
@@ -56,9 +56,9 @@ pub struct Link {
 
 /// All connections of a worker.
 #[derive(Debug, Default)]
-pub struct Halo {
+pub struct Ghosts {
     /// One link per other worker, ascending.
-    pub links: Vec<Link>,
+    pub links: Vec<GhostLink>,
     /// For each local node, where its entry in `users` starts.
     pub user_start: Vec<u32>,
     /// Other workers that have a node local, ascending, node after node.
@@ -66,17 +66,17 @@ pub struct Halo {
     /// Message under construction.
     pub words: Vec<u64>,
     /// Whether workers that are apart tell each other of their motion in this step.
-    pub check_in: bool,
+    pub sync_distant: bool,
     /// How much nearer any two nodes that can touch may have come since they last did, and in one
     /// step [length].
-    pub nearer: [f64; 2],
+    pub max_approach: [f64; 2],
 }
 
 /// Workers that are apart tell each other of their motion when nodes may have come nearer by this
 /// fraction of the margin.
-const CHECK_IN_AT: f64 = 0.1;
+const SYNC_FRACTION: f64 = 0.1;
 
-impl Halo {
+impl Ghosts {
     /// Other workers that have local node `i`, held or exterior.
     pub fn users_of(&self, i: u32) -> &[u32] {
         &self.users[self.user_start[i as usize] as usize..self.user_start[i as usize + 1] as usize]
@@ -92,7 +92,7 @@ impl Halo {
             let point = Aabb { min: x, max: x };
             reaches.iter().map(|r| r.distance(&point)).fold(f64::INFINITY, f64::min)
         };
-        nodes.x[..nodes.held].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
+        nodes.x[..nodes.local_count].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
     }
 
     /// Sends corner forces, and moments if there are any, of own elements at shared nodes; with
@@ -100,14 +100,14 @@ impl Halo {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn send_corners(
+    pub fn send_element_forces(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         blocks: &Blocks,
         all: bool,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), RankLost> {
         for link in &self.links {
-            let slots = if all { &link.corners_out } else { &link.fast_out };
+            let slots = if all { &link.element_forces_out } else { &link.fast_out };
             if slots.is_empty() {
                 continue;
             }
@@ -118,7 +118,7 @@ impl Halo {
                     self.words.extend(m[..3].iter().map(|a| a.to_bits()));
                 }
             }
-            wire.send(link.worker + 1, Tag::Corners, &self.words)?;
+            comm.send(link.worker + 1, Tag::Corners, &self.words)?;
         }
         Ok(())
     }
@@ -128,12 +128,12 @@ impl Halo {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn recv_corners(
+    pub fn recv_element_forces(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         blocks: &mut Blocks,
         all: bool,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), RankLost> {
         let width = if blocks.moment.is_empty() { 3 } else { 6 };
         let mut take = |slot: usize, words: &[u64]| {
             let at = |c: usize| f64::from_bits(words[c]);
@@ -143,11 +143,11 @@ impl Halo {
             }
         };
         for link in &self.links {
-            let (first, count) = link.corners_in;
+            let (first, count) = link.element_forces_in;
             if if all { count == 0 } else { link.fast_in.is_empty() } {
                 continue;
             }
-            wire.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
+            comm.recv(link.worker + 1, Tag::Corners, &mut self.words)?;
             let corners = self.words.chunks_exact(width);
             if all {
                 corners.zip(first..first + count).for_each(|(words, slot)| take(slot, words));
@@ -163,11 +163,11 @@ impl Halo {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn show_exterior(
+    pub fn refresh_ghosts_for_output(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), RankLost> {
         for link in self.links.iter().filter(|l| !l.export.is_empty()) {
             self.words.clear();
             for i in link.export.iter().map(|&i| i as usize) {
@@ -180,10 +180,10 @@ impl Halo {
                         .map(|a| a.to_bits()),
                 );
             }
-            wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
+            comm.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
         for link in self.links.iter().filter(|l| !l.import.is_empty()) {
-            wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
+            comm.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let width = if nodes.rotations { 9 } else { 6 };
             for (i, words) in
                 link.import.iter().map(|&i| i as usize).zip(self.words.chunks_exact(width))
@@ -200,15 +200,16 @@ impl Halo {
     }
 
     /// How near the next check-in of workers that are apart is, due at 1.
-    pub fn parted(&self) -> f64 {
-        let margins = self.links.iter().filter(|l| l.apart && l.region.is_some()).map(|l| l.margin);
-        self.nearer[0] / (CHECK_IN_AT * margins.fold(f64::INFINITY, f64::min))
+    pub fn distant_fraction(&self) -> f64 {
+        let margins =
+            self.links.iter().filter(|l| l.both_distant && l.region.is_some()).map(|l| l.margin);
+        self.max_approach[0] / (SYNC_FRACTION * margins.fold(f64::INFINITY, f64::min))
     }
 
     /// Any two nodes that can touch have come nearer by `by` at most in the last step [length].
-    pub fn follow(&mut self, by: f64, check_in: bool) {
-        self.nearer = [self.nearer[0] + by, by];
-        self.check_in = check_in;
+    pub fn track_approach(&mut self, by: f64, check_in: bool) {
+        self.max_approach = [self.max_approach[0] + by, by];
+        self.sync_distant = check_in;
     }
 
     /// Brings exterior nodes up to date: coordinates, velocities at the last mid-step, and those
@@ -220,64 +221,66 @@ impl Halo {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn swap_exterior(
+    pub fn exchange_ghosts(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
-        drift: &Drift,
+        drift: &RigidMotion,
         spins: bool,
-    ) -> Result<f64, Lost> {
-        let check_in = std::mem::take(&mut self.check_in);
-        for link in self.links.iter().filter(|l| check_in || !l.apart) {
+    ) -> Result<f64, RankLost> {
+        let check_in = std::mem::take(&mut self.sync_distant);
+        for link in self.links.iter().filter(|l| check_in || !l.both_distant) {
             self.words.clear();
             self.words.extend(drift.to_words().map(f64::to_bits));
             for &i in &link.export {
                 let i = i as usize;
-                let rows = [&nodes.x, &nodes.v, &nodes.next_v].map(|rows| &rows[i][..3]);
+                let rows = [&nodes.x, &nodes.v, &nodes.v_next].map(|rows| &rows[i][..3]);
                 self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
                 if spins {
-                    let rows = [&nodes.w, &nodes.next_w].map(|rows| &rows[i][..3]);
+                    let rows = [&nodes.w, &nodes.w_next].map(|rows| &rows[i][..3]);
                     self.words.extend(rows.into_iter().flatten().map(|a| a.to_bits()));
                 }
             }
-            wire.send(link.worker + 1, Tag::Exterior, &self.words)?;
+            comm.send(link.worker + 1, Tag::Exterior, &self.words)?;
         }
         if check_in {
-            self.nearer[0] = 0.0;
+            self.max_approach[0] = 0.0;
         }
         let mut urgency = 0.0f64;
         for link in &mut self.links {
-            if link.apart && !check_in {
+            if link.both_distant && !check_in {
                 // Two steps more: so long the others take to hear of it.
                 if link.region.is_some() {
-                    urgency = urgency
-                        .max((link.base + self.nearer[0] + 2.0 * self.nearer[1]) / link.margin);
+                    urgency = urgency.max(
+                        (link.base + self.max_approach[0] + 2.0 * self.max_approach[1])
+                            / link.margin,
+                    );
                 }
                 continue;
             }
-            wire.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
+            comm.recv(link.worker + 1, Tag::Exterior, &mut self.words)?;
             let words: &[f64] = bytemuck::cast_slice(&self.words);
-            let (head, body) = words.split_at(Drift::WORDS);
+            let (head, body) = words.split_at(RigidMotion::WORDS);
             for (&i, state) in
-                link.import.iter().zip(body.chunks_exact(exterior_words(spins) as usize))
+                link.import.iter().zip(body.chunks_exact(ghost_words(spins) as usize))
             {
                 let rows = [
                     &mut nodes.x,
                     &mut nodes.v,
-                    &mut nodes.next_v,
+                    &mut nodes.v_next,
                     &mut nodes.w,
-                    &mut nodes.next_w,
+                    &mut nodes.w_next,
                 ];
                 rows.into_iter().zip(state.chunks_exact(3)).for_each(|(rows, three)| {
                     rows[i as usize][..3].copy_from_slice(three);
                 });
             }
             if let Some(region) = &link.region {
-                let other = Drift::from_words(head);
-                let apart = if link.far {
-                    drift.apart(&other, region)
+                let other = RigidMotion::from_words(head);
+                let apart = if link.is_distant {
+                    drift.relative_motion(&other, region)
                 } else {
-                    drift.apart_nearby(&other, region)
+                    drift.relative_motion_within(&other, region)
                 };
                 link.base = apart;
                 urgency = urgency.max(apart / link.margin);

@@ -2,15 +2,15 @@
 //! Worker to worker; the master only says where the boxes are.
 
 use crate::contact::Contact;
-use crate::contact::pairs::Memory;
-use crate::nodes::{Mean, Nodes};
-use crate::parallel::partition::{Local, Share};
+use crate::contact::pairs::PairHistory;
+use crate::nodes::{Nodes, OuterStepMean};
+use crate::parallel::partition::{LocalMesh, PartitionData};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::partition::{ElementRecord, NodeRecord};
-use crumple_proto::transport::{Lost, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::BTreeMap;
 
 /// An element on its way; `columns` history numbers follow it.
@@ -31,7 +31,7 @@ struct WireElement {
 }
 const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
 const NODE_WORDS: usize = size_of::<NodeRecord>() / 8;
-const MEAN_WORDS: usize = size_of::<Mean>() / 8;
+const MEAN_WORDS: usize = size_of::<OuterStepMean>() / 8;
 
 /// What goes to one worker: four runs of words, each led by its length.
 #[derive(Default)]
@@ -48,13 +48,13 @@ struct Parcel {
 /// # Errors
 /// A worker is gone.
 pub fn migrate(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     tree: &CutTree,
-    local: &Local,
+    local: &LocalMesh,
     contact: Option<&Contact>,
-) -> Result<Share, Lost> {
-    let memories = gather_memories(wire, local, contact)?;
-    let mut parcels: Vec<Parcel> = (0..wire.size() - 1).map(|_| Parcel::default()).collect();
+) -> Result<PartitionData, RankLost> {
+    let memories = gather_memories(comm, local, contact)?;
+    let mut parcels: Vec<Parcel> = (0..comm.size() - 1).map(|_| Parcel::default()).collect();
     let mut goes: Vec<(u32, usize)> = Vec::new();
     for b in &local.blocks.blocks {
         for (i, e) in local.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
@@ -77,8 +77,8 @@ pub fn migrate(
     }
     let packed =
         parcels.into_iter().map(|p| pack(&[p.elements, p.nodes, p.memories, p.means])).collect();
-    let mut share = Share::default();
-    for parcel in exchange_all(wire, packed)? {
+    let mut share = PartitionData::default();
+    for parcel in exchange_all(comm, packed)? {
         let [elements, nodes, memories, means] = unpack(&parcel);
         take_elements(elements, &mut share.elements);
         share.nodes.extend(
@@ -90,7 +90,7 @@ pub fn migrate(
         share.means.extend(
             means
                 .chunks_exact(MEAN_WORDS)
-                .map(|w| bytemuck::pod_read_unaligned::<Mean>(bytemuck::cast_slice(w))),
+                .map(|w| bytemuck::pod_read_unaligned::<OuterStepMean>(bytemuck::cast_slice(w))),
         );
     }
     Ok(share)
@@ -107,22 +107,22 @@ pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
 /// What held nodes remember, in ascending order of names: owners of pairs know it and tell the
 /// others that have the node.
 fn gather_memories(
-    wire: &mut dyn Transport,
-    local: &Local,
+    comm: &mut dyn Transport,
+    local: &LocalMesh,
     contact: Option<&Contact>,
-) -> Result<BTreeMap<NodeId, Vec<Memory>>, Lost> {
-    let mut all: BTreeMap<NodeId, Vec<Memory>> = BTreeMap::new();
+) -> Result<BTreeMap<NodeId, Vec<PairHistory>>, RankLost> {
+    let mut all: BTreeMap<NodeId, Vec<PairHistory>> = BTreeMap::new();
     let Some(contact) = contact else { return Ok(all) };
-    let mut parcels = vec![Vec::new(); wire.size() - 1];
-    for (slave, list) in contact.memories().filter(|(_, l)| !l.is_empty()) {
+    let mut parcels = vec![Vec::new(); comm.size() - 1];
+    for (slave, list) in contact.pair_histories().filter(|(_, l)| !l.is_empty()) {
         let id = local.nodes.id[slave as usize];
         for &user in local.halo.users_of(slave) {
             put_memories(&mut parcels[user as usize], id, list);
         }
         all.entry(id).or_default().extend(list);
     }
-    let me = wire.rank() - 1;
-    for (_, parcel) in exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
+    let me = comm.rank() - 1;
+    for (_, parcel) in exchange_all(comm, parcels)?.iter().enumerate().filter(|(w, _)| *w != me) {
         take_memories(parcel, |id, list| all.entry(id).or_default().extend(list));
     }
     for list in all.values_mut() {
@@ -133,7 +133,7 @@ fn gather_memories(
 }
 
 fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
-    let wire = WireElement {
+    let comm = WireElement {
         id: e.id,
         part: e.part,
         shape: e.shape as u16,
@@ -145,7 +145,7 @@ fn put_element(words: &mut Vec<u64>, e: &ElementRecord, history: &[f64]) {
         stable_dt: e.stable_dt,
         columns: history.len() as u64,
     };
-    words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&wire)));
+    words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&comm)));
     words.extend(history.iter().map(|h| h.to_bits()));
 }
 
@@ -173,15 +173,18 @@ fn take_elements(mut words: &[u64], into: &mut Vec<(ElementRecord, Vec<f64>)>) {
     }
 }
 
-fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[Memory]) {
+fn put_memories(words: &mut Vec<u64>, node: NodeId, list: &[PairHistory]) {
     words.extend([node.0, list.len() as u64]);
     list.iter().for_each(|m| words.extend(m.to_words()));
 }
 
-fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<Memory>)) {
+fn take_memories(mut words: &[u64], mut take: impl FnMut(NodeId, Vec<PairHistory>)) {
     while let [id, count, tail @ ..] = words {
-        let (list, after) = tail.split_at(*count as usize * Memory::WORDS);
-        take(NodeId(*id), list.chunks_exact(Memory::WORDS).map(Memory::from_words).collect());
+        let (list, after) = tail.split_at(*count as usize * PairHistory::WORDS);
+        take(
+            NodeId(*id),
+            list.chunks_exact(PairHistory::WORDS).map(PairHistory::from_words).collect(),
+        );
         words = after;
     }
 }
@@ -205,7 +208,7 @@ fn unpack(mut words: &[u64]) -> [&[u64]; 4] {
 mod tests {
     use super::*;
     use crate::contact::geometry::V3;
-    use crate::contact::pairs::Name;
+    use crate::contact::pairs::PairKey;
     use crumple_proto::ids::SegmentId;
 
     /// What travels arrives as it left, to the bit: elements of either shape with history of any
@@ -232,8 +235,8 @@ mod tests {
             (element(4, Shape::Line2, 1), vec![1.0; 5]),
             (element(5, Shape::Beam2, 0), vec![0.5; 7]),
         ];
-        let memory = |segment, side| Memory {
-            name: Name::of_node(NodeId(4), SegmentId(segment)),
+        let memory = |segment, side| PairHistory {
+            name: PairKey::of_node(NodeId(4), SegmentId(segment)),
             side,
             tolerated: -1e-3 / 3.0,
             kept: -1e-3 / 7.0,
@@ -249,9 +252,10 @@ mod tests {
             (NodeId(4), vec![memory(9, 1.0), memory(11, -1.0)]),
             (NodeId(8), vec![memory(1, 1.0)]),
         ]);
-        let mean = Mean { id: NodeId(4), v: [0.1, -0.0, 1e-300], w: [1.0 / 3.0, 2.0, -3.0] };
+        let mean =
+            OuterStepMean { id: NodeId(4), v: [0.1, -0.0, 1e-300], w: [1.0 / 3.0, 2.0, -3.0] };
         let mut runs = [const { Vec::new() }; 4];
-        runs[3].extend_from_slice(bytemuck::cast_slice::<Mean, u64>(&[mean]));
+        runs[3].extend_from_slice(bytemuck::cast_slice::<OuterStepMean, u64>(&[mean]));
         sent.iter().for_each(|(e, history)| put_element(&mut runs[0], e, history));
         remembered.iter().for_each(|(&node, list)| put_memories(&mut runs[2], node, list));
 
@@ -265,7 +269,7 @@ mod tests {
         assert_eq!(arrived, sent);
         assert_eq!(bits(&arrived), bits(&sent), "-0 stays -0");
         assert_eq!((known, nodes.len()), (remembered, 0));
-        assert_eq!(bytemuck::cast_slice::<u64, Mean>(&means), [mean]);
+        assert_eq!(bytemuck::cast_slice::<u64, OuterStepMean>(&means), [mean]);
         assert_eq!(
             unpack(&[]).map(<[u64]>::len),
             [0; 4],

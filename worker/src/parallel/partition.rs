@@ -6,43 +6,43 @@
 
 use crate::contact;
 use crate::contact::beams::with_edges;
-use crate::contact::edges::outline;
+use crate::contact::edges::contact_edges;
 use crate::contact::enforce::by_segments;
 use crate::contact::interfaces::Interfaces;
-use crate::contact::pairs::Memory;
+use crate::contact::pairs::PairHistory;
 use crate::contact::surface::{ContactParts, NOT_LOCAL, Segment, Surface};
-use crate::fem::blocks::{Blocks, ForeignCorner, LocalElement};
-use crate::nodes::{Mean, Nodes, xyz};
-use crate::parallel::ghosts::{Halo, Link};
+use crate::fem::blocks::{Blocks, LocalElement, RemoteCorner};
+use crate::nodes::{Nodes, OuterStepMean, xyz};
+use crate::parallel::ghosts::{GhostLink, Ghosts};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
-use crumple_proto::transport::{Lost, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::BTreeMap;
 
 /// What belongs to one worker, as it is dealt out or as it travels.
 #[derive(Default)]
-pub struct Share {
+pub struct PartitionData {
     /// Elements with their history columns (empty if fresh).
     pub elements: Vec<(ElementRecord, Vec<f64>)>,
     /// All nodes of these elements, possibly several times.
     pub nodes: Vec<NodeRecord>,
     /// What nodes remember of contact, possibly several times.
-    pub memories: BTreeMap<NodeId, Vec<Memory>>,
+    pub memories: BTreeMap<NodeId, Vec<PairHistory>>,
     /// Mean velocities of nodes in the outer step, of moving and of turning, possibly several
     /// times; empty without subcycles.
-    pub means: Vec<Mean>,
+    pub means: Vec<OuterStepMean>,
 }
 
 /// A worker's local mesh and connections.
-pub struct Local {
+pub struct LocalMesh {
     /// Nodal columns.
     pub nodes: Nodes,
     /// Own elements.
     pub blocks: Blocks,
     /// Connections.
-    pub halo: Halo,
+    pub halo: Ghosts,
     /// Contact surface, if the scene has contact.
     pub surface: Option<Surface>,
 }
@@ -94,31 +94,31 @@ fn items<T: Pod>(words: &[u64]) -> &[T] {
 ///
 /// # Errors
 /// A worker is gone.
-pub fn settle(
-    wire: &mut dyn Transport,
+pub fn build_local_mesh(
+    comm: &mut dyn Transport,
     settings: &Settings,
-    share: Share,
+    share: PartitionData,
     fresh: bool,
-) -> Result<Local, Lost> {
-    let me = wire.rank() - 1;
+) -> Result<LocalMesh, RankLost> {
+    let me = comm.rank() - 1;
     let mut records = share.nodes;
     records.sort_unstable_by_key(|r| r.id);
     records.dedup_by_key(|r| r.id);
     let mut nodes = Nodes::new(&records, me as u32, settings.rotations);
     let bounds = Aabb::around(records.iter().map(|r| r.x));
     drop(records); // columns have all of it
-    let all_bounds = share_boxes(wire, &bounds)?;
-    let shared = find_shared(wire, &nodes, &all_bounds)?;
+    let all_bounds = exchange_bounds(comm, &bounds)?;
+    let shared = find_shared(comm, &nodes, &all_bounds)?;
     for (worker, list) in shared.iter().enumerate() {
         list.iter()
             .for_each(|&i| nodes.owner[i as usize] = nodes.owner[i as usize].min(worker as u32));
     }
-    let mut is_shared = vec![false; nodes.held];
+    let mut is_shared = vec![false; nodes.local_count];
     shared.iter().flatten().for_each(|&i| is_shared[i as usize] = true);
     let elements = share.elements.into_iter().map(|(record, history)| {
         let local = record
             .nodes
-            .map(|n| nodes.held_number(n).expect("a share holds all nodes of its elements"));
+            .map(|n| nodes.local_index(n).expect("a share holds all nodes of its elements"));
         (
             LocalElement {
                 record,
@@ -130,46 +130,50 @@ pub fn settle(
     });
     let elements = elements.collect();
     let mut blocks = Blocks::new(settings, elements);
-    let parts = ContactParts::of(settings);
+    let parts = ContactParts::from_settings(settings);
     let mut surface =
-        settings.contact.as_ref().map(|_| Surface::of(&blocks.elements, &nodes, &parts));
-    let mut halo = link_corners(wire, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
+        settings.contact.as_ref().map(|_| Surface::new(&blocks.elements, &nodes, &parts));
+    let mut halo =
+        link_element_forces(comm, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.measure(&nodes);
-        blocks.lay_masses(&nodes);
-        halo.send_corners(wire, &blocks, true)?;
-        halo.recv_corners(wire, &mut blocks, true)?;
-        blocks.gather_masses(&mut nodes);
+        blocks.set_corner_masses(&nodes);
+        halo.send_element_forces(comm, &blocks, true)?;
+        halo.recv_element_forces(comm, &mut blocks, true)?;
+        blocks.assemble_masses(&mut nodes);
     }
     if let Some(surface) = &mut surface {
         surface.collect_slaves(&nodes);
-        copy_exterior(wire, settings, &mut nodes, &mut halo, surface, &all_bounds)?;
-        tell_users(wire, &nodes, &mut halo, &shared)?;
+        copy_ghosts(comm, settings, &mut nodes, &mut halo, surface, &all_bounds)?;
+        send_users(comm, &nodes, &mut halo, &shared)?;
     }
-    Ok(Local { nodes, blocks, halo, surface })
+    Ok(LocalMesh { nodes, blocks, halo, surface })
 }
 
 /// Everyone's box.
-fn share_boxes(wire: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, Lost> {
+fn exchange_bounds(comm: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, RankLost> {
     let corners = [mine.min, mine.max];
-    let parcels = vec![words(&corners); wire.size() - 1];
-    let boxes = exchange_all(wire, parcels)?;
+    let parcels = vec![words(&corners); comm.size() - 1];
+    let boxes = exchange_all(comm, parcels)?;
     Ok(boxes.iter().map(|w| items::<[f64; 3]>(w)).map(|b| Aabb { min: b[0], max: b[1] }).collect())
 }
 
 /// Held nodes that each other worker holds too, ascending.
 fn find_shared(
-    wire: &mut dyn Transport,
+    comm: &mut dyn Transport,
     nodes: &Nodes,
     bounds: &[Aabb],
-) -> Result<Vec<Vec<u32>>, Lost> {
+) -> Result<Vec<Vec<u32>>, RankLost> {
     let me = nodes.me as usize;
     // A node that both hold lies in both boxes.
     let offered = |b: &Aabb| {
-        (0..nodes.held).filter(|&i| b.holds(xyz(&nodes.x[i]))).map(|i| nodes.id[i].0).collect()
+        (0..nodes.local_count)
+            .filter(|&i| b.contains(xyz(&nodes.x[i])))
+            .map(|i| nodes.id[i].0)
+            .collect()
     };
-    let others = exchange_all(wire, bounds.iter().map(offered).collect())?;
-    let common = |w: &Vec<u64>| w.iter().filter_map(|&id| nodes.held_number(NodeId(id))).collect();
+    let others = exchange_all(comm, bounds.iter().map(offered).collect())?;
+    let common = |w: &Vec<u64>| w.iter().filter_map(|&id| nodes.local_index(NodeId(id))).collect();
     Ok(others
         .iter()
         .enumerate()
@@ -178,14 +182,14 @@ fn find_shared(
 }
 
 /// Links with the corner forces that they carry; lays down the order in which nodes gather.
-fn link_corners(
-    wire: &mut dyn Transport,
+fn link_element_forces(
+    comm: &mut dyn Transport,
     settings: &Settings,
     blocks: &mut Blocks,
     nodes: &Nodes,
     shared: &[Vec<u32>],
     surface: Option<&mut Surface>,
-) -> Result<Halo, Lost> {
+) -> Result<Ghosts, RankLost> {
     let me = nodes.me as usize;
     let slots = blocks.first_slots();
     let mut corners: Vec<(ElemId, usize, u32, u32, bool)> = Vec::new();
@@ -218,90 +222,90 @@ fn link_corners(
         parcels.push(words(&wired));
         let fast_out =
             at_shared.iter().filter(|c| settings.subcycles > 1 && !c.4).map(|c| c.3).collect();
-        links.push(Link {
+        links.push(GhostLink {
             worker,
-            corners_out: at_shared.iter().map(|c| c.3).collect(),
+            element_forces_out: at_shared.iter().map(|c| c.3).collect(),
             fast_out,
-            ..Link::default()
+            ..GhostLink::default()
         });
     }
-    let others = exchange_all(wire, parcels)?;
+    let others = exchange_all(comm, parcels)?;
     let mut foreign = Vec::new();
     let mut widths = Vec::new();
     for (link, parcel) in links.iter_mut().zip(&others).filter(|(l, _)| l.worker != me) {
         let theirs: &[WireCorner] = items(parcel);
-        link.corners_in = (blocks.own_slots() + foreign.len(), theirs.len());
+        link.element_forces_in = (blocks.own_slots() + foreign.len(), theirs.len());
         for c in theirs {
-            let node = nodes.held_number(c.node).expect("shared nodes are held");
+            let node = nodes.local_index(c.node).expect("shared nodes are held");
             let slow = c.slow != 0;
             if settings.subcycles > 1 && !slow {
                 link.fast_in.push((blocks.own_slots() + foreign.len()) as u32);
             }
-            foreign.push(ForeignCorner { node, elem: c.elem, slow });
+            foreign.push(RemoteCorner { node, elem: c.elem, slow });
             widths.push((node, c.half, c.scale));
         }
     }
     if let Some(s) = surface {
-        widths.into_iter().for_each(|(n, half, scale)| s.widen(n, half, scale));
+        widths.into_iter().for_each(|(n, half, scale)| s.include_remote(n, half, scale));
     }
-    blocks.lay_gather(nodes.held, &foreign, |id| {
+    blocks.build_assembly(nodes.local_count, &foreign, |id| {
         settings.loads.pressures.iter().any(|p| p.faces_of(id).next().is_some())
     });
     links.retain(|l| l.worker != me);
-    Ok(Halo { links, ..Halo::default() })
+    Ok(Ghosts { links, ..Ghosts::default() })
 }
 
 /// How far around a worker's own slaves and edges its copies of others' segments reach, by the
 /// largest scale of any worker's surface: as far as the search, and the buffer [length].
 pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64) -> f64 {
-    contact::reach(interfaces, largest_scale, largest_scale) + settings.buffer
+    contact::search_reach(interfaces, largest_scale, largest_scale) + settings.buffer
 }
 
 /// Box around a worker's own slaves, edges and, where they meet each other, segments; `surface` has
 /// its own segments only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
     let is_met = with_edges(settings) || settings.contact.as_ref().is_some_and(by_segments);
-    let of_edges = if is_met { outline(surface) } else { Vec::new() };
+    let of_edges = if is_met { contact_edges(surface) } else { Vec::new() };
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }
 
 /// Whether something held in the box `held` could be near enough to what is sought around the box
 /// `seeking`.
 pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
-    !seeking.is_empty() && !held.is_empty() && !seeking.common(&held.grown(grow)).is_empty()
+    !seeking.is_empty() && !held.is_empty() && !seeking.intersection(&held.grown(grow)).is_empty()
 }
 
 /// Copies the segments of other workers that own slaves and edges could meet before the next
 /// renewal, with their nodes.
-fn copy_exterior(
-    wire: &mut dyn Transport,
+fn copy_ghosts(
+    comm: &mut dyn Transport,
     settings: &Settings,
     nodes: &mut Nodes,
-    halo: &mut Halo,
+    halo: &mut Ghosts,
     surface: &mut Surface,
     held_bounds: &[Aabb],
-) -> Result<(), Lost> {
+) -> Result<(), RankLost> {
     let workers = held_bounds.len();
     let me = nodes.me as usize;
     let smallest = surface.segments.iter().map(|s| s.scale).fold(f64::INFINITY, f64::min);
     let mine = [surface.largest_scale(), smallest, surface.short_edge(nodes)].map(f64::to_bits);
-    let scales = exchange_all(wire, vec![mine.to_vec(); workers])?;
+    let scales = exchange_all(comm, vec![mine.to_vec(); workers])?;
     let of_all = |i: usize| scales.iter().map(move |w| f64::from_bits(w[i]));
     let largest = of_all(0).fold(0.0, f64::max);
     surface.thinnest = surface.interfaces.least(of_all(1).fold(f64::INFINITY, f64::min));
     surface.short = of_all(2).fold(f64::INFINITY, f64::min);
     let grow = covered(settings, &surface.interfaces, largest);
-    let slave_boxes = share_boxes(wire, &seeking(settings, surface, nodes))?;
+    let slave_boxes = exchange_bounds(comm, &seeking(settings, surface, nodes))?;
     for link in &mut halo.links {
         let (mine, theirs) = (&slave_boxes[me].grown(grow), &held_bounds[link.worker]);
         link.reach = (!theirs.is_empty()).then(|| theirs.grown(grow));
         if !slave_boxes[me].is_empty() && !theirs.is_empty() {
-            let near = slave_boxes[me].common(&theirs.grown(grow));
+            let near = slave_boxes[me].intersection(&theirs.grown(grow));
             link.region = Some(if near.is_empty() { slave_boxes[me] } else { near });
-            link.far = near.is_empty();
+            link.is_distant = near.is_empty();
             link.margin = settings.buffer + mine.distance(theirs);
         }
-        link.apart = !are_near(&slave_boxes[me], theirs, grow)
+        link.both_distant = !are_near(&slave_boxes[me], theirs, grow)
             && !are_near(&slave_boxes[link.worker], &held_bounds[me], grow);
     }
     let offer = |(w, b): (usize, &Aabb)| {
@@ -309,8 +313,8 @@ fn copy_exterior(
             return (Vec::new(), Vec::new());
         }
         let b = b.grown(grow);
-        let near = surface.segments.iter().filter(|s| b.touches(&s.bounds(&nodes.x, 0.0)));
-        let wire = |s: &Segment| {
+        let near = surface.segments.iter().filter(|s| b.intersects(&s.bounds(&nodes.x, 0.0)));
+        let comm = |s: &Segment| {
             let ids = s.nodes.map(|n| nodes.id[n as usize]);
             let behind = s
                 .behind
@@ -319,12 +323,12 @@ fn copy_exterior(
                 id: s.id,
                 nodes: ids,
                 behind,
-                half: s.half,
+                half: s.half_thickness,
                 scale: s.scale,
                 part: u64::from(s.part),
             }
         };
-        let wired: Vec<WireSegment> = near.clone().map(wire).collect();
+        let wired: Vec<WireSegment> = near.clone().map(comm).collect();
         let mut corners: Vec<u32> = near.flat_map(|s| s.nodes).collect();
         corners.sort_unstable();
         corners.dedup();
@@ -335,21 +339,21 @@ fn copy_exterior(
         (words(&wired), words(&corners.iter().map(node).collect::<Vec<_>>()))
     };
     let (segments, corners): (Vec<_>, Vec<_>) = slave_boxes.iter().enumerate().map(offer).unzip();
-    let segments = exchange_all(wire, segments)?;
-    let corners = exchange_all(wire, corners)?;
+    let segments = exchange_all(comm, segments)?;
+    let corners = exchange_all(comm, corners)?;
     let mut copies: Vec<WireNode> =
         corners.iter().flat_map(|w| items::<WireNode>(w)).copied().collect();
-    copies.retain(|c| nodes.held_number(c.record.id).is_none());
+    copies.retain(|c| nodes.local_index(c.record.id).is_none());
     copies.sort_unstable_by_key(|c| c.record.id);
     copies.dedup_by_key(|c| c.record.id);
     copies.iter().for_each(|c| nodes.push(&c.record, c.owner as u32));
     for s in segments.iter().flat_map(|w| items::<WireSegment>(w)) {
-        let local = s.nodes.map(|n| nodes.number(n).expect("a segment comes with its nodes"));
+        let local = s.nodes.map(|n| nodes.index_of(n).expect("a segment comes with its nodes"));
         surface.segments.push(Segment {
             id: s.id,
             nodes: local,
-            behind: s.behind.map(|n| nodes.number(n).unwrap_or(NOT_LOCAL)),
-            half: s.half,
+            behind: s.behind.map(|n| nodes.index_of(n).unwrap_or(NOT_LOCAL)),
+            half_thickness: s.half,
             scale: s.scale,
             part: s.part as u32,
             own: false,
@@ -360,33 +364,33 @@ fn copy_exterior(
     let wanted = |w: usize| {
         copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>()
     };
-    let requests = exchange_all(wire, (0..workers).map(wanted).collect())?;
+    let requests = exchange_all(comm, (0..workers).map(wanted).collect())?;
     for link in &mut halo.links {
-        let number = |id: &u64| nodes.number(NodeId(*id)).expect("requests name local nodes");
+        let number = |id: &u64| nodes.index_of(NodeId(*id)).expect("requests name local nodes");
         link.export = requests[link.worker].iter().map(number).collect();
         link.import = wanted(link.worker).iter().map(number).collect();
         // A segment may come from one worker and its far corner belong to another, which is no
         // nearer for that.
-        link.apart &= link.export.is_empty() && link.import.is_empty();
+        link.both_distant &= link.export.is_empty() && link.import.is_empty();
     }
     Ok(())
 }
 
 /// Owners tell every worker that has one of their nodes local who else has it.
-fn tell_users(
-    wire: &mut dyn Transport,
+fn send_users(
+    comm: &mut dyn Transport,
     nodes: &Nodes,
-    halo: &mut Halo,
+    halo: &mut Ghosts,
     shared: &[Vec<u32>],
-) -> Result<(), Lost> {
+) -> Result<(), RankLost> {
     let me = nodes.me;
     let mut users: Vec<Vec<u32>> = vec![Vec::new(); nodes.len()];
     for link in &halo.links {
-        let own = |i: &&u32| nodes.is_own(**i as usize);
+        let own = |i: &&u32| nodes.is_owned(**i as usize);
         let with = shared[link.worker].iter().filter(own).chain(&link.export);
         with.for_each(|&i| users[i as usize].push(link.worker as u32));
     }
-    let mut parcels = vec![Vec::new(); wire.size() - 1];
+    let mut parcels = vec![Vec::new(); comm.size() - 1];
     for (i, list) in users.iter_mut().enumerate() {
         list.sort_unstable();
         list.dedup();
@@ -398,13 +402,13 @@ fn tell_users(
         }
     }
     for (from, parcel) in
-        exchange_all(wire, parcels)?.iter().enumerate().filter(|(w, _)| *w != me as usize)
+        exchange_all(comm, parcels)?.iter().enumerate().filter(|(w, _)| *w != me as usize)
     {
         let mut rest = &parcel[..];
         while let [id, count, tail @ ..] = rest {
             let (list, after) = tail.split_at(*count as usize);
             let i = nodes
-                .number(NodeId(*id))
+                .index_of(NodeId(*id))
                 .unwrap_or_else(|| panic!("worker {from} speaks of a node not local here"));
             users[i as usize] = list.iter().map(|&u| u as u32).collect();
             users[i as usize].sort_unstable();
@@ -417,7 +421,7 @@ fn tell_users(
         halo.user_start.push(halo.users.len() as u32);
     }
     for link in &mut halo.links {
-        link.meets = users.iter().any(|l| l.contains(&(link.worker as u32)));
+        link.shares_nodes = users.iter().any(|l| l.contains(&(link.worker as u32)));
     }
     Ok(())
 }

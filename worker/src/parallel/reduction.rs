@@ -11,12 +11,12 @@ use crate::nodes::Nodes;
 use crate::time::Clock;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
-use crumple_proto::transport::{Lost, MaxReduction, Tag, Transport};
+use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 use std::ops::Range;
 
 /// What workers agree on in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Agreed {
+pub struct StepConsensus {
     /// Smallest stable step of all elements, or less if contact surfaces would pass through each
     /// other in it [time].
     pub stable_dt: f64,
@@ -24,15 +24,15 @@ pub struct Agreed {
     pub contact_dt: f64,
     /// Element that is in trouble, the first by id if there are several; by place in a mesh that
     /// was numbered anew.
-    pub trouble: Option<ElemId>,
+    pub failure: Option<ElemId>,
     /// Last order that some worker has seen.
     pub order: u64,
     /// Largest relative motion as a fraction of what exterior copies cover.
-    pub urgency: f64,
+    pub margin_used: f64,
     /// Whether elements have failed.
     pub eroded: bool,
     /// Whether workers that are apart tell each other of their motion in the next step.
-    pub check_in: bool,
+    pub sync_distant: bool,
     /// No two nodes of contact surfaces had velocities that differ by more in the last step
     /// [length/time].
     pub spread: f64,
@@ -40,13 +40,13 @@ pub struct Agreed {
 
 /// What a worker knows after its element forces.
 #[derive(Clone, Copy, Debug)]
-pub struct Known {
+pub struct StepContribution {
     /// Of its elements.
     pub totals: PassTotals,
     /// Whether elements have failed since membership was settled.
     pub eroded: bool,
     /// How near the next check-in is, due at 1.
-    pub parted: f64,
+    pub distant_fraction: f64,
     /// Largest velocity components of the nodes of contact surfaces, then the largest of their
     /// negatives; minus infinity without any [length/time].
     pub velocities: [f64; 6],
@@ -65,7 +65,7 @@ pub struct Limits {
 
 /// The maximum that is under way, and what this worker puts into it.
 #[derive(Debug)]
-pub struct Agreement {
+pub struct StepReduction {
     reduction: MaxReduction,
     /// Last order that has arrived here.
     pub order: u64,
@@ -95,7 +95,7 @@ fn of_float(float: f64) -> ElemId {
     ElemId(TOP - float.to_bits())
 }
 
-impl Agreement {
+impl StepReduction {
     /// Nothing agreed yet.
     pub fn new() -> Self {
         let (elements_dt, contact_dt) = (f64::INFINITY, f64::INFINITY);
@@ -114,13 +114,13 @@ impl Agreement {
     /// A worker is gone.
     pub fn begin(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         blocks: &Blocks,
         nodes: &Nodes,
-        known: &Known,
+        known: &StepContribution,
         clock: &Clock,
         settings: &Settings,
-    ) -> Result<(), Lost> {
+    ) -> Result<(), RankLost> {
         let stable_dt = blocks.stable_step(nodes, known.totals.stable_dt);
         let collapsed = !blocks.elements.is_empty() && clock.has_collapsed(settings, stable_dt);
         let smallest = || if collapsed { blocks.smallest_step(nodes).map(|s| s.1) } else { None };
@@ -135,30 +135,34 @@ impl Agreement {
             self.order as f64,
             self.urgency,
             eroded,
-            known.parted,
+            known.distant_fraction,
         ]);
         words[VELOCITIES].copy_from_slice(&known.velocities);
         words[APPROACH] = known.approach;
-        self.reduction.begin(wire, &words)
+        self.reduction.begin(comm, &words)
     }
 
     /// What all agree on.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn finish(&mut self, wire: &mut dyn Transport, limits: Limits) -> Result<Agreed, Lost> {
-        let max = self.reduction.finish(wire)?;
+    pub fn finish(
+        &mut self,
+        comm: &mut dyn Transport,
+        limits: Limits,
+    ) -> Result<StepConsensus, RankLost> {
+        let max = self.reduction.finish(comm)?;
         let trouble = (max[1] > 0.0).then(|| of_float(max[1]));
         let spread = spread(&max[VELOCITIES]);
         (self.elements_dt, self.contact_dt) = (-max[0], contact_dt(spread, max[APPROACH], limits));
-        Ok(Agreed {
+        Ok(StepConsensus {
             stable_dt: self.elements_dt.min(self.contact_dt),
             contact_dt: self.contact_dt,
-            trouble,
+            failure: trouble,
             order: max[2] as u64,
-            urgency: max[3],
+            margin_used: max[3],
             eroded: max[4] > 0.0,
-            check_in: max[5] >= 1.0,
+            sync_distant: max[5] >= 1.0,
             spread,
         })
     }
@@ -169,16 +173,16 @@ impl Agreement {
     /// A worker is gone.
     pub fn first_step(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         stable_dt: f64,
         velocities: [f64; 6],
         thinnest: f64,
-    ) -> Result<f64, Lost> {
+    ) -> Result<f64, RankLost> {
         let mut words = [0.0; WORDS];
         words[0] = -stable_dt;
         words[VELOCITIES].copy_from_slice(&velocities);
-        self.reduction.begin(wire, &words)?;
-        let max = self.reduction.finish(wire)?;
+        self.reduction.begin(comm, &words)?;
+        let max = self.reduction.finish(comm)?;
         let limits = Limits { thinnest, skin: 0.0 };
         (self.elements_dt, self.contact_dt) =
             (-max[0], contact_dt(spread(&max[VELOCITIES]), 0.0, limits));
@@ -212,7 +216,7 @@ fn spread(velocities: &[f64]) -> f64 {
     if range[0] >= 0.0 { range.iter().map(|r| r * r).sum::<f64>().sqrt() } else { 0.0 }
 }
 
-impl Default for Agreement {
+impl Default for StepReduction {
     fn default() -> Self {
         Self::new()
     }

@@ -7,9 +7,9 @@ use crate::analysis::bench::median;
 use crate::analysis::cost::element_seconds;
 use crate::input::job::Model;
 use crumple_proto::report::PhaseSeconds;
-use crumple_proto::transport::{Lost, thread_cpu};
+use crumple_proto::transport::{RankLost, thread_cpu};
 use crumple_worker::engine::{Engine, Phase};
-use crumple_worker::math::rigid_motion::Motion;
+use crumple_worker::math::rigid_motion::MotionTracker;
 use crumple_worker::parallel::census::Count;
 use std::time::Duration;
 
@@ -63,13 +63,13 @@ impl Watch {
     pub fn new(engine: &mut Engine) -> Self {
         engine.blocks.compute_all();
         engine.timer.restart();
-        let before = State::of(engine);
+        let before = State::new(engine);
         Self { before, seconds: Vec::new(), searching: Vec::new(), sweeps: 0 }
     }
 
     /// Takes in the step that the engine has just made; whether there are enough.
-    pub fn take(&mut self, engine: &mut Engine) -> bool {
-        let (now, before) = (State::of(engine), &self.before);
+    pub fn sample(&mut self, engine: &mut Engine) -> bool {
+        let (now, before) = (State::new(engine), &self.before);
         let by_clock: PhaseSeconds = std::array::from_fn(|p| now.phases[p] - before.phases[p]);
         let cpu = now.cpu.saturating_sub(before.cpu).as_secs_f64();
         let running = (cpu / by_clock.iter().sum::<f64>().max(f64::MIN_POSITIVE)).min(1.0);
@@ -80,7 +80,7 @@ impl Watch {
             _ => self.searching.push(spent[Phase::Search as usize]),
         }
         engine.timer.restart();
-        self.before = State::of(engine);
+        self.before = State::new(engine);
         self.seconds.len() + self.searching.len() >= STEPS
     }
 
@@ -88,7 +88,12 @@ impl Watch {
     ///
     /// # Errors
     /// The elements of a part could not be tried.
-    pub fn kernels(&self, model: &Model, engine: &Engine, whole: &Count) -> Result<Kernels, Lost> {
+    pub fn kernels(
+        &self,
+        model: &Model,
+        engine: &Engine,
+        whole: &Count,
+    ) -> Result<Kernels, RankLost> {
         let of: PhaseSeconds = std::array::from_fn(|p| median(self.seconds.iter().map(|s| s[p])));
         let phase = |p: Phase| of[p as usize];
         let per = |seconds: f64, units: u64| seconds / (units as f64).max(1.0);
@@ -115,7 +120,7 @@ impl Watch {
 }
 
 impl State {
-    fn of(engine: &Engine) -> Self {
+    fn new(engine: &Engine) -> Self {
         let contact = engine.contact.as_ref();
         Self {
             phases: engine.timer.seconds,
@@ -128,8 +133,8 @@ impl State {
 
 /// Time of watching the motion of all nodes [s].
 fn fit(engine: &Engine) -> f64 {
-    let x = &engine.nodes.x[..engine.nodes.held];
-    let mut motion = Motion::since(x);
+    let x = &engine.nodes.x[..engine.nodes.local_count];
+    let mut motion = MotionTracker::since(x);
     let once = |_| {
         let start = thread_cpu();
         std::hint::black_box(motion.update(x));

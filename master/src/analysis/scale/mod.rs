@@ -20,7 +20,7 @@ use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Progress, State};
 use crate::run::say::say;
 use crumple_proto::boxes::CutTree;
-use crumple_worker::contact::Exchange;
+use crumple_worker::contact::TrafficEstimate;
 use crumple_worker::engine::Engine;
 use crumple_worker::parallel::census::{Census, Count, messages_to_all};
 use kernels::{Kernels, STEPS, Watch};
@@ -175,10 +175,10 @@ fn samples(
             dt: clock.dt,
             ..State::default()
         });
-        if watch.as_mut().is_some_and(|w| w.take(engine))
+        if watch.as_mut().is_some_and(|w| w.sample(engine))
             && let Some(watch) = watch.take()
         {
-            progress.say(&format!("predicting at T={:.4e}", engine.clock.time));
+            progress.println(&format!("predicting at T={:.4e}", engine.clock.time));
             match sample(model, engine, &watch, workers, network) {
                 Ok(sample) => samples.push(Sample { at: times[samples.len()], ..sample }),
                 Err(why) => failed = Some(why),
@@ -215,7 +215,7 @@ fn sample(
     let whole = whole.swap_remove(0);
     let kernels = watch.kernels(model, engine, &whole).map_err(|lost| lost.to_string())?;
     let costs = Costs { kernels: &kernels, network };
-    let alone = Work::of(&whole, [0.0; 2], None, costs);
+    let alone = Work::new(&whole, [0.0; 2], None, costs);
     let mut load = load(engine, &kernels, &whole);
     let mut predictions = Vec::new();
     for &n in workers {
@@ -258,12 +258,12 @@ fn step(
     costs: Costs<'_>,
     alone: [f64; 2],
 ) -> Step {
-    let none = Exchange { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
+    let none = TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] };
     let exchange =
         |quiet| engine.contact.as_ref().map_or(none, |c| c.exchange(costs.kernels.sweeps, quiet));
-    let of = |c: &Count| Work::of(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
+    let of = |c: &Count| Work::new(c, c.traffic(engine, workers), Some(exchange(c.quiet)), costs);
     let works: Vec<Work> = counts.iter().map(of).collect();
-    Step::of(&works, alone)
+    Step::new(&works, alone)
 }
 
 /// What the boxes share out: elements at the start, as the master does; later their measured cost

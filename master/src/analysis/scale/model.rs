@@ -6,7 +6,7 @@
 //! membership, ties, field files and what caches do are left out.
 
 use super::kernels::Kernels;
-use crumple_worker::contact::Exchange;
+use crumple_worker::contact::TrafficEstimate;
 use crumple_worker::parallel::census::Count;
 
 /// Between any two workers.
@@ -67,10 +67,10 @@ pub const LOSSES: [&str; 5] = ["imbalance", "shared work", "search", "latency", 
 impl Work {
     /// A worker's step. `traffic` is what it sends apart from the exchange between partners in
     /// contact; that is `exchange`, none for a single worker.
-    pub fn of(
+    pub fn new(
         count: &Count,
         traffic: [f64; 2],
-        exchange: Option<Exchange>,
+        exchange: Option<TrafficEstimate>,
         costs: Costs<'_>,
     ) -> Self {
         let (k, network) = (costs.kernels, costs.network);
@@ -108,7 +108,7 @@ impl Work {
 impl Step {
     /// A step of all workers; `alone` is what one worker with everything takes [s], by kernels and
     /// search.
-    pub fn of(works: &[Work], alone: [f64; 2]) -> Self {
+    pub fn new(works: &[Work], alone: [f64; 2]) -> Self {
         let n = works.len() as f64;
         let Some(slowest) = works.iter().max_by(|a, b| a.total().total_cmp(&b.total())) else {
             return Self::default();
@@ -169,15 +169,15 @@ mod tests {
         let kernels = kernels();
         let costs =
             |latency| Costs { kernels: &kernels, network: Network { latency, bandwidth: 1e9 } };
-        let alone = Work::of(&count(800, 40), [0.0; 2], None, costs(0.0));
+        let alone = Work::new(&count(800, 40), [0.0; 2], None, costs(0.0));
         assert!(
             (alone.kernels - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18 && alone.messages == 0.0
         );
         let together = |counts: &[Count], traffic, latency| {
-            let exchange = Some(Exchange { sweeps: 0.0, messages: 0.0, words: [0.0; 2] });
+            let exchange = Some(TrafficEstimate { sweeps: 0.0, messages: 0.0, words: [0.0; 2] });
             let works: Vec<Work> =
-                counts.iter().map(|c| Work::of(c, traffic, exchange, costs(latency))).collect();
-            let step = Step::of(&works, [alone.kernels, alone.search]);
+                counts.iter().map(|c| Work::new(c, traffic, exchange, costs(latency))).collect();
+            let step = Step::new(&works, [alone.kernels, alone.search]);
             assert!(
                 (step.useful + step.lost.iter().sum::<f64>() - step.total).abs()
                     < 1e-12 * step.total

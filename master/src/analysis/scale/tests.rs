@@ -4,7 +4,7 @@ use super::*;
 use crate::run::embedded::{centres, deal, on_threads};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::transport::{Traffic, Transport};
-use crumple_worker::parallel::partition::Share;
+use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step as one_step;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn counted(engine: &Engine, workers: usize) -> Count {
         lanes[engine.blocks.elements[b.first].record.part as usize] +=
             b.count.next_multiple_of(4) as u64;
     }
-    let sum = |of: fn(&crumple_worker::parallel::ghosts::Link) -> usize| {
+    let sum = |of: fn(&crumple_worker::parallel::ghosts::GhostLink) -> usize| {
         halo.links.iter().map(of).sum::<usize>() as u64
     };
     assert_eq!(halo.links.len(), workers - 1);
@@ -32,17 +32,17 @@ fn counted(engine: &Engine, workers: usize) -> Count {
         elements: engine.blocks.elements.len() as u64,
         lanes,
         shared: engine.blocks.elements.iter().filter(|e| e.shared).count() as u64,
-        held: nodes.held as u64,
-        owned: (0..nodes.held).filter(|&i| nodes.is_own(i)).count() as u64,
+        held: nodes.local_count as u64,
+        owned: (0..nodes.local_count).filter(|&i| nodes.is_owned(i)).count() as u64,
         slaves: surface.slaves.len() as u64,
         segments: surface.segments.iter().filter(|s| s.own).count() as u64,
         exterior_segments: surface.segments.iter().filter(|s| !s.own).count() as u64,
-        exterior_nodes: (nodes.len() - nodes.held) as u64,
-        neighbours: sum(|l| usize::from(!l.corners_out.is_empty())),
-        corners: sum(|l| l.corners_out.len()),
+        exterior_nodes: (nodes.len() - nodes.local_count) as u64,
+        neighbours: sum(|l| usize::from(!l.element_forces_out.is_empty())),
+        corners: sum(|l| l.element_forces_out.len()),
         exports: sum(|l| l.export.len()),
-        near_workers: sum(|l| usize::from(!l.apart)),
-        meets: sum(|l| usize::from(l.meets)),
+        near_workers: sum(|l| usize::from(!l.both_distant)),
+        meets: sum(|l| usize::from(l.shares_nodes)),
         ..Count::default()
     }
 }
@@ -57,25 +57,25 @@ struct Seen {
 fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> Vec<Seen> {
     let centres = centres(model);
     let first = bisect(&mut Centres(centres.clone()), workers).unwrap();
-    let run = |wire: &mut dyn Transport, share: Share| {
-        let mut engine = Engine::new(wire, model.settings.clone(), first.clone(), share).unwrap();
+    let run = |comm: &mut dyn Transport, share: PartitionData| {
+        let mut engine = Engine::new(comm, model.settings.clone(), first.clone(), share).unwrap();
         while engine.clock.cycle < cycles {
-            one_step(&mut engine, wire).unwrap();
+            one_step(&mut engine, comm).unwrap();
         }
-        engine.renew(wire, tree.clone()).unwrap();
+        engine.renew(comm, tree.clone()).unwrap();
         let mut count = counted(&engine, workers);
-        let before = wire.traffic();
-        one_step(&mut engine, wire).unwrap();
-        let after = wire.traffic();
+        let before = comm.traffic();
+        one_step(&mut engine, comm).unwrap();
+        let after = comm.traffic();
         let contact = engine.contact.as_ref().unwrap();
-        count.near = contact.near().map(|(_, n)| n as u64).sum();
-        for pair in contact.own_table() {
+        count.near = contact.count_near().map(|(_, n)| n as u64).sum();
+        for pair in contact.owned_table() {
             let told: BTreeSet<u32> =
-                pair.touching().flat_map(|n| engine.halo.users_of(n)).copied().collect();
+                pair.local_nodes().flat_map(|n| engine.halo.users_of(n)).copied().collect();
             (count.pairs, count.told) = (count.pairs + 1, count.told + told.len() as u64);
             count.told_words += (told.len() * pair.words()) as u64;
         }
-        let own = |n: &u32| engine.nodes.is_own(*n as usize);
+        let own = |n: &u32| engine.nodes.is_owned(*n as usize);
         count.members = engine.bodies.acted_on(&engine.nodes).filter(own).count() as u64;
         let sent = Traffic {
             messages: after.messages - before.messages,

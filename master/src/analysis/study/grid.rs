@@ -38,7 +38,7 @@ impl Plan {
     /// # Errors
     /// Lists that are none or not of equal length, and everything that is wrong with the job at any
     /// point.
-    pub fn of(study: &Study) -> Result<Self, String> {
+    pub fn new(study: &Study) -> Result<Self, String> {
         let common = flatten(&study.set);
         let mut keys = Keys::default();
         let mut wrong = Vec::new();

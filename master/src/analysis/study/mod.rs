@@ -43,7 +43,7 @@ pub fn run(args: &StudyArgs) -> u8 {
 
 fn study(args: &StudyArgs) -> Result<u8, String> {
     let study = Study::read(&args.study)?;
-    let plan = Plan::of(&study)?;
+    let plan = Plan::new(&study)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let name = args.study.file_stem().unwrap_or("study".as_ref());
         PathBuf::from("out").join("studies").join(name)

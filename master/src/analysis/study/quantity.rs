@@ -93,7 +93,7 @@ impl Run {
     ///
     /// # Errors
     /// A file is missing or broken.
-    pub fn of(folder: &Path) -> Result<Self, String> {
+    pub fn load(folder: &Path) -> Result<Self, String> {
         let path = folder.join("summary.json");
         let text = std::fs::read_to_string(&path)
             .map_err(|error| format!("{}: {error}", path.display()))?;
@@ -249,7 +249,7 @@ impl Quantity {
     ///
     /// # Errors
     /// The run does not have it; the message lists what there is.
-    pub fn of(&self, run: &Run) -> Result<f64, String> {
+    pub fn value(&self, run: &Run) -> Result<f64, String> {
         let mut value = match (&self.summary, &self.history, &self.field) {
             (Some(path), _, _) => run.in_summary(path)?,
             (_, Some(column), _) => self.in_history(&run.column(column, self.window())?)?,
@@ -270,10 +270,10 @@ impl Quantity {
             _ => return Err("a quantity needs a source".into()),
         };
         if let Some(minus) = &self.minus {
-            value -= minus.of(run)?;
+            value -= minus.value(run)?;
         }
         if let Some(over) = &self.over {
-            value /= over.of(run)?;
+            value /= over.value(run)?;
         }
         Ok(value * self.scale.unwrap_or(1.0))
     }
@@ -369,13 +369,13 @@ mod tests {
         for (text, value) in cases {
             assert_eq!(quantity(text).wrong(), None, "{text}");
             // Exact but for the rounding of a few operations on numbers of order one.
-            assert!((quantity(text).of(&run()).unwrap() - value).abs() < 1e-14, "{text}");
+            assert!((quantity(text).value(&run()).unwrap() - value).abs() < 1e-14, "{text}");
         }
     }
 
     #[test]
     fn a_typo_is_answered_with_what_there_is() {
-        let why = |text: &str| quantity(text).of(&run()).unwrap_err();
+        let why = |text: &str| quantity(text).value(&run()).unwrap_err();
         assert!(why("summary = \"energy.eror\"").contains("did you mean `error`?"));
         assert!(why("summary = \"energy\"").contains("it holds: error, list"));
         assert!(why("summary = \"reason\"").contains("no number"));
@@ -384,7 +384,7 @@ mod tests {
                 .contains("did you mean `kinetic`? there are: time, kinetic")
         );
         assert!(why("history = \"kinetic\"\nat = 5.0").contains("goes from 0 to 4"));
-        assert!(quantity("history = \"kinetic\"\ncrossing = 50.0").of(&run()).unwrap().is_nan());
+        assert!(quantity("history = \"kinetic\"\ncrossing = 50.0").value(&run()).unwrap().is_nan());
     }
 
     #[test]

@@ -68,7 +68,7 @@ impl Table {
                             measure.name, outcome.reason
                         ));
                     }
-                    Some(measure.quantity.of(&Run::of(&runs::folder(out, point))?)?)
+                    Some(measure.quantity.value(&Run::load(&runs::folder(out, point))?)?)
                 }
                 _ => None,
             });
@@ -79,9 +79,9 @@ impl Table {
             let label = point.label(study);
             let outcome = runs::outcome(out, point).ok_or_else(|| format!("{label}: not run"))?;
             // A run that failed may have left some of it, or nothing.
-            let run = Run::of(&runs::folder(out, point)).ok();
+            let run = Run::load(&runs::folder(out, point)).ok();
             let value = |q: &super::quantity::Quantity| {
-                run.as_ref().and_then(|r| q.of(r).ok()).unwrap_or(f64::NAN)
+                run.as_ref().and_then(|r| q.value(r).ok()).unwrap_or(f64::NAN)
             };
             let values: Vec<f64> = study.measure.iter().map(|m| value(&m.quantity)).collect();
             let error = |m: usize| {

@@ -159,14 +159,14 @@ fn one(
     if code == 0 {
         // A measure that asks for what is not there is found out at the first point, not after the
         // last.
-        let run = Run::of(&folder)?;
+        let run = Run::load(&folder)?;
         for measure in &study.measure {
             measure
                 .quantity
-                .of(&run)
+                .value(&run)
                 .map_err(|why| format!("measure `{}`: {why}", measure.name))?;
         }
-        study.cost.quantity.of(&run).map_err(|why| format!("cost: {why}"))?;
+        study.cost.quantity.value(&run).map_err(|why| format!("cost: {why}"))?;
     }
     let outcome = Outcome { code, reason, wall_s, settings: point.sets.clone() };
     let text = serde_json::to_string_pretty(&outcome).map_err(|error| error.to_string())?;
@@ -204,7 +204,7 @@ fn wait(
 /// Why a run ended as it did: the summary's word, else its last words.
 fn reason(folder: &Path, words: &Path, code: i32) -> String {
     let summary =
-        Run::of(folder).ok().and_then(|run| run.summary["reason"].as_str().map(String::from));
+        Run::load(folder).ok().and_then(|run| run.summary["reason"].as_str().map(String::from));
     let last = || {
         let said = fs::read_to_string(words).unwrap_or_default();
         said.lines()

@@ -148,7 +148,7 @@ pub fn export(model: &Model) -> Result<String, String> {
     parts(&mut deck, model, &bodies.materials, next)?;
     let sets = node_sets(&mut deck, model);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
-    let mut curves = TimeCurves::of(job);
+    let mut curves = TimeCurves::new(job);
     initial(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);

@@ -93,7 +93,7 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
     let mut trouble = Trouble::default();
     let mut texts = text::Texts::read(path, &mut trouble);
     let (tree, mut built) = build::build(&texts, leave_out, trouble);
-    let unsupported = told(
+    let unsupported = report_unsupported(
         std::mem::take(&mut built.unsupported),
         allow_unsupported,
         &texts.files,
@@ -122,7 +122,7 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
 }
 
 /// Tells of everything unsupported, once for each kind; gives the list for the summary.
-fn told(
+fn report_unsupported(
     all: Vec<Unsupported>,
     allowed: bool,
     files: &[Text],

@@ -177,7 +177,7 @@ impl Reader<'_> {
                 }
                 Some(b'*') => {
                     if let Some(block) = block.take() {
-                        self.close(block, &text, path, format);
+                        self.end_block(block, &text, path, format);
                     }
                     let head = Head::read(line, format);
                     match head.name.as_str() {
@@ -205,7 +205,7 @@ impl Reader<'_> {
             }
         }
         if let Some(block) = block.take() {
-            self.close(block, &text, path, format);
+            self.end_block(block, &text, path, format);
         }
         if main && !ended && !bytes.is_empty() {
             let last = Place::Deck { file, start: bytes.len() as u32, end: bytes.len() as u32 };
@@ -231,7 +231,7 @@ impl Reader<'_> {
     }
 
     /// Keeps a block, or reads what it includes.
-    fn close(&mut self, mut block: Block, text: &str, path: &Path, format: Format) {
+    fn end_block(&mut self, mut block: Block, text: &str, path: &Path, format: Format) {
         let bytes = text.as_bytes();
         let line = |span: (u32, u32)| {
             String::from_utf8_lossy(&bytes[span.0 as usize..span.1 as usize]).into_owned()
@@ -240,7 +240,7 @@ impl Reader<'_> {
         match block.name.as_str() {
             "INCLUDE" => {
                 for (name, span) in names(&block.lines, line) {
-                    let found = self.find(&name, beside);
+                    let found = self.resolve_include(&name, beside);
                     let place = block.span(span, 0, (span.1 - span.0) as usize);
                     self.file(&found, name, Some(place), format);
                 }
@@ -266,7 +266,7 @@ impl Reader<'_> {
 
     /// The file of a name: as it stands, or as other systems write it, in quotes or with
     /// backslashes.
-    fn find(&self, name: &str, beside: &Path) -> PathBuf {
+    fn resolve_include(&self, name: &str, beside: &Path) -> PathBuf {
         let bare = name.trim_matches(['"', '\'']);
         let names = [name.to_string(), bare.to_string(), bare.replace('\\', "/")];
         let places = || self.folders.iter().map(PathBuf::as_path).chain([beside]);

@@ -28,7 +28,7 @@ impl Trouble {
         if self.misread.iter().any(within) {
             return;
         }
-        self.keep(place, message, help);
+        self.add_error(place, message, help);
     }
 
     /// Notes a field of a line that cannot be read, those of one kind once.
@@ -42,7 +42,7 @@ impl Trouble {
     ) {
         self.unsure = true;
         if kind.is_none_or(|kind| self.warned.insert(kind.to_string())) {
-            self.keep(place, message, help);
+            self.add_error(place, message, help);
         }
         let Place::Deck { file, start, end } = line else { return };
         if self.misread.len() < KEPT && self.misread.last() != Some(&(file, start, end)) {
@@ -50,7 +50,7 @@ impl Trouble {
         }
     }
 
-    fn keep(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
+    fn add_error(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
         if self.list.len() < KEPT {
             self.add(Problem::error("", message, help), place);
         } else {

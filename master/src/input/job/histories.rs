@@ -2,7 +2,7 @@
 
 use super::state::NodeSets;
 use super::validate::{Findings, nearest};
-use crumple_proto::histories::{Asked, NodeGroup, Section, Surface, Transducer};
+use crumple_proto::histories::{HistoryRequests, NodeGroup, Section, Surface, Transducer};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, NodeHistory, SectionHistory, TransducerHistory};
 use crumple_proto::mesh::{Mesh, MeshElement};
@@ -17,7 +17,7 @@ pub fn resolve(
     settings: &Settings,
     sets: &NodeSets<'_>,
     findings: &mut Findings,
-) -> Asked {
+) -> HistoryRequests {
     let touching = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
     let several = settings.parts.iter().filter(|p| touching(p.id)).count() > 1;
     let nodes: Vec<_> =
@@ -32,7 +32,7 @@ pub fn resolve(
     let all = job.output.transducer.iter().enumerate();
     let transducers: Vec<_> =
         all.map(|(i, t)| transducer(t, i, job, settings, sets, findings)).collect();
-    Asked {
+    HistoryRequests {
         parts: job.output.parts,
         contacts: job.output.contacts && several,
         nodes: nodes.into_iter().flatten().collect(),

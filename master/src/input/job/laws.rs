@@ -9,7 +9,7 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
-use crumple_worker::contact::initial::{Initial, Penetration};
+use crumple_worker::contact::initial::{InitialPenetrations, Penetration};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::{Element, build_block, formulation};
 use crumple_worker::fem::materials;
@@ -114,7 +114,7 @@ impl Blocks {
 }
 
 /// A warning if contact meets shells or beams with less than their thickness.
-pub fn thinned(settings: &Settings, initial: &Initial) -> Option<Problem> {
+pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Problem> {
     let (count, least) = initial.thinned?;
     let limit = settings.contact.as_ref()?.thickness_limit;
     let message = format!(
@@ -127,7 +127,7 @@ pub fn thinned(settings: &Settings, initial: &Initial) -> Option<Problem> {
 }
 
 /// Warnings if nodes start inside the thickness of shells, or solids, that they can touch.
-pub fn penetrations(initial: &Initial) -> Vec<Problem> {
+pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
     let (unseen, seen): (Vec<_>, Vec<_>) =
         initial.penetrations.iter().copied().partition(|p| p.unseen);
     let tell = |found: &[Penetration], what: &str, help: &str| {

@@ -48,7 +48,7 @@ pub fn resolve(
     findings: &mut Findings,
 ) -> Loads {
     symmetry(job, mesh, smallest, start, findings);
-    let curves = Curves::of(job, findings);
+    let curves = Curves::new(job, findings);
     let mut loads = Loads {
         curves: job.curve.iter().map(|c| c.points.clone()).collect(),
         damping: job.time.damping,
@@ -102,7 +102,7 @@ pub struct Curves<'j> {
 }
 
 impl<'j> Curves<'j> {
-    fn of(job: &'j Job, findings: &mut Findings) -> Self {
+    fn new(job: &'j Job, findings: &mut Findings) -> Self {
         let mut seen = HashSet::new();
         for (i, curve) in job.curve.iter().enumerate() {
             if curve.name.is_empty() {

@@ -93,7 +93,7 @@ pub struct Model {
 /// Reads and checks a job: a folder that holds `job.toml`, or a `.toml` file.
 /// `sets` are `key=value` of the command line.
 pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
-    let path = find(path).map_err(Report::from_problem)?;
+    let path = job_file(path).map_err(Report::from_problem)?;
     if deck::is_deck(&path) {
         return read_tree(path.clone(), deck_job(&path), sets, Findings::default());
     }
@@ -278,7 +278,7 @@ fn build(
     order.iter().zip(&used).for_each(|(&place, used)| of_job[place] = *used);
     unused::check(&tree, &job, &of_job, findings);
     let mesh = mesh?;
-    let sets = state::NodeSets::of(&mesh);
+    let sets = state::NodeSets::new(&mesh);
     let mut nodes = state::nodes(&job, &mesh, &sets, findings);
     let smallest = figures.as_ref().map_or(0.0, |q| q.min_side.value);
     settings.loads = loads::resolve(&job, &mesh, &sets, smallest, &mut nodes, findings);
@@ -443,7 +443,7 @@ fn read_mesh_file(
 }
 
 /// The job file that a path on the command line means.
-fn find(path: &Path) -> Result<PathBuf, Problem> {
+fn job_file(path: &Path) -> Result<PathBuf, Problem> {
     let shown = path.display();
     if path.is_dir() {
         let inside = path.join("job.toml");

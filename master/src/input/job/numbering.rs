@@ -53,7 +53,7 @@ pub fn renumber(
     }
     levels(mesh, &corners).iter().zip(0..).for_each(|(&n, at)| place[n as usize] = at);
     order.sort_by_cached_key(|&e| {
-        let first = corners.of(e).iter().map(|&n| place[n as usize]).min();
+        let first = corners.list(e).iter().map(|&n| place[n as usize]).min();
         (mesh.elements[e as usize].part, first)
     });
     let after = fetched(&order, &corners, &place);
@@ -120,7 +120,7 @@ struct Lists {
 }
 
 impl Lists {
-    fn of(&self, list: u32) -> &[u32] {
+    fn list(&self, list: u32) -> &[u32] {
         &self.items[self.starts[list as usize]..self.starts[list as usize + 1]]
     }
 }
@@ -149,7 +149,7 @@ fn around(corners: &Lists, nodes: usize) -> Lists {
     (0..nodes).for_each(|n| starts[n + 1] += starts[n]);
     let (mut items, mut next) = (vec![0; corners.items.len()], starts.clone());
     for e in 0..corners.starts.len() as u32 - 1 {
-        for &n in corners.of(e) {
+        for &n in corners.list(e) {
             items[next[n as usize]] = e;
             next[n as usize] += 1;
         }
@@ -163,7 +163,7 @@ fn around(corners: &Lists, nodes: usize) -> Lists {
 fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
     let mut used: Vec<Option<u32>> = vec![None; place.len().div_ceil(LINE)];
     let mut fetched = 0u32;
-    for &node in order.iter().flat_map(|&e| corners.of(e)) {
+    for &node in order.iter().flat_map(|&e| corners.list(e)) {
         let line = place[node as usize] as usize / LINE;
         if used[line].is_none_or(|last| fetched - last >= LINES) {
             fetched += 1;
@@ -186,7 +186,7 @@ fn levels(mesh: &Mesh, corners: &Lists) -> Vec<u32> {
     let (mut order, mut trial, mut walks) = (Vec::with_capacity(mesh.nodes.len()), Vec::new(), 0);
     for e in elements {
         while let Some(&first) =
-            corners.of(e).iter().find(|&&n| walked.seen[n as usize] != NUMBERED)
+            corners.list(e).iter().find(|&&n| walked.seen[n as usize] != NUMBERED)
         {
             let mut end = first;
             for _ in 0..2 {
@@ -217,9 +217,9 @@ impl Walks<'_> {
         order.push(start);
         while at < order.len() {
             let new = order.len();
-            let elements = self.around.of(order[at]).iter();
+            let elements = self.around.list(order[at]).iter();
             for &e in elements.filter(|&&e| self.mesh.elements[e as usize].part == part) {
-                for &node in self.corners.of(e) {
+                for &node in self.corners.list(e) {
                     let seen = &mut self.seen[node as usize];
                     if *seen != NUMBERED && *seen != walk {
                         *seen = walk;
@@ -227,7 +227,7 @@ impl Walks<'_> {
                     }
                 }
             }
-            order[new..].sort_unstable_by_key(|&n| (self.around.of(n).len(), n));
+            order[new..].sort_unstable_by_key(|&n| (self.around.list(n).len(), n));
             at += 1;
         }
     }

@@ -201,8 +201,9 @@ impl Sources {
             }
             _ => (&self.job, problem.path.as_str()),
         };
-        let written =
-            |deck: &DeckSource| deck_place(&problem.path).or_else(|| deck.places.of(&problem.path));
+        let written = |deck: &DeckSource| {
+            deck_place(&problem.path).or_else(|| deck.places.place_of(&problem.path))
+        };
         let place = place.or_else(|| self.deck.as_ref().and_then(written));
         let place = place.unwrap_or_else(|| source.tree.locate(path));
         let spot = match place {

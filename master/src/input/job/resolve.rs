@@ -3,7 +3,7 @@
 use super::validate::{Findings, nearest};
 use super::{contact, walls};
 use crate::results::vtkhdf;
-use crumple_proto::histories::Asked;
+use crumple_proto::histories::HistoryRequests;
 use crumple_proto::job::{Contact, Job, Part};
 use crumple_proto::loads::Loads;
 use crumple_proto::partition::{Material, Param, Settings};
@@ -250,7 +250,7 @@ pub fn settings(
         dt_min_ratio: job.time.dt_min_ratio,
         history_interval: or(job.output.history_interval, job.end_time / 200.0),
         field_times: field_times(job),
-        histories: Asked::default(),
+        histories: HistoryRequests::default(),
         field_dir: String::new(),
         materials: job.material.iter().map(material).collect(),
         parts,

@@ -30,7 +30,7 @@ pub fn resolve(
         return bodies;
     }
     let mut owner: HashMap<NodeId, usize> = HashMap::new();
-    let ground = Ground::of(mesh, sets);
+    let ground = Ground::new(mesh, sets);
     for (i, rigid) in job.rigid.iter().enumerate() {
         let path = format!("rigid.{i}");
         numbers(rigid, i, job, findings);
@@ -142,7 +142,7 @@ struct Ground<'a> {
 }
 
 impl<'a> Ground<'a> {
-    fn of(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
+    fn new(mesh: &'a Mesh, sets: &'a NodeSets<'a>) -> Self {
         let mut of_part: HashMap<u32, Vec<usize>> = HashMap::new();
         for (at, e) in mesh.elements.iter().enumerate() {
             of_part.entry(e.part).or_default().push(at);

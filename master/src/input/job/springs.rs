@@ -84,16 +84,16 @@ pub fn steps(
     if springs.is_empty() && !ends.iter().any(|e| e.has_arm) {
         return;
     }
-    let mut bodies: Vec<Heavy> =
-        settings.rigid.iter().map(|b| Heavy::of(b, mesh, &ends, &place)).collect();
-    let softness = |n: usize, ends: &[End], bodies: &[Heavy], need: Option<f64>| {
+    let mut bodies: Vec<BodyMass> =
+        settings.rigid.iter().map(|b| BodyMass::new(b, mesh, &ends, &place)).collect();
+    let softness = |n: usize, ends: &[End], bodies: &[BodyMass], need: Option<f64>| {
         let end = &ends[n];
         let part = |all: f64| {
             need.map_or(1.0, |need| need / all * if end.shared { taken(all) } else { 1.0 })
         };
         let arm = if end.has_arm { ARM_SHARE } else { 1.0 };
         let loose = 1.0 / (arm * end.mass * part(end.need));
-        let of_body = |b: &Heavy| b.softness(&mesh.nodes[n].x) / part(b.need);
+        let of_body = |b: &BodyMass| b.softness(&mesh.nodes[n].x) / part(b.need);
         let body = end.body.map_or(f64::INFINITY, |b| of_body(&bodies[b]));
         if end.held { 0.0 } else { loose.min(body) }
     };
@@ -111,8 +111,9 @@ pub fn steps(
             .map(|((_, _, d), &soft)| d.stable_dt(soft))
             .fold(f64::INFINITY, f64::min)
     };
-    let need =
-        |discrete: &Discrete, soft: f64| if soft > 0.0 { discrete.need(soft, step) } else { 0.0 };
+    let need = |discrete: &Discrete, soft: f64| {
+        if soft > 0.0 { discrete.require(soft, step) } else { 0.0 }
+    };
     let needs: Vec<f64> =
         springs.iter().zip(&alone).map(|((_, _, d), &soft)| need(d, soft)).collect();
     for ((_, at, _), need) in springs.iter().zip(&needs) {
@@ -142,7 +143,7 @@ pub fn steps(
         };
         let share = element.corners().iter().map(left).fold(1.0, f64::min);
         if share < 1.0 {
-            start.share[i] = share * formulation.alone().powi(2);
+            start.share[i] = share * formulation.single_element_step().powi(2);
             start.stable_dt[i] *= start.share[i].sqrt();
         }
     }
@@ -207,7 +208,7 @@ fn massless(mesh: &Mesh, ends: &[End], findings: &mut Findings) {
 }
 
 /// A rigid body as springs see it.
-struct Heavy {
+struct BodyMass {
     mass: f64,
     centre: [f64; 3],
     /// No more than its smallest moment of inertia [mass length^2].
@@ -216,8 +217,8 @@ struct Heavy {
     need: f64,
 }
 
-impl Heavy {
-    fn of(body: &RigidBody, mesh: &Mesh, ends: &[End], place: &HashMap<NodeId, usize>) -> Self {
+impl BodyMass {
+    fn new(body: &RigidBody, mesh: &Mesh, ends: &[End], place: &HashMap<NodeId, usize>) -> Self {
         let members = || {
             body.nodes
                 .iter()

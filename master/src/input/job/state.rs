@@ -72,7 +72,7 @@ pub struct NodeSets<'m> {
 
 impl<'m> NodeSets<'m> {
     /// The sets of a mesh.
-    pub fn of(mesh: &'m Mesh) -> Self {
+    pub fn new(mesh: &'m Mesh) -> Self {
         Self {
             mesh,
             index: mesh.nodes.iter().enumerate().map(|(i, n)| (n.id.label(), i)).collect(),
@@ -334,7 +334,7 @@ pub fn warnings(
     }
     warnings
         .extend(settings.contact.as_ref().and_then(|c| beams_without_contact(c, settings, mesh)));
-    let meets = |t: &Tie| settings.walls.iter().any(|w| w.admits(t.node));
+    let meets = |t: &Tie| settings.walls.iter().any(|w| w.allows(t.node));
     if let count @ 1.. = settings.ties.iter().filter(|t| meets(t)).count() {
         let message =
             format!("{count} tied nodes do not meet rigid walls, which see only what carries them");

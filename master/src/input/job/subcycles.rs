@@ -34,7 +34,7 @@ pub struct Classes {
 
 impl Classes {
     /// Counts them.
-    pub fn of(elements: &ElementStart) -> Self {
+    pub fn new(elements: &ElementStart) -> Self {
         let slow = elements.slow.iter().filter(|&&slow| slow).count();
         Self { fast: elements.stable_dt.iter().filter(|dt| dt.is_finite()).count() - slow, slow }
     }
@@ -59,14 +59,14 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn of(time: &Time, mesh: &Mesh, settings: &Settings) -> Self {
+    fn new(time: &Time, mesh: &Mesh, settings: &Settings) -> Self {
         let place: HashMap<NodeId, u32> =
             mesh.nodes.iter().zip(0..).map(|(n, i)| (n.id, i)).collect();
         let places = |nodes: &mut dyn Iterator<Item = NodeId>| -> Vec<u32> {
             nodes.filter_map(|n| place.get(&n).copied()).collect()
         };
         let tied = |tie: &Tie| {
-            places(&mut std::iter::once(tie.node).chain(tie.carriers.iter().map(|c| c.0)))
+            places(&mut std::iter::once(tie.node).chain(tie.masters.iter().map(|c| c.0)))
         };
         let bodies = settings.rigid.iter().map(|body| places(&mut body.nodes.iter().copied()));
         let touching = settings.contact.as_ref().filter(|_| !time.subcycle_contact);
@@ -120,7 +120,7 @@ pub fn divide(
     if settings.subcycles <= 1 {
         return;
     }
-    let neighbours = Neighbours::of(time, mesh, settings);
+    let neighbours = Neighbours::new(time, mesh, settings);
     elements.slow = neighbours.slow(settings.subcycles, time.subcycle_layers, &elements.stable_dt);
     if !elements.slow.contains(&true) {
         let message = format!(
@@ -166,7 +166,7 @@ pub fn best(
     if choices.is_empty() {
         return None;
     }
-    let neighbours = Neighbours::of(time, mesh, settings);
+    let neighbours = Neighbours::new(time, mesh, settings);
     let slow = |m: u64| {
         neighbours.slow(m, time.subcycle_layers, stable_dt).into_iter().filter(|&slow| slow).count()
     };

@@ -56,7 +56,7 @@ struct Ground<'a> {
 }
 
 impl<'a> Ground<'a> {
-    fn of(job: &'a Job, mesh: &'a Mesh) -> Self {
+    fn new(job: &'a Job, mesh: &'a Mesh) -> Self {
         let thick: HashMap<u32, f64> = job.part.iter().map(|p| (p.id, p.thickness)).collect();
         let turning = mesh
             .elements
@@ -66,7 +66,7 @@ impl<'a> Ground<'a> {
             .copied()
             .collect();
         Self {
-            sets: NodeSets::of(mesh),
+            sets: NodeSets::new(mesh),
             free: free_faces(&mesh.elements),
             shells: of_nodes(mesh, &thick),
             thick,
@@ -84,7 +84,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
         return Vec::new();
     }
     let mut stands: Vec<Stand> = Vec::new();
-    let ground = Ground::of(job, mesh);
+    let ground = Ground::new(job, mesh);
     for (entry, spec) in job.tie.iter().enumerate() {
         stands.extend(of_entry(spec, entry, &ground, findings));
     }
@@ -220,7 +220,7 @@ fn of_entry(
         Some(Stand {
             tie: Tie {
                 node: id(p),
-                carriers,
+                masters: carriers,
                 near: Vec::new(),
                 faces: vec![mesh.elements[surface[foot.face].0].id],
                 rotations: spec.rotations && turns,
@@ -251,7 +251,7 @@ fn tell_unlike<'t>(
     let velocity = |id: NodeId| sets.place(id).map_or([0.0; 3], |n| start.velocity[n]);
     let unlike = |tie: &&Tie| {
         let own = velocity(tie.node);
-        let carried = tie.carriers.iter().map(|&(id, share)| velocity(id).map(|v| v * share));
+        let carried = tie.masters.iter().map(|&(id, share)| velocity(id).map(|v| v * share));
         let carried = carried.fold([0.0; 3], |sum, v| [0, 1, 2].map(|c| sum[c] + v[c]));
         let size = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
         size([0, 1, 2].map(|c| own[c] - carried[c])) > TOLD_VELOCITY * size(own).max(size(carried))
@@ -300,7 +300,7 @@ fn to_node(
     let stand = |node: usize| Stand {
         tie: Tie {
             node: mesh.nodes[node].id,
-            carriers: vec![(carrier, 1.0)],
+            masters: vec![(carrier, 1.0)],
             near: Vec::new(),
             faces: Vec::new(),
             rotations: spec.rotations,
@@ -452,7 +452,7 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
 /// Ties on nodes that are tied themselves go on to what carries these.
 fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
-        stands.iter().map(|s| (s.tie.node, s.tie.carriers.clone())).collect();
+        stands.iter().map(|s| (s.tie.node, s.tie.masters.clone())).collect();
     let on: HashMap<NodeId, Vec<ElemId>> =
         stands.iter().map(|s| (s.tie.node, s.tie.faces.clone())).collect();
     let kinds: HashMap<NodeId, (bool, bool)> =
@@ -462,7 +462,7 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
         let cannot = |&(rotations, offset): &(bool, bool)| {
             tie.offset || offset || tie.rotations && !rotations
         };
-        let wrong = tie.carriers.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
+        let wrong = tie.masters.iter().find(|c| kinds.get(&c.0).is_some_and(cannot));
         if let Some((carrier, _)) = wrong {
             let message = format!(
                 "{}: node {} stands on node {carrier}, which is tied itself",
@@ -474,16 +474,16 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
             continue;
         }
         let mut rounds = 0;
-        while tie.carriers.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
+        while tie.masters.iter().any(|c| own.contains_key(&c.0)) && rounds < LONGEST_CHAIN {
             rounds += 1;
-            tie.faces.extend(tie.carriers.iter().filter_map(|c| on.get(&c.0)).flatten());
+            tie.faces.extend(tie.masters.iter().filter_map(|c| on.get(&c.0)).flatten());
             let next = |&(node, share): &(NodeId, f64)| match own.get(&node) {
                 Some(next) => next.iter().map(|&(n, s)| (n, s * share)).collect(),
                 None => vec![(node, share)],
             };
-            tie.carriers = tie.carriers.iter().flat_map(next).collect();
-            whole(&mut tie.carriers);
-            if tie.carriers.iter().any(|c| c.0 == tie.node) {
+            tie.masters = tie.masters.iter().flat_map(next).collect();
+            whole(&mut tie.masters);
+            if tie.masters.iter().any(|c| c.0 == tie.node) {
                 rounds = LONGEST_CHAIN;
             }
         }
@@ -537,19 +537,19 @@ pub fn join(
     list(rigid, "belong to rigid bodies", "tie the other side's nodes to the body instead");
     // What holds all carriers holds what they carry.
     let held = nodes(&|t| {
-        let all = t.carriers.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
+        let all = t.masters.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
         let tied = if t.rotations { 0b11_1111 } else { 0b111 };
         !body_of.contains_key(&t.node) && fixed(t.node) & tied & !all != 0
     });
     let help = "take them out of the tie's nodes, or out of [[fix]], [[symmetry]] and [[motion]]";
     list(held, "are held or moved by something else", help);
     let body = |t: &Tie| {
-        let mut all = t.carriers.iter().map(|c| body_of.get(&c.0).copied());
+        let mut all = t.masters.iter().map(|c| body_of.get(&c.0).copied());
         let first = all.next().flatten();
         (first, all.all(|b| b == first))
     };
     let split = nodes(&|t| {
-        let any = t.carriers.iter().any(|c| body_of.contains_key(&c.0));
+        let any = t.masters.iter().any(|c| body_of.contains_key(&c.0));
         any && !matches!(body(t), (Some(_), true))
     });
     list(

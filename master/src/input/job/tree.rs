@@ -30,7 +30,7 @@ pub enum Place {
 }
 
 impl Place {
-    fn of(span: Range<usize>) -> Self {
+    fn from_span(span: Range<usize>) -> Self {
         // Files beyond 4 GiB are refused before they are parsed.
         Place::File { start: span.start as u32, end: span.end as u32 }
     }
@@ -86,7 +86,7 @@ impl Node {
                 (
                     e.message().to_string(),
                     syntax_help(e.message()),
-                    e.span().map_or(Place::Whole, Place::of),
+                    e.span().map_or(Place::Whole, Place::from_span),
                 )
             })
             .collect();
@@ -247,8 +247,8 @@ fn from_table(table: &DeTable<'_>, place: Place, errors: &mut Vec<SyntaxError>) 
     let entries = table
         .iter()
         .map(|(key, value)| {
-            let node = from_value(value.get_ref(), Place::of(value.span()), errors);
-            (key.get_ref().to_string(), Entry { key: Place::of(key.span()), node })
+            let node = from_value(value.get_ref(), Place::from_span(value.span()), errors);
+            (key.get_ref().to_string(), Entry { key: Place::from_span(key.span()), node })
         })
         .collect();
     Node { kind: Kind::Table(entries), place }
@@ -260,7 +260,7 @@ fn from_value(value: &DeValue<'_>, place: Place, errors: &mut Vec<SyntaxError>) 
         DeValue::Array(items) => Kind::Array(
             items
                 .iter()
-                .map(|item| from_value(item.get_ref(), Place::of(item.span()), errors))
+                .map(|item| from_value(item.get_ref(), Place::from_span(item.span()), errors))
                 .collect(),
         ),
         DeValue::String(s) => Kind::String(s.to_string()),

@@ -227,7 +227,7 @@ pub fn behind(
     for (w, wall) in settings.walls.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
         let depth =
             |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
-        let meets = free.iter().filter(|n| wall.admits(n.id));
+        let meets = free.iter().filter(|n| wall.allows(n.id));
         let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > TOLD_SPEED * wave);
         let (count, (most, id)) = deep.fold((0, (0.0, NodeId(0))), |(count, most), d| {
             (count + 1, if d.0 > most.0 { d } else { most })

@@ -4,7 +4,7 @@ use super::schema;
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, LAWS, Otherwise, ParameterRow};
+use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -181,10 +181,10 @@ impl Page<'_> {
             let (meaning, dimension) = split(row.meaning);
             let dimension = dimension.unwrap_or_else(|| "-".into());
             let default = match row.otherwise {
-                Otherwise::Needed => "*needed*".into(),
-                Otherwise::Absent => "none".into(),
-                Otherwise::Number(n) => n.to_string(),
-                Otherwise::Depends(words) => words.into(),
+                DefaultValue::Needed => "*needed*".into(),
+                DefaultValue::Absent => "none".into(),
+                DefaultValue::Number(n) => n.to_string(),
+                DefaultValue::Depends(words) => words.into(),
             };
             let form =
                 if row.form.starts_with('[') { format!("`{}`", row.form) } else { row.form.into() };

@@ -7,7 +7,7 @@ use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, LAWS, Otherwise, ParameterRow};
+use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
 use serde_json::{Map, Value, json};
 
 /// The draft that most editors know; nothing in the schema needs a later one.
@@ -50,12 +50,12 @@ fn words(property: &mut Value, allowed: impl Iterator<Item = &'static str>) {
 fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
     let all = || ELASTIC.iter().chain(parameters);
     let needed: Vec<&str> =
-        all().filter(|p| p.otherwise == Otherwise::Needed).map(|p| p.key).collect();
+        all().filter(|p| p.otherwise == DefaultValue::Needed).map(|p| p.key).collect();
     let entry = |p: &ParameterRow| {
         let mut entry = json!({ "description": p.meaning });
         match p.otherwise {
-            Otherwise::Number(default) => entry["default"] = default.into(),
-            Otherwise::Needed | Otherwise::Absent | Otherwise::Depends(_) => {}
+            DefaultValue::Number(default) => entry["default"] = default.into(),
+            DefaultValue::Needed | DefaultValue::Absent | DefaultValue::Depends(_) => {}
         }
         entry["type"] = if p.form == "number" { "number" } else { "array" }.into();
         (p.key.to_string(), entry)

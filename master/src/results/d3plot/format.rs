@@ -30,7 +30,7 @@ pub struct Format {
 
 impl Format {
     /// For this mesh.
-    pub fn of(mesh: Mesh) -> Self {
+    pub fn new(mesh: Mesh) -> Self {
         Self { mesh }
     }
 

@@ -44,7 +44,7 @@ pub fn run(dir: &Path, file_size: u64) -> u8 {
 /// be written.
 pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
     let mut source = Source::open(dir)?;
-    let format = Format::of(source.mesh()?);
+    let format = Format::new(source.mesh()?);
     let path = dir.join(NAME);
     remove_family(dir).map_err(|e| format!("{}: {e}", path.display()))?;
     let failed = |e: io::Error| e.to_string();

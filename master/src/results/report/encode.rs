@@ -97,7 +97,7 @@ pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
     let mut hidden = vec![false; scene.elements.len()];
     let mut grids = Vec::new();
     for &k in &scene.frames {
-        let (columns, grid) = Columns::of(series, scene, k, &ranges, &before, &mut hidden);
+        let (columns, grid) = Columns::at_time(series, scene, k, &ranges, &before, &mut hidden);
         out.bytes(columns.state.iter().zip(&before.state).map(|(a, b)| a.wrapping_sub(*b)));
         for (now, then) in columns.numbers.iter().zip(&before.numbers) {
             out.u16(now.iter().zip(then).map(|(a, b)| zigzag16(a.wrapping_sub(*b))));
@@ -137,7 +137,7 @@ impl Columns {
         Self { state: vec![0; scene.elements.len()], numbers: std::array::from_fn(column) }
     }
 
-    fn of(
+    fn at_time(
         series: &Series,
         scene: &Scene,
         k: usize,

@@ -90,7 +90,7 @@ impl History {
         };
         let mut reader = csv::Reader::from_path(path).map_err(cannot)?;
         let mut columns: Vec<Column> =
-            reader.headers().map_err(cannot)?.iter().map(Column::of).collect();
+            reader.headers().map_err(cannot)?.iter().map(Column::from_header).collect();
         let mut damage = None;
         for record in reader.records() {
             match record.map_err(cannot) {
@@ -292,7 +292,7 @@ impl History {
 }
 
 impl Column {
-    fn of(header: &str) -> Self {
+    fn from_header(header: &str) -> Self {
         let [name, unit] = named(header);
         Self { name, unit, values: Vec::new() }
     }

@@ -6,7 +6,7 @@ pub use rcb::bisect;
 
 use crumple_proto::boxes::{Aabb, Cut, CutTree};
 use crumple_proto::message::{ToMaster, ToWorker};
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
 
 /// An entry of a growing tree, an axis, and the lower and upper end of a histogram.
@@ -18,7 +18,7 @@ pub trait Load {
     ///
     /// # Errors
     /// A worker is gone.
-    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost>;
+    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost>;
 
     /// Load per bin along an axis in leaf entries of the growing tree.
     ///
@@ -29,7 +29,7 @@ pub trait Load {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, Lost>;
+    ) -> Result<Vec<Vec<f64>>, RankLost>;
 }
 
 /// Adds up per bin.
@@ -46,7 +46,7 @@ pub struct Centres(pub Vec<[f64; 3]>);
 pub struct Loads(pub Vec<([f64; 3], f64)>);
 
 impl Load for Centres {
-    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
+    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
         Ok(extents(self.0.iter().copied(), tree, entries))
     }
 
@@ -55,13 +55,13 @@ impl Load for Centres {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, Lost> {
+    ) -> Result<Vec<Vec<f64>>, RankLost> {
         Ok(histograms(self.0.iter().map(|&c| (c, 1.0)), tree, of, bins))
     }
 }
 
 impl Load for Loads {
-    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
+    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
         Ok(extents(self.0.iter().map(|l| l.0), tree, entries))
     }
 
@@ -70,7 +70,7 @@ impl Load for Loads {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, Lost> {
+    ) -> Result<Vec<Vec<f64>>, RankLost> {
         Ok(histograms(self.0.iter().copied(), tree, of, bins))
     }
 }
@@ -118,7 +118,7 @@ fn histograms(
 /// Workers that have stopped for a low redecomposition and answer questions.
 pub struct Workers<'a> {
     /// The master's end.
-    pub wire: &'a mut dyn Transport,
+    pub comm: &'a mut dyn Transport,
     /// Cost of a contact pair in units of an element's.
     pub pair_weight: f64,
     /// Messages of other kinds that came in between, with the worker that sent them.
@@ -130,15 +130,15 @@ impl Workers<'_> {
         &mut self,
         question: &ToWorker,
         answer: impl Fn(ToMaster) -> Result<T, Box<ToMaster>>,
-    ) -> Result<Vec<T>, Lost> {
-        let ranks = 1..self.wire.size();
+    ) -> Result<Vec<T>, RankLost> {
+        let ranks = 1..self.comm.size();
         for rank in ranks.clone() {
-            post(self.wire, rank, Tag::Order, question)?;
+            post(self.comm, rank, Tag::Order, question)?;
         }
         let mut answers = Vec::new();
         for rank in ranks {
             loop {
-                match answer(await_message(self.wire, rank, Tag::Report)?) {
+                match answer(await_message(self.comm, rank, Tag::Report)?) {
                     Ok(a) => break answers.push(a),
                     Err(other) => self.aside.push((rank - 1, *other)),
                 }
@@ -149,7 +149,7 @@ impl Workers<'_> {
 }
 
 impl Load for Workers<'_> {
-    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, Lost> {
+    fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
         let question = ToWorker::Extents { tree: tree.clone(), entries: entries.to_vec() };
         let answers = self.ask(&question, |m| {
             if let ToMaster::Extents(e) = m { Ok(e) } else { Err(Box::new(m)) }
@@ -166,7 +166,7 @@ impl Load for Workers<'_> {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, Lost> {
+    ) -> Result<Vec<Vec<f64>>, RankLost> {
         let pair_weight = self.pair_weight;
         let question =
             ToWorker::Histograms { tree: tree.clone(), of: of.to_vec(), bins, pair_weight };

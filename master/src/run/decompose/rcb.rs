@@ -8,7 +8,7 @@
 
 use super::Load;
 use crumple_proto::boxes::{Aabb, Cut, CutTree};
-use crumple_proto::transport::Lost;
+use crumple_proto::transport::RankLost;
 
 /// Bins of a histogram: a cut is placed to this fraction of the extent.
 const BINS: usize = 512;
@@ -22,7 +22,7 @@ const SHORTEST: f64 = 0.25;
 ///
 /// # Errors
 /// A worker is gone.
-pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, Lost> {
+pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, RankLost> {
     let mut tree = CutTree::single();
     // Leaf entry, first worker, number of workers.
     let mut open = vec![(0usize, 0usize, workers)];

@@ -7,7 +7,7 @@
 //! P1)/2`, which keeps the energy of a free body too. Where rotations are held or prescribed the
 //! exponential map is taken instead, so that a prescribed turn is exact.
 
-use crate::constraints::prescribed::Course;
+use crate::constraints::prescribed::MotionCurve;
 use crate::energy::Work;
 use crumple_proto::loads::MotionForm;
 use crumple_proto::rigid::RigidBody as BodyJob;
@@ -32,7 +32,7 @@ pub struct Body {
     pub softest: f64,
     /// Held or prescribed: translations, rotations.
     held: [bool; 6],
-    courses: Vec<(u64, Course)>,
+    courses: Vec<(u64, MotionCurve)>,
     start: V3,
     /// Rotational velocities at the last and next mid-step [1/time].
     pub last_spin: V3,
@@ -103,7 +103,7 @@ impl Body {
             inverse,
             softest: if smallest > 0.0 { 1.0 / smallest } else { 0.0 },
             held: std::array::from_fn(|c| prescribed >> c & 1 == 1),
-            courses: job.motions.iter().map(|m| (m.dofs, Course::new(m, curves))).collect(),
+            courses: job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect(),
             start: centre,
             centre,
             turn: UnitQuaternion::identity(),
@@ -119,14 +119,14 @@ impl Body {
     }
 
     /// Whether nothing can push it.
-    pub fn is_led(&self) -> bool {
+    pub fn is_prescribed(&self) -> bool {
         self.held.iter().all(|&h| h)
     }
 
     /// Prepares a step: what is held and prescribed, and how the body answers impulses where it is.
-    pub fn begin(&mut self, time: f64, dt: f64) {
+    pub fn start_step(&mut self, time: f64, dt: f64) {
         self.next = self.last;
-        let (velocity, spin) = self.given(time, dt);
+        let (velocity, spin) = self.applied_impulse(time, dt);
         for c in (0..3).filter(|&c| self.held[c]) {
             self.next.velocity[c] = velocity[c];
         }
@@ -134,7 +134,7 @@ impl Body {
     }
 
     /// What held and prescribed degrees of freedom do in the step.
-    fn given(&self, time: f64, dt: f64) -> (V3, V3) {
+    fn applied_impulse(&self, time: f64, dt: f64) -> (V3, V3) {
         let (mut velocity, mut spin) = (V3::zeros(), V3::zeros());
         for (dofs, course) in &self.courses {
             let (now, next) = (course.amount(time), course.amount(time + dt));
@@ -174,7 +174,7 @@ impl Body {
     }
 
     /// Adds an impulse and an angular impulse about the centre.
-    pub fn push(&mut self, impulse: &V3, angular: &V3) {
+    pub fn add_impulse(&mut self, impulse: &V3, angular: &V3) {
         for c in (0..3).filter(|&c| !self.held[c]) {
             self.next.velocity[c] += impulse[c] / self.mass;
         }
@@ -189,16 +189,16 @@ impl Body {
         }
         let by = -b / (1.0 + b);
         let impulse = (self.next.velocity + self.last.velocity) * (self.mass * by);
-        self.slow(impulse, (self.next.angular + self.last.angular) * by)
+        self.apply_damping(impulse, (self.next.angular + self.last.angular) * by)
     }
 
     /// Adds impulses of damping, which does not act where the body is held; returns those that did
     /// act.
-    pub fn slow(&mut self, mut impulse: V3, angular: V3) -> (V3, V3) {
+    pub fn apply_damping(&mut self, mut impulse: V3, angular: V3) -> (V3, V3) {
         for c in (0..3).filter(|&c| self.held[c]) {
             impulse[c] = 0.0;
         }
-        self.push(&impulse, &angular);
+        self.add_impulse(&impulse, &angular);
         (impulse, angular)
     }
 
@@ -230,8 +230,8 @@ impl Body {
 
     /// Finds the orientation at the end of the step and the rotational velocity that takes the body
     /// there.
-    pub fn turn_over(&mut self, time: f64, dt: f64) {
-        (self.next_turn, self.next_spin) = self.turned(time, dt);
+    pub fn rotate(&mut self, time: f64, dt: f64) {
+        (self.next_turn, self.next_spin) = self.rotated(time, dt);
         if self.held[3..].contains(&true) {
             // What is led has the angular momentum that this takes.
             let r = self.turn.to_rotation_matrix().into_inner();
@@ -265,7 +265,7 @@ impl Body {
     }
 
     /// Work of what leads the body in the step.
-    pub fn led(&self) -> Work {
+    pub fn prescribed_velocity(&self) -> Work {
         let mut impulse = (self.next.velocity - self.last.velocity) * self.mass - self.next.lead;
         for c in (0..3).filter(|&c| !self.held[c]) {
             impulse[c] = 0.0;
@@ -273,12 +273,12 @@ impl Body {
         self.work(&impulse, &self.led_angular)
     }
 
-    fn turned(&self, time: f64, dt: f64) -> (UnitQuaternion<f64>, V3) {
+    fn rotated(&self, time: f64, dt: f64) -> (UnitQuaternion<f64>, V3) {
         let momentum = self.next.angular;
         if !self.held[3..].contains(&true) {
-            return self.turned_freely(&momentum, dt);
+            return self.rotated_without_moment(&momentum, dt);
         }
-        let (_, spin) = self.given(time, dt);
+        let (_, spin) = self.applied_impulse(time, dt);
         let mut w = self.spin(&momentum);
         for _ in 0..FIXED_POINT {
             let middle = UnitQuaternion::from_scaled_axis(w * (0.5 * dt)) * self.turn;
@@ -293,7 +293,7 @@ impl Body {
         (UnitQuaternion::from_scaled_axis(w * dt) * self.turn, w)
     }
 
-    fn turned_freely(&self, momentum: &V3, dt: f64) -> (UnitQuaternion<f64>, V3) {
+    fn rotated_without_moment(&self, momentum: &V3, dt: f64) -> (UnitQuaternion<f64>, V3) {
         // In the body: Newton for the mean P of the body's angular momentum before and after.
         let start = self.turn.inverse_transform_vector(momentum);
         let mut mean = start;

@@ -13,7 +13,7 @@ mod tests;
 mod walls;
 
 use crate::constraints::walls::Walls;
-use crate::contact::enforce::Steps;
+use crate::contact::enforce::StepSizes;
 use crate::contact::geometry::V3;
 use crate::energy::Work;
 use crate::nodes::{Nodes, Row, row, xyz};
@@ -22,9 +22,9 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
 use crumple_proto::rigid::RigidBody as BodyJob;
-use crumple_proto::transport::{Lost, Tag, Transport, exchange_all};
+use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
 use nalgebra::Matrix3;
-use walls::{Meeting, Push};
+use walls::{WallContact, WallImpulse};
 
 /// Marks a node that is no member.
 const NONE: u32 = u32::MAX;
@@ -32,7 +32,7 @@ const NONE: u32 = u32::MAX;
 /// What acts on a member: force and moment, or a contact force alone.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-struct Acting {
+struct NodalWrench {
     body: u64,
     node: NodeId,
     force: [f64; 3],
@@ -62,7 +62,7 @@ struct Member {
 }
 
 /// Words of what acts on a member, and of what contact touches of a body, in messages.
-pub const ACTING_WORDS: usize = size_of::<Acting>() / 8;
+pub const ACTING_WORDS: usize = size_of::<NodalWrench>() / 8;
 /// See [`ACTING_WORDS`].
 pub const MET_WORDS: usize = 2;
 
@@ -91,10 +91,10 @@ pub struct Bodies {
     /// What damping gave each body in this step: without contact, and against its forces.
     damped: Vec<[(V3, V3); 2]>,
     /// Impulses of walls in this step.
-    pushes: Vec<Push>,
+    pushes: Vec<WallImpulse>,
     /// Velocities of walls as bodies leave them.
     wall_velocities: Vec<V3>,
-    acting: Vec<Acting>,
+    acting: Vec<NodalWrench>,
     words: Vec<u64>,
 }
 
@@ -121,11 +121,11 @@ impl Bodies {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn start(
-        wire: &mut dyn Transport,
+    pub fn new(
+        comm: &mut dyn Transport,
         settings: &Settings,
         nodes: &Nodes,
-    ) -> Result<Self, Lost> {
+    ) -> Result<Self, RankLost> {
         let mut all = Self { jobs: settings.rigid.clone(), ..Self::default() };
         if all.jobs.is_empty() {
             return Ok(all);
@@ -133,8 +133,8 @@ impl Bodies {
         let mut mine: Vec<WireMember> = Vec::new();
         for (b, job) in all.jobs.iter().enumerate() {
             let owned =
-                job.nodes.iter().filter_map(|&id| nodes.held_number(id)).map(|n| n as usize);
-            mine.extend(owned.filter(|&i| nodes.is_own(i)).map(|i| WireMember {
+                job.nodes.iter().filter_map(|&id| nodes.local_index(id)).map(|n| n as usize);
+            mine.extend(owned.filter(|&i| nodes.is_owned(i)).map(|i| WireMember {
                 body: b as u64,
                 node: nodes.id[i],
                 mass: nodes.mass[i],
@@ -144,8 +144,8 @@ impl Bodies {
                 w: xyz(&nodes.w[i]),
             }));
         }
-        let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); wire.size() - 1];
-        let parcels = exchange_all(wire, parcels)?;
+        let parcels = vec![bytemuck::cast_slice(&mine).to_vec(); comm.size() - 1];
+        let parcels = exchange_all(comm, parcels)?;
         let mut members: Vec<WireMember> = parcels
             .iter()
             .flat_map(|w| bytemuck::cast_slice::<u64, WireMember>(w))
@@ -165,7 +165,7 @@ impl Bodies {
     }
 
     /// Finds the members that are here.
-    pub fn settle(&mut self, nodes: &Nodes) {
+    pub fn bind_local(&mut self, nodes: &Nodes) {
         self.members.clear();
         self.copies.clear();
         self.body_of.clear();
@@ -175,9 +175,9 @@ impl Bodies {
         self.body_of.resize(nodes.len(), NONE);
         for (b, job) in self.jobs.iter().enumerate() {
             for (index, &id) in job.nodes.iter().enumerate() {
-                if let Some(n) = nodes.number(id) {
+                if let Some(n) = nodes.index_of(id) {
                     self.body_of[n as usize] = b as u32;
-                    let held = (n as usize) < nodes.held;
+                    let held = (n as usize) < nodes.local_count;
                     let list = if held { &mut self.members } else { &mut self.copies };
                     list.push(Member { local: n, body: b as u32, index: index as u32 });
                 }
@@ -191,13 +191,13 @@ impl Bodies {
     }
 
     /// The body of local node `n`.
-    pub fn of(&self, n: u32) -> Option<usize> {
+    pub fn body_of(&self, n: u32) -> Option<usize> {
         self.body_of.get(n as usize).filter(|&&b| b != NONE).map(|&b| b as usize)
     }
 
     /// Whether a node and a segment belong to one body: they cannot move against each other.
-    pub fn are_one(&self, slave: u32, segment: &[u32; 4]) -> bool {
-        self.of(slave).is_some_and(|b| segment.iter().all(|&n| self.of(n) == Some(b)))
+    pub fn share_body(&self, slave: u32, segment: &[u32; 4]) -> bool {
+        self.body_of(slave).is_some_and(|b| segment.iter().all(|&n| self.body_of(n) == Some(b)))
     }
 
     /// Momenta at the next mid-step without contact and walls, and velocities of held members with
@@ -207,16 +207,16 @@ impl Bodies {
     /// A worker is gone.
     pub fn accelerate(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
         time: f64,
-        steps: Steps,
-    ) -> Result<(), Lost> {
+        steps: StepSizes,
+    ) -> Result<(), RankLost> {
         if self.is_empty() {
             return Ok(());
         }
         self.acting.clear();
-        for m in self.members.iter().filter(|m| nodes.is_own(m.local as usize)) {
+        for m in self.members.iter().filter(|m| nodes.is_owned(m.local as usize)) {
             let i = m.local as usize;
             if nodes.force[i] == [0.0; 4] && nodes.moment[i] == [0.0; 4] {
                 continue; // most members: their elements bear nothing
@@ -231,11 +231,11 @@ impl Bodies {
                 &(arm.cross(&force) + moment),
             );
         }
-        self.gather(wire, false)?;
+        self.gather(comm, false)?;
         for body in &mut self.bodies {
-            body.begin(time, steps.dt);
+            body.start_step(time, steps.dt);
         }
-        self.push_all(steps.mid);
+        self.push_all(steps.dt_velocity);
         let b = steps.given() - 1.0;
         for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
             *damped = [body.damp(b), (V3::zeros(), V3::zeros())];
@@ -249,7 +249,7 @@ impl Bodies {
             let (velocity, spin) = motions[m.body as usize];
             let arm =
                 V3::from(xyz(&nodes.x[m.local as usize])) - self.bodies[m.body as usize].centre;
-            nodes.next_v[m.local as usize] = row((velocity + spin.cross(&arm)).into());
+            nodes.v_next[m.local as usize] = row((velocity + spin.cross(&arm)).into());
         }
         Ok(())
     }
@@ -257,7 +257,7 @@ impl Bodies {
     /// Lets held members spin as their bodies do without contact.
     pub fn turn(&self, nodes: &mut Nodes) {
         for m in &self.members {
-            nodes.next_w[m.local as usize] =
+            nodes.w_next[m.local as usize] =
                 row(self.bodies[m.body as usize].present_spin().into());
         }
     }
@@ -274,19 +274,19 @@ impl Bodies {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn meet(
+    pub fn contact_walls(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         touched: &[u32],
         nodes: &Nodes,
         couples: bool,
-    ) -> Result<bool, Lost> {
+    ) -> Result<bool, RankLost> {
         if self.is_empty() {
             return Ok(false);
         }
         let mut met = vec![(0u64, 0.0f64); self.bodies.len()];
-        for &n in touched.iter().filter(|&&n| nodes.is_own(n as usize)) {
-            let Some(b) = self.of(n) else { continue };
+        for &n in touched.iter().filter(|&&n| nodes.is_owned(n as usize)) {
+            let Some(b) = self.body_of(n) else { continue };
             let (body, i) = (&self.bodies[b], n as usize);
             let arm = V3::from(xyz(&nodes.x[i])) - body.centre;
             let times = if couples { 2.0 } else { 1.0 };
@@ -298,26 +298,26 @@ impl Bodies {
             met[b] = (met[b].0 + 1, met[b].1.max(heavy));
         }
         let message: Vec<u64> = met.iter().flat_map(|m| [m.0, m.1.to_bits()]).collect();
-        let mine = wire.rank();
-        for w in (1..wire.size()).filter(|&w| w != mine) {
-            wire.send(w, Tag::Bodies, &message)?;
+        let mine = comm.rank();
+        for w in (1..comm.size()).filter(|&w| w != mine) {
+            comm.send(w, Tag::Bodies, &message)?;
         }
-        for w in (1..wire.size()).filter(|&w| w != mine) {
-            wire.recv(w, Tag::Bodies, &mut self.words)?;
+        for w in (1..comm.size()).filter(|&w| w != mine) {
+            comm.recv(w, Tag::Bodies, &mut self.words)?;
             for (m, o) in met.iter_mut().zip(self.words.chunks_exact(2)) {
                 *m = (m.0 + o[0], m.1.max(f64::from_bits(o[1])));
             }
         }
         self.coupled = met.iter().any(|m| m.0 > 0);
         for ((share, body), (count, heavy)) in self.share.iter_mut().zip(&self.bodies).zip(met) {
-            *share = if body.is_led() { 0.0 } else { (count as f64 * heavy).min(1.0) };
+            *share = if body.is_prescribed() { 0.0 } else { (count as f64 * heavy).min(1.0) };
         }
         Ok(self.coupled)
     }
 
     /// Inverse mass that contact sees at local node `n`.
     pub fn inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
-        match self.of(n) {
+        match self.body_of(n) {
             Some(b) if nodes.mass[n as usize] > 0.0 => [self.share[b] / nodes.mass[n as usize]; 4],
             _ => nodes.inv_mass[n as usize],
         }
@@ -325,7 +325,7 @@ impl Bodies {
 
     /// Inverse rotational inertia that contact sees at local node `n`.
     pub fn inv_inertia(&self, n: u32, nodes: &Nodes) -> Row {
-        match self.of(n) {
+        match self.body_of(n) {
             Some(b) if nodes.inertia[n as usize] > 0.0 => {
                 [self.share[b] / nodes.inertia[n as usize]; 4]
             }
@@ -339,40 +339,40 @@ impl Bodies {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn feel(
+    pub fn apply_contact(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         nodes: &mut Nodes,
         (touched, total, couples): (&[u32], &[V3], &[V3]),
         walls: &Walls,
-        steps: Steps,
+        steps: StepSizes,
         changed: bool,
-    ) -> Result<bool, Lost> {
+    ) -> Result<bool, RankLost> {
         self.acting.clear();
         for (k, (&n, force)) in
-            touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_own(**n as usize))
+            touched.iter().zip(total).enumerate().filter(|(_, (n, _))| nodes.is_owned(**n as usize))
         {
-            if let Some(b) = self.of(n) {
+            if let Some(b) = self.body_of(n) {
                 let arm = V3::from(xyz(&nodes.x[n as usize])) - self.bodies[b].centre;
                 let angular =
                     couples.get(k).map_or(arm.cross(force), |couple| arm.cross(force) + couple);
                 act(&mut self.acting, b, nodes.id[n as usize], force, &angular);
             }
         }
-        let changed = self.gather(wire, changed)?;
+        let changed = self.gather(comm, changed)?;
         for (body, free) in self.bodies.iter_mut().zip(&self.free) {
             body.next = *free;
         }
-        self.push_all(steps.mid);
+        self.push_all(steps.dt_velocity);
         self.slow_all(steps);
         self.keep_out(walls, steps.dt);
         for &n in touched {
-            if let Some(b) = self.of(n) {
+            if let Some(b) = self.body_of(n) {
                 let body = &self.bodies[b];
                 let arm = V3::from(xyz(&nodes.x[n as usize])) - body.centre;
-                nodes.next_v[n as usize] = row(body.velocity_at(&arm).into());
+                nodes.v_next[n as usize] = row(body.velocity_at(&arm).into());
                 if !couples.is_empty() {
-                    nodes.next_w[n as usize] = row(body.present_spin().into());
+                    nodes.w_next[n as usize] = row(body.present_spin().into());
                 }
             }
         }
@@ -381,7 +381,7 @@ impl Bodies {
 
     /// Lets walls with a mass feel what bodies have given them while contact iterated; nodes meet
     /// them after that.
-    pub fn push_walls_met(&self, walls: &mut Walls) {
+    pub fn add_wall_impulses(&self, walls: &mut Walls) {
         if self.coupled {
             self.push_walls(walls);
         }
@@ -399,7 +399,7 @@ impl Bodies {
         nodes: &mut Nodes,
         walls: &mut Walls,
         time: f64,
-        steps: Steps,
+        steps: StepSizes,
     ) -> BodyWork {
         if self.is_empty() {
             return BodyWork::default();
@@ -408,7 +408,7 @@ impl Bodies {
             self.keep_out(walls, steps.dt);
             self.push_walls(walls);
         }
-        self.bodies.iter_mut().for_each(|b| b.turn_over(time, steps.dt));
+        self.bodies.iter_mut().for_each(|b| b.rotate(time, steps.dt));
         // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
         let frames: Vec<(V3, Matrix3<f64>)> =
             self.bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
@@ -416,16 +416,16 @@ impl Bodies {
         for m in self.members.iter().chain(&self.copies) {
             let ((centre, turn), i) = (&frames[m.body as usize], m.local as usize);
             let place = centre + turn * self.arms[m.body as usize][m.index as usize];
-            (0..3).for_each(|c| nodes.next_v[i][c] = (place[c] - nodes.x[i][c]) * per_dt);
+            (0..3).for_each(|c| nodes.v_next[i][c] = (place[c] - nodes.x[i][c]) * per_dt);
         }
         for m in self.members.iter().chain(&self.copies) {
-            nodes.next_w[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
+            nodes.w_next[m.local as usize] = row(self.bodies[m.body as usize].next_spin.into());
         }
         if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }
     }
 
     /// Books impulses of walls and gives the work of walls, damping and constraints.
-    fn book(&self, walls: &mut Walls, steps: Steps) -> BodyWork {
+    fn book(&self, walls: &mut Walls, steps: StepSizes) -> BodyWork {
         let mut work = BodyWork::default();
         // What a wall gives, and what damping takes of it.
         let given = steps.given();
@@ -437,7 +437,7 @@ impl Bodies {
             (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c] * given);
         }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
-            work.external += body.led();
+            work.external += body.prescribed_velocity();
             for (impulse, angular) in damped {
                 work.external += body.work(impulse, angular);
             }
@@ -473,36 +473,36 @@ impl Bodies {
     fn push_all(&mut self, mid: f64) {
         for run in self.acting.chunk_by(|a, b| a.body == b.body) {
             let (force, angular) = added_up(run);
-            self.bodies[run[0].body as usize].push(&(force * mid), &(angular * mid));
+            self.bodies[run[0].body as usize].add_impulse(&(force * mid), &(angular * mid));
         }
     }
 
     /// Lets damping take its part of the forces that have just been added.
-    fn slow_all(&mut self, steps: Steps) {
-        let by = steps.push - steps.mid;
+    fn slow_all(&mut self, steps: StepSizes) {
+        let by = steps.dt_damped - steps.dt_velocity;
         if by == 0.0 {
             return;
         }
         self.damped.iter_mut().for_each(|d| d[1] = (V3::zeros(), V3::zeros()));
         for run in self.acting.chunk_by(|a, b| a.body == b.body) {
             let (body, (force, angular)) = (run[0].body as usize, added_up(run));
-            self.damped[body][1] = self.bodies[body].slow(force * by, angular * by);
+            self.damped[body][1] = self.bodies[body].apply_damping(force * by, angular * by);
         }
     }
 
     /// Adds what acts on other workers' members, in ascending (body, node); returns whether any
     /// worker says `flag`.
-    fn gather(&mut self, wire: &mut dyn Transport, flag: bool) -> Result<bool, Lost> {
-        let mine = wire.rank();
+    fn gather(&mut self, comm: &mut dyn Transport, flag: bool) -> Result<bool, RankLost> {
+        let mine = comm.rank();
         let mut any = flag;
         self.words.clear();
         self.words.push(u64::from(flag));
         self.words.extend_from_slice(bytemuck::cast_slice(&self.acting));
-        for w in (1..wire.size()).filter(|&w| w != mine) {
-            wire.send(w, Tag::Bodies, &self.words)?;
+        for w in (1..comm.size()).filter(|&w| w != mine) {
+            comm.send(w, Tag::Bodies, &self.words)?;
         }
-        for w in (1..wire.size()).filter(|&w| w != mine) {
-            wire.recv(w, Tag::Bodies, &mut self.words)?;
+        for w in (1..comm.size()).filter(|&w| w != mine) {
+            comm.recv(w, Tag::Bodies, &mut self.words)?;
             any |= self.words[0] != 0;
             self.acting.extend_from_slice(bytemuck::cast_slice(&self.words[1..]));
         }
@@ -518,27 +518,31 @@ impl Bodies {
         }
         self.wall_velocities.clear();
         self.wall_velocities.extend(walls.each().iter().map(|w| w.velocity()));
-        let mut meeting =
-            Meeting { walls, velocity: &mut self.wall_velocities, dt, pushes: &mut self.pushes };
+        let mut meeting = WallContact {
+            walls,
+            velocity: &mut self.wall_velocities,
+            dt,
+            pushes: &mut self.pushes,
+        };
         for (b, ((body, arms), job)) in
             self.bodies.iter_mut().zip(&self.arms).zip(&self.jobs).enumerate()
         {
-            meeting.keep_out(b, body, (arms, &job.nodes));
+            meeting.enforce(b, body, (arms, &job.nodes));
         }
     }
 }
 
 /// Force and moment of what acts on one body, in order.
-fn added_up(run: &[Acting]) -> (V3, V3) {
+fn added_up(run: &[NodalWrench]) -> (V3, V3) {
     run.iter().fold((V3::zeros(), V3::zeros()), |sum, a| {
         (sum.0 + V3::from(a.force), sum.1 + V3::from(a.angular))
     })
 }
 
 /// Notes what acts on an own member, if anything.
-fn act(acting: &mut Vec<Acting>, body: usize, node: NodeId, force: &V3, angular: &V3) {
+fn act(acting: &mut Vec<NodalWrench>, body: usize, node: NodeId, force: &V3, angular: &V3) {
     if *force != V3::zeros() || *angular != V3::zeros() {
-        acting.push(Acting {
+        acting.push(NodalWrench {
             body: body as u64,
             node,
             force: (*force).into(),

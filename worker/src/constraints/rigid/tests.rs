@@ -25,8 +25,8 @@ fn run(
 ) -> Body {
     let mut body = Body::new(job, &[], 3.0, inertia(), V3::new(1.0, 2.0, 3.0), moves);
     for i in 0..steps {
-        body.begin(i as f64 * dt, dt);
-        body.turn_over(i as f64 * dt, dt);
+        body.start_step(i as f64 * dt, dt);
+        body.rotate(i as f64 * dt, dt);
         body.advance(dt);
         look(&body);
     }

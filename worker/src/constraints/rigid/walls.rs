@@ -15,7 +15,7 @@ const SETTLED: f64 = 1e-10;
 
 /// The impulse of a wall on a member.
 #[derive(Clone, Copy, Debug)]
-pub struct Push {
+pub struct WallImpulse {
     /// The body.
     pub body: usize,
     /// The wall.
@@ -27,7 +27,7 @@ pub struct Push {
 }
 
 /// A member near a wall.
-struct Near {
+struct WallCandidate {
     wall: usize,
     arm: V3,
     normal: V3,
@@ -38,7 +38,7 @@ struct Near {
 }
 
 /// Walls as bodies meet them one after the other.
-pub struct Meeting<'a> {
+pub struct WallContact<'a> {
     /// The walls.
     pub walls: &'a Walls,
     /// Their velocities; of those that have a mass, what the bodies so far have left of it
@@ -47,15 +47,15 @@ pub struct Meeting<'a> {
     /// Step [time].
     pub dt: f64,
     /// Impulses so far.
-    pub pushes: &'a mut Vec<Push>,
+    pub pushes: &'a mut Vec<WallImpulse>,
 }
 
-impl Meeting<'_> {
+impl WallContact<'_> {
     /// Keeps the members of body number `index` out of all walls; notes the impulses. `members` are
     /// places against the centre at time 0, with ids.
-    pub fn keep_out(&mut self, index: usize, body: &mut Body, members: (&[V3], &[NodeId])) {
+    pub fn enforce(&mut self, index: usize, body: &mut Body, members: (&[V3], &[NodeId])) {
         let dt = self.dt;
-        let mut near = self.find_near(body, members);
+        let mut near = self.find_candidates(body, members);
         for _ in 0..SWEEPS {
             let (mut change, mut largest) = (0.0f64, 0.0f64);
             for n in &mut near {
@@ -65,7 +65,7 @@ impl Meeting<'_> {
                 let pressed = (n.pressed - opening / n.soft).max(0.0);
                 let by = n.normal * (pressed - n.pressed);
                 n.pressed = pressed;
-                body.push(&by, &n.arm.cross(&by));
+                body.add_impulse(&by, &n.arm.cross(&by));
                 *velocity -= wall.recoil(&by);
                 let mut moved = by.norm();
                 if wall.friction > 0.0 && (pressed > 0.0 || n.sheared != V3::zeros()) {
@@ -78,7 +78,7 @@ impl Meeting<'_> {
                     let sheared = if size > limit { wanted * (limit / size) } else { wanted };
                     let by = sheared - n.sheared;
                     n.sheared = sheared;
-                    body.push(&by, &n.arm.cross(&by));
+                    body.add_impulse(&by, &n.arm.cross(&by));
                     moved = moved.max(by.norm());
                 }
                 change = change.max(moved);
@@ -91,14 +91,14 @@ impl Meeting<'_> {
         let pushed = near.iter().filter(|n| n.pressed > 0.0);
         self.pushes.extend(pushed.map(|n| {
             let impulse = n.normal * n.pressed + n.sheared;
-            Push { body: index, wall: n.wall, arm: n.arm, impulse }
+            WallImpulse { body: index, wall: n.wall, arm: n.arm, impulse }
         }));
     }
 
     /// Members that walls may stop in the step, in ascending (wall, node).
-    fn find_near(&self, body: &Body, (arms, ids): (&[V3], &[NodeId])) -> Vec<Near> {
+    fn find_candidates(&self, body: &Body, (arms, ids): (&[V3], &[NodeId])) -> Vec<WallCandidate> {
         let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
-        let mut near: Vec<Near> = Vec::new();
+        let mut near: Vec<WallCandidate> = Vec::new();
         for ((number, wall), velocity) in
             self.walls.each().iter().enumerate().zip(self.velocity.iter())
         {
@@ -117,7 +117,7 @@ impl Meeting<'_> {
                 };
                 let soft = body.compliance(&arm, &normal) + wall.softness();
                 if gap <= reach && soft > 0.0 && wall.admits(id) {
-                    near.push(Near {
+                    near.push(WallCandidate {
                         wall: number,
                         arm,
                         normal,

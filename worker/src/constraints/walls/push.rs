@@ -10,12 +10,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// A node that may touch a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Near {
+pub struct RecoilCandidate {
     /// Global id.
     pub node: NodeId,
     /// Mass that can move along the wall's normal [mass].
@@ -28,18 +28,18 @@ pub struct Near {
 ///
 /// # Errors
 /// A worker is gone.
-pub fn gather(
-    wire: &mut dyn Transport,
-    near: &mut Vec<Near>,
+pub fn collect(
+    comm: &mut dyn Transport,
+    near: &mut Vec<RecoilCandidate>,
     words: &mut Vec<u64>,
-) -> Result<(), Lost> {
-    let mine = wire.rank();
+) -> Result<(), RankLost> {
+    let mine = comm.rank();
     let others = move |size: usize| (1..size).filter(move |&w| w != mine);
-    for w in others(wire.size()) {
-        wire.send(w, Tag::Walls, bytemuck::cast_slice(near))?;
+    for w in others(comm.size()) {
+        comm.send(w, Tag::Walls, bytemuck::cast_slice(near))?;
     }
-    for w in others(wire.size()) {
-        wire.recv(w, Tag::Walls, words)?;
+    for w in others(comm.size()) {
+        comm.recv(w, Tag::Walls, words)?;
         near.extend_from_slice(bytemuck::cast_slice(words));
     }
     Ok(())
@@ -47,7 +47,7 @@ pub fn gather(
 
 /// Velocity along its normal of a wall of mass `mass` that came with `speed`, after it has met the
 /// nodes [length/time].
-pub fn speed_after(mass: f64, speed: f64, near: &mut [Near]) -> f64 {
+pub fn speed_after(mass: f64, speed: f64, near: &mut [RecoilCandidate]) -> f64 {
     near.sort_unstable_by(|a, b| a.touching.total_cmp(&b.touching).then(a.node.cmp(&b.node)));
     let (mut together, mut momentum, mut after) = (mass, mass * speed, speed);
     for n in near.iter() {

@@ -55,7 +55,7 @@ impl Surface {
     }
 
     /// Its point [length].
-    pub fn place(&self) -> V3 {
+    pub fn position(&self) -> V3 {
         self.place
     }
 
@@ -82,13 +82,13 @@ impl Surface {
             Form::Plane | Form::Rectangle(_) => self.direction,
             Form::Cylinder { .. } => self.off_axis(&(x - self.place)).try_normalize(0.0)?,
         };
-        self.stops(x, gap, moved).then_some((normal, gap))
+        self.constrain_velocity(x, gap, moved).then_some((normal, gap))
     }
 
     /// Whether a point at `x` with velocity `v` against the surface is in front of it after `dt`
     /// for certain: the quick answer for nearly all nodes.
     #[inline(always)]
-    pub fn misses(&self, x: &V3, v: &V3, dt: f64) -> bool {
+    pub fn cannot_reach(&self, x: &V3, v: &V3, dt: f64) -> bool {
         !matches!(self.form, Form::Cylinder { .. }) && self.gap_after(x, v, dt) >= 0.0
     }
 
@@ -100,19 +100,21 @@ impl Surface {
     /// Unit normal and depth, negative, at which a point at `x` would be after `dt`, if the surface
     /// keeps it from there. `v` is its velocity against the surface in the step, `before` that
     /// against the surface in the step before.
-    pub fn meet(&self, x: &V3, v: &V3, before: &V3, dt: f64) -> Option<(V3, f64)> {
+    pub fn contact_point(&self, x: &V3, v: &V3, before: &V3, dt: f64) -> Option<(V3, f64)> {
         if let Form::Cylinder { radius, .. } = self.form {
             let from = self.off_axis(&(x - self.place));
             let to = from + self.off_axis(v) * dt;
             let gap = to.norm() - radius;
-            if gap >= 0.0 || !self.stops(x, from.norm() - radius, dt * before.norm()) {
+            if gap >= 0.0 || !self.constrain_velocity(x, from.norm() - radius, dt * before.norm()) {
                 return None;
             }
             return Some((to.try_normalize(0.0).or_else(|| from.try_normalize(0.0))?, gap));
         }
         let gap = self.gap_after(x, v, dt);
         let limited = !matches!(self.form, Form::Plane);
-        if gap >= 0.0 || limited && !self.stops(x, self.distance(x), dt * before.norm()) {
+        if gap >= 0.0
+            || limited && !self.constrain_velocity(x, self.distance(x), dt * before.norm())
+        {
             return None;
         }
         Some((self.direction, gap))
@@ -120,7 +122,7 @@ impl Surface {
 
     /// Whether the surface reaches as far as `x`, which is `gap` in front of it, and `x` comes from
     /// outside if it has moved by `moved` against it.
-    fn stops(&self, x: &V3, gap: f64, moved: f64) -> bool {
+    fn constrain_velocity(&self, x: &V3, gap: f64, moved: f64) -> bool {
         let from = x - self.place;
         let within = |along: &V3, length: f64| {
             (0.0..=length).contains(&along.dot(&from)) || length.is_infinite()

@@ -31,11 +31,17 @@ fn stop(walls: &Walls, x: [f64; 3], v: [f64; 3], dt: f64) -> Row {
 /// One step of nodes and walls on one worker that begins at `time`; returns the work on nodes and
 /// on walls with a mass.
 fn step(walls: &mut Walls, nodes: &mut Nodes, time: f64, dt: f64) -> [Work; 2] {
-    let mut wire = threads::connect(2).remove(1);
+    let mut comm = threads::connect(2).remove(1);
     nodes.accelerate(dt);
-    walls.begin(time, dt);
-    let work =
-        walls.keep_out(&mut wire, nodes, &[], Steps { dt, mid: dt, push: dt, whole: dt }).unwrap();
+    walls.start_step(time, dt);
+    let work = walls
+        .enforce(
+            &mut comm,
+            nodes,
+            &[],
+            StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt },
+        )
+        .unwrap();
     let on_masses = walls.work_on_masses();
     nodes.advance(dt);
     walls.advance(dt);
@@ -148,7 +154,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
         ([2.0, 0.0, 1.0], [0.0, 0.0, 9.0], 7.0),
         ([0.0, 7.0, 0.0], still, 5.0),
     ]);
-    walls.settle(&nodes);
+    walls.bind_local(&nodes);
     let at_first = (mass * speed - 2.0) / (mass + 3.0);
     let at_last = mass * at_first / (mass + 4.0);
     let kinetic = |nodes: &Nodes, walls: &Walls| {
@@ -167,7 +173,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
     }
     let v = walls.walls[0].next.z;
     assert!((v - at_last).abs() < 1e-12 * at_last, "round-off: {v} {at_last}");
-    let place = walls.walls[0].surface.place().z;
+    let place = walls.walls[0].surface.position().z;
     assert!(
         (nodes.v[2][2] - v).abs() < 1e-12 && (nodes.x[2][2] - place).abs() < 1e-12,
         "{:?}",

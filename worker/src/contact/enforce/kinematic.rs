@@ -32,7 +32,7 @@
 //! (1/m_s + a^2/I_s)` with the lever arm a.
 
 use super::{
-    ContactLaw, GAP, Iteration, LawRow, Steps, no_longer, overlap, split, stuck, within_cone,
+    ContactLaw, GAP, Iteration, LawRow, StepSizes, no_longer, overlap, split, stuck, within_cone,
 };
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
@@ -57,10 +57,10 @@ const LITTLE: f64 = 1e-6;
 
 /// Force that takes the slave's mass to the surface and to the stick point within the step, if the
 /// segment moves as `velocity` says. Friction that turns the slave moves a smaller mass.
-fn needed(pair: &Pair, velocity: &V3, steps: Steps) -> (f64, V3) {
+fn needed(pair: &Pair, velocity: &V3, steps: StepSizes) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
-    let per_step = -pair.mass / steps.push;
-    let across = -pair.sliding_mass / steps.push;
+    let per_step = -pair.slave_mass / steps.dt_damped;
+    let across = -pair.slave_sliding_mass / steps.dt_damped;
     (
         per_step * (overlap(pair, steps) / steps.dt + opening),
         (pair.slip / steps.dt + sliding) * across,
@@ -76,11 +76,11 @@ impl ContactLaw for Kinematic {
         Iteration::Correct { partition: self.partition, little: self.tolerance.max(LITTLE) }
     }
 
-    fn start(&self, _: &Pair, _: Steps) -> V3 {
+    fn initial_force(&self, _: &Pair, _: StepSizes) -> V3 {
         V3::zeros()
     }
 
-    fn guess(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    fn guess(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (more, pull) = needed(pair, velocity, steps);
         let more = more.max(-pressed);
@@ -89,31 +89,36 @@ impl ContactLaw for Kinematic {
 
     /// Here `velocity` is that of the node relative to the contact point as all guesses together
     /// would move it.
-    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
-        let (guess_n, guess_t) = split(&pair.guess, &pair.normal);
+    fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3> {
+        let (guess_n, guess_t) = split(&pair.predictor_force, &pair.normal);
         // Fractions of the guesses that close this pair's gap alone.
         let [alone_n, alone_t] =
-            pair.compliance.map(|c| if c > 0.0 { 1.0 / (pair.mass * c) } else { 0.0 });
+            pair.compliance.map(|c| if c > 0.0 { 1.0 / (pair.slave_mass * c) } else { 0.0 });
         let (more, pull) = needed(pair, velocity, steps);
         let limit = guess_n * alone_n;
         let more = more.clamp(limit.min(0.0), limit.max(0.0));
-        let most = if pair.turns() { pair.pull_most } else { guess_t.norm() * alone_t };
+        let most = if pair.has_couple() {
+            pair.max_tangential_correction
+        } else {
+            guess_t.norm() * alone_t
+        };
         let pull = no_longer(pull, most);
         let (pressed, sheared) = split(&pair.force, &pair.normal);
-        let new_pressed = (pressed + pair.turn * more).max(0.0);
-        let new_sheared = within_cone(sheared + pull * pair.turn, new_pressed, pair);
+        let new_pressed = (pressed + pair.partition_factor * more).max(0.0);
+        let new_sheared = within_cone(sheared + pull * pair.partition_factor, new_pressed, pair);
         let change = (new_pressed - pressed).abs();
         // Friction under a light load is small against the gap's tolerance, and wanted all the
         // same.
         let turns =
             (new_sheared - sheared).norm() > self.tolerance * pair.friction_force(new_pressed);
-        let floor = GAP * pair.thickness * pair.mass * alone_n / (steps.dt * steps.push);
+        let floor =
+            GAP * pair.contact_thickness * pair.slave_mass * alone_n / (steps.dt * steps.dt_damped);
         let ends = pressed > 0.0 && new_pressed == 0.0;
         (ends || turns || change > floor.max(self.tolerance * new_pressed.max(pressed)))
             .then(|| pair.normal * new_pressed + new_sheared)
     }
 
-    fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    fn slip(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
         stuck(pair, velocity, steps)
     }
 }

@@ -6,7 +6,7 @@
 //! may not pull; the tangential one sticks to the stick point within the cone mu f_n. How pairs
 //! take turns, and whose masses c is made of, is [`Iteration`].
 
-use super::{ContactLaw, GAP, Iteration, LawRow, Steps, overlap, split, stuck, within_cone};
+use super::{ContactLaw, GAP, Iteration, LawRow, StepSizes, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 
@@ -65,25 +65,25 @@ impl ContactLaw for Lagrange {
         (COARSE / self.tolerance).max(1.0)
     }
 
-    fn start(&self, pair: &Pair, _: Steps) -> V3 {
+    fn initial_force(&self, pair: &Pair, _: StepSizes) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let pressed = pressed.max(0.0) * self.carry;
         pair.normal * pressed + within_cone(sheared, pressed, pair)
     }
 
-    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
+    fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3> {
         self.refine(pair, velocity, steps).and_then(|(force, left)| (left > 1.0).then_some(force))
     }
 
-    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, f64)> {
-        let [soft_n, soft_t] = pair.compliance.map(|c| steps.push * c);
+    fn refine(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<(V3, f64)> {
+        let [soft_n, soft_t] = pair.compliance.map(|c| steps.dt_damped * c);
         if soft_n <= 0.0 {
             return None; // both sides are held fixed
         }
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
         let new_pressed = (pressed - (overlap(pair, steps) / steps.dt + opening) / soft_n).max(0.0);
-        let new_sheared = if pair.friction > 0.0 {
+        let new_sheared = if pair.friction_coefficient > 0.0 {
             within_cone(sheared - (pair.slip / steps.dt + sliding) / soft_t, new_pressed, pair)
         } else {
             V3::zeros()
@@ -93,15 +93,17 @@ impl ContactLaw for Lagrange {
         // a small change of the force is no small velocity for the lighter side.
         let left =
             (soft_n * (new_pressed - pressed).abs()).max(soft_t * (new_sheared - sheared).norm());
-        let whole = pair.demand.max(steps.push * pair.firm * new_pressed.max(pressed));
+        let whole = pair
+            .approach_speed
+            .max(steps.dt_damped * pair.stiffer_compliance * new_pressed.max(pressed));
         // A force that has nothing left to do ends, however small: left as it is, it would go on
         // pushing.
         let ends = pressed > 0.0 && new_pressed == 0.0;
-        let left = left / (GAP * pair.thickness / steps.dt).max(self.tolerance * whole);
+        let left = left / (GAP * pair.contact_thickness / steps.dt).max(self.tolerance * whole);
         Some((pair.normal * new_pressed + new_sheared, if ends { left.max(ENDS) } else { left }))
     }
 
-    fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    fn slip(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
         stuck(pair, velocity, steps)
     }
 }

@@ -18,25 +18,25 @@ use crumple_proto::job::Contact;
 
 /// Steps of the central difference scheme around the present time.
 #[derive(Clone, Copy, Debug)]
-pub struct Steps {
+pub struct StepSizes {
     /// To the next time: positions move by `dt` times the mid-step velocity [time].
     pub dt: f64,
     /// From the last to the next mid-step: velocities change by `mid` times the acceleration
     /// [time].
-    pub mid: f64,
+    pub dt_velocity: f64,
     /// The same for the forces of contact and walls, which come after damping: with the damping a
     /// they change velocities by `mid / (1 + a mid / 2)` times the acceleration, so that what is at
     /// rest needs no other forces than without [time].
-    pub push: f64,
+    pub dt_damped: f64,
     /// The step that elements and contact allow, which `dt` falls short of where a run comes to its
     /// end [time].
-    pub whole: f64,
+    pub dt_stable: f64,
 }
 
-impl Steps {
+impl StepSizes {
     /// What a force gives over the change of momentum that it makes beside damping, `mid / push`.
     pub fn given(&self) -> f64 {
-        self.mid / self.push
+        self.dt_velocity / self.dt_damped
     }
 }
 
@@ -107,27 +107,27 @@ pub trait ContactLaw: Send + Sync {
         None
     }
     /// Force that a pair starts the step with, given what is remembered.
-    fn start(&self, pair: &Pair, steps: Steps) -> V3;
+    fn initial_force(&self, pair: &Pair, steps: StepSizes) -> V3;
     /// First guess of what is to be added to a pair's force, as if its segment stood still; for
     /// [`Iteration::Correct`].
-    fn guess(&self, _pair: &Pair, _velocity: &V3, _steps: Steps) -> V3 {
+    fn guess(&self, _pair: &Pair, _velocity: &V3, _steps: StepSizes) -> V3 {
         V3::zeros()
     }
     /// New force of a pair whose node moves with `velocity` relative to the contact point at the
     /// next mid-step, all present forces felt; `None` if the present force is good enough. It
     /// depends on nothing else: a pair is not asked again before one of its nodes moves otherwise.
-    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3>;
+    fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3>;
     /// The force that [`ContactLaw::update`] gives, also where the present one is good enough, and
     /// what that leaves undone over what may be left: above 1 if it is not good enough. For
     /// accelerated sweeps, which need the residuals of all pairs. `None` if the pair can have no
     /// other force.
-    fn refine(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<(V3, f64)> {
+    fn refine(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<(V3, f64)> {
         self.update(pair, velocity, steps).map(|force| (force, f64::INFINITY))
     }
     /// Tangential distance from the stick point after the step.
-    fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3;
+    fn slip(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3;
     /// Whether the pair is held softer than the job asks, so that the step stays stable.
-    fn is_capped(&self, _pair: &Pair, _steps: Steps) -> bool {
+    fn is_capped(&self, _pair: &Pair, _steps: StepSizes) -> bool {
         false
     }
 }
@@ -165,7 +165,7 @@ impl Laws {
     ///
     /// # Panics
     /// On a law that is not in the table; the master checks names before it deals out work.
-    pub fn of(job: &Contact, parts: &Elasticity) -> Self {
+    pub fn new(job: &Contact, parts: &Elasticity) -> Self {
         let build = |contact: Contact| {
             let row = CONTACT_LAWS.iter().find(|row| row.name == contact.law);
             let row = row.unwrap_or_else(|| panic!("no contact law {}", contact.law));
@@ -248,33 +248,33 @@ const STAY: f64 = 1e-4;
 
 /// The gap that is to be closed, or the part of a penetration that is to be taken out in this step
 /// [length].
-fn overlap(pair: &Pair, steps: Steps) -> f64 {
+fn overlap(pair: &Pair, steps: StepSizes) -> f64 {
     pair.gap.max(-CORRECT * pair.speed * steps.dt)
 }
 
 /// Tangential distance from the stick point after the step, nought where the node slides or leaves
 /// [length]. It slides if the force that would bring it back to its stick point leaves the cone;
 /// what the force at hand is does not tell, since a law may leave it a little short of the cone.
-fn stuck(pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
-    if pair.friction == 0.0 {
+fn stuck(pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
+    if pair.friction_coefficient == 0.0 {
         return V3::zeros(); // the cone is a line: nothing sticks
     }
     let (pressed, sheared) = split(&pair.force, &pair.normal);
     let (opening, sliding) = split(velocity, &pair.normal);
     let slip = pair.slip + sliding * steps.dt;
     if pressed <= 0.0 {
-        let near = STAY * pair.thickness;
+        let near = STAY * pair.contact_thickness;
         let stays = pair.gap + opening * steps.dt <= near && slip.norm() <= near;
         return if stays { slip } else { V3::zeros() };
     }
-    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.push * pair.compliance[1]);
+    let back = sheared - (pair.slip / steps.dt + sliding) / (steps.dt_damped * pair.compliance[1]);
     let sticks = back.norm() < pair.friction_force(pressed) * (1.0 - 1e-9);
     if sticks { slip } else { V3::zeros() }
 }
 
 /// Speed at which a pair's gap would be passed in the step at this velocity, 0 if it would not be
 /// [length/time].
-pub fn demand(pair: &Pair, velocity: &V3, steps: Steps) -> f64 {
+pub fn demand(pair: &Pair, velocity: &V3, steps: StepSizes) -> f64 {
     (-overlap(pair, steps) / steps.dt - velocity.dot(&pair.normal)).max(0.0)
 }
 

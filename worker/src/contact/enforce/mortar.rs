@@ -27,7 +27,7 @@
 //! while it is pressed down would give back what its springs hold.
 
 use super::penalty::Penalty;
-use super::{ContactLaw, Iteration, LawRow, Steps};
+use super::{ContactLaw, Iteration, LawRow, StepSizes};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
@@ -58,19 +58,19 @@ impl ContactLaw for Mortar {
         self.0.segment_stiffness(segment, x0)
     }
 
-    fn start(&self, pair: &Pair, steps: Steps) -> V3 {
-        self.0.start(pair, steps)
+    fn initial_force(&self, pair: &Pair, steps: StepSizes) -> V3 {
+        self.0.initial_force(pair, steps)
     }
 
-    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
+    fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3> {
         self.0.update(pair, velocity, steps)
     }
 
-    fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    fn slip(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
         self.0.slip(pair, velocity, steps)
     }
 
-    fn is_capped(&self, pair: &Pair, steps: Steps) -> bool {
+    fn is_capped(&self, pair: &Pair, steps: StepSizes) -> bool {
         self.0.is_capped(pair, steps)
     }
 }

@@ -29,7 +29,7 @@
 //! safety^2)`. Near that they are stable but not accurate, so no stiffness above half of it is used
 //! unless the job says so (`cases/studies/README.md`, penalty-map).
 
-use super::{ContactLaw, Elasticity, Iteration, LawRow, Steps, split, within_cone};
+use super::{ContactLaw, Elasticity, Iteration, LawRow, StepSizes, split, within_cone};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
 use crate::contact::surface::Segment;
@@ -64,10 +64,12 @@ impl Penalty {
     }
 
     /// Stiffness as the job asks for it, and the most that keeps the step stable [force/length].
-    fn wanted(&self, pair: &Pair, steps: Steps) -> (f64, f64) {
-        let per_step = steps.whole * steps.whole;
-        let (soft_n, soft_t) =
-            (pair.compliance[0] * per_step, (pair.compliance[1] - pair.rolling) * per_step);
+    fn wanted(&self, pair: &Pair, steps: StepSizes) -> (f64, f64) {
+        let per_step = steps.dt_stable * steps.dt_stable;
+        let (soft_n, soft_t) = (
+            pair.compliance[0] * per_step,
+            (pair.compliance[1] - pair.rotational_compliance) * per_step,
+        );
         if soft_n <= 0.0 {
             return (0.0, 0.0); // both sides are held fixed
         }
@@ -76,7 +78,7 @@ impl Penalty {
         (k, self.most / soft_n.max(soft_t))
     }
 
-    fn stiffness(&self, pair: &Pair, steps: Steps) -> f64 {
+    fn stiffness(&self, pair: &Pair, steps: StepSizes) -> f64 {
         let (k, most) = self.wanted(pair, steps);
         k.min(most)
     }
@@ -100,16 +102,16 @@ impl ContactLaw for Penalty {
         let shell = one.norm().max(other.norm()).max(third);
         let depth = if segment.is_solid() { segment.depth() } else { shell };
         // A line is a strip as wide as the beam.
-        let line = 2.0 * segment.half * third;
+        let line = 2.0 * segment.half_thickness * third;
         let area = if segment.is_line() { line } else { 0.5 * one.cross(&other).norm() };
         self.moduli.as_ref().map(|moduli| moduli[segment.part as usize] * area / depth)
     }
 
-    fn start(&self, _: &Pair, _: Steps) -> V3 {
+    fn initial_force(&self, _: &Pair, _: StepSizes) -> V3 {
         V3::zeros()
     }
 
-    fn update(&self, pair: &Pair, velocity: &V3, steps: Steps) -> Option<V3> {
+    fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3> {
         let (k, c) = (self.stiffness(pair, steps), pair.compliance[0]);
         if c <= 0.0 {
             return None; // both sides are held fixed
@@ -117,12 +119,12 @@ impl ContactLaw for Penalty {
         let damper = 2.0 * self.damping * (k / c).sqrt();
         let spring = (-k * pair.gap).max(0.0);
         let damped =
-            (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.push);
+            (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.dt_damped);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
         Some(pair.normal * pressed + within_cone(pair.slip * -tangential(pair, k), pressed, pair))
     }
 
-    fn slip(&self, pair: &Pair, velocity: &V3, steps: Steps) -> V3 {
+    fn slip(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> V3 {
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
         let k = self.stiffness(pair, steps);
@@ -140,7 +142,7 @@ impl ContactLaw for Penalty {
         stretched + sliding * steps.dt
     }
 
-    fn is_capped(&self, pair: &Pair, steps: Steps) -> bool {
+    fn is_capped(&self, pair: &Pair, steps: StepSizes) -> bool {
         let (k, most) = self.wanted(pair, steps);
         k > most && pair.force != V3::zeros()
     }
@@ -150,5 +152,9 @@ impl ContactLaw for Penalty {
 /// [force/length]. What turns would make it swing faster.
 fn tangential(pair: &Pair, k: f64) -> f64 {
     let [_, soft] = pair.compliance;
-    if pair.rolling > 0.0 && pair.rolling < soft { k * (1.0 - pair.rolling / soft) } else { k }
+    if pair.rotational_compliance > 0.0 && pair.rotational_compliance < soft {
+        k * (1.0 - pair.rotational_compliance / soft)
+    } else {
+        k
+    }
 }

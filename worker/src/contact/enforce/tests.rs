@@ -8,9 +8,9 @@ mod penalty;
 mod rubbing;
 mod sweeps;
 
-use super::{CONTACT_LAWS, Elasticity, Steps};
+use super::{CONTACT_LAWS, Elasticity, StepSizes};
 use crate::constraints::rigid::Bodies;
-use crate::constraints::ties::{Joined, Ties};
+use crate::constraints::ties::{ContactExclusions, Ties};
 use crate::constraints::walls::Walls;
 use crate::contact::Contact;
 use crate::contact::enforce::Iteration;
@@ -20,7 +20,7 @@ use crate::contact::pairs::Pair;
 use crate::contact::surface::{NOT_LOCAL, Segment, Surface};
 use crate::energy::ContactWork;
 use crate::nodes::{Nodes, row, xyz};
-use crate::parallel::ghosts::Halo;
+use crate::parallel::ghosts::Ghosts;
 use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
 use crumple_proto::partition::NodeRecord;
@@ -69,9 +69,9 @@ fn job(law: &str) -> ContactJob {
 struct Scene {
     nodes: Nodes,
     contact: Contact,
-    wire: Threads,
+    comm: Threads,
     _master: Vec<Threads>,
-    steps: Steps,
+    steps: StepSizes,
     /// Force on each node, springs left out.
     load: Vec<V3>,
     /// Springs along z between two nodes: stiffness, and length without force.
@@ -93,7 +93,7 @@ impl Scene {
             id: SegmentId::new(ElemId(i as u64 + 1), 0),
             nodes,
             behind: [NOT_LOCAL; 4],
-            half: HALF,
+            half_thickness: HALF,
             scale: HALF,
             part: 0,
             own: true,
@@ -105,7 +105,7 @@ impl Scene {
             node_scale: vec![HALF; points.len()],
             thinnest: HALF,
             short: f64::INFINITY,
-            interfaces: Arc::new(Interfaces::of(job, &[])),
+            interfaces: Arc::new(Interfaces::new(job, &[])),
             ..Surface::default()
         };
         let mut contact = Contact::new(
@@ -119,28 +119,28 @@ impl Scene {
         );
         contact.renew(surface, &nodes, |_| Vec::new());
         let mut ends = connect(2);
-        let wire = ends.remove(1);
+        let comm = ends.remove(1);
         let load = vec![V3::zeros(); points.len()];
-        let steps = Steps { dt, mid: dt, push: dt, whole: dt };
-        Self { nodes, contact, wire, _master: ends, steps, load, springs: Vec::new(), work: 0.0 }
+        let steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
+        Self { nodes, contact, comm, _master: ends, steps, load, springs: Vec::new(), work: 0.0 }
     }
 
     /// One step as in `step.rs`, elements and walls left out.
     fn step(&mut self) -> ContactWork {
-        let Self { nodes, contact, wire, steps, load, springs, .. } = self;
+        let Self { nodes, contact, comm, steps, load, springs, .. } = self;
         nodes.force.iter_mut().zip(load.iter()).for_each(|(f, l)| *f = row([l.x, l.y, l.z]));
         for &(i, j, k, rest) in springs.iter() {
             let tension = k * (nodes.x[j][2] - nodes.x[i][2] - rest);
             nodes.force[i][2] += tension;
             nodes.force[j][2] -= tension;
         }
-        nodes.accelerate(steps.mid);
-        let joined = Joined { bodies: &Bodies::default(), ties: &Ties::default() };
+        nodes.accelerate(steps.dt_velocity);
+        let joined = ContactExclusions { bodies: &Bodies::default(), ties: &Ties::default() };
         contact.refresh_candidates(nodes, joined, (0.0, steps.dt), steps.dt);
         contact.find_pairs(nodes, joined, 0.0, *steps);
-        contact.share_pairs(wire, nodes, &Halo::default()).unwrap();
+        contact.share_pairs(comm, nodes, &Ghosts::default()).unwrap();
         let before = contact.sweeps;
-        contact.enforce(wire, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
+        contact.enforce(comm, nodes, &Walls::default(), &mut Bodies::default(), *steps).unwrap();
         let in_order = |p: &Pair| contact.laws.of_pair(p).iteration() == Iteration::GaussSeidel;
         if contact.laws.iterations().contains(&Iteration::GaussSeidel)
             && contact.sweeps - before < contact.laws.sweeps() as u64
@@ -151,11 +151,11 @@ impl Scene {
                 |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(nodes), *steps);
             let at_rest = |p: &Pair| update(p).is_none();
             assert!(
-                contact.table.pairs.iter().filter(|p| p.own && in_order(p)).all(at_rest),
+                contact.table.pairs.iter().filter(|p| p.is_owned && in_order(p)).all(at_rest),
                 "a pair still has something to do"
             );
         }
-        let work = contact.close(nodes, *steps);
+        let work = contact.finish_step(nodes, *steps);
         nodes.advance(steps.dt);
         self.work += work.total.total();
         work
@@ -316,7 +316,7 @@ fn an_impact_loses_what_a_plastic_one_loses() {
         // The velocity left over is 1e-3 of the approach at most, energy has its square.
         assert!((lost / (0.5 * reduced * v * v) - 1.0).abs() < 1e-5, "open {open}: {lost}");
         assert!((lost + scene.work).abs() < 1e-12 * before, "as booked");
-        assert!(scene.pairs().is_empty() || scene.pairs()[0].depth < 1e-3 * THICK);
+        assert!(scene.pairs().is_empty() || scene.pairs()[0].penetration < 1e-3 * THICK);
     }
 }
 
@@ -506,7 +506,7 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
             Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], 1e-3);
         let go = |scene: &mut Scene, x: f64, z: f64| {
             scene.nodes.x[6] = row([x, 0.5, z]);
-            (scene.nodes.v[6], scene.nodes.next_v[6]) = ([0.0; 4], [0.0; 4]);
+            (scene.nodes.v[6], scene.nodes.v_next[6]) = ([0.0; 4], [0.0; 4]);
             scene.step();
             scene.pairs().first().map(|p| p.normal.z)
         };

@@ -9,20 +9,20 @@
 //! what one worker alone computes, to the last bit; phases are a timetable and nothing of them is
 //! left in the result.
 
-use super::{Felt, Pair, PairTable, ROLES};
+use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
 use crate::contact::geometry::V3;
-use crumple_proto::transport::{Lost, Tag, Transport};
+use crumple_proto::transport::{RankLost, Tag, Transport};
 
 /// Marks a role of a pair that touches no local node.
 const NOWHERE: u32 = u32::MAX;
 
 /// When which pair is updated.
 #[derive(Debug, Default)]
-pub struct Order {
+pub struct SweepSchedule {
     /// Phase of each pair.
     phase: Vec<u32>,
     /// For each pair the places of its nodes in the table's `touched`, or [`NOWHERE`].
-    slots: Vec<[u32; ROLES]>,
+    slots: Vec<[u32; MAX_PAIR_NODES]>,
     /// Own pairs in ascending (phase, name).
     own: Vec<u32>,
     /// Number of phases of the pairs that are known here.
@@ -35,11 +35,11 @@ pub struct Order {
     looked: Vec<u64>,
 }
 
-impl Order {
+impl SweepSchedule {
     /// Whether a pair may find something to do: a node of it has felt a new force since it was
     /// looked at. So work goes on where pairs hang together with such as still change, and ends
     /// elsewhere.
-    fn is_due(&self, i: u32, pair: &Pair) -> bool {
+    fn is_scheduled(&self, i: u32, pair: &Pair) -> bool {
         let mut roles =
             self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
         roles.any(|(&t, _)| t == NOWHERE || self.felt[t as usize] > self.looked[i as usize])
@@ -51,10 +51,10 @@ impl PairTable {
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn lay_order(&mut self, wire: &mut dyn Transport) -> Result<(), Lost> {
-        let mut order = std::mem::take(&mut self.order);
+    pub fn build_schedule(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let mut order = std::mem::take(&mut self.schedule);
         order.slots.clear();
-        order.slots.resize(self.pairs.len(), [NOWHERE; ROLES]);
+        order.slots.resize(self.pairs.len(), [NOWHERE; MAX_PAIR_NODES]);
         for t in 0..self.touched.len() {
             for &(p, r) in self.roles_at(t) {
                 order.slots[p as usize][r as usize] = t as u32;
@@ -65,19 +65,19 @@ impl PairTable {
         // Phases only rise, from the lowest that others' may be. They stand when nobody raises one
         // any more.
         loop {
-            let changed = self.raise_phases(&mut order);
-            if !self.is_common() {
+            let changed = self.raise_levels(&mut order);
+            if !self.has_shared_pairs() {
                 break;
             }
-            self.quiet.note(changed);
-            self.swap_phases(wire, &mut order)?;
-            if self.quiet.is_over() {
+            self.convergence.record_change(changed);
+            self.exchange_levels(comm, &mut order)?;
+            if self.convergence.has_converged() {
                 break;
             }
         }
-        self.quiet.restart();
+        self.convergence.restart();
         order.own.clear();
-        order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].own));
+        order.own.extend((0..self.pairs.len() as u32).filter(|&i| self.pairs[i as usize].is_owned));
         order.own.sort_by_key(|&i| order.phase[i as usize]);
         order.phases = order.phase.iter().map(|p| p + 1).max().unwrap_or(0);
         order.turn = 1;
@@ -85,18 +85,18 @@ impl PairTable {
         order.felt.resize(self.touched.len(), order.turn);
         order.looked.clear();
         order.looked.resize(self.pairs.len(), 0);
-        self.order = order;
+        self.schedule = order;
         Ok(())
     }
 
     /// Brings the phases of own pairs up to date with all that come before them; whether one has
     /// changed.
-    fn raise_phases(&self, order: &mut Order) -> bool {
+    fn raise_levels(&self, order: &mut SweepSchedule) -> bool {
         let mut earliest = vec![0u32; self.touched.len()];
         let mut changed = false;
         for (i, pair) in self.pairs.iter().enumerate() {
             let slots = || order.slots[i].iter().filter(|&&t| t != NOWHERE).map(|&t| t as usize);
-            let next = if pair.own {
+            let next = if pair.is_owned {
                 let phase = slots().map(|t| earliest[t]).max().unwrap_or(0);
                 changed |= phase != order.phase[i];
                 order.phase[i] = phase;
@@ -109,26 +109,30 @@ impl PairTable {
         changed
     }
 
-    fn swap_phases(&mut self, wire: &mut dyn Transport, order: &mut Order) -> Result<(), Lost> {
-        for c in &self.common {
+    fn exchange_levels(
+        &mut self,
+        comm: &mut dyn Transport,
+        order: &mut SweepSchedule,
+    ) -> Result<(), RankLost> {
+        for c in &self.shared {
             self.words.clear();
-            self.quiet.write(&mut self.words);
+            self.convergence.write(&mut self.words);
             self.words.extend(c.sent.iter().map(|&i| u64::from(order.phase[i as usize])));
-            wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
+            comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
         }
-        for c in &self.common {
-            wire.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
-            let phases = self.quiet.read(&self.words);
+        for c in &self.shared {
+            comm.recv(c.worker + 1, Tag::Sweep, &mut self.words)?;
+            let phases = self.convergence.read(&self.words);
             c.received.iter().zip(phases).for_each(|(&i, &p)| order.phase[i as usize] = p as u32);
         }
-        self.quiet.close();
+        self.convergence.end_round();
         Ok(())
     }
 
     /// Lets all pairs be looked at in the next sweep: nodes have moved otherwise than by their
     /// forces.
-    pub fn look_at_all(&mut self) {
-        self.order.looked.fill(0);
+    pub fn mark_all_changed(&mut self) {
+        self.schedule.looked.fill(0);
     }
 
     /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new
@@ -139,30 +143,30 @@ impl PairTable {
     /// A worker is gone.
     pub fn sweep_in_order<S>(
         &mut self,
-        wire: &mut dyn Transport,
+        comm: &mut dyn Transport,
         state: &mut S,
         update: impl Fn(&Pair, &S) -> Option<(V3, f64)>,
-        feel: impl Fn(&mut S, u32, u32, Felt<'_>),
-    ) -> Result<f64, Lost> {
-        let mut order = std::mem::take(&mut self.order);
+        feel: impl Fn(&mut S, u32, u32, NodalLoad<'_>),
+    ) -> Result<f64, RankLost> {
+        let mut order = std::mem::take(&mut self.schedule);
         let mut next = 0;
         let mut undone: f64 = 0.0;
         for phase in 0..order.phases {
             while let Some(&i) = order.own.get(next).filter(|&&i| order.phase[i as usize] == phase)
             {
                 next += 1;
-                if !order.is_due(i, &self.pairs[i as usize]) {
+                if !order.is_scheduled(i, &self.pairs[i as usize]) {
                     continue;
                 }
                 order.looked[i as usize] = order.turn;
                 if let Some((force, left)) = update(&self.pairs[i as usize], state) {
                     undone = undone.max(left);
                     if force != self.pairs[i as usize].force {
-                        self.put(i, force, &mut order, state, &feel);
+                        self.apply_force(i, force, &mut order, state, &feel);
                     }
                 }
             }
-            for c in &self.common {
+            for c in &self.shared {
                 let due = c.sent.iter().filter(|&&i| order.phase[i as usize] == phase);
                 let forces = due
                     .flat_map(|&i| <[f64; 3]>::from(self.pairs[i as usize].force))
@@ -170,46 +174,46 @@ impl PairTable {
                 self.words.clear();
                 self.words.extend(forces);
                 if !self.words.is_empty() {
-                    wire.send(c.worker + 1, Tag::Sweep, &self.words)?;
+                    comm.send(c.worker + 1, Tag::Sweep, &self.words)?;
                 }
             }
-            for c in 0..self.common.len() {
+            for c in 0..self.shared.len() {
                 let due = |i: &&u32| order.phase[**i as usize] == phase;
                 let expected: Vec<u32> =
-                    self.common[c].received.iter().filter(due).copied().collect();
+                    self.shared[c].received.iter().filter(due).copied().collect();
                 if expected.is_empty() {
                     continue;
                 }
                 let mut words = std::mem::take(&mut self.words);
-                wire.recv(self.common[c].worker + 1, Tag::Sweep, &mut words)?;
+                comm.recv(self.shared[c].worker + 1, Tag::Sweep, &mut words)?;
                 for (i, f) in expected.into_iter().zip(words.chunks_exact(3)) {
                     let force =
                         V3::new(f64::from_bits(f[0]), f64::from_bits(f[1]), f64::from_bits(f[2]));
                     if force != self.pairs[i as usize].force {
-                        self.put(i, force, &mut order, state, &feel);
+                        self.apply_force(i, force, &mut order, state, &feel);
                     }
                 }
                 self.words = words;
             }
         }
-        self.order = order;
+        self.schedule = order;
         Ok(undone)
     }
 
     /// Gives a pair a new force and lets its nodes feel it.
-    fn put<S>(
+    fn apply_force<S>(
         &mut self,
         i: u32,
         force: V3,
-        order: &mut Order,
+        order: &mut SweepSchedule,
         state: &mut S,
-        feel: &impl Fn(&mut S, u32, u32, Felt<'_>),
+        feel: &impl Fn(&mut S, u32, u32, NodalLoad<'_>),
     ) {
         self.pairs[i as usize].force = force;
         order.turn += 1;
         for &t in order.slots[i as usize].iter().filter(|&&t| t != NOWHERE) {
             order.felt[t as usize] = order.turn;
-            self.add_up_at(t as usize);
+            self.sum_forces_at(t as usize);
             feel(
                 state,
                 t,

@@ -8,15 +8,15 @@ use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 
 /// A node that is held fixed counts as this many times the mass of the segment that it meets.
-pub const HELD: f64 = 1e6;
+pub const FIXED_MASS_RATIO: f64 = 1e6;
 
 /// Most roles of a pair: the corners of two segments.
-pub const ROLES: usize = 8;
+pub const MAX_PAIR_NODES: usize = 8;
 /// Stands for the other node of a slave edge where the slave is a segment; no node is called so.
-const SEGMENT: NodeId = NodeId(u64::MAX);
+const SLAVE_SEGMENT: NodeId = NodeId(u64::MAX);
 
 /// Values of the first roles, and nought for the others.
-pub fn by_role<const N: usize>(values: [f64; N]) -> [f64; ROLES] {
+pub fn padded<const N: usize>(values: [f64; N]) -> [f64; MAX_PAIR_NODES] {
     std::array::from_fn(|r| values.get(r).copied().unwrap_or(0.0))
 }
 
@@ -24,52 +24,56 @@ pub fn by_role<const N: usize>(values: [f64; N]) -> [f64; ROLES] {
 /// workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
-pub struct Name {
+pub struct PairKey {
     /// The node, or the node of the slave edge with the lower id, or the number of the slave
     /// segment.
     pub slave: NodeId,
     /// The other node of the slave edge; 0 where the slave is a node, as no edge has, and the
     /// largest number where it is a segment.
-    pub far: NodeId,
+    pub slave_end: NodeId,
     /// The segment and 0, or the nodes of the edge that is met, ascending; or the segment, and
     /// which quarters of the slave and of it.
-    pub met: [u64; 2],
+    pub target: [u64; 2],
 }
 
-impl Name {
+impl PairKey {
     /// A node on a segment.
     pub fn of_node(slave: NodeId, segment: SegmentId) -> Self {
-        Self { slave, far: NodeId(0), met: [segment.0, 0] }
+        Self { slave, slave_end: NodeId(0), target: [segment.0, 0] }
     }
 
     /// An edge on an edge, both by their nodes in ascending order.
     pub fn of_edges(slave: [NodeId; 2], other: [NodeId; 2]) -> Self {
-        Self { slave: slave[0], far: slave[1], met: other.map(|n| n.0) }
+        Self { slave: slave[0], slave_end: slave[1], target: other.map(|n| n.0) }
     }
 
     /// A quarter of a segment on a quarter of another one.
     pub fn of_segments([slave, met]: [SegmentId; 2], [of_slave, of_met]: [usize; 2]) -> Self {
-        Self { slave: NodeId(slave.0), far: SEGMENT, met: [met.0, (4 * of_slave + of_met) as u64] }
+        Self {
+            slave: NodeId(slave.0),
+            slave_end: SLAVE_SEGMENT,
+            target: [met.0, (4 * of_slave + of_met) as u64],
+        }
     }
 
     /// Whether the slave is a segment.
     pub fn is_segment(&self) -> bool {
-        self.far == SEGMENT
+        self.slave_end == SLAVE_SEGMENT
     }
 
     /// The slave segment, and which quarter of it.
     pub fn slave_quarter(&self) -> (SegmentId, usize) {
-        (SegmentId(self.slave.0), (self.met[1] / 4) as usize)
+        (SegmentId(self.slave.0), (self.target[1] / 4) as usize)
     }
 
     /// Whether the slave is a node.
     pub fn is_node(&self) -> bool {
-        self.far == NodeId(0)
+        self.slave_end == NodeId(0)
     }
 
     /// The nodes of the slave edge and of the other one.
     pub fn edge_nodes(&self) -> [NodeId; 4] {
-        [self.slave, self.far, NodeId(self.met[0]), NodeId(self.met[1])]
+        [self.slave, self.slave_end, NodeId(self.target[0]), NodeId(self.target[1])]
     }
 
     /// Whether the slave is an edge.
@@ -88,15 +92,15 @@ impl Name {
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
     /// Which pair it is.
-    pub name: Name,
+    pub key: PairKey,
     /// The segment, or the lowest one that has the edge which is met.
     pub segment: SegmentId,
     /// Local numbers of the nodes by role, or [`NOT_LOCAL`].
-    pub nodes: [u32; ROLES],
+    pub nodes: [u32; MAX_PAIR_NODES],
     /// Shape values N_k of the contact point by role; they sum to 1 on either side.
-    pub shape: [f64; ROLES],
+    pub shape: [f64; MAX_PAIR_NODES],
     /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
-    pub weight: [f64; ROLES],
+    pub weight: [f64; MAX_PAIR_NODES],
     /// What the pair counts for where nodal masses are split: the area that two segments have in
     /// contact, 0 while there is none, and 1 where no segments meet segments [length^2].
     pub area: f64,
@@ -105,31 +109,31 @@ pub struct Pair {
     /// Lever arms of friction, which acts between the middle surfaces: how far its point is off
     /// that of the slave and off that of the other side, along the normal. Together they are the
     /// distance of both, or both nought where no couple is taken; see [`Pair::lever`] [length].
-    pub arm: [f64; 2],
+    pub lever_arms: [f64; 2],
     /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1
     /// or -1.
     pub side: f64,
     /// Gap that the law is to close, tolerated penetration taken off [length].
     pub gap: f64,
     /// Penetration of the surfaces, negative when open [length].
-    pub depth: f64,
+    pub penetration: f64,
     /// Penetration that is let be, 0 or negative [length].
-    pub tolerated: f64,
+    pub tolerated_gap: f64,
     /// The part of it that the run started with, which is let be until the gap opens by itself
     /// [length].
-    pub kept: f64,
+    pub initial_gap: f64,
     /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them
     /// where a side is a solid's ([`crate::contact::surface::Segment::scale`]) [length].
-    pub thickness: f64,
+    pub contact_thickness: f64,
     /// The slower wave speed of the two sides [length/time].
     pub speed: f64,
     /// Its interface; others are not told.
     pub interface: u16,
     /// Coefficient of friction in this step; others are not told.
-    pub friction: f64,
+    pub friction_coefficient: f64,
     /// Most tangential force, infinite unless friction is limited and the pressure not yet known;
     /// others are not told [force].
-    pub friction_most: f64,
+    pub max_friction_force: f64,
     /// Normal pressure of all pairs around the slave node, as a mean over the last steps; nought if
     /// it is not known. Where friction is limited only, and others are not told [force/length^2].
     pub pressure: f64,
@@ -141,39 +145,39 @@ pub struct Pair {
     /// among their pairs.
     pub compliance: [f64; 2],
     /// The part of the tangential compliance that is of nodes which friction turns.
-    pub rolling: f64,
+    pub rotational_compliance: f64,
     /// The part of the normal compliance that is of the side which answers less, 0 if that is held.
-    pub firm: f64,
+    pub stiffer_compliance: f64,
     /// Speed at which the gap would be passed in the step without contact, 0 if it would not be
     /// [length/time].
-    pub demand: f64,
+    pub approach_speed: f64,
     /// What is to be added to the force if the segment stands still, and the fraction of the
     /// correction that this pair gets, for laws that predict and correct [force].
-    pub guess: V3,
+    pub predictor_force: V3,
     /// See `guess`.
-    pub turn: f64,
+    pub partition_factor: f64,
     /// Mass of the slave along the normal, with what holds it [mass].
-    pub mass: f64,
+    pub slave_mass: f64,
     /// The same across it: less than that where friction turns the slave [mass].
-    pub sliding_mass: f64,
+    pub slave_sliding_mass: f64,
     /// Most tangential force that a correction may add where friction turns nodes, for laws that
     /// predict and correct [force].
-    pub pull_most: f64,
+    pub max_tangential_correction: f64,
     /// Whether the slave is held fixed, or led, along the normal; others are told.
-    pub held: bool,
+    pub slave_is_fixed: bool,
     /// Stiffness of the segment, for laws that have one for it [force/length].
     pub stiffness: f64,
     /// Whether the node's surface comes before the segment's, by part and then by segment.
-    pub first: bool,
+    pub slave_surface_first: bool,
     /// Whether this worker owns the pair.
-    pub own: bool,
+    pub is_owned: bool,
 }
 
 /// What a slave remembers of a pair of the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Memory {
+pub struct PairHistory {
     /// See [`Pair::name`].
-    pub name: Name,
+    pub name: PairKey,
     /// See [`Pair::side`].
     pub side: f64,
     /// See [`Pair::tolerated`].
@@ -200,27 +204,27 @@ pub struct Memory {
 const PRESSURE_SHARE: f64 = 0.1;
 /// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its
 /// thickness.
-const KEPT: u32 = 50;
-const DEEP: f64 = 0.01;
+const KEPT_STEPS: u32 = 50;
+const KEPT_PENETRATION: f64 = 0.01;
 /// What is lost may have moved by this fraction of its scale until it counts as new.
-const STRAYED: f64 = 0.5;
+const KEPT_DISTANCE: f64 = 0.5;
 
-impl Memory {
+impl PairHistory {
     /// Words of a memory in a message.
     pub const WORDS: usize = 20;
 
     /// What is left of it a step later in which there is no such pair: on which side it was, how
     /// deep, and what of that is let be. Found again it does not begin anew. What was not deep is
     /// on no side that could not be seen.
-    pub fn lost(self) -> Option<Self> {
-        let kept = self.age < KEPT && self.depth > DEEP * self.thickness;
+    pub fn after_loss(self) -> Option<Self> {
+        let kept = self.age < KEPT_STEPS && self.depth > KEPT_PENETRATION * self.thickness;
         kept.then(|| Self { age: self.age + 1, force: V3::zeros(), slip: V3::zeros(), ..self })
     }
 
     /// Whether the pair was there in the last step, or cannot have gone far since by what it moves
     /// in one, `moved` [length].
     pub fn is_fresh(&self, moved: f64, scale: f64) -> bool {
-        f64::from(self.age) * moved <= STRAYED * scale
+        f64::from(self.age) * moved <= KEPT_DISTANCE * scale
     }
 
     /// The remembered force turned to a new normal: same normal part, tangential part within the
@@ -258,12 +262,12 @@ impl Memory {
 
     /// The segment that a node met.
     pub fn segment(&self) -> SegmentId {
-        SegmentId(self.name.met[0])
+        SegmentId(self.name.target[0])
     }
 
     /// Whether it is of the slave's pair with a segment.
     pub fn is_of(&self, segment: SegmentId) -> bool {
-        self.name.met == [segment.0, 0]
+        self.name.target == [segment.0, 0]
     }
 
     /// From [`Memory::to_words`].
@@ -290,7 +294,7 @@ impl Memory {
 /// What is pushed back from a pair's side among the nodes that its slave meets, which are slaves
 /// themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opposed {
+pub struct OpposingPairs {
     /// Whether some are free, and whether some are held.
     pub free: bool,
     /// See `free`.
@@ -303,7 +307,7 @@ pub struct Opposed {
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WirePair {
-    name: Name,
+    name: PairKey,
     segment: SegmentId,
     nodes: [NodeId; FIRST],
     weight: [f64; FIRST],
@@ -317,10 +321,10 @@ struct WirePair {
     /// Bits: [`Pair::held`], and whether a [`WireLever`] follows.
     flags: u64,
 }
-const NAME_WORDS: usize = size_of::<Name>() / 8;
+const NAME_WORDS: usize = size_of::<PairKey>() / 8;
 /// Roles of a pair in [`WirePair`], and those of two segments that follow it in [`WireRest`].
 const FIRST: usize = 5;
-const REST: usize = ROLES - FIRST;
+const REST: usize = MAX_PAIR_NODES - FIRST;
 
 /// What is told of two segments beside.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -345,14 +349,14 @@ impl Pair {
     /// With the gap between the surfaces [length] and what is remembered of the pair: the force and
     /// the slip from the stick point, turned to its normal, and the penetration that is let be, 0
     /// or negative [length].
-    pub fn remembering(self, old: Option<&Memory>, gap: f64, tolerated: f64) -> Self {
+    pub fn with_history(self, old: Option<&PairHistory>, gap: f64, tolerated: f64) -> Self {
         let kept = old.map_or(0.0, |m| m.kept.max(gap.min(0.0)));
         let tolerated = tolerated.min(kept);
         Self {
             gap: gap - tolerated,
-            depth: -gap,
-            tolerated,
-            kept,
+            penetration: -gap,
+            tolerated_gap: tolerated,
+            initial_gap: kept,
             force: old.map_or(V3::zeros(), |m| m.force_along(&self.normal)),
             slip: old.map_or(V3::zeros(), |m| m.slip_along(&self.normal)),
             pressure: old.map_or(0.0, |m| m.pressure),
@@ -361,42 +365,42 @@ impl Pair {
     }
 
     /// A pair of which no more is known.
-    pub fn unknown<const N: usize>(name: Name, segment: SegmentId, nodes: [u32; N]) -> Self {
+    pub fn new<const N: usize>(name: PairKey, segment: SegmentId, nodes: [u32; N]) -> Self {
         Self {
-            name,
+            key: name,
             segment,
             nodes: std::array::from_fn(|r| nodes.get(r).copied().unwrap_or(NOT_LOCAL)),
-            shape: [0.0; ROLES],
-            weight: [0.0; ROLES],
+            shape: [0.0; MAX_PAIR_NODES],
+            weight: [0.0; MAX_PAIR_NODES],
             area: 1.0,
             normal: V3::zeros(),
-            arm: [0.0; 2],
+            lever_arms: [0.0; 2],
             side: 0.0,
             gap: 0.0,
-            depth: 0.0,
-            tolerated: 0.0,
-            kept: 0.0,
-            thickness: 0.0,
+            penetration: 0.0,
+            tolerated_gap: 0.0,
+            initial_gap: 0.0,
+            contact_thickness: 0.0,
             speed: 0.0,
             interface: 0,
-            friction: 0.0,
-            friction_most: f64::INFINITY,
+            friction_coefficient: 0.0,
+            max_friction_force: f64::INFINITY,
             pressure: 0.0,
             force: V3::zeros(),
             slip: V3::zeros(),
             compliance: [0.0; 2],
-            rolling: 0.0,
-            firm: 0.0,
-            demand: 0.0,
-            guess: V3::zeros(),
-            turn: 1.0,
-            mass: 0.0,
-            sliding_mass: 0.0,
-            pull_most: 0.0,
-            held: false,
+            rotational_compliance: 0.0,
+            stiffer_compliance: 0.0,
+            approach_speed: 0.0,
+            predictor_force: V3::zeros(),
+            partition_factor: 1.0,
+            slave_mass: 0.0,
+            slave_sliding_mass: 0.0,
+            max_tangential_correction: 0.0,
+            slave_is_fixed: false,
             stiffness: 0.0,
-            first: false,
-            own: false,
+            slave_surface_first: false,
+            is_owned: false,
         }
     }
 
@@ -407,9 +411,9 @@ impl Pair {
     /// their own area, and no pressure is noted of them.
     pub fn limit_friction(&mut self, limit: f64, area: f64) {
         if self.pressure > 0.0 {
-            self.friction = self.friction.min(limit / self.pressure);
+            self.friction_coefficient = self.friction_coefficient.min(limit / self.pressure);
         } else {
-            self.friction_most = limit * area;
+            self.max_friction_force = limit * area;
         }
     }
 
@@ -422,30 +426,30 @@ impl Pair {
 
     /// Most tangential force under the normal force `pressed` [force].
     pub fn friction_force(&self, pressed: f64) -> f64 {
-        (self.friction * pressed).min(self.friction_most)
+        (self.friction_coefficient * pressed).min(self.max_friction_force)
     }
 
     /// Number of roles on the slave's side.
-    pub fn ahead(&self) -> usize {
-        match self.name.far {
+    pub fn slave_node_count(&self) -> usize {
+        match self.key.slave_end {
             NodeId(0) => 1,
-            SEGMENT => 4,
+            SLAVE_SEGMENT => 4,
             _ => 2,
         }
     }
 
     /// Number of roles.
-    pub fn roles(&self) -> usize {
-        match self.name.far {
+    pub fn node_count(&self) -> usize {
+        match self.key.slave_end {
             NodeId(0) => 5,
-            SEGMENT => 8,
+            SLAVE_SEGMENT => 8,
             _ => 4,
         }
     }
 
     /// Whether role `r` is on the slave's side.
-    pub(super) fn is_ahead(&self, r: u8) -> bool {
-        usize::from(r) < self.ahead()
+    pub(super) fn is_slave_role(&self, r: u8) -> bool {
+        usize::from(r) < self.slave_node_count()
     }
 
     /// Share of the pair's force that the node in role `r` takes.
@@ -459,13 +463,13 @@ impl Pair {
     }
 
     /// Whether its friction turns nodes.
-    pub fn turns(&self) -> bool {
-        self.arm != [0.0; 2]
+    pub fn has_couple(&self) -> bool {
+        self.lever_arms != [0.0; 2]
     }
 
     /// Lever arm of the side of role `r` [length].
-    pub(super) fn arm_of(&self, r: usize) -> f64 {
-        self.arm[usize::from(r >= self.ahead())]
+    pub(super) fn lever_arm_of(&self, r: usize) -> f64 {
+        self.lever_arms[usize::from(r >= self.slave_node_count())]
     }
 
     /// Moment of the pair's force on both of its sides together, per lever arm [force].
@@ -483,17 +487,20 @@ impl Pair {
     /// at a node that the force acts on can take none of it, and leaves it to the other one; where
     /// neither can, the couple stays.
     pub fn lever(&mut self, nodes: &Nodes) {
-        if !self.turns() {
+        if !self.has_couple() {
             return;
         }
         if !nodes.rotations {
-            self.arm = [0.0; 2];
+            self.lever_arms = [0.0; 2];
             return;
         }
         let loaded = |roles: std::ops::Range<usize>| roles.filter(|&r| self.share(r) != 0.0);
         let can_turn = |roles| loaded(roles).all(|r| nodes.inertia[self.nodes[r] as usize] > 0.0);
-        let [slave, met] = self.arm;
-        let arm = match [can_turn(0..self.ahead()), can_turn(self.ahead()..self.roles())] {
+        let [slave, met] = self.lever_arms;
+        let arm = match [
+            can_turn(0..self.slave_node_count()),
+            can_turn(self.slave_node_count()..self.node_count()),
+        ] {
             [true, true] => [slave / (slave + met), met / (slave + met)],
             [true, false] => [1.0, 0.0],
             [false, true] => [0.0, 1.0],
@@ -502,22 +509,22 @@ impl Pair {
         let along = |r: usize| {
             V3::from(xyz(&nodes.x[self.nodes[r] as usize])).dot(&self.normal) * self.shape[r]
         };
-        let apart = loaded(0..self.ahead()).map(along).sum::<f64>()
-            - loaded(self.ahead()..self.roles()).map(along).sum::<f64>();
-        self.arm = arm.map(|a| a * apart);
+        let apart = loaded(0..self.slave_node_count()).map(along).sum::<f64>()
+            - loaded(self.slave_node_count()..self.node_count()).map(along).sum::<f64>();
+        self.lever_arms = arm.map(|a| a * apart);
     }
 
     /// Share of the own pair's correction where both surfaces are slaves of each other: `partition`
     /// for the first one, the rest for the other. Where one of them is held, the free one closes
     /// the gap; the held one takes what is left when the free one has settled, such as a held node
     /// between the free ones of a coarser face.
-    pub fn turn_of(&self, partition: f64, met: Opposed) -> f64 {
-        match (self.held, met) {
-            (_, Opposed { free: false, held: false, .. })
-            | (false, Opposed { free: false, .. }) => 1.0,
-            (true, Opposed { free: true, settled, .. }) => f64::from(settled),
+    pub fn partition_factor_of(&self, partition: f64, met: OpposingPairs) -> f64 {
+        match (self.slave_is_fixed, met) {
+            (_, OpposingPairs { free: false, held: false, .. })
+            | (false, OpposingPairs { free: false, .. }) => 1.0,
+            (true, OpposingPairs { free: true, settled, .. }) => f64::from(settled),
             _ => {
-                if self.first {
+                if self.slave_surface_first {
                     partition
                 } else {
                     1.0 - partition
@@ -527,8 +534,8 @@ impl Pair {
     }
 
     /// Notes the slave's mass along the normal and across it; own pairs only.
-    pub fn weigh_slave(&mut self, nodes: &Nodes) {
-        let met = self.nodes[self.ahead()..].iter().filter(|&&n| n != NOT_LOCAL);
+    pub fn set_slave_mass(&mut self, nodes: &Nodes) {
+        let met = self.nodes[self.slave_node_count()..].iter().filter(|&&n| n != NOT_LOCAL);
         let segment: f64 = met.map(|&n| nodes.contact_mass(n as usize)).sum();
         let n = &self.normal;
         let moves = |r: usize| {
@@ -537,23 +544,25 @@ impl Pair {
                 * self.follows(r)
                 * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2])
         };
-        let moves: f64 = (0..self.ahead()).map(moves).sum();
-        self.held = moves * HELD * segment <= 1.0;
-        self.mass = if self.held { HELD * segment } else { 1.0 / moves };
-        self.sliding_mass = self.mass;
-        if self.arm[0] != 0.0 {
+        let moves: f64 = (0..self.slave_node_count()).map(moves).sum();
+        self.slave_is_fixed = moves * FIXED_MASS_RATIO * segment <= 1.0;
+        self.slave_mass =
+            if self.slave_is_fixed { FIXED_MASS_RATIO * segment } else { 1.0 / moves };
+        self.slave_sliding_mass = self.slave_mass;
+        if self.lever_arms[0] != 0.0 {
             let inverse = |r: usize| {
                 let inv = &nodes.inv_inertia[self.nodes[r] as usize];
                 self.share(r) * self.follows(r) * inv[0].max(inv[1]).max(inv[2])
             };
-            let turns: f64 = (0..self.ahead()).map(inverse).sum();
-            self.sliding_mass = self.mass / (1.0 + self.mass * self.arm[0] * self.arm[0] * turns);
+            let turns: f64 = (0..self.slave_node_count()).map(inverse).sum();
+            self.slave_sliding_mass = self.slave_mass
+                / (1.0 + self.slave_mass * self.lever_arms[0] * self.lever_arms[0] * turns);
         }
     }
 
     /// Local nodes that the pair's force acts on.
-    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
-        self.nodes[..self.roles()]
+    pub fn local_nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.nodes[..self.node_count()]
             .iter()
             .enumerate()
             .filter(|&(r, _)| self.share(r) != 0.0)
@@ -563,19 +572,19 @@ impl Pair {
     /// Velocity at the next mid-step of the slave where friction acts on it, own pairs only
     /// [length/time].
     pub fn slave_velocity(&self, nodes: &Nodes) -> V3 {
-        let middle = self.slave_mean(&nodes.next_v);
-        if self.arm[0] == 0.0 {
+        let middle = self.slave_mean(&nodes.v_next);
+        if self.lever_arms[0] == 0.0 {
             return middle;
         }
-        middle - self.slave_mean(&nodes.next_w).cross(&self.normal) * self.arm[0]
+        middle - self.slave_mean(&nodes.w_next).cross(&self.normal) * self.lever_arms[0]
     }
 
     /// Mean of the vectors at the slave's nodes by their shape values.
     fn slave_mean(&self, v: &[Row]) -> V3 {
         let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
-        match self.name.far {
+        match self.key.slave_end {
             NodeId(0) => at(0),
-            SEGMENT => self.mean(v, 0),
+            SLAVE_SEGMENT => self.mean(v, 0),
             _ => at(0) * self.shape[0] + at(1) * self.shape[1],
         }
     }
@@ -583,9 +592,9 @@ impl Pair {
     /// The same at the nodes of the other side.
     fn met_mean(&self, v: &[Row]) -> V3 {
         let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
-        match self.name.far {
+        match self.key.slave_end {
             NodeId(0) => self.mean(v, 1),
-            SEGMENT => self.mean(v, 4),
+            SLAVE_SEGMENT => self.mean(v, 4),
             _ => part(2) + part(3),
         }
     }
@@ -600,49 +609,49 @@ impl Pair {
     /// Velocity at the next mid-step of the slave relative to the other side, both where friction
     /// acts on them; own pairs only [length/time].
     pub fn relative_velocity(&self, nodes: &Nodes) -> V3 {
-        let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.next_v);
-        if self.arm[1] == 0.0 {
+        let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.v_next);
+        if self.lever_arms[1] == 0.0 {
             return relative;
         }
-        relative - self.met_mean(&nodes.next_w).cross(&self.normal) * self.arm[1]
+        relative - self.met_mean(&nodes.w_next).cross(&self.normal) * self.lever_arms[1]
     }
 
     /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs
     /// only.
     pub fn work(&self, nodes: &Nodes, mid: f64) -> Work {
         let on = |r: usize| {
-            let share = if r < self.ahead() { self.share(r) } else { -self.share(r) };
+            let share = if r < self.slave_node_count() { self.share(r) } else { -self.share(r) };
             let n = self.nodes[r] as usize;
-            let moved = Work::of_all(
+            let moved = Work::from_impulses(
                 &row((self.force * (mid * share)).into()),
                 &nodes.v[n],
-                &nodes.next_v[n],
+                &nodes.v_next[n],
             );
-            let arm = self.arm_of(r);
+            let arm = self.lever_arm_of(r);
             if arm == 0.0 {
                 return moved;
             }
             let couple = self.twist(&self.force) * (mid * self.share(r) * arm);
-            moved + Work::of_all(&row(couple.into()), &nodes.w[n], &nodes.next_w[n])
+            moved + Work::from_impulses(&row(couple.into()), &nodes.w[n], &nodes.w_next[n])
         };
-        (0..self.roles())
+        (0..self.node_count())
             .filter(|&r| self.nodes[r] != NOT_LOCAL && self.share(r) != 0.0)
             .map(on)
             .sum()
     }
 
     /// What the slave remembers of this pair.
-    pub fn memory(&self) -> Memory {
-        Memory {
-            name: self.name,
+    pub fn to_history(&self) -> PairHistory {
+        PairHistory {
+            name: self.key,
             side: self.side,
-            tolerated: self.tolerated,
-            kept: self.kept,
-            depth: self.depth,
+            tolerated: self.tolerated_gap,
+            kept: self.initial_gap,
+            depth: self.penetration,
             normal: self.normal,
             force: self.force,
             slip: self.slip,
-            thickness: self.thickness,
+            thickness: self.contact_thickness,
             pressure: self.pressure,
             age: 0,
         }
@@ -652,29 +661,29 @@ impl Pair {
 impl Pair {
     /// Words of the pair in a message to others.
     pub fn words(&self) -> usize {
-        let rest = if self.name.is_segment() { REST_WORDS } else { 0 };
-        WIRE_WORDS + rest + if self.turns() { LEVER_WORDS } else { 0 }
+        let rest = if self.key.is_segment() { REST_WORDS } else { 0 };
+        WIRE_WORDS + rest + if self.has_couple() { LEVER_WORDS } else { 0 }
     }
 
     /// Appends what others need of it.
-    pub(super) fn tell(&self, nodes: &Nodes, words: &mut Vec<u64>) {
+    pub(super) fn pack(&self, nodes: &Nodes, words: &mut Vec<u64>) {
         let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
         let first = WirePair {
-            name: self.name,
+            name: self.key,
             segment: self.segment,
             nodes: std::array::from_fn(|r| id(self.nodes[r])),
             weight: std::array::from_fn(|r| self.weight[r]),
             normal: self.normal.into(),
-            tolerated: self.tolerated,
-            kept: self.kept,
-            depth: self.depth,
-            thickness: self.thickness,
+            tolerated: self.tolerated_gap,
+            kept: self.initial_gap,
+            depth: self.penetration,
+            thickness: self.contact_thickness,
             force: self.force.into(),
-            mass: self.mass,
-            flags: u64::from(self.held) | u64::from(self.turns()) << 1,
+            mass: self.slave_mass,
+            flags: u64::from(self.slave_is_fixed) | u64::from(self.has_couple()) << 1,
         };
         words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&first)));
-        if self.name.is_segment() {
+        if self.key.is_segment() {
             let rest = WireRest {
                 nodes: std::array::from_fn(|r| id(self.nodes[FIRST + r])),
                 weight: std::array::from_fn(|r| self.weight[FIRST + r]),
@@ -682,31 +691,31 @@ impl Pair {
             };
             words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&rest)));
         }
-        if self.turns() {
-            let lever = WireLever { arm: self.arm, sliding_mass: self.sliding_mass };
+        if self.has_couple() {
+            let lever = WireLever { arm: self.lever_arms, sliding_mass: self.slave_sliding_mass };
             words.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&lever)));
         }
     }
 
     /// The first pair in a message, and what follows it.
-    pub(super) fn told<'a>(words: &'a [u64], nodes: &Nodes) -> (Self, &'a [u64]) {
-        let local = |id: NodeId| nodes.number(id).unwrap_or(NOT_LOCAL);
+    pub(super) fn unpack<'a>(words: &'a [u64], nodes: &Nodes) -> (Self, &'a [u64]) {
+        let local = |id: NodeId| nodes.index_of(id).unwrap_or(NOT_LOCAL);
         let (first, mut after) = words.split_at(WIRE_WORDS);
         let first: WirePair = bytemuck::pod_read_unaligned(bytemuck::cast_slice(first));
         let mut pair = Self {
-            weight: by_role(first.weight),
+            weight: padded(first.weight),
             normal: first.normal.into(),
-            tolerated: first.tolerated,
-            kept: first.kept,
-            depth: first.depth,
-            thickness: first.thickness,
+            tolerated_gap: first.tolerated,
+            initial_gap: first.kept,
+            penetration: first.depth,
+            contact_thickness: first.thickness,
             force: first.force.into(),
-            mass: first.mass,
-            sliding_mass: first.mass,
-            held: first.flags & 1 != 0,
-            ..Self::unknown(first.name, first.segment, first.nodes.map(local))
+            slave_mass: first.mass,
+            slave_sliding_mass: first.mass,
+            slave_is_fixed: first.flags & 1 != 0,
+            ..Self::new(first.name, first.segment, first.nodes.map(local))
         };
-        if pair.name.is_segment() {
+        if pair.key.is_segment() {
             let rest;
             (rest, after) = after.split_at(REST_WORDS);
             let rest: WireRest = bytemuck::pod_read_unaligned(bytemuck::cast_slice(rest));
@@ -718,7 +727,7 @@ impl Pair {
             let lever;
             (lever, after) = after.split_at(LEVER_WORDS);
             let lever: WireLever = bytemuck::pod_read_unaligned(bytemuck::cast_slice(lever));
-            (pair.arm, pair.sliding_mass) = (lever.arm, lever.sliding_mass);
+            (pair.lever_arms, pair.slave_sliding_mass) = (lever.arm, lever.sliding_mass);
         }
         (pair, after)
     }

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// Rounds since anything changed, and who has pairs in common with whom.
 #[derive(Debug, Default)]
-pub struct Quiet {
+pub struct ConvergenceDetector {
     rounds: u64,
     /// Neighbours of each worker that is known, itself left out; both by number.
     neighbours: BTreeMap<u64, Vec<u64>>,
@@ -24,7 +24,7 @@ pub struct Quiet {
     last: (BTreeMap<u64, Vec<u64>>, u64),
 }
 
-impl Quiet {
+impl ConvergenceDetector {
     /// Worker `me` has pairs in common with `neighbours` and knows of nobody else.
     pub fn start(&mut self, me: usize, neighbours: impl Iterator<Item = usize>) {
         let mine: Vec<u64> = neighbours.map(|w| w as u64).collect();
@@ -41,7 +41,7 @@ impl Quiet {
     }
 
     /// Ends the own part of a round.
-    pub fn note(&mut self, changed: bool) {
+    pub fn record_change(&mut self, changed: bool) {
         self.rounds = if changed { 0 } else { self.rounds + 1 };
     }
 
@@ -71,7 +71,7 @@ impl Quiet {
     }
 
     /// Ends a round in which all neighbours have been read.
-    pub fn close(&mut self) {
+    pub fn end_round(&mut self) {
         std::mem::swap(&mut self.fresh, &mut self.heard);
         self.heard.clear();
         if self.enough.is_none()
@@ -88,7 +88,7 @@ impl Quiet {
     }
 
     /// Whether all are quiet; they all say so in the same round.
-    pub fn is_over(&self) -> bool {
+    pub fn has_converged(&self) -> bool {
         self.enough.is_some_and(|enough| self.rounds >= enough)
     }
 }
@@ -128,14 +128,15 @@ mod tests {
             all.retain(|&o| o != w);
             all
         };
-        let mut quiet: Vec<Quiet> = (0..workers).map(|_| Quiet::default()).collect();
+        let mut quiet: Vec<ConvergenceDetector> =
+            (0..workers).map(|_| ConvergenceDetector::default()).collect();
         quiet.iter_mut().enumerate().for_each(|(w, q)| q.start(w, of(w).into_iter()));
         let mut over = vec![usize::MAX; workers];
         // A wave of changes that starts at `first` and goes on from neighbour to neighbour for
         // `reach` rounds.
         let mut wave = vec![first];
         for round in 0..4 * workers + reach {
-            quiet.iter_mut().enumerate().for_each(|(w, q)| q.note(wave.contains(&w)));
+            quiet.iter_mut().enumerate().for_each(|(w, q)| q.record_change(wave.contains(&w)));
             let sent: Vec<Vec<u64>> = quiet
                 .iter()
                 .map(|q| {
@@ -149,8 +150,8 @@ mod tests {
                 of(w).into_iter().for_each(|o| {
                     assert_eq!(quiet[w].read(&sent[o]), [77], "what follows is left")
                 });
-                quiet[w].close();
-                if quiet[w].is_over() {
+                quiet[w].end_round();
+                if quiet[w].has_converged() {
                     over[w] = over[w].min(round);
                 }
             }

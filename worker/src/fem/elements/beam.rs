@@ -35,7 +35,10 @@ mod tests;
 
 use self::section::Section;
 use super::section::label;
-use super::{Build, Built, Element, ElementFields, ElementRow, Pass, PassTotals, failed_column};
+use super::{
+    BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, PassTotals,
+    failed_column,
+};
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 use crate::math::lanes::LANES;
@@ -46,11 +49,11 @@ use crumple_proto::problem::Problem;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "beam",
     shape: Shape::Beam2,
     meaning: "two-node beam in a corotating frame, its cross section cut into fibres.",
-    build: Build::Shell(build),
+    build: Constructor::Shell(build),
 };
 
 type V3 = Vector3<f64>;
@@ -103,7 +106,7 @@ pub struct Beam {
     weld: Option<Weld>,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
@@ -413,8 +416,8 @@ impl Element for Beam {
     }
 
     /// One by one: a scene has few.
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
+        let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let (mut totals, columns) = (PassTotals::NONE, self.columns());
         let mut state = vec![0.0; columns];

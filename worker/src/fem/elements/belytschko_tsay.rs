@@ -21,18 +21,18 @@ use super::quad::{
 };
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
-use super::{Build, Built, ElementRow, let_go};
+use super::{BuildResult, Constructor, ElementEntry, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::Real;
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "belytschko_tsay",
     meaning: "Belytschko-Lin-Tsay: one point in its plane, hourglass control with a coefficient.",
     shape: Shape::Quad4,
-    build: Build::Shell(build),
+    build: Constructor::Shell(build),
 };
 
 /// Largest hourglass force of a plastic part, as a fraction of what full integration would bear.
@@ -53,7 +53,7 @@ pub struct BelytschkoTsay {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     let section = Section::new(part, law)?;
     let hourglass = part.hourglass.unwrap_or(HourglassForm::Stiffness);
     let kernel =
@@ -136,7 +136,7 @@ impl Kernel for BelytschkoTsay {
         }
 
         // 2. Stress.
-        let sound = self.section.healthy(&strains, self.section.current_thickness(section));
+        let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
         let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
         let (n, m, q) = (n.map(|n| n * g.area), m.map(|m| m * g.area), q.map(|q| q * g.area));
@@ -164,7 +164,7 @@ impl Kernel for BelytschkoTsay {
             energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        energy = bounds::drill(drill, stiff, motion.ahead(), capacity.as_ref(), energy);
+        energy = bounds::drill(drill, stiff, motion.extrapolated(), capacity.as_ref(), energy);
 
         // 4. Corner forces, mode by mode.
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));
@@ -181,9 +181,9 @@ impl Kernel for BelytschkoTsay {
         let energies = [work * g.area, R::splat(0.5) * energy];
         let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
-            response.let_go(failed);
-            let_go(failed, hourglass);
-            let_go(failed, drill);
+            response.zero_failed(failed);
+            zero_failed(failed, hourglass);
+            zero_failed(failed, drill);
         }
         response
     }

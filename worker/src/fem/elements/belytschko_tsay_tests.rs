@@ -31,7 +31,7 @@ fn bending_patch_is_exact_on_rectangles() {
     }
     patch.step(1.0);
     for element in 0..4 {
-        let at = |c: usize| patch.history.of(element).at(5 + 4 * 3 + c);
+        let at = |c: usize| patch.history.element(element).at(5 + 4 * 3 + c);
         // At the outermost of five Gauss points, 0.906 of the face.
         let face = 0.906179845938664;
         let why = "slopes of 2e-10 squared, at a stiffness of 1e12";
@@ -73,7 +73,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
                 patch.forces(1.0);
                 let columns = patch.element.columns();
                 for column in columns - HOURGLASS - DRILLING..columns - DRILLING {
-                    let value = patch.history.of(0).at(column);
+                    let value = patch.history.element(0).at(column);
                     assert!(
                         value.abs() < 1e-12 * 1e-9 * E,
                         "round-off: warp {warp}, column {column}: {value:e}"

@@ -34,18 +34,20 @@
 use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
 use super::shell::{Formulation, Shell};
-use super::{Build, Built, ElementRow, GroupCorners, GroupNodes, NodeView, Totals, let_go};
+use super::{
+    BuildResult, Constructor, ElementEntry, GroupCorners, GroupNodes, NodeView, Totals, zero_failed,
+};
 use crate::fem::materials::{Elastic, PlaneStress, PointReal};
 use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "c0_triangle",
     meaning: "Belytschko-Stolarski-Carpenter: what every triangle is.",
     shape: Shape::Tri3,
-    build: Build::Shell(build),
+    build: Constructor::Shell(build),
 };
 
 /// Own columns, after those of the section: drilling moments of the corners [force length],
@@ -59,7 +61,7 @@ pub struct C0Triangle {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     let section = Section::new(part, law)?;
     Ok(Box::new(Shell(C0Triangle { section, drilling: part.drilling })))
 }
@@ -122,9 +124,9 @@ impl<R: Real> Response<R> {
 
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
-    fn let_go(&mut self, failed: R::Mask) {
-        let_go(failed, self.force.as_flattened_mut());
-        let_go(failed, self.moment.as_flattened_mut());
+    fn zero_failed(&mut self, failed: R::Mask) {
+        zero_failed(failed, self.force.as_flattened_mut());
+        zero_failed(failed, self.moment.as_flattened_mut());
         self.totals.let_go(failed);
     }
 }
@@ -253,7 +255,7 @@ impl C0Triangle {
         // 2. Gradients.
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
         let plane = PlaneMotion::new(&k);
-        let t = corners.w.map(|w| plane.beside(g.frame.local(w).map(|c| c * step)));
+        let t = corners.w.map(|w| plane.offset_by(g.frame.local(w).map(|c| c * step)));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
@@ -275,7 +277,7 @@ impl C0Triangle {
 
         // 5. Stress.
         let strains = Strains { eps, kappa: curvature(tx, ty), gamma };
-        let healthy = self.section.healthy(&strains, self.section.current_thickness(section));
+        let healthy = self.section.sound_points(&strains, self.section.current_thickness(section));
         let resultants = self.section.update::<R, N>(section, &strains, dt);
         let thickness = resultants.thickness;
         let [nx, ny, nxy] = resultants.n.map(|n| n * g.area);
@@ -349,8 +351,8 @@ impl C0Triangle {
         };
         let mut response = Response { force, moment, totals, calm };
         if let Some(failed) = self.section.failed_lanes(section) {
-            response.let_go(failed);
-            let_go(failed, own);
+            response.zero_failed(failed);
+            zero_failed(failed, own);
         }
         response
     }
@@ -456,7 +458,7 @@ impl Formulation for C0Triangle {
         }
         let (calm, sound) = (response.calm, response.totals.sound);
         if let Some(gone) = self.section.delete_inverted(history, calm, sound, corners.sum()) {
-            response.let_go(gone);
+            response.zero_failed(gone);
         }
         scatter(&response, force, moment);
         response.totals
@@ -478,7 +480,7 @@ impl Formulation for C0Triangle {
         let stable_dt = geometry.stable_dt(&self.section.elastic);
         let stable_dt =
             self.section.offset_factor(history).map_or(stable_dt, |factor| stable_dt * factor);
-        Totals::forceless(stable_dt, geometry.sound())
+        Totals::inactive(stable_dt, geometry.sound())
     }
 }
 

@@ -76,7 +76,7 @@ fn bending_patch_is_exact() {
         *w = [1e-10 * (0.5 * x + y), -1e-10 * (x + 0.5 * y), 0.0, 0.0];
     }
     patch.step(1.0);
-    let lane = |column: usize| patch.history.of(0).at(column);
+    let lane = |column: usize| patch.history.element(0).at(column);
     let fields = patch.fields(0);
     assert!(
         fields.stress[4].abs() < 1e-19 * E && fields.stress[5].abs() < 1e-19 * E,

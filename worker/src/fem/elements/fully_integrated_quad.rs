@@ -36,17 +36,17 @@ use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{SHEAR_CORRECTION, Section, Strains};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{Build, Built, ElementRow, let_go};
+use super::{BuildResult, Constructor, ElementEntry, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "fully_integrated_quad",
     meaning: "2 x 2 points in its plane: no hourglass control, the reference for the others.",
     shape: Shape::Quad4,
-    build: Build::Shell(build),
+    build: Constructor::Shell(build),
 };
 
 /// Points in the plane.
@@ -60,7 +60,7 @@ pub struct FullyIntegratedQuad {
     drilling: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     let section = Section::new(part, law)?.at_points(PLANAR);
     Ok(Box::new(Shell(Quad(FullyIntegratedQuad { section, drilling: part.drilling }))))
 }
@@ -144,7 +144,7 @@ impl Kernel for FullyIntegratedQuad {
             }
             sound = R::both(
                 sound,
-                self.section.healthy(&here, self.section.current_thickness(columns)),
+                self.section.sound_points(&here, self.section.current_thickness(columns)),
             );
             let on = self.section.update::<R, N>(columns, &here, dt);
             for c in 0..3 {
@@ -191,9 +191,9 @@ impl Kernel for FullyIntegratedQuad {
             [work, R::splat(0.5) * energy],
             sound,
         );
-        if let Some(failed) = self.section.fail_with_the_last(section) {
-            response.let_go(failed);
-            let_go(failed, drill);
+        if let Some(failed) = self.section.fail_with_last_point(section) {
+            response.zero_failed(failed);
+            zero_failed(failed, drill);
         }
         response
     }

@@ -134,7 +134,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
     for failed in 0..4 {
         let mut patch = quad(0.1, material("j2", 1.0, &numbers), &SQUARE);
         let each = 5 + 5 * 7;
-        let mut state = patch.history.of(0).to_vec();
+        let mut state = patch.history.element(0).to_vec();
         assert_eq!(state.len(), 4 * each + DRILLING);
         for p in 0..failed {
             (0..5).for_each(|k| state[p * each + 5 + k * 7 + 6] = 1.0);
@@ -152,7 +152,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
             (failed > 2, failed > 2),
             "{failed} points: {force}"
         );
-        assert_eq!(patch.element.failed(patch.history.of(0)), failed > 2);
+        assert_eq!(patch.element.failed(patch.history.element(0)), failed > 2);
         if failed > 2 {
             assert_eq!(
                 (totals.stable_dt, totals.internal, fields.von_mises),
@@ -195,7 +195,7 @@ fn thinning_keeps_the_volume_of_plastic_flow() {
         off,
         "the elastic bulk strain, and variation of the Jacobian squared",
     );
-    let state = patch.history.of(0).to_vec();
+    let state = patch.history.element(0).to_vec();
     let each = (state.len() - DRILLING) / PLANAR;
     let all: Vec<f64> = (0..PLANAR).map(|p| state[p * each]).collect();
     assert_close(fields.thickness, 0.25 * all.iter().sum::<f64>(), 1e-15, "round-off");

@@ -37,8 +37,8 @@ mod modes;
 use self::hourglass::{Hourglass, Step, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, Modes, gather, modes_of_corners, scatter};
 use super::{
-    Build, Built, Element, ElementFields, ElementRow, GroupCorners, GroupNodes, NodeView, Pass,
-    PassTotals, SolidGroups, Totals, failed_column, let_go, section,
+    BuildResult, Constructor, Element, ElementEntry, ElementFields, ElementPass, GroupCorners,
+    GroupNodes, NodeView, PassTotals, SolidGroups, Totals, failed_column, section, zero_failed,
 };
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, PointReal, Solid, SolidPoint};
@@ -48,11 +48,11 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "hexahedron",
     meaning: "One point, the exact mean gradient, a choice of hourglass controls.",
     shape: Shape::Hex8,
-    build: Build::Solid(build),
+    build: Constructor::Solid(build),
 };
 
 /// Hourglass coefficient where the job gives none.
@@ -82,7 +82,7 @@ pub struct Hexahedron {
     failed: Option<usize>,
 }
 
-fn build(part: &Part, law: Box<dyn Solid>) -> Built {
+fn build(part: &Part, law: Box<dyn Solid>) -> BuildResult {
     let mut problems = Vec::new();
     let mut check = |right: bool, key: &str, value: String, wanted: &str| {
         if !right {
@@ -153,8 +153,8 @@ struct Response<R: Real> {
 impl<R: Real> Response<R> {
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
-    fn let_go(&mut self, failed: R::Mask) {
-        let_go(failed, self.force.as_flattened_mut());
+    fn zero_failed(&mut self, failed: R::Mask) {
+        zero_failed(failed, self.force.as_flattened_mut());
         self.totals.let_go(failed);
     }
 }
@@ -181,7 +181,7 @@ impl Hexahedron {
         let mid: Modes<R> =
             std::array::from_fn(|k| std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[k][i])));
         let mid_gradient = Gradient::new(&mid);
-        let k = mid_gradient.of(v, dt);
+        let k = mid_gradient.gradient_of(v, dt);
         let eps =
             [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
         let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
@@ -277,8 +277,8 @@ impl Hexahedron {
             Response { force, totals: Totals { stable_dt, internal, hourglass: resisted, sound } };
         if let Some(column) = self.failed {
             let failed = state[column].gt(half);
-            response.let_go(failed);
-            let_go(failed, hourglass);
+            response.zero_failed(failed);
+            zero_failed(failed, hourglass);
         }
         response
     }
@@ -366,7 +366,7 @@ fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
 ///
 /// # Panics
 /// When there are fewer: solids are called with all of theirs.
-fn eight(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
+fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
     x.first_chunk().expect("a hexahedron has eight slots")
 }
 
@@ -397,7 +397,7 @@ impl SolidGroups for Hexahedron {
         let End { gradient, slowness, length, .. } =
             self.end(&x, &mut history[self.first_volume()]);
         let [b1, _] = self.bulk_viscosity;
-        Totals::forceless(viscous(length * slowness, L::splat(b1)), gradient.whole())
+        Totals::inactive(viscous(length * slowness, L::splat(b1)), gradient.whole())
     }
 }
 
@@ -411,16 +411,19 @@ impl Element for Hexahedron {
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: f64) -> (f64, f64) {
-        (0.125 * self.elastic.density * Gradient::new(&modes_of_corners(eight(x))).volume(), 0.0)
+        (
+            0.125 * self.elastic.density * Gradient::new(&modes_of_corners(per_corner(x))).volume(),
+            0.0,
+        )
     }
 
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
         pass.solids(self.columns(), self)
     }
 
     /// Viscosity of the square of the rate left out.
     fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
-        let gradient = Gradient::new(&modes_of_corners(eight(x)));
+        let gradient = Gradient::new(&modes_of_corners(per_corner(x)));
         if !gradient.whole() {
             return f64::NAN;
         }
@@ -430,13 +433,15 @@ impl Element for Hexahedron {
     }
 
     fn stable_dt_now(&self, history: State<'_>, x: &[[f64; 3]]) -> f64 {
-        let (first, volume) =
-            (history.at(self.first_volume()), Gradient::new(&modes_of_corners(eight(x))).volume());
+        let (first, volume) = (
+            history.at(self.first_volume()),
+            Gradient::new(&modes_of_corners(per_corner(x))).volume(),
+        );
         self.stable_dt(x, 0.0) * if first > 0.0 { (first / volume).sqrt() } else { 1.0 }
     }
 
     fn is_unstrained(&self, history: State<'_>) -> bool {
-        history.is_nought_where(|column| column != self.first_volume())
+        history.is_zero_where(|column| column != self.first_volume())
     }
 
     fn failed(&self, history: State<'_>) -> bool {

@@ -94,7 +94,9 @@ fn flow_bounds_what_hourglass_modes_store() {
     for _ in 0..200 {
         stretch(&mut solids, rate);
         stretch(&mut assumed, rate);
-        kept.push(assumed.history.of(0).at(assumed.element.columns() - hourglass::COLUMNS + 4));
+        kept.push(
+            assumed.history.element(0).at(assumed.element.columns() - hourglass::COLUMNS + 4),
+        );
     }
     let bound = E / (1.0 - NU * NU) * ratio * yields / (3.0 * G);
     assert_close(kept[199], bound, 0.03 * bound, "a strain of 2 %");
@@ -103,12 +105,12 @@ fn flow_bounds_what_hourglass_modes_store() {
     // cube, dq the sum of 8 corners.
     let modulus = E * (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU));
     let bound = 0.05 / 16.0 * modulus * 1.5 * 4.0 * ratio * yields / (3.0 * G);
-    let p = solids.history.of(0).at(solids.element.columns() - hourglass::COLUMNS + 6);
+    let p = solids.history.element(0).at(solids.element.columns() - hourglass::COLUMNS + 6);
     assert_close(p, bound, 0.03 * bound, "a strain of 2 %");
     // Back: the first step is elastic.
     let before = kept[199];
     stretch(&mut assumed, -0.1 * rate);
-    let after = assumed.history.of(0).at(assumed.element.columns() - hourglass::COLUMNS + 4);
+    let after = assumed.history.element(0).at(assumed.element.columns() - hourglass::COLUMNS + 4);
     let wanted = E / (1.0 - NU * NU) * ratio * 0.1 * rate;
     assert_close(before - after, wanted, 0.03 * wanted, "a strain of 2 %");
 }

@@ -64,12 +64,14 @@ fn gradient_is_the_derivative_of_the_volume() {
             };
             let mut unit = [[0.0; 3]; 8];
             unit[c][i] = 1.0;
-            let exact = gradient.of(&modes_of_corners(&unit), 1.0)[i][i] * gradient.volume();
+            let exact =
+                gradient.gradient_of(&modes_of_corners(&unit), 1.0)[i][i] * gradient.volume();
             assert_close((volume(h) - volume(-h)) / (2.0 * h), exact, 1e-10, "round-off over 1e-5");
         }
     }
     // And it is exact for linear fields.
-    let k = gradient.of(&modes_of_corners(&x.map(|p| [2.0 * p[0] + p[2], p[1], 3.0 * p[0]])), 1.0);
+    let k = gradient
+        .gradient_of(&modes_of_corners(&x.map(|p| [2.0 * p[0] + p[2], p[1], 3.0 * p[0]])), 1.0);
     let wanted = [[2.0, 0.0, 1.0], [0.0, 1.0, 0.0], [3.0, 0.0, 0.0]];
     k.iter()
         .flatten()
@@ -249,7 +251,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
                 |e: usize| (columns - hourglass::COLUMNS..columns).map(move |column| (e, column));
             let all = (0..solids.cells.len())
                 .flat_map(own)
-                .map(|(e, column)| solids.history.of(e).at(column));
+                .map(|(e, column)| solids.history.element(e).at(column));
             let largest = all.fold(0.0, |m: f64, h| m.max(h.abs()));
             assert!(largest < 1e-12 * E, "round-off: {largest:e}");
         }

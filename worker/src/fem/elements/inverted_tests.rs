@@ -50,7 +50,7 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
             let sheet = elastic(210.0, 0.3, 7.85e-6);
             let mut stops = pair(element, triangular, Inverted::Stop, sheet.clone(), precision);
             assert_eq!(fold(&mut stops, to).trouble, Some(1), "{element} {to}");
-            assert!(!stops.element.can_fail() && !stops.element.failed(stops.history.of(1)));
+            assert!(!stops.element.can_fail() && !stops.element.failed(stops.history.element(1)));
 
             let mut patch = pair(element, triangular, Inverted::Delete, sheet, precision);
             let healthy = patch.forces(0.0).stable_dt;
@@ -64,8 +64,8 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
                 );
                 let at = |i: usize| {
                     (
-                        patch.element.failed(patch.history.of(i)),
-                        patch.element.is_deleted(patch.history.of(i)),
+                        patch.element.failed(patch.history.element(i)),
+                        patch.element.is_deleted(patch.history.element(i)),
                     )
                 };
                 assert_eq!([at(0), at(1)], [(false, false), (true, true)]);
@@ -81,11 +81,11 @@ fn an_inverted_shell_is_trouble_unless_its_part_lets_it_fail() {
                     "the other bears its stretch"
                 );
                 assert!(
-                    !patch.element.is_unstrained(patch.history.of(1)),
+                    !patch.element.is_unstrained(patch.history.element(1)),
                     "its step is not to be asked for"
                 );
                 assert!(
-                    patch.history.of(1).to_vec().iter().all(|c| c.is_finite()),
+                    patch.history.element(1).to_vec().iter().all(|c| c.is_finite()),
                     "what travels is sound"
                 );
                 assert!(patch.fields(1).failed && !patch.fields(0).failed);
@@ -105,13 +105,13 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
             let column = [&mut patch.x, &mut patch.v, &mut patch.w].into_iter().nth(what).unwrap();
             column[4][1] = f64::NAN;
             assert_eq!(patch.forces(1.0).trouble, Some(1), "{element}, column {what}");
-            assert!(!patch.element.failed(patch.history.of(1)));
+            assert!(!patch.element.failed(patch.history.element(1)));
         }
         // Stress that is none in a shell that lies well: the law's fault, or that of a state read
         // back.
         let mut patch =
             pair(element, triangular, Inverted::Delete, elastic(210.0, 0.3, 7.85e-6), precision);
-        let mut state = patch.history.of(0).to_vec();
+        let mut state = patch.history.element(0).to_vec();
         state[6] = f64::NAN;
         patch.history.set(0, &state);
         assert_eq!(patch.forces(1.0).trouble, Some(0), "{element}: a stress");
@@ -131,11 +131,11 @@ fn what_its_law_failed_is_not_inverted() {
             patch.aim(1.0, |x| [if x[0] > 1.5 { 1.03 * x[0] } else { x[0] }, x[1], x[2]], [0.0; 3]);
             patch.step(1.0);
         }
-        assert!(patch.element.failed(patch.history.of(1)), "{element}");
+        assert!(patch.element.failed(patch.history.element(1)), "{element}");
         assert_eq!(fold(&mut patch, 1.0).trouble, None);
         assert!(
-            patch.element.failed(patch.history.of(1))
-                && !patch.element.is_deleted(patch.history.of(1)),
+            patch.element.failed(patch.history.element(1))
+                && !patch.element.is_deleted(patch.history.element(1)),
             "{element}"
         );
     }

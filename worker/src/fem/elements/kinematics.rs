@@ -75,7 +75,7 @@ impl<R: Real> PlaneMotion<R> {
     /// strain follows from the other at half the turn of a step, like a force that is not that of a
     /// potential: the two shear modes of a square that spins grow by an e-fold in about a turn.
     #[inline(always)]
-    pub fn beside(&self, t: [R; 3]) -> [R; 3] {
+    pub fn offset_by(&self, t: [R; 3]) -> [R; 3] {
         let half = R::splat(0.5) * self.angle;
         let own = [half * self.sine[1], -(half * self.sine[0]), half * self.sine[2]];
         let more = cross(own, t);
@@ -91,7 +91,7 @@ pub fn curvature<R: Real>(tx: [R; 2], ty: [R; 2]) -> [R; 3] {
 
 /// Components xx, yy and twice xy of a strain in axes that are turned by a small angle.
 #[inline(always)]
-pub fn turned<R: Real>(angle: R, [xx, yy, xy]: [R; 3]) -> [R; 3] {
+pub fn rotated<R: Real>(angle: R, [xx, yy, xy]: [R; 3]) -> [R; 3] {
     [angle.mul_add(xy, xx), angle.neg_mul_add(xy, yy), (angle + angle).mul_add(yy - xx, xy)]
 }
 

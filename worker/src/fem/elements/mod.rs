@@ -38,7 +38,7 @@ pub(crate) mod testing;
 #[cfg(test)]
 mod unstrained_tests;
 
-use crate::fem::columns::{ColumnsMut, Numbers, State};
+use crate::fem::columns::{HistoryColumnsMut, HistoryStorage, State};
 use crate::fem::materials::{self, PlaneStress, Solid, unknown_name};
 use crate::math::lanes::{LANES, LANES32, Lane, Lanes, Real};
 use crumple_proto::job::Part;
@@ -60,7 +60,7 @@ pub struct NodeView<'a> {
 
 /// Forces of element corners. Slot `(group * lanes + lane) * slots + corner`, with [`Shape::slots`]
 /// slots per element; components x, y, z, padding.
-pub struct CornerForces<'a> {
+pub struct ElementNodalForces<'a> {
     /// Internal force on the corner, to be subtracted from what drives the node [force].
     pub force: &'a mut [[f64; 4]],
     /// Internal moment on the corner [force length]. Solids give none and leave it alone.
@@ -104,7 +104,7 @@ pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
 type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
 
 /// Groups of a block to be worked on, and what belongs to them.
-pub struct Pass<'a, H = ColumnsMut<'a>> {
+pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     /// Which groups.
     pub range: Range<usize>,
     /// Real elements of the block; the rest of the last group is padding and adds nothing to
@@ -122,7 +122,7 @@ pub struct Pass<'a, H = ColumnsMut<'a>> {
     /// Last step [time].
     pub dt: f64,
     /// Corner forces of the whole block.
-    pub out: CornerForces<'a>,
+    pub out: ElementNodalForces<'a>,
 }
 
 /// What an element tells of itself for output.
@@ -168,7 +168,7 @@ pub trait Element: Send + Sync {
 
     /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the
     /// mid-step velocities.
-    fn forces(&self, pass: Pass<'_>) -> PassTotals;
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals;
 
     /// Whether an element with this history gives no force and keeps bearing nothing as long as its
     /// nodes have one velocity and do not turn: at rest, or in uniform flight. Elements that never
@@ -188,7 +188,7 @@ pub trait Element: Send + Sync {
 
     /// Fraction of its stable step that an element bears alone, without others of its kind around
     /// it.
-    fn alone(&self) -> f64 {
+    fn single_element_step(&self) -> f64 {
         1.0
     }
 
@@ -236,7 +236,7 @@ impl Discrete {
 
     /// Fraction of the masses at its ends with which its stable step would be `dt`; `softness` as
     /// in [`Self::stable_dt`].
-    pub fn need(&self, softness: f64, dt: f64) -> f64 {
+    pub fn require(&self, softness: f64, dt: f64) -> f64 {
         softness * dt * (0.25 * self.stiffness * dt + 0.5 * self.damping)
     }
 }
@@ -250,10 +250,10 @@ fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
 }
 
 /// An element, or everything that is wrong with its part.
-pub type Built = Result<Box<dyn Element>, Vec<Problem>>;
+pub type BuildResult = Result<Box<dyn Element>, Vec<Problem>>;
 
 /// A row of [`ELEMENTS`].
-pub struct ElementRow {
+pub struct ElementEntry {
     /// Name in jobs.
     pub name: &'static str,
     /// What it is, in a line.
@@ -261,24 +261,24 @@ pub struct ElementRow {
     /// Shape that the formulation is for.
     pub shape: Shape,
     /// Checks what the formulation needs of a part; paths of problems are relative to the part.
-    pub build: Build,
+    pub build: Constructor,
 }
 
 /// How a formulation is made, with a law for the state of stress that it works in.
 #[derive(Clone, Copy)]
-pub enum Build {
+pub enum Constructor {
     /// In plane stress.
-    Shell(fn(&Part, Box<dyn PlaneStress>) -> Built),
+    Shell(fn(&Part, Box<dyn PlaneStress>) -> BuildResult),
     /// In three dimensions.
-    Solid(fn(&Part, Box<dyn Solid>) -> Built),
+    Solid(fn(&Part, Box<dyn Solid>) -> BuildResult),
     /// Without a law.
-    Discrete(fn(&Part) -> Built),
+    Discrete(fn(&Part) -> BuildResult),
 }
 
 /// Every formulation; the first of a shape is what parts get that name none. Of the quads
 /// `stabilised_quad`: in folds it is nearer to converged crush forces than `belytschko_tsay` on
 /// every mesh, at the same cost of the run (`cases/studies/README.md`, crush).
-pub const ELEMENTS: &[ElementRow] = &[
+pub const ELEMENTS: &[ElementEntry] = &[
     stabilised_quad::ROW,
     belytschko_tsay::ROW,
     fully_integrated_quad::ROW,
@@ -292,7 +292,7 @@ pub const ELEMENTS: &[ElementRow] = &[
 /// material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
 /// Quads and hexahedra take the part's formulation, others the only one there is for them.
-pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Built {
+pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> BuildResult {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
     let mut note = |prefix: String, found: Vec<Problem>| {
@@ -306,7 +306,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
     let materials = &settings.materials;
     let index = materials.iter().position(|material| material.name == part.material);
     let row = row_for(part, shape).map(|row| row.build);
-    let lawless = matches!(row, Ok(Build::Discrete(_)));
+    let lawless = matches!(row, Ok(Constructor::Discrete(_)));
     if index.is_none() && !lawless {
         let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
         let what =
@@ -324,15 +324,15 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
     };
     let material = index.map(|index| &materials[index]);
     let built = match row {
-        Ok(Build::Discrete(build)) => build(part),
-        Ok(Build::Shell(build)) => {
+        Ok(Constructor::Discrete(build)) => build(part),
+        Ok(Constructor::Shell(build)) => {
             let law = material.and_then(|m| materials::build(m).map_err(&mut law_problems).ok());
-            build(part, law.unwrap_or_else(materials::stand_in))
+            build(part, law.unwrap_or_else(materials::placeholder_law))
         }
-        Ok(Build::Solid(build)) => {
+        Ok(Constructor::Solid(build)) => {
             let law =
                 material.and_then(|m| materials::build_solid(m).map_err(&mut law_problems).ok());
-            build(part, law.unwrap_or_else(materials::solid_stand_in))
+            build(part, law.unwrap_or_else(materials::solid_placeholder_law))
         }
         Err(problem) => {
             if let Some(found) = material.and_then(|m| materials::build(m).err()) {
@@ -353,7 +353,7 @@ pub fn formulation(part: &Part, shape: Shape) -> Option<&'static str> {
 }
 
 /// The formulation that a part wants for a shape: the first of the shape if it does not say.
-fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
+fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
     if part.spring.is_some() && shape != Shape::Line2 {
         let what =
             format!("part {}: it is one of springs, and has other elements", section::label(part));
@@ -372,7 +372,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementRow, Problem> {
             "take [part.beam] out, or give its elements another part",
         ));
     }
-    let of_shape = |row: &&ElementRow| row.shape == shape;
+    let of_shape = |row: &&ElementEntry| row.shape == shape;
     let wanted = part.element.as_deref().filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8));
     let row =
         ELEMENTS.iter().filter(of_shape).find(|row| wanted.is_none_or(|name| row.name == name));
@@ -391,7 +391,7 @@ fn failed_column(history: &[&str]) -> Option<usize> {
 
 /// Noughts in the lanes that have failed.
 #[inline(always)]
-fn let_go<R: Real>(failed: R::Mask, values: &mut [R]) {
+fn zero_failed<R: Real>(failed: R::Mask, values: &mut [R]) {
     values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
 }
 
@@ -409,7 +409,7 @@ struct Totals<R: Real> {
 impl<R: Real> Totals<R> {
     /// Of elements without forces.
     #[inline(always)]
-    fn forceless(stable_dt: R, sound: R::Mask) -> Self {
+    fn inactive(stable_dt: R, sound: R::Mask) -> Self {
         Self { stable_dt, internal: R::zero(), hourglass: R::zero(), sound }
     }
 
@@ -432,7 +432,7 @@ fn stays_unstrained<const C: usize, const W: usize>(
     turning: bool,
 ) -> bool {
     if *unstrained {
-        *unstrained = move_alike(group, nodes.v) && !(turning && turn(group, nodes.w));
+        *unstrained = has_uniform_velocity(group, nodes.v) && !(turning && turn(group, nodes.w));
     }
     *unstrained
 }
@@ -440,7 +440,10 @@ fn stays_unstrained<const C: usize, const W: usize>(
 /// Whether the nodes of each element of a group have the same velocity. Not inlined, as all that
 /// strained groups need not: the kernel beside it wants the registers.
 #[inline(never)]
-fn move_alike<const C: usize, const W: usize>(group: &GroupNodes<C, W>, v: &[[f64; 4]]) -> bool {
+fn has_uniform_velocity<const C: usize, const W: usize>(
+    group: &GroupNodes<C, W>,
+    v: &[[f64; 4]],
+) -> bool {
     group[1..].iter().all(|nodes| {
         nodes.iter().zip(&group[0]).all(|(&i, &first)| v[i as usize] == v[first as usize])
     })
@@ -496,18 +499,18 @@ trait SolidGroups {
     ) -> Totals<L>;
 }
 
-impl<'a> Pass<'a> {
+impl<'a> ElementPass<'a> {
     /// Calls `kernel` for each group of shells with this many columns an element, and adds up.
     #[inline(always)]
     fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         match history {
-            Numbers::Double(history) => {
-                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+            HistoryStorage::Double(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
                     .shells_in::<LANES>(columns, kernel)
             }
-            Numbers::Single(history) => {
-                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+            HistoryStorage::Single(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
                     .shells_in::<LANES32>(columns, kernel)
             }
         }
@@ -518,12 +521,12 @@ impl<'a> Pass<'a> {
     fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         match history {
-            Numbers::Double(history) => {
-                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+            HistoryStorage::Double(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
                     .solids_in::<LANES>(columns, kernel)
             }
-            Numbers::Single(history) => {
-                Pass { range, count, groups, history, unstrained, nodes, dt, out }
+            HistoryStorage::Single(history) => {
+                ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
                     .solids_in::<LANES32>(columns, kernel)
             }
         }
@@ -533,16 +536,16 @@ impl<'a> Pass<'a> {
     ///
     /// # Panics
     /// When a block has laid its columns otherwise.
-    fn double(self) -> Pass<'a, &'a mut [Lane]> {
+    fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
-        let Numbers::Double(history) = history else {
+        let HistoryStorage::Double(history) = history else {
             panic!("an element is in double precision unless it says so")
         };
-        Pass { range, count, groups, history, unstrained, nodes, dt, out }
+        ElementPass { range, count, groups, history, unstrained, nodes, dt, out }
     }
 }
 
-impl<L> Pass<'_, &mut [L]> {
+impl<L> ElementPass<'_, &mut [L]> {
     #[inline(always)]
     fn shells_in<const W: usize>(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals
     where

@@ -1,7 +1,7 @@
 //! What holds for every shell: patch tests, rigid motion, balance of forces, energy, lanes.
 
 use super::testing::*;
-use super::{CornerForces, NodeView, Pass};
+use super::{ElementNodalForces, ElementPass, NodeView};
 use crate::math::lanes::LANES;
 use crumple_proto::job::{HourglassForm, Part};
 use crumple_proto::mesh::Shape;
@@ -343,7 +343,7 @@ fn lanes_do_not_see_their_neighbours() {
                 let bits = |patch: &Patch, lane: usize| -> Vec<u64> {
                     let forces =
                         patch.force[lane * 4..][..4].iter().chain(&patch.moment[lane * 4..][..4]);
-                    let history = patch.history.of(lane).to_vec();
+                    let history = patch.history.element(lane).to_vec();
                     forces.flatten().copied().chain(history).map(f64::to_bits).collect()
                 };
                 assert!(
@@ -393,9 +393,9 @@ fn padding_adds_nothing_and_ranges_add_up() {
         patch.force.fill([0.0; 4]);
         for range in [2..3, 0..2] {
             let nodes = NodeView { x: &patch.x, v: &patch.v, w: &patch.w };
-            let out = CornerForces { force: &mut patch.force, moment: &mut patch.moment };
+            let out = ElementNodalForces { force: &mut patch.force, moment: &mut patch.moment };
             let (groups, history) = (&patch.groups[..], patch.history.as_mut());
-            let pass = Pass {
+            let pass = ElementPass {
                 range,
                 count: 10,
                 groups,

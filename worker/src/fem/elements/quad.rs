@@ -48,10 +48,10 @@
 //! differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the
 //! first two only.
 
-use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, turned};
+use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, rotated};
 use super::section::{Limits, Section, Strains};
 use super::shell::Formulation;
-use super::{GroupCorners, GroupNodes, NodeView, Totals, let_go};
+use super::{GroupCorners, GroupNodes, NodeView, Totals, zero_failed};
 use crate::fem::materials::PointReal;
 use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
 
@@ -63,10 +63,10 @@ pub const DRILLING: usize = 4;
 /// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a
 /// lone square or strip is stable by 5 %. A value of 1 would be safe at any safety below 1, but
 /// slow meshes of squares, which bear L/c, by as much again.
-const LONE: f64 = 1.05;
+const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 
 /// Least area over the sum of the squared diagonals: what is below has collapsed to a line.
-const LEAST_AREA: f64 = 1e-6;
+const MIN_AREA: f64 = 1e-6;
 
 /// Corner vectors of an element as modes.
 pub struct Modes<R> {
@@ -155,9 +155,9 @@ impl<R: Real> Response<R> {
 
     /// Elements that have failed give nothing, limit nothing and are never in trouble.
     #[inline(always)]
-    pub fn let_go(&mut self, failed: R::Mask) {
-        let_go(failed, self.force.as_flattened_mut());
-        let_go(failed, self.moment.as_flattened_mut());
+    pub fn zero_failed(&mut self, failed: R::Mask) {
+        zero_failed(failed, self.force.as_flattened_mut());
+        zero_failed(failed, self.moment.as_flattened_mut());
         self.totals.let_go(failed);
     }
 }
@@ -238,7 +238,7 @@ impl<R: Real> Geometry<R> {
             skew: skew + skew,
             longest: R::splat(0.25) * longest,
             diagonals,
-            has_area: area.gt(R::splat(LEAST_AREA) * diagonals),
+            has_area: area.gt(R::splat(MIN_AREA) * diagonals),
         }
     }
 
@@ -267,7 +267,12 @@ impl<R: Real> Geometry<R> {
         let (d, a) = (self.diagonals, R::splat(root) * self.area);
         // D is at least 2 A, but for round-off.
         let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
-        self.area / Real::max(self.longest, R::splat(0.5 / (LONE * LONE)) * lone).sqrt()
+        self.area
+            / Real::max(
+                self.longest,
+                R::splat(0.5 / (SINGLE_ELEMENT_FACTOR * SINGLE_ELEMENT_FACTOR)) * lone,
+            )
+            .sqrt()
     }
 
     /// B1 and B2 on a nodal column that has the modes u13 and u24.
@@ -316,7 +321,7 @@ impl<R: Real> Motion<R> {
         let u = modes.v.map(|v| g.frame.local(v).map(|c| c * step));
         let k: [[R; 2]; 3] = std::array::from_fn(|i| g.gradient(u[0][i], u[1][i]));
         let plane = PlaneMotion::new(&k);
-        let t = modes.w.map(|w| plane.beside(g.frame.local(w).map(|c| c * step)));
+        let t = modes.w.map(|w| plane.offset_by(g.frame.local(w).map(|c| c * step)));
         let tx = g.gradient(t[0][0], t[1][0]);
         let ty = g.gradient(t[0][1], t[1][1]);
 
@@ -333,7 +338,7 @@ impl<R: Real> Motion<R> {
         let spin = angle * sine[2];
         let motion = Self { u, t, k, tx, ty, almansi, spin, k_z: [k_xz, k_yz, k_zz] };
         let ahead = quarter * g.skew * (eps[0] - eps[1]);
-        let between = |c: [R; 3]| turned(ahead, c);
+        let between = |c: [R; 3]| rotated(ahead, c);
         (motion, Strains { eps: between(eps), kappa: between(curvature(tx, ty)), gamma })
     }
 
@@ -362,7 +367,7 @@ impl<R: Real> Motion<R> {
 
     /// How far nodes turn about n beyond the element: modes 13, 24, h and sum.
     #[inline(always)]
-    pub fn ahead(&self) -> [R; DRILLING] {
+    pub fn extrapolated(&self) -> [R; DRILLING] {
         let t = &self.t;
         [t[0][2], t[1][2], t[2][2], R::splat(4.0).neg_mul_add(self.spin, t[3][2])]
     }
@@ -468,7 +473,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     const OWN: usize = K::OWN;
     /// Shear may need up to 7 % more than `L/c`; the membrane of a lone square bears `L/c` where nu
     /// = 0 alone.
-    const ALONE: f64 = 1.0 / LONE;
+    const ALONE: f64 = 1.0 / SINGLE_ELEMENT_FACTOR;
 
     fn section(&self) -> &Section {
         self.0.section()
@@ -524,7 +529,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         response.totals.stable_dt = response.totals.stable_dt * (factor * L::splat(K::STEP));
         let (calm, sound) = (response.calm, response.totals.sound);
         if let Some(gone) = section.delete_inverted(history, calm, sound, modes.sum()) {
-            response.let_go(gone);
+            response.zero_failed(gone);
         }
         scatter(&response, force, moment);
         response.totals
@@ -540,7 +545,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         let geometry = Geometry::<L>::new(&gather_coordinates(group, nodes.x));
         let step = L::splat(K::STEP);
         let step = self.section().offset_factor(history).map_or(step, |factor| factor * step);
-        Totals::forceless(geometry.stable_dt(self.section()) * step, geometry.has_area)
+        Totals::inactive(geometry.stable_dt(self.section()) * step, geometry.has_area)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::testing::Noise;
 use super::super::{Element, ElementFields};
 use super::*;
-use crate::fem::columns::Columns;
+use crate::fem::columns::HistoryColumns;
 use crate::math::lanes::LANES;
 use crumple_proto::job::Precision;
 
@@ -62,7 +62,7 @@ pub fn singles_and_lanes(
         }
     }
     let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    let mut columns = Columns::new(Precision::Double, LANES, shell.columns());
+    let mut columns = HistoryColumns::new(Precision::Double, LANES, shell.columns());
     alone.iter().enumerate().for_each(|(lane, state)| columns.set(lane, state));
-    std::array::from_fn(|lane| shell.fields(columns.of(lane), &square))
+    std::array::from_fn(|lane| shell.fields(columns.element(lane), &square))
 }

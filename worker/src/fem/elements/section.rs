@@ -19,7 +19,7 @@ use crate::math::lanes::Real;
 use crumple_proto::job::{HourglassForm, Inverted, Part};
 use crumple_proto::problem::Problem;
 
-use super::{ElementFields, failed_column, let_go};
+use super::{ElementFields, failed_column, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -339,7 +339,7 @@ impl Section {
     /// Whether all but what it has from the start is nought.
     pub fn is_unstrained(&self, history: State<'_>) -> bool {
         let (each, all) = (self.each(), self.columns());
-        history.is_nought_where(|column| column >= all || column % each >= SHEAR)
+        history.is_zero_where(|column| column >= all || column % each >= SHEAR)
     }
 
     /// Least rotational inertia of a corner of a quad per mass and area, with which membrane waves
@@ -459,7 +459,7 @@ impl Section {
                 at_no_rate: [R::zero(); 2],
             };
         };
-        let rated = self.law.rated();
+        let rated = self.law.rate_dependent();
         let (mut plastic_strain, mut squares, mut capped) =
             ([R::zero(); 2], [R::zero(); 2], [R::zero(); 2]);
         for k in 0..N {
@@ -520,7 +520,7 @@ impl Section {
     /// plane, lets the last ones fail too; lanes where that is so, `None` if the law never fails.
     /// What one point bears holds no shape.
     #[inline(always)]
-    pub fn fail_with_the_last<R: Real>(&self, history: &mut [R]) -> Option<R::Mask> {
+    pub fn fail_with_last_point<R: Real>(&self, history: &mut [R]) -> Option<R::Mask> {
         let column = self.failed?;
         let (each, one) = (self.each(), R::splat(1.0));
         let mut gone = R::zero();
@@ -529,10 +529,10 @@ impl Section {
         }
         let failed = gone.gt(R::splat(self.planar as f64 - 1.5));
         for point in history[..self.columns()].chunks_exact_mut(each) {
-            let_go(failed, &mut point[SHEAR..POINTS]);
+            zero_failed(failed, &mut point[SHEAR..POINTS]);
             for k in 0..self.points {
                 let point = &mut point[POINTS + k * self.stride..][..self.stride];
-                let_go(failed, &mut point[..3]);
+                zero_failed(failed, &mut point[..3]);
                 point[column] = R::select(failed, one, point[column]);
             }
         }
@@ -598,7 +598,7 @@ impl Section {
     /// Whether the strain increments at both faces are those of a healthy step (false if not a
     /// number).
     #[inline(always)]
-    pub fn healthy<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
+    pub fn sound_points<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
         let half_t = R::splat(0.5) * thickness;
         let face = |c: usize| half_t.mul_add(strains.kappa[c].abs(), strains.eps[c].abs());
         // Twice the shear is compared with twice the limit. Maxima swallow what is not a number,

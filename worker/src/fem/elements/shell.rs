@@ -2,8 +2,8 @@
 
 use super::section::Section;
 use super::{
-    Element, ElementFields, GroupCorners, GroupNodes, NodeView, Pass, PassTotals, ShellGroups,
-    Totals, four, with_points,
+    Element, ElementFields, ElementPass, GroupCorners, GroupNodes, NodeView, PassTotals,
+    ShellGroups, Totals, four, with_points,
 };
 use crate::fem::columns::State;
 use crate::math::lanes::Lanes;
@@ -112,7 +112,7 @@ impl<F: Formulation> Element for Shell<F> {
         self.0.corner_mass(four(x), own)
     }
 
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
         let columns = self.columns();
         with_points!(self.section().points, N => pass.shells(columns, &WithPoints::<F, N>(&self.0)))
     }
@@ -130,7 +130,7 @@ impl<F: Formulation> Element for Shell<F> {
         self.0.stable_dt(four(x)) * self.0.step_factor(&history.to_vec(), four(x))
     }
 
-    fn alone(&self) -> f64 {
+    fn single_element_step(&self) -> f64 {
         F::ALONE
     }
 

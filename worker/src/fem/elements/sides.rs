@@ -110,7 +110,7 @@ impl<R: Real> Sides<R> {
     /// [`Motion::ahead`] about the normals of the corners.
     #[inline(always)]
     pub fn ahead(&self, g: &Geometry<R>, motion: &Motion<R>) -> [R; DRILLING] {
-        let (t, mut ahead) = (&motion.t, motion.ahead());
+        let (t, mut ahead) = (&motion.t, motion.extrapolated());
         let [on_13, on_24] = std::array::from_fn(|c| g.b1[c].mul_add(t[c][0], g.b2[c] * t[c][1]));
         ahead[2] = g.hz.neg_mul_add(on_13 + on_24, ahead[2]);
         ahead[3] = g.hz.neg_mul_add(on_13 - on_24, ahead[3]);

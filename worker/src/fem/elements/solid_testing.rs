@@ -2,8 +2,10 @@
 //! solver.
 
 use super::testing::{Noise, lay, part, settings};
-use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
-use crate::fem::columns::Columns;
+use super::{
+    Element, ElementFields, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
+};
+use crate::fem::columns::HistoryColumns;
 use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Material;
@@ -25,7 +27,7 @@ pub struct Solids {
     pub v: Vec<[f64; 4]>,
     pub cells: Vec<[u32; 8]>,
     pub groups: Vec<u32>,
-    pub history: Columns,
+    pub history: HistoryColumns,
     pub unstrained: Vec<bool>,
     pub force: Vec<[f64; 4]>,
 }
@@ -63,8 +65,8 @@ impl Solids {
     /// Asks the elements where the nodes are now.
     pub fn forces(&mut self, dt: f64) -> PassTotals {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
-        let out = CornerForces { force: &mut self.force, moment: &mut [] };
-        self.element.forces(Pass {
+        let out = ElementNodalForces { force: &mut self.force, moment: &mut [] };
+        self.element.forces(ElementPass {
             range: 0..self.groups.len() / (8 * self.history.lanes()),
             count: self.cells.len(),
             groups: &self.groups,
@@ -98,7 +100,7 @@ impl Solids {
     }
 
     pub fn fields(&self, element: usize) -> ElementFields {
-        self.element.fields(self.history.of(element), &self.corners(element))
+        self.element.fields(self.history.element(element), &self.corners(element))
     }
 
     /// Forces of the elements on the nodes.

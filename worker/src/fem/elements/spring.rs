@@ -11,7 +11,8 @@
 //! <= 4`. Across a stretched spring F / L is below the steepest k as long as f(0) = 0.
 
 use super::{
-    Build, Built, Discrete, Element, ElementFields, ElementRow, Pass, PassTotals, section,
+    BuildResult, Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass,
+    PassTotals, section,
 };
 use crate::fem::columns::State;
 use crate::math::lanes::LANES;
@@ -22,11 +23,11 @@ use crumple_proto::problem::Problem;
 use nalgebra::Vector3;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "spring",
     shape: Shape::Line2,
     meaning: "spring and damper between two nodes, along the line between them or a direction of its own.",
-    build: Build::Discrete(build),
+    build: Constructor::Discrete(build),
 };
 
 type V3 = Vector3<f64>;
@@ -80,7 +81,7 @@ impl Line {
     }
 }
 
-fn build(part: &Part) -> Built {
+fn build(part: &Part) -> BuildResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
         problems.push(Problem::error(key, format!("part {}: {what}", section::label(part)), help));
@@ -167,8 +168,8 @@ impl Element for Spring {
     }
 
     /// One by one: a scene has few.
-    fn forces(&self, pass: Pass<'_>) -> PassTotals {
-        let Pass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
+    fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
+        let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
         let mut totals = PassTotals::NONE;
         for i in range.start * LANES..(range.end * LANES).min(count) {

@@ -50,18 +50,18 @@ use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
 use super::section::{Resultants, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
 use super::sides::{OnSides, Sides, dot2};
-use super::{Build, Built, ElementRow, let_go};
+use super::{BuildResult, Constructor, ElementEntry, zero_failed};
 use crate::fem::materials::{PlaneStress, PointReal};
 use crate::math::lanes::Real;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::Shape;
 
 /// The row of this element.
-pub const ROW: ElementRow = ElementRow {
+pub const ROW: ElementEntry = ElementEntry {
     name: "stabilised_quad",
     meaning: "One point in its plane, physically stabilised: bends exactly where quads are distorted.",
     shape: Shape::Quad4,
-    build: Build::Shell(build),
+    build: Constructor::Shell(build),
 };
 
 /// Own columns, after those of the section: stabilising forces on gam tx, gam ty, gamma_xi,
@@ -77,7 +77,7 @@ pub struct StabilisedQuad {
     least_stiffness: f64,
 }
 
-fn build(part: &Part, law: Box<dyn PlaneStress>) -> Built {
+fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     let section = Section::new(part, law)?;
     let least_stiffness = section.hourglass_coefficient;
     Ok(Box::new(Shell(Quad(StabilisedQuad { section, drilling: part.drilling, least_stiffness }))))
@@ -114,7 +114,7 @@ impl Kernel for StabilisedQuad {
         let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
         // 3. Stress.
-        let sound = self.section.healthy(&strains, self.section.current_thickness(section));
+        let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
         let before = self.section.yielded::<R, N>(section);
         let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
@@ -184,9 +184,9 @@ impl Kernel for StabilisedQuad {
         let energies = [work * g.area, R::splat(0.5) * energy];
         let mut response = Response::new(&g, &self.section, (force, moment), energies, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
-            response.let_go(failed);
-            let_go(failed, stabilising);
-            let_go(failed, drill);
+            response.zero_failed(failed);
+            zero_failed(failed, stabilising);
+            zero_failed(failed, drill);
         }
         response
     }

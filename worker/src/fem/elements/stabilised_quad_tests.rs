@@ -102,7 +102,7 @@ fn gathered(material: Material, wave: f64) -> f64 {
         }
         assert!(patch.step(1.0).hourglass >= 0.0);
     }
-    patch.history.of(0).at(column)
+    patch.history.element(0).at(column)
 }
 
 /// A rate that goes up and down makes the stress rise in every other step. That is no hardening:

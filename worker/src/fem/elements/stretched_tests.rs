@@ -85,10 +85,10 @@ fn critical(of: &Part, triangular: bool, nu: f64, n: usize, by: [f64; 2]) -> f64
     let masses = masses_at_first(of.clone(), triangular, nu, n);
     let grows = |factor: f64| {
         let mut patch = stretched(of.clone(), triangular, nu, n, by, Precision::Double);
-        let each = patch.history.of(0).to_vec().len();
+        let each = patch.history.element(0).to_vec().len();
         for place in 0..patch.groups.len() / 4 {
             let state: Vec<f64> = (0..each)
-                .map(|c| if c < 3 { patch.history.of(place).at(c) } else { 0.0 })
+                .map(|c| if c < 3 { patch.history.element(place).at(c) } else { 0.0 })
                 .collect();
             patch.history.set(place, &state);
         }
@@ -174,7 +174,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
                 [1.4, 1.0].map(|by| stretched(of.clone(), triangular, 0.3, 1, [by; 2], precision));
             let shape = patch.element.stable_dt(&patch.corners(0), 0.0);
             let thickness = patch.fields(0).thickness;
-            let now = patch.element.stable_dt_now(patch.history.of(0), &patch.corners(0));
+            let now = patch.element.stable_dt_now(patch.history.element(0), &patch.corners(0));
             let wanted = shape * (4.0 / (1.96 * thickness)).sqrt();
             assert!(
                 thickness < 3.9 && (now / wanted - 1.0).abs() < 1e-6,
@@ -186,7 +186,7 @@ fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
                 (told / now - 1.0).abs() < 1e-3,
                 "{element}: {told} for {now}: in single precision a little less"
             );
-            let as_built = fresh.element.stable_dt_now(fresh.history.of(0), &fresh.corners(0));
+            let as_built = fresh.element.stable_dt_now(fresh.history.element(0), &fresh.corners(0));
             assert!(
                 (as_built / fresh.element.stable_dt(&fresh.corners(0), 0.0) - 1.0).abs() < 1e-6
             );

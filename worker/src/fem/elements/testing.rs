@@ -1,8 +1,10 @@
 //! What element tests share: parts and materials in a line, a mesh with its columns, a bare
 //! explicit solver.
 
-use super::{CornerForces, Element, ElementFields, NodeView, Pass, PassTotals, build_block};
-use crate::fem::columns::Columns;
+use super::{
+    Element, ElementFields, ElementNodalForces, ElementPass, NodeView, PassTotals, build_block,
+};
+use crate::fem::columns::HistoryColumns;
 use crate::fem::materials::LAWS;
 use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::mesh::Shape;
@@ -142,7 +144,7 @@ pub struct Patch {
     pub w: Vec<[f64; 4]>,
     pub quads: Vec<[u32; 4]>,
     pub groups: Vec<u32>,
-    pub history: Columns,
+    pub history: HistoryColumns,
     pub unstrained: Vec<bool>,
     pub force: Vec<[f64; 4]>,
     pub moment: Vec<[f64; 4]>,
@@ -153,8 +155,8 @@ pub fn lay<const C: usize>(
     element: &dyn Element,
     precision: Precision,
     cells: &[[u32; C]],
-) -> (Vec<u32>, Columns) {
-    let mut columns = Columns::new(precision, cells.len(), element.columns());
+) -> (Vec<u32>, HistoryColumns) {
+    let mut columns = HistoryColumns::new(precision, cells.len(), element.columns());
     let (lanes, mut fresh) = (columns.lanes(), vec![0.0; element.columns()]);
     element.start(&mut fresh, 0.0);
     let mut groups = Vec::new();
@@ -189,7 +191,7 @@ impl Patch {
         let (groups, mut history) = lay(&*element, precision, quads);
         for place in 0..groups.len() / 4 {
             let corners = quads[place.min(quads.len() - 1)].map(|n| nodes[n as usize]);
-            let mut state = history.of(place).to_vec();
+            let mut state = history.element(place).to_vec();
             element.measure(&mut state, &corners, 0.0);
             history.set(place, &state);
         }
@@ -220,8 +222,8 @@ impl Patch {
     /// Asks the elements where the nodes are now.
     pub fn forces(&mut self, dt: f64) -> PassTotals {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
-        let out = CornerForces { force: &mut self.force, moment: &mut self.moment };
-        self.element.forces(Pass {
+        let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
+        self.element.forces(ElementPass {
             range: 0..self.groups.len() / (4 * self.history.lanes()),
             count: self.quads.len(),
             groups: &self.groups,
@@ -247,7 +249,7 @@ impl Patch {
     }
 
     pub fn fields(&self, element: usize) -> ElementFields {
-        self.element.fields(self.history.of(element), &self.corners(element))
+        self.element.fields(self.history.element(element), &self.corners(element))
     }
 
     /// Corner force and moment of an element.

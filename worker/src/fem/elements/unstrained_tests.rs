@@ -4,7 +4,7 @@
 use super::solid_testing::{Solids, solids};
 use super::testing::{BOTH, FORMULATIONS, Patch, laws, lay, shells};
 use super::{Element, PassTotals};
-use crate::fem::columns::Columns;
+use crate::fem::columns::HistoryColumns;
 use crumple_proto::job::{HourglassForm, Precision};
 use crumple_proto::partition::Material;
 
@@ -18,7 +18,7 @@ trait Mesh {
 /// What is in a mesh. Solids do not turn.
 struct View<'a> {
     element: &'a dyn Element,
-    history: &'a Columns,
+    history: &'a HistoryColumns,
     unstrained: &'a mut [bool],
     v: &'a mut [[f64; 4]],
     w: &'a mut [[f64; 4]],
@@ -102,7 +102,7 @@ fn follow(
             let told = mesh.step(if cycle == 0 { 0.0 } else { 0.01 });
             assert_eq!(told.trouble, None, "{name}, cycle {cycle}");
             let View { history, force, moment, .. } = mesh.view();
-            let history = (0..cells.len()).flat_map(|e| history.of(e).to_vec());
+            let history = (0..cells.len()).flat_map(|e| history.element(e).to_vec());
             let rows = force.iter().chain(&*moment).flatten().copied();
             let told = [told.stable_dt, told.internal, told.hourglass];
             told.into_iter().chain(rows).chain(history).map(bits).collect::<Vec<_>>()
@@ -111,7 +111,7 @@ fn follow(
         let marks = kicked.chunks(lanes).map(|group| cycle < 10 || !group.contains(&true));
         assert!(marks.eq(left_out.view().unstrained.iter().copied()), "{name}, cycle {cycle}");
         let View { element, history, .. } = computed.view();
-        let strained = (0..cells.len()).map(|e| !element.is_unstrained(history.of(e)));
+        let strained = (0..cells.len()).map(|e| !element.is_unstrained(history.element(e)));
         assert!(
             strained.eq(kicked.iter().map(|&kicked| kicked && cycle >= 10)),
             "{name}, cycle {cycle}"

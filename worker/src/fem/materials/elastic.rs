@@ -6,7 +6,7 @@
 //! a Hencky law as long as the principal axes of strain do not turn in the material.
 
 use super::parameters::Parameters;
-use super::{Built, BuiltSolid, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
+use super::{BuildResult, BuildSolidResult, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
 use crate::math::lanes::{Lane, Lane32, Real};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -24,11 +24,11 @@ struct LinearElastic {
     elastic: Elastic,
 }
 
-fn build(material: &Material) -> Built {
+fn build(material: &Material) -> BuildResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuiltSolid {
+fn solid(material: &Material) -> BuildSolidResult {
     Parameters::new(material).solid_law(read)
 }
 

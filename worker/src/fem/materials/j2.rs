@@ -20,7 +20,7 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate};
-use super::{Built, BuiltSolid, Elastic, Law, Otherwise, ParameterRow};
+use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -37,40 +37,40 @@ const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: "yield_stress",
         form: "number",
-        otherwise: Otherwise::Depends("needed without `hardening`"),
+        otherwise: DefaultValue::Depends("needed without `hardening`"),
         meaning: "Yield stress at no plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "hardening_modulus",
         form: "number",
-        otherwise: Otherwise::Number(0.0),
+        otherwise: DefaultValue::Number(0.0),
         meaning: "Slope of the yield stress over plastic strain; beside `yield_stress` [force/length^2].",
     },
     ParameterRow {
         key: "hardening",
         form: "[[strain, stress], ...]",
-        otherwise: Otherwise::Absent,
+        otherwise: DefaultValue::Absent,
         meaning: "Instead of both: effective plastic strain, from 0, and yield stress; straight between, constant beyond [force/length^2].",
     },
     ParameterRow {
         key: "cowper_symonds",
         form: "[C, p]",
-        otherwise: Otherwise::Absent,
+        otherwise: DefaultValue::Absent,
         meaning: "Rate: the yield stress times `1 + (rate/C)^(1/p)`; C is a rate [1/time].",
     },
     ParameterRow {
         key: "failure_strain",
         form: "number",
-        otherwise: Otherwise::Absent,
+        otherwise: DefaultValue::Absent,
         meaning: "Effective plastic strain at which a point fails and bears nothing any more.",
     },
 ];
 
-fn build(material: &Material) -> Built {
+fn build(material: &Material) -> BuildResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuiltSolid {
+fn solid(material: &Material) -> BuildSolidResult {
     Parameters::new(material).solid_law(read)
 }
 

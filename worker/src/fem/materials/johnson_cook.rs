@@ -16,7 +16,7 @@
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate, Thermal};
-use super::{Built, BuiltSolid, Elastic, Law, Otherwise, ParameterRow};
+use super::{BuildResult, BuildSolidResult, DefaultValue, Elastic, Law, ParameterRow};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -33,76 +33,76 @@ const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: "a",
         form: "number",
-        otherwise: Otherwise::Needed,
+        otherwise: DefaultValue::Needed,
         meaning: "Yield stress at no plastic strain [force/length^2].",
     },
     ParameterRow {
         key: "b",
         form: "number",
-        otherwise: Otherwise::Needed,
+        otherwise: DefaultValue::Needed,
         meaning: "Hardening, `a + b strain^n` [force/length^2].",
     },
     ParameterRow {
         key: "n",
         form: "number",
-        otherwise: Otherwise::Needed,
+        otherwise: DefaultValue::Needed,
         meaning: "Exponent of hardening.",
     },
     ParameterRow {
         key: "c",
         form: "number",
-        otherwise: Otherwise::Number(0.0),
+        otherwise: DefaultValue::Number(0.0),
         meaning: "Rate: the factor `1 + c ln(rate/reference_rate)`.",
     },
     ParameterRow {
         key: "reference_rate",
         form: "number",
-        otherwise: Otherwise::Depends("needed with `c`, and with `damage` that has a D4"),
+        otherwise: DefaultValue::Depends("needed with `c`, and with `damage` that has a D4"),
         meaning: "Rate below which none counts [1/time].",
     },
     ParameterRow {
         key: "m",
         form: "number",
-        otherwise: Otherwise::Absent,
+        otherwise: DefaultValue::Absent,
         meaning: "Heat: the factor `1 - T*^m` with T* from 0 at `reference_temperature` to 1 where it melts.",
     },
     ParameterRow {
         key: "reference_temperature",
         form: "number",
-        otherwise: Otherwise::Number(0.0),
+        otherwise: DefaultValue::Number(0.0),
         meaning: "Temperature at the start [temperature].",
     },
     ParameterRow {
         key: "melting_temperature",
         form: "number",
-        otherwise: Otherwise::Depends("needed with `m`"),
+        otherwise: DefaultValue::Depends("needed with `m`"),
         meaning: "Temperature of melting [temperature].",
     },
     ParameterRow {
         key: "specific_heat",
         form: "number",
-        otherwise: Otherwise::Depends("needed with `m`"),
+        otherwise: DefaultValue::Depends("needed with `m`"),
         meaning: "Heat that warms a unit of mass by one degree [energy/(mass temperature)].",
     },
     ParameterRow {
         key: "taylor_quinney",
         form: "number",
-        otherwise: Otherwise::Number(0.9),
+        otherwise: DefaultValue::Number(0.9),
         meaning: "Fraction of plastic work that becomes heat.",
     },
     ParameterRow {
         key: "damage",
         form: "[D1, D2, D3, D4, D5]",
-        otherwise: Otherwise::Absent,
+        otherwise: DefaultValue::Absent,
         meaning: "Failure: `(D1 + D2 exp(D3 triaxiality)) (1 + D4 ln rate*) (1 + D5 T*)` is the plastic strain it takes.",
     },
 ];
 
-fn build(material: &Material) -> Built {
+fn build(material: &Material) -> BuildResult {
     Parameters::new(material).shell_law(read)
 }
 
-fn solid(material: &Material) -> BuiltSolid {
+fn solid(material: &Material) -> BuildSolidResult {
     Parameters::new(material).solid_law(read)
 }
 

@@ -99,7 +99,7 @@ pub trait PlaneStress: Send + Sync {
     }
 
     /// The law itself if rates raise its yield stress.
-    fn rated(&self) -> Option<&Plasticity> {
+    fn rate_dependent(&self) -> Option<&Plasticity> {
         None
     }
 
@@ -186,9 +186,9 @@ impl PointReal for f64 {
 }
 
 /// A law in plane stress, or everything that is wrong with its material.
-pub type Built = Result<Box<dyn PlaneStress>, Vec<Problem>>;
+pub type BuildResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
 /// A law in three dimensions, or everything that is wrong with its material.
-pub type BuiltSolid = Result<Box<dyn Solid>, Vec<Problem>>;
+pub type BuildSolidResult = Result<Box<dyn Solid>, Vec<Problem>>;
 
 /// A parameter of a law, as the reference of jobs shows it.
 pub struct ParameterRow {
@@ -197,14 +197,14 @@ pub struct ParameterRow {
     /// What is written: a number, or a list such as `[C, p]`.
     pub form: &'static str,
     /// What counts if it is left out.
-    pub otherwise: Otherwise,
+    pub otherwise: DefaultValue,
     /// What it is, with its dimension in brackets.
     pub meaning: &'static str,
 }
 
 /// What counts when a parameter is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Otherwise {
+pub enum DefaultValue {
     /// It cannot be.
     Needed,
     /// What it describes is not there.
@@ -220,13 +220,13 @@ pub const ELASTIC: &[ParameterRow] = &[
     ParameterRow {
         key: "youngs_modulus",
         form: "number",
-        otherwise: Otherwise::Needed,
+        otherwise: DefaultValue::Needed,
         meaning: "Young's modulus [force/length^2].",
     },
     ParameterRow {
         key: "poisson",
         form: "number",
-        otherwise: Otherwise::Needed,
+        otherwise: DefaultValue::Needed,
         meaning: "Poisson's ratio; of solids below 0.5.",
     },
 ];
@@ -241,9 +241,9 @@ pub struct Law {
     /// Its parameters beside [`ELASTIC`].
     pub parameters: &'static [ParameterRow],
     /// For shells.
-    pub build: fn(&Material) -> Built,
+    pub build: fn(&Material) -> BuildResult,
     /// For solids.
-    pub solid: fn(&Material) -> BuiltSolid,
+    pub solid: fn(&Material) -> BuildSolidResult,
 }
 
 /// Every law.
@@ -251,13 +251,13 @@ pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW, johnson_cook::LAW];
 
 /// The law of a shell's material, or everything that is wrong with the material, with paths
 /// relative to it.
-pub fn build(material: &Material) -> Built {
+pub fn build(material: &Material) -> BuildResult {
     (row_of(material)?.build)(material)
 }
 
 /// The law of a solid's material, or everything that is wrong with the material, with paths
 /// relative to it.
-pub fn build_solid(material: &Material) -> BuiltSolid {
+pub fn build_solid(material: &Material) -> BuildSolidResult {
     (row_of(material)?.solid)(material)
 }
 
@@ -274,14 +274,14 @@ fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
 mod table_tests;
 
 /// Constants to check a part with when its law cannot be built.
-const STAND_IN: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };
+const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };
 
 /// A law to check a part of shells with when its own cannot be built.
-pub(crate) fn stand_in() -> Box<dyn PlaneStress> {
-    elastic::law(STAND_IN)
+pub(crate) fn placeholder_law() -> Box<dyn PlaneStress> {
+    elastic::law(PLACEHOLDER)
 }
 
 /// The same for a part of solids.
-pub(crate) fn solid_stand_in() -> Box<dyn Solid> {
-    elastic::solid_law(STAND_IN)
+pub(crate) fn solid_placeholder_law() -> Box<dyn Solid> {
+    elastic::solid_law(PLACEHOLDER)
 }

@@ -1,7 +1,7 @@
 //! Reading a law's parameters so that one look at a material finds everything that is wrong with
 //! it.
 
-use super::{Built, BuiltSolid, Elastic, PlaneStress, Solid};
+use super::{BuildResult, BuildSolidResult, Elastic, PlaneStress, Solid};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
@@ -92,7 +92,10 @@ impl<'a> Parameters<'a> {
     }
 
     /// A law in plane stress out of its elastic constants and what `read` makes of the rest.
-    pub fn shell_law<L>(mut self, read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>) -> Built
+    pub fn shell_law<L>(
+        mut self,
+        read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
+    ) -> BuildResult
     where
         L: PlaneStress + 'static,
     {
@@ -104,7 +107,7 @@ impl<'a> Parameters<'a> {
     pub fn solid_law<L>(
         mut self,
         read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
-    ) -> BuiltSolid
+    ) -> BuildSolidResult
     where
         L: Solid + 'static,
     {

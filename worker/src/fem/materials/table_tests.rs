@@ -1,6 +1,6 @@
 //! The tables of parameters say what the laws read.
 
-use super::{ELASTIC, LAWS, Law, Otherwise, Points, SolidPoint, build, build_solid};
+use super::{DefaultValue, ELASTIC, LAWS, Law, Points, SolidPoint, build, build_solid};
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ fn sample(law: &Law) -> Material {
     };
     let rows = ELASTIC.iter().chain(law.parameters);
     let wanted = rows.filter(|r| {
-        matches!(r.otherwise, Otherwise::Needed | Otherwise::Depends(_)) || r.key == "m"
+        matches!(r.otherwise, DefaultValue::Needed | DefaultValue::Depends(_)) || r.key == "m"
     });
     let parameters = wanted.map(|r| (r.key.to_string(), Param::Number(number(r.key)))).collect();
     Material { name: "sample".into(), law: law.name.into(), density: 7.85e-6, parameters }
@@ -99,7 +99,7 @@ fn the_tables_give_the_defaults() {
     for law in LAWS {
         let sample = sample(law);
         for row in law.parameters {
-            let Otherwise::Number(default) = row.otherwise else { continue };
+            let DefaultValue::Number(default) = row.otherwise else { continue };
             let with = |value: f64| {
                 let mut material = sample.clone();
                 material.parameters.insert(row.key.into(), Param::Number(value));

@@ -1,6 +1,6 @@
 //! `*ELEMENT_BEAM`, and the sections of its parts.
 
-use super::Build;
+use super::DeckConverter;
 use super::materials::Material;
 use super::sections::Section;
 use super::sets::id;
@@ -14,11 +14,11 @@ use std::f64::consts::PI;
 /// Stands for a third node that is not given.
 const NONE: NodeId = NodeId(0);
 
-impl Build {
+impl DeckConverter {
     /// Elements. Those whose third node is not given get one by [`Build::orient_beams`].
     pub(super) fn beams(&mut self) {
         let mut shown = Vec::new();
-        for record in self.take("ELEMENT_BEAM") {
+        for record in self.take_records("ELEMENT_BEAM") {
             let number = record.integer("eid");
             for field in ["rt1", "rr1", "rt2", "rr2"] {
                 if record.integer(field) != 0 {

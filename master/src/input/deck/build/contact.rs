@@ -1,6 +1,6 @@
 //! `*CONTACT_...`: contact and its interfaces, one for each card.
 
-use super::Build;
+use super::DeckConverter;
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
@@ -46,7 +46,7 @@ pub(super) struct Friction {
 
 impl Friction {
     /// Of a card.
-    pub(super) fn of(record: &Record) -> Self {
+    pub(super) fn from_record(record: &Record) -> Self {
         let [fixed, sliding, decay, limit] =
             ["fs", "fd", "dc", "vc"].map(|field| record.real(field));
         Self { fixed, sliding, decay, limit }
@@ -69,13 +69,13 @@ impl Friction {
     }
 }
 
-impl Build {
+impl DeckConverter {
     /// `[contact]` of the first contact, and interfaces of the others. Of several that name two
     /// parts the last one holds: contacts of one surface come before those of two.
     pub(super) fn contacts(&mut self) {
         let mut found: Vec<(bool, Record)> = Vec::new();
         for (keyword, single) in KEYWORDS {
-            found.extend(self.take(keyword).into_iter().map(|record| (single, record)));
+            found.extend(self.take_records(keyword).into_iter().map(|record| (single, record)));
         }
         found.sort_by_key(|(single, record)| (!single, written(record.head)));
         let mut tables = Vec::new();
@@ -261,7 +261,7 @@ impl Build {
     fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
         let fs = record.real("fs");
         if fs >= 0.0 {
-            self.put_friction(record, name, Friction::of(record), table);
+            self.put_friction(record, name, Friction::from_record(record), table);
         } else if fs != -1.0 {
             self.unsupported_value(
                 record,

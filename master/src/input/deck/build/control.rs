@@ -1,11 +1,11 @@
 //! `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
 
-use super::Build;
+use super::DeckConverter;
 use crate::input::deck::record::Record;
 
-impl Build {
+impl DeckConverter {
     pub(super) fn control(&mut self) {
-        for record in self.take("TITLE") {
+        for record in self.take_records("TITLE") {
             let title = record.word("text").to_string();
             self.tree.set("title", record.place("text"), title);
         }
@@ -82,7 +82,7 @@ impl Build {
 
     /// The records of a keyword that a deck needs once; the last one counts, which is told.
     fn take_one(&mut self, name: &str) -> Vec<Record> {
-        let records = self.take(name);
+        let records = self.take_records(name);
         if let [_, .., last] = &records[..] {
             let message = format!("*{name} is there {} times: the last one counts", records.len());
             self.trouble.warning(last.head, message, "take the others out");

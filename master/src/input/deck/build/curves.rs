@@ -1,6 +1,6 @@
 //! `*DEFINE_CURVE`.
 
-use super::Build;
+use super::DeckConverter;
 use super::tree::Table;
 use crate::input::job::tree::Place;
 
@@ -17,9 +17,9 @@ pub struct Curve {
     used: bool,
 }
 
-impl Build {
+impl DeckConverter {
     pub(super) fn curves(&mut self) {
-        for record in self.take("DEFINE_CURVE") {
+        for record in self.take_records("DEFINE_CURVE") {
             let id = record.integer("lcid");
             let place = record.place("lcid");
             let (sfa, sfo) = (one(record.real("sfa")), one(record.real("sfo")));

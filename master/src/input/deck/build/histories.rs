@@ -1,7 +1,7 @@
 //! `*CONTACT_FORCE_TRANSDUCER_...`, `*DATABASE_CROSS_SECTION_...`, `*DATABASE_HISTORY_NODE...`:
 //! what is to be recorded. Nothing of it changes a run: what it lacks is a warning.
 
-use super::Build;
+use super::DeckConverter;
 use super::sets::{id, ids};
 use super::space::{cross, unit};
 use super::tree::Table;
@@ -21,13 +21,15 @@ const ELEMENT_SETS: [(&str, &str, &str); 3] = [
 /// Elements of sets by id, first those listed, then ranges of ids.
 type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
 
-impl Build {
+impl DeckConverter {
     pub(super) fn histories(&mut self) {
         self.transducers();
         let mut sections = Vec::new();
         let sets = ELEMENT_SETS.map(|(list, ranges, _)| self.element_sets(list, ranges));
-        let (of_sets, of_planes) =
-            (self.take("DATABASE_CROSS_SECTION_SET"), self.take("DATABASE_CROSS_SECTION_PLANE"));
+        let (of_sets, of_planes) = (
+            self.take_records("DATABASE_CROSS_SECTION_SET"),
+            self.take_records("DATABASE_CROSS_SECTION_PLANE"),
+        );
         let names = section_names(of_sets.iter().chain(&of_planes));
         let (set_names, plane_names) = names.split_at(of_sets.len());
         for (record, name) in of_sets.iter().zip(set_names) {
@@ -48,7 +50,9 @@ impl Build {
 
     fn transducers(&mut self) {
         let mut transducers = Vec::new();
-        for (record, number) in self.take("CONTACT_FORCE_TRANSDUCER_PENALTY").iter().zip(1..) {
+        for (record, number) in
+            self.take_records("CONTACT_FORCE_TRANSDUCER_PENALTY").iter().zip(1..)
+        {
             let heading = record.word("heading");
             let name = if heading.is_empty() {
                 format!("transducer {number}")
@@ -154,11 +158,11 @@ impl Build {
 
     fn element_sets(&mut self, list: &str, ranges: &str) -> ElementSets {
         let mut sets = ElementSets::new();
-        for record in self.take(list) {
+        for record in self.take_records(list) {
             let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
             sets.entry(record.integer("sid")).or_default().extend(own);
         }
-        for record in self.take(ranges) {
+        for record in self.take_records(ranges) {
             let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
             let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
             sets.entry(record.integer("sid")).or_default().extend(own);
@@ -253,7 +257,7 @@ impl Build {
             0 => None,
             set => Some(self.part_set(set, place)),
         };
-        let plane = Plane::of(record);
+        let plane = Plane::from_record(record);
         let Some(plane) = plane else {
             let help = "let its head be another point than its tail";
             self.trouble.warning(
@@ -294,7 +298,7 @@ impl Build {
 
     fn node_histories(&mut self) {
         let mut histories = Vec::new();
-        for record in self.take("DATABASE_HISTORY_NODE_SET") {
+        for record in self.take_records("DATABASE_HISTORY_NODE_SET") {
             for (set, place) in ids(&record, "id") {
                 if let Some(name) = self.node_set(set, place) {
                     histories.push((place, Table::new(record.head).with("nodes", place, name)));
@@ -371,7 +375,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn of(record: &Record) -> Option<Self> {
+    fn from_record(record: &Record) -> Option<Self> {
         let tail = ["xct", "yct", "zct"].map(|c| record.real(c));
         let head = ["xch", "ych", "zch"].map(|c| record.real(c));
         let normal = unit([0, 1, 2].map(|c| head[c] - tail[c]))?;

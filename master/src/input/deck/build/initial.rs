@@ -1,6 +1,6 @@
 //! `*INITIAL_VELOCITY...`.
 
-use super::Build;
+use super::DeckConverter;
 use super::sets::id;
 use super::space::unit;
 use super::tree::Table;
@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 /// Bits of a velocity, to find equal ones.
 type Bits = [u64; 3];
 
-impl Build {
+impl DeckConverter {
     pub(super) fn initial_velocities(&mut self) {
-        for record in self.take("INITIAL_VELOCITY") {
+        for record in self.take_records("INITIAL_VELOCITY") {
             self.of_set(&record);
         }
-        for record in self.take("INITIAL_VELOCITY_GENERATION") {
+        for record in self.take_records("INITIAL_VELOCITY_GENERATION") {
             self.generation(&record);
         }
-        for record in self.take("INITIAL_VELOCITY_NODE") {
+        for record in self.take_records("INITIAL_VELOCITY_NODE") {
             let mut equal: BTreeMap<Bits, ([f64; 3], Vec<NodeId>, Place)> = BTreeMap::new();
             let lines: Vec<Line> = record.lines("nid").cloned().collect();
             for line in lines {
@@ -37,7 +37,7 @@ impl Build {
                 self.initial(place, Some(name), v, None);
             }
         }
-        for record in self.take("INITIAL_VELOCITY_RIGID_BODY") {
+        for record in self.take_records("INITIAL_VELOCITY_RIGID_BODY") {
             let lines: Vec<Line> = record.lines("pid").cloned().collect();
             for line in lines {
                 let (part, place) = (line.integer("pid"), line.place("pid"));

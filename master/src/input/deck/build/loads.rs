@@ -1,6 +1,6 @@
 //! Masses, gravity, forces on nodes.
 
-use super::Build;
+use super::DeckConverter;
 use super::sets::id;
 use super::tree::Table;
 use crate::input::deck::record::Line;
@@ -8,11 +8,11 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeMap, HashSet};
 
-impl Build {
+impl DeckConverter {
     /// `*ELEMENT_MASS`.
     pub(super) fn masses(&mut self) {
         let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
-        for record in self.take("ELEMENT_MASS") {
+        for record in self.take_records("ELEMENT_MASS") {
             for line in record.lines("nid") {
                 let mass = line.real("mass");
                 let of =
@@ -31,7 +31,7 @@ impl Build {
                 Table::new(place).with("nodes", place, name).with("mass", place, total),
             );
         }
-        for record in self.take("ELEMENT_MASS_NODE_SET") {
+        for record in self.take_records("ELEMENT_MASS_NODE_SET") {
             for line in record.lines("nsid") {
                 let Some(set) = self.node_set(line.integer("nsid"), line.place("nsid")) else {
                     continue;
@@ -47,7 +47,7 @@ impl Build {
     pub(super) fn body_loads(&mut self) {
         for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate()
         {
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 if !self.is_plain(record.integer("cid")) {
                     self.unsupported_value(
                         &record,
@@ -70,7 +70,7 @@ impl Build {
     pub(super) fn nodal_loads(&mut self) {
         for (keyword, field) in [("LOAD_NODE_SET", "nsid"), ("LOAD_NODE_POINT", "nid")] {
             let mut used: Option<HashSet<NodeId>> = None;
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 let lines: Vec<Line> = record.lines(field).cloned().collect();
                 for line in lines {
                     let of = line.integer(field);

@@ -1,6 +1,6 @@
 //! `*MAT_...`: laws and their numbers.
 
-use super::Build;
+use super::DeckConverter;
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
@@ -43,11 +43,11 @@ const KEYWORDS: [&str; 7] = [
     "MAT_NULL",
 ];
 
-impl Build {
+impl DeckConverter {
     pub(super) fn materials(&mut self) -> HashMap<i64, Material> {
         let mut materials: HashMap<i64, Material> = HashMap::new();
         for keyword in KEYWORDS {
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 let id = record.integer("mid");
                 let title = record.word("heading").to_string();
                 let taken = title.is_empty() || materials.values().any(|m| m.name == title);

@@ -411,7 +411,7 @@ pub struct Places {
 
 impl Places {
     /// The line that a path such as `mesh.shells.17` means.
-    pub fn of(&self, path: &str) -> Option<Place> {
+    pub fn place_of(&self, path: &str) -> Option<Place> {
         let rest = path.strip_prefix("mesh.")?;
         let (list, rest) = rest.split_once('.')?;
         let lines = match list {

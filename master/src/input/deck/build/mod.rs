@@ -37,7 +37,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use tree::{Table, Tree};
 
 /// What is built so far, and what the rest needs of it.
-pub struct Build {
+pub struct DeckConverter {
     /// Cards by keyword; each family takes its own.
     records: HashMap<&'static str, Vec<Record>>,
     /// Nodes and elements.
@@ -73,8 +73,8 @@ pub struct Build {
 }
 
 /// What came out: the job, and all else is in the `Build`.
-pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Build) {
-    let mut b = Build {
+pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, DeckConverter) {
+    let mut b = DeckConverter {
         records: HashMap::new(),
         rows: Rows::default(),
         trouble,
@@ -133,7 +133,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, Bu
     (std::mem::take(&mut b.tree).into_node(), b)
 }
 
-impl Build {
+impl DeckConverter {
     /// Reads all blocks by the table.
     fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
         let mut parameters = Parameters::default();
@@ -204,7 +204,7 @@ impl Build {
     }
 
     /// All records of a keyword, which nobody else needs.
-    fn take(&mut self, name: &str) -> Vec<Record> {
+    fn take_records(&mut self, name: &str) -> Vec<Record> {
         self.records.remove(name).unwrap_or_default()
     }
 
@@ -293,7 +293,7 @@ impl Build {
     /// What the table knows and nobody took.
     fn left_over(&mut self) {
         for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
-            self.take(name);
+            self.take_records(name);
         }
         let left: Vec<Record> = std::mem::take(&mut self.records).into_values().flatten().collect();
         for record in left {

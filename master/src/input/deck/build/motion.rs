@@ -1,6 +1,6 @@
 //! What is held, and what is moved in a given way.
 
-use super::Build;
+use super::DeckConverter;
 use super::materials::held;
 use super::sets::id;
 use super::tree::Table;
@@ -18,17 +18,17 @@ const DOFS: [(&str, &str); 6] = [
     ("dofrz", "rz"),
 ];
 
-impl Build {
+impl DeckConverter {
     /// `*BOUNDARY_SPC_...`, and the codes on the cards of nodes.
     pub(super) fn spc(&mut self) {
-        for record in self.take("BOUNDARY_SPC_SET") {
+        for record in self.take_records("BOUNDARY_SPC_SET") {
             let dofs = self.dofs(&record);
             if let Some(set) = self.node_set(record.integer("nsid"), record.place("nsid")) {
                 self.fix(set, dofs, record.place("nsid"));
             }
         }
         let mut nodes: BTreeMap<Vec<&'static str>, (Vec<NodeId>, Place)> = BTreeMap::new();
-        for record in self.take("BOUNDARY_SPC_NODE") {
+        for record in self.take_records("BOUNDARY_SPC_NODE") {
             let dofs = self.dofs(&record);
             let of = nodes.entry(dofs).or_insert_with(|| (Vec::new(), record.place("nid")));
             of.0.extend(id(record.integer("nid")));
@@ -77,18 +77,18 @@ impl Build {
 
     /// `*BOUNDARY_PRESCRIBED_MOTION_...`.
     pub(super) fn motions(&mut self) {
-        for record in self.take("BOUNDARY_PRESCRIBED_MOTION_SET") {
+        for record in self.take_records("BOUNDARY_PRESCRIBED_MOTION_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             let Some(set) = self.node_set(nsid, place) else { continue };
             self.motion(&record, "nodes", set, place);
         }
-        for record in self.take("BOUNDARY_PRESCRIBED_MOTION_NODE") {
+        for record in self.take_records("BOUNDARY_PRESCRIBED_MOTION_NODE") {
             let (nid, place) = (record.integer("nid"), record.place("nid"));
             let name = format!("motion-node-{nid}");
             self.rows.add_set(name.clone(), id(nid).into_iter().collect(), place);
             self.motion(&record, "nodes", name, place);
         }
-        for record in self.take("BOUNDARY_PRESCRIBED_MOTION_RIGID") {
+        for record in self.take_records("BOUNDARY_PRESCRIBED_MOTION_RIGID") {
             let (pid, place) = (record.integer("pid"), record.place("pid"));
             match self.bodies.get(&pid).cloned() {
                 Some(body) => self.motion(&record, "rigid", body, place),

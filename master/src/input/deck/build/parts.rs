@@ -1,6 +1,6 @@
 //! `*PART`: material, section and hourglass control of elements.
 
-use super::Build;
+use super::DeckConverter;
 use super::contact::Friction;
 use super::materials::Material;
 use super::sections::{self, Hourglass, Kind, Section, Sections};
@@ -32,7 +32,7 @@ struct Shapes {
     solids: bool,
 }
 
-impl Build {
+impl DeckConverter {
     pub(super) fn parts(&mut self, materials: &HashMap<i64, Material>, sections: &Sections) {
         let mut shapes: HashMap<i64, Shapes> = HashMap::new();
         for element in self.rows.elements() {
@@ -47,7 +47,7 @@ impl Build {
         let own_thickness = self.thickness_of_elements();
         let mut names: Vec<String> = Vec::new();
         let mut taken: Vec<i64> = Vec::new();
-        for record in self.take("PART") {
+        for record in self.take_records("PART") {
             let (id, place) = (record.integer("pid"), record.place("pid"));
             if self.parts.contains_key(&id) {
                 self.trouble.error(
@@ -164,7 +164,7 @@ impl Build {
         if !record.has("CONTACT") {
             return;
         }
-        self.part_friction.insert(id, Friction::of(record));
+        self.part_friction.insert(id, Friction::from_record(record));
         for (field, key) in [("optt", "contact_thickness"), ("sft", "contact_thickness_scale")] {
             let value = record.real(field);
             if value > 0.0 && kind == Kind::Shell {

@@ -1,6 +1,6 @@
 //! Rigid bodies: parts of `*MAT_RIGID`, parts switched rigid, sets of nodes, and what joins them.
 
-use super::Build;
+use super::DeckConverter;
 use super::sets::id;
 use super::tree::Table;
 use crate::input::job::tree::Place;
@@ -17,7 +17,7 @@ struct Body {
     place: Option<Place>,
 }
 
-impl Build {
+impl DeckConverter {
     pub(super) fn rigid(&mut self) {
         let mut lead: BTreeMap<i64, i64> = BTreeMap::new();
         for (&id, part) in &self.parts {
@@ -26,7 +26,7 @@ impl Build {
             }
         }
         self.switched(&mut lead);
-        for record in self.take("CONSTRAINED_RIGID_BODIES") {
+        for record in self.take_records("CONSTRAINED_RIGID_BODIES") {
             for line in record.lines("pidl") {
                 let (l, c) = (line.integer("pidl"), line.integer("pidc"));
                 if self.is_rigid(l, line.place("pidl"), &lead)
@@ -69,7 +69,7 @@ impl Build {
 
     /// `*DEFORMABLE_TO_RIGID`.
     fn switched(&mut self, lead: &mut BTreeMap<i64, i64>) {
-        for record in self.take("DEFORMABLE_TO_RIGID") {
+        for record in self.take_records("DEFORMABLE_TO_RIGID") {
             for line in record.lines("pid") {
                 let (pid, place) = (line.integer("pid"), line.place("pid"));
                 let parts = match line.word("ptype").to_ascii_uppercase().as_str() {
@@ -132,7 +132,7 @@ impl Build {
         for (keyword, field) in
             [("CONSTRAINED_EXTRA_NODES_NODE", "nid"), ("CONSTRAINED_EXTRA_NODES_SET", "nsid")]
         {
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 for line in record.lines("pid") {
                     let part = line.integer("pid");
                     if !self.is_rigid(part, line.place("pid"), lead) {
@@ -152,7 +152,7 @@ impl Build {
 
     /// `*CONSTRAINED_NODAL_RIGID_BODY`.
     fn nodal_bodies(&mut self) {
-        for record in self.take("CONSTRAINED_NODAL_RIGID_BODY") {
+        for record in self.take_records("CONSTRAINED_NODAL_RIGID_BODY") {
             let pid = record.integer("pid");
             // Without a set of its own it is the set with the body's id.
             let (nsid, field) = match record.integer("nsid") {

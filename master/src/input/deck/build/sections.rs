@@ -1,6 +1,6 @@
 //! `*SECTION_...` and `*HOURGLASS`: which formulation, with which numbers.
 
-use super::Build;
+use super::DeckConverter;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
@@ -82,7 +82,7 @@ pub fn solid(elform: i64) -> Option<Option<&'static str>> {
     }
 }
 
-impl Build {
+impl DeckConverter {
     pub(super) fn sections(&mut self) -> Sections {
         let mut by_id = HashMap::new();
         let kinds = [
@@ -92,7 +92,7 @@ impl Build {
             ("SECTION_DISCRETE", Kind::Discrete),
         ];
         for (keyword, kind) in kinds {
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 let (id, place) = (record.integer("secid"), record.place("secid"));
                 if by_id.insert(id, Section { kind, record }).is_some() {
                     self.trouble.error(
@@ -104,7 +104,7 @@ impl Build {
             }
         }
         let mut hourglass = HashMap::new();
-        for record in self.take("HOURGLASS") {
+        for record in self.take_records("HOURGLASS") {
             let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qm") };
             let given = record.real("q1") != 0.0 || record.real("q2") != 0.0;
             let bulk = given.then(|| [record.real("q2"), record.real("q1")]);
@@ -122,7 +122,7 @@ impl Build {
             hourglass: None,
             bulk: None,
         };
-        for record in self.take("CONTROL_SHELL") {
+        for record in self.take_records("CONTROL_SHELL") {
             if record.integer("theory") != 0 {
                 d.theory = record.integer("theory");
             }
@@ -136,12 +136,12 @@ impl Build {
                 d.shifted = Some(record.place("cntco"));
             }
         }
-        for record in self.take("CONTROL_HOURGLASS") {
+        for record in self.take_records("CONTROL_HOURGLASS") {
             let form = Hourglass { form: record.integer("ihq"), coefficient: record.real("qh") };
             d.hourglass =
                 (form.form != 0 || form.coefficient != 0.0).then(|| (form, record.place("ihq")));
         }
-        for record in self.take("CONTROL_BULK_VISCOSITY") {
+        for record in self.take_records("CONTROL_BULK_VISCOSITY") {
             let or = |x: f64, default: f64| if x == 0.0 { default } else { x };
             d.bulk = Some((
                 [or(record.real("q2"), 0.06), or(record.real("q1"), 1.5)],

@@ -1,6 +1,6 @@
 //! Segments: faces by their nodes, for pressure.
 
-use super::Build;
+use super::DeckConverter;
 use super::sets::id;
 use super::tree::Table;
 use crate::input::deck::record::Line;
@@ -31,9 +31,9 @@ fn key(nodes: &[NodeId]) -> Vec<NodeId> {
     key
 }
 
-impl Build {
+impl DeckConverter {
     pub(super) fn segment_sets(&mut self) {
-        for record in self.take("SET_SEGMENT") {
+        for record in self.take_records("SET_SEGMENT") {
             let segments = record.lines("n").map(segment).collect();
             self.segment_sets.insert(record.integer("sid"), segments);
         }
@@ -42,7 +42,7 @@ impl Build {
     pub(super) fn pressures(&mut self) {
         // Loads of one curve and scale: the faces of each belong together.
         let mut loads: Vec<(i64, f64, Place, Vec<Segment>)> = Vec::new();
-        for record in self.take("LOAD_SEGMENT") {
+        for record in self.take_records("LOAD_SEGMENT") {
             for line in record.lines("lcid") {
                 self.arrival(line);
                 let (curve, scale) = (line.integer("lcid"), line.real("sf"));
@@ -52,7 +52,7 @@ impl Build {
                 }
             }
         }
-        for record in self.take("LOAD_SEGMENT_SET") {
+        for record in self.take_records("LOAD_SEGMENT_SET") {
             for line in record.lines("lcid") {
                 self.arrival(line);
                 let ssid = line.integer("ssid");

@@ -1,23 +1,23 @@
 //! Sets of nodes and of parts.
 
-use super::Build;
+use super::DeckConverter;
 use crate::input::deck::record::Record;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::BTreeSet;
 
-impl Build {
+impl DeckConverter {
     pub(super) fn sets(&mut self) {
         self.part_lists();
-        for record in self.take("SET_NODE_LIST") {
+        for record in self.take_records("SET_NODE_LIST") {
             let ids = ids(&record, "id");
-            self.keep(&record, ids);
+            self.add_node_set(&record, ids);
         }
-        for record in self.take("SET_NODE_COLUMN") {
+        for record in self.take_records("SET_NODE_COLUMN") {
             let ids = ids(&record, "nid");
-            self.keep(&record, ids);
+            self.add_node_set(&record, ids);
         }
-        for record in self.take("SET_NODE_LIST_GENERATE") {
+        for record in self.take_records("SET_NODE_LIST_GENERATE") {
             let ranges = ids(&record, "id");
             let known: BTreeSet<u64> = self.rows.nodes.iter().map(|n| n.id.0).collect();
             let mut nodes = Vec::new();
@@ -36,14 +36,14 @@ impl Build {
                     nodes.extend(known.range(from.0..=to.0).map(|&n| (n as i64, pair[0].1)));
                 }
             }
-            self.keep(&record, nodes);
+            self.add_node_set(&record, nodes);
         }
-        for record in self.take("SET_NODE_GENERAL") {
+        for record in self.take_records("SET_NODE_GENERAL") {
             let nodes = self.general(&record);
             self.keep_nodes(&record, nodes);
         }
         // Sets of sets may name those that come later.
-        let adding = self.take("SET_NODE_ADD");
+        let adding = self.take_records("SET_NODE_ADD");
         for _ in 0..=adding.len() {
             for record in &adding {
                 let mut nodes: BTreeSet<NodeId> = BTreeSet::new();
@@ -65,10 +65,10 @@ impl Build {
     }
 
     fn part_lists(&mut self) {
-        for record in self.take("SET_PART_LIST") {
+        for record in self.take_records("SET_PART_LIST") {
             self.part_sets.insert(record.integer("sid"), ids(&record, "id"));
         }
-        for record in self.take("SET_PART_LIST_GENERATE") {
+        for record in self.take_records("SET_PART_LIST_GENERATE") {
             let ranges = ids(&record, "id");
             let mut parts = Vec::new();
             for pair in ranges.chunks(2) {
@@ -78,7 +78,7 @@ impl Build {
             }
             self.part_sets.insert(record.integer("sid"), parts);
         }
-        let adding = self.take("SET_PART_ADD");
+        let adding = self.take_records("SET_PART_ADD");
         for _ in 0..=adding.len() {
             for record in &adding {
                 let others = ids(record, "id");
@@ -96,7 +96,7 @@ impl Build {
     }
 
     /// A node set by ids.
-    fn keep(&mut self, record: &Record, ids: Vec<(i64, Place)>) {
+    fn add_node_set(&mut self, record: &Record, ids: Vec<(i64, Place)>) {
         let nodes = ids.into_iter().filter_map(|(n, place)| {
             let found = id(n);
             if found.is_none() {

@@ -1,17 +1,17 @@
 //! Boxes and coordinate systems.
 
-use super::Build;
+use super::DeckConverter;
 use crate::input::deck::record::Record;
 use crumple_proto::ids::NodeId;
 
-impl Build {
+impl DeckConverter {
     pub(super) fn space(&mut self) {
-        for record in self.take("DEFINE_BOX") {
+        for record in self.take_records("DEFINE_BOX") {
             let range = |low: &str, high: &str| [record.real(low), record.real(high)];
             let sides = [range("xmn", "xmx"), range("ymn", "ymx"), range("zmn", "zmx")];
             self.boxes.insert(record.integer("boxid"), sides);
         }
-        for record in self.take("DEFINE_COORDINATE_SYSTEM") {
+        for record in self.take_records("DEFINE_COORDINATE_SYSTEM") {
             let point = |names: [&str; 3]| names.map(|n| record.real(n));
             if record.integer("cidl") != 0 {
                 self.unsupported_value(&record, "cidl", "points in another system");
@@ -20,7 +20,7 @@ impl Build {
                 (point(["xo", "yo", "zo"]), point(["xl", "yl", "zl"]), point(["xp", "yp", "zp"]));
             self.system(&record, o, l, p);
         }
-        for record in self.take("DEFINE_COORDINATE_NODES") {
+        for record in self.take_records("DEFINE_COORDINATE_NODES") {
             let dir = record.word("dir");
             if !(dir.is_empty() || dir.eq_ignore_ascii_case("x")) {
                 let message = format!("*DEFINE_COORDINATE_NODES: dir = {dir} is not supported");

@@ -1,6 +1,6 @@
 //! `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
 
-use super::Build;
+use super::DeckConverter;
 use super::sections::Section;
 use super::sets::id;
 use super::tree::Table;
@@ -25,10 +25,10 @@ const UNSERVED: [(&str, &str); 6] = [
     ("tdl", "a limit of tension"),
 ];
 
-impl Build {
+impl DeckConverter {
     /// Elements and laws.
     pub(super) fn springs(&mut self) {
-        for record in LAWS.iter().flat_map(|law| self.take(law)).collect::<Vec<_>>() {
+        for record in LAWS.iter().flat_map(|law| self.take_records(law)).collect::<Vec<_>>() {
             let (mid, place) = (record.integer("mid"), record.place("mid"));
             if self.spring_laws.insert(mid, record).is_some() {
                 self.trouble.error(
@@ -39,7 +39,7 @@ impl Build {
             }
         }
         let orientations = self.orientations();
-        for record in self.take("ELEMENT_DISCRETE") {
+        for record in self.take_records("ELEMENT_DISCRETE") {
             for line in record.lines("eid") {
                 let number = line.integer("eid");
                 let mut missing = |field: &str, why: &str| {
@@ -109,7 +109,7 @@ impl Build {
     /// Directions that stay.
     fn orientations(&mut self) -> BTreeMap<i64, [f64; 3]> {
         let mut found = BTreeMap::new();
-        for record in self.take("DEFINE_SD_ORIENTATION") {
+        for record in self.take_records("DEFINE_SD_ORIENTATION") {
             for line in record.lines("vid") {
                 let (vid, along) = (line.integer("vid"), ["xt", "yt", "zt"].map(|c| line.real(c)));
                 if line.integer("iop") != 0 {

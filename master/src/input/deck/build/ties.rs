@@ -1,6 +1,6 @@
 //! `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
 
-use super::Build;
+use super::DeckConverter;
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crumple_proto::ids::NodeId;
@@ -14,11 +14,11 @@ const KEYWORDS: [(&str, bool); 4] = [
 ];
 const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
 
-impl Build {
+impl DeckConverter {
     pub(super) fn ties(&mut self) {
         let mut number = 0;
         for (keyword, rotations) in KEYWORDS {
-            for record in self.take(keyword) {
+            for record in self.take_records(keyword) {
                 number += 1;
                 self.tie(&record, number, rotations);
             }

@@ -1,6 +1,6 @@
 //! Which units a deck is written in, by what its materials would be in them.
 
-use super::Build;
+use super::DeckConverter;
 use super::materials::Material;
 use crate::input::job::tree::Place;
 use crate::input::job::units_fit;
@@ -18,7 +18,7 @@ const SETS: [&str; 8] = [
     "mm, us, g",
 ];
 
-impl Build {
+impl DeckConverter {
     /// Puts the materials that parts use into the job, and the units in which they are real.
     pub(super) fn units(&mut self, materials: &mut HashMap<i64, Material>) {
         let mut used = Vec::new();

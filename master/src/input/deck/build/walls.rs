@@ -1,6 +1,6 @@
 //! `*RIGIDWALL_...`.
 
-use super::Build;
+use super::DeckConverter;
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crumple_proto::ids::NodeId;
@@ -9,9 +9,10 @@ use std::collections::HashSet;
 const KEYWORDS: [&str; 3] =
     ["RIGIDWALL_PLANAR", "RIGIDWALL_GEOMETRIC_FLAT", "RIGIDWALL_GEOMETRIC_CYLINDER"];
 
-impl Build {
+impl DeckConverter {
     pub(super) fn walls(&mut self) {
-        let records: Vec<Record> = KEYWORDS.iter().flat_map(|keyword| self.take(keyword)).collect();
+        let records: Vec<Record> =
+            KEYWORDS.iter().flat_map(|keyword| self.take_records(keyword)).collect();
         for (record, number) in records.iter().zip(1..) {
             let heading = record.word("heading");
             let name =

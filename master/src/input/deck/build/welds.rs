@@ -1,7 +1,7 @@
 //! `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`: nodes that move as one, or a
 //! beam that breaks; `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
 
-use super::Build;
+use super::DeckConverter;
 use super::parts::Part;
 use super::sets::id;
 use super::tree::Table;
@@ -25,11 +25,11 @@ const NEVER: f64 = 1e19;
 /// Exponents that a deck leaves blank.
 const SQUARE: f64 = 2.0;
 
-impl Build {
+impl DeckConverter {
     pub(super) fn welds(&mut self) {
         let mut bodies: Vec<(BTreeSet<NodeId>, Place)> = Vec::new();
         let mut breaking: BTreeMap<Kind, Breaking> = BTreeMap::new();
-        for record in self.take("CONSTRAINED_SPOTWELD") {
+        for record in self.take_records("CONSTRAINED_SPOTWELD") {
             let place = record.place("n1");
             let [Some(n1), Some(n2)] = ["n1", "n2"].map(|field| id(record.integer(field))) else {
                 let message = format!("{}: a node has an id that is none", record.name());
@@ -39,7 +39,7 @@ impl Build {
             self.never_fails(&record, "tf", "ep");
             self.weld(&record, vec![n1, n2], place, &mut bodies, &mut breaking);
         }
-        for record in self.take("CONSTRAINED_GENERALIZED_WELD_SPOT") {
+        for record in self.take_records("CONSTRAINED_GENERALIZED_WELD_SPOT") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             self.never_fails(&record, "tfail", "epsf");
             if self.node_set(nsid, place).is_some() {
@@ -53,7 +53,7 @@ impl Build {
 
     /// Nodes that have the displacements of the first one of their set.
     pub(super) fn node_sets_as_one(&mut self) {
-        for record in self.take("CONSTRAINED_NODE_SET") {
+        for record in self.take_records("CONSTRAINED_NODE_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             if record.integer("dof") != 7 {
                 self.unsupported_value(&record, "dof", "only all displacements (7) are shared");

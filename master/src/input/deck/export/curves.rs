@@ -18,7 +18,7 @@ pub struct TimeCurves<'j> {
 
 impl<'j> TimeCurves<'j> {
     /// None so far.
-    pub fn of(job: &'j Job) -> Self {
+    pub fn new(job: &'j Job) -> Self {
         Self { job, ids: BTreeMap::new(), beside: Vec::new() }
     }
 

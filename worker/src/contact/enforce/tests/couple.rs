@@ -109,9 +109,9 @@ fn what_sticks_does_so_at_the_surface() {
         scene.step();
         let pair = scene.pairs()[0];
         assert!(
-            (pair.arm[0] - HALF).abs() < 1e-15 && (pair.arm[1] - HALF).abs() < 1e-15,
+            (pair.lever_arms[0] - HALF).abs() < 1e-15 && (pair.lever_arms[1] - HALF).abs() < 1e-15,
             "{:?}",
-            pair.arm
+            pair.lever_arms
         );
         let spin = |i: usize| V3::from(xyz(&scene.nodes.w[i]));
         let arm = V3::z() * HALF;
@@ -144,7 +144,7 @@ fn a_pull_below_the_limit_is_held() {
         let mut scene = Scene::new(&of, &points, &[[0, 1, 2, 3]], &[4], 1e-3);
         scene.load[4] = V3::new(0.8 * 0.3 * 50.0, 0.0, -50.0);
         (0..1000).for_each(|_| _ = scene.step());
-        assert!(scene.pairs()[0].turns(), "{name}");
+        assert!(scene.pairs()[0].has_couple(), "{name}");
         assert!(scene.v(4).norm() < 0.015, "{name}: {}", scene.v(4));
     }
 }
@@ -158,7 +158,7 @@ fn what_cannot_turn_or_rub_has_no_lever() {
         let mut scene = plates(&of, [1.0; 4], [1.0; 4], [inertia; 2]);
         scene.step();
         assert!(
-            !scene.pairs().is_empty() && scene.pairs().iter().all(|p| p.turns() == turns),
+            !scene.pairs().is_empty() && scene.pairs().iter().all(|p| p.has_couple() == turns),
             "{inertia} {friction}"
         );
         assert_eq!(scene.contact.table.couples.is_empty(), !turns);
@@ -180,7 +180,11 @@ fn the_rim_of_a_shell_takes_no_couple() {
     scene.step();
     assert_eq!(scene.pairs().len(), 2);
     for p in scene.pairs() {
-        assert!(p.arm[0].abs() < 1e-12 && (p.arm[1] - THICK).abs() < 1e-12, "{:?}", p.arm);
+        assert!(
+            p.lever_arms[0].abs() < 1e-12 && (p.lever_arms[1] - THICK).abs() < 1e-12,
+            "{:?}",
+            p.lever_arms
+        );
     }
     assert!((angular(&scene) - before).norm() < 1e-13 * before.norm());
 }

@@ -141,7 +141,7 @@ fn mutual_pairs_close_the_gap_once_whatever_the_partition() {
         });
         let exact = low * (v - common) / 1e-3;
         for p in scene.pairs() {
-            let share = if p.name.slave.0 <= 4 { partition } else { 1.0 - partition };
+            let share = if p.key.slave.0 <= 4 { partition } else { 1.0 - partition };
             assert!(
                 (p.force.norm() - share * exact).abs() < 1e-9 * exact,
                 "{partition}: {:?}",
@@ -168,7 +168,7 @@ fn pressed_plates_pass_the_load_once() {
         // Force on the upper plate's nodes, from its own pairs and as reaction of the lower one's.
         let mut on_node = [0.0; 4];
         for p in scene.pairs() {
-            for (r, &n) in p.nodes[..p.roles()].iter().enumerate().filter(|(_, n)| **n >= 4) {
+            for (r, &n) in p.nodes[..p.node_count()].iter().enumerate().filter(|(_, n)| **n >= 4) {
                 on_node[n as usize - 4] +=
                     if r == 0 { p.force.z } else { -p.force.z * p.weight[r] };
             }
@@ -253,7 +253,7 @@ fn what_stands_on_held_nodes_bears_all_and_does_not_creep() {
         let start: Vec<f64> = (25..29).map(|i| scene.x(i).x).collect();
         (0..steps).for_each(|_| _ = scene.step());
         for p in scene.pairs() {
-            let borne = if p.name.slave.0 > 25 { press } else { 0.0 };
+            let borne = if p.key.slave.0 > 25 { press } else { 0.0 };
             assert!(
                 (p.force.z.abs() - borne).abs() < 1e-3 * press,
                 "{partition}: {:?} and not {borne}",
@@ -281,7 +281,7 @@ fn a_held_node_between_free_ones_takes_what_they_leave() {
     let corners: Vec<f64> = (25..29).map(|i| scene.x(i).z).collect();
     let middle = 0.25 * corners.iter().sum::<f64>();
     let borne = |held: bool| -> f64 {
-        let pairs = scene.pairs().iter().filter(|p| (p.name.slave.0 <= 25) == held);
+        let pairs = scene.pairs().iter().filter(|p| (p.key.slave.0 <= 25) == held);
         pairs.map(|p| p.force.z.abs()).sum()
     };
     // The law leaves 1e-3 of a force.

@@ -159,14 +159,18 @@ fn of_two_segments_one_is_the_slave() {
     let surface: &Surface = &scene.contact.surface;
     assert!(!scene.pairs().is_empty());
     for p in scene.pairs() {
-        assert!(p.name.is_segment() && p.name.slave_quarter().0 < p.segment && p.ahead() == 4);
+        assert!(
+            p.key.is_segment() && p.key.slave_quarter().0 < p.segment && p.slave_node_count() == 4
+        );
         let of = |s: SegmentId| surface.segments.iter().find(|g| g.id == s).unwrap().nodes;
         assert_eq!(
             [&p.nodes[..4], &p.nodes[4..]].concat(),
-            [of(p.name.slave_quarter().0), of(p.segment)].concat()
+            [of(p.key.slave_quarter().0), of(p.segment)].concat()
         );
         // What is there at the start is let be.
-        assert!((p.depth - 1e-3).abs() < 1e-15 && p.gap.abs() < 1e-15 && p.force == V3::zeros());
+        assert!(
+            (p.penetration - 1e-3).abs() < 1e-15 && p.gap.abs() < 1e-15 && p.force == V3::zeros()
+        );
     }
     let area: f64 = scene.pairs().iter().map(|p| p.area).sum();
     assert!((area - 4.0).abs() < 1e-12, "all of the plates: {area}");

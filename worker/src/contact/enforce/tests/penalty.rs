@@ -57,7 +57,7 @@ fn stiffness_is_bounded_by_the_masses_that_it_moves() {
         let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], dt);
         let (p, before) = (scene.momentum(), scene.energy());
         (0..200).for_each(|_| _ = scene.step());
-        assert!(scene.contact.capped > 0, "said");
+        assert!(scene.contact.capped_pairs > 0, "said");
         assert!((scene.momentum() - p).norm() < 1e-12 * p.norm(), "round-off");
         // k c dt^2 = 4 (1 - 0.9^2) = 0.76: half of it is in doubt (see above).
         assert!(
@@ -115,7 +115,7 @@ fn growth(of: &ContactJob, dt: f64, kick: f64) -> f64 {
     // What bounds the stiffness is the step: no other one before.
     let bounded = of.law == "penalty" && of.penalty_cap;
     let mut scene = rods(of, if bounded { dt } else { 0.1 });
-    scene.steps = Steps { dt, mid: dt, push: dt, whole: dt };
+    scene.steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
     scene.nodes.v[4 * (CELLS + 1)][2] += kick;
     let mut fastest = 0.0f64;
     for _ in 0..400 {

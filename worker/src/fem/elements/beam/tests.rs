@@ -1,7 +1,7 @@
 //! One beam that is led.
 
 use super::*;
-use crate::fem::columns::Columns;
+use crate::fem::columns::HistoryColumns;
 use crate::fem::elements::build_block;
 use crate::fem::elements::testing::{elastic, part, settings};
 use crumple_proto::job::{Beam as BeamJob, Part as PartJob, Precision};
@@ -37,7 +37,7 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let mut fresh = vec![0.0; beam.columns()];
     beam.start(&mut fresh, 0.0);
     beam.orient(&mut fresh, [0.3, 1.0, 0.2]);
-    let mut history = Columns::new(Precision::Double, 1, beam.columns());
+    let mut history = HistoryColumns::new(Precision::Double, 1, beam.columns());
     history.set(0, &fresh);
     let groups = [[0u32; LANES], [1; LANES]];
     let row = |v: V3| [v.x, v.y, v.z, 0.0];
@@ -47,11 +47,20 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
         let v = [0, 1].map(|c| row(x[c] - before[c]));
         let (x, w) = (x.map(row), if k == 0 { [[0.0; 4]; 2] } else { w[k - 1].map(row) });
         let nodes = crate::fem::elements::NodeView { x: &x, v: &v, w: &w };
-        let out = crate::fem::elements::CornerForces { force: &mut force, moment: &mut moment };
+        let out =
+            crate::fem::elements::ElementNodalForces { force: &mut force, moment: &mut moment };
         let dt = if k == 0 { 0.0 } else { 1.0 };
         let (groups, history) = (groups.as_flattened(), history.as_mut());
-        let pass =
-            Pass { range: 0..1, count: 1, groups, history, unstrained: &mut [], nodes, dt, out };
+        let pass = ElementPass {
+            range: 0..1,
+            count: 1,
+            groups,
+            history,
+            unstrained: &mut [],
+            nodes,
+            dt,
+            out,
+        };
         assert_eq!(beam.forces(pass).trouble, None);
     }
     [force[1], moment[0], moment[1]].map(|r| V3::new(r[0], r[1], r[2]))

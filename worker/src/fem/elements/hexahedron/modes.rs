@@ -64,7 +64,7 @@ impl<R: Real> Gradient<R> {
     /// Mean gradient of `scale` times the field that has the modes `u`: component i by coordinate
     /// j.
     #[inline(always)]
-    pub fn of(&self, u: &Modes<R>, scale: f64) -> [[R; 3]; 3] {
+    pub fn gradient_of(&self, u: &Modes<R>, scale: f64) -> [[R; 3]; 3] {
         let inverse = R::splat(scale) / self.volume64;
         let b = &self.b;
         std::array::from_fn(|i| {

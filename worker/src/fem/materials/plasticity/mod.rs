@@ -33,7 +33,7 @@ const LEAST_FAILURE_STRAIN: f64 = 1e-6;
 const LARGEST_TRIAXIALITY: f64 = 1.5;
 
 /// Columns after effective plastic strain.
-const RISE: usize = 1;
+const MAX_SLOPE: usize = 1;
 const DAMAGE: usize = 2;
 const FAILED: usize = 3;
 
@@ -205,7 +205,7 @@ impl Plasticity {
     fn homologous<R: Real>(&self, columns: &[R]) -> R {
         match &self.thermal {
             Some(thermal) => {
-                Real::min(columns[RISE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
+                Real::min(columns[MAX_SLOPE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
             }
             None => R::zero(),
         }
@@ -213,12 +213,12 @@ impl Plasticity {
 
     /// Heats and damages the lanes of `mask`.
     #[inline(always)]
-    fn suffer<R: Real>(&self, step: &Damage<R>, mask: R::Mask, columns: &mut [R]) {
+    fn accumulate_damage<R: Real>(&self, step: &Damage<R>, mask: R::Mask, columns: &mut [R]) {
         let one = R::splat(1.0);
         let homologous = self.homologous(columns);
         if let Some(thermal) = &self.thermal {
-            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[RISE]);
-            columns[RISE] = R::select(mask, rise, columns[RISE]);
+            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[MAX_SLOPE]);
+            columns[MAX_SLOPE] = R::select(mask, rise, columns[MAX_SLOPE]);
         }
         let limit = match self.failure {
             Failure::None => return,
@@ -250,7 +250,7 @@ impl Plasticity {
 
     /// Takes the stress of failed lanes away: the first `stress` columns.
     #[inline(always)]
-    fn let_go<R: Real>(state: &mut [R], stress: usize) {
+    fn zero_failed<R: Real>(state: &mut [R], stress: usize) {
         let alive = Self::alive(&state[stress..]);
         state[..stress].iter_mut().for_each(|s| *s = R::select(alive, *s, R::zero()));
     }

@@ -108,7 +108,7 @@ impl Plasticity {
         }
         if !any {
             if COLUMNS > STRAIN + 1 {
-                states.iter_mut().for_each(|state| Self::let_go(state, STRAIN));
+                states.iter_mut().for_each(|state| Self::zero_failed(state, STRAIN));
             }
             return;
         }
@@ -136,8 +136,8 @@ impl Plasticity {
             if COLUMNS > STRAIN + 1 {
                 let mean = R::splat(1.0 / 3.0 / self.yield_stress) * (state[0] + state[1]);
                 let damage = Damage { y, sig_y, mean, square: square(strain[k]), dt };
-                self.suffer(&damage, yields, &mut state[STRAIN..]);
-                Self::let_go(state, STRAIN);
+                self.accumulate_damage(&damage, yields, &mut state[STRAIN..]);
+                Self::zero_failed(state, STRAIN);
             }
         }
     }
@@ -263,7 +263,7 @@ impl PlaneStress for Plasticity {
         self.yield_stress
     }
 
-    fn rated(&self) -> Option<&Plasticity> {
+    fn rate_dependent(&self) -> Option<&Plasticity> {
         self.rate.counts().then_some(self)
     }
 

@@ -73,7 +73,7 @@ impl Plasticity {
             if COLUMNS > STRAIN + 1 {
                 let damage =
                     Damage { y, sig_y: returned, mean: mean * per_yield, square: square(), dt };
-                self.suffer(&damage, over, &mut state[STRAIN..]);
+                self.accumulate_damage(&damage, over, &mut state[STRAIN..]);
             }
         }
         for c in 0..3 {
@@ -81,7 +81,7 @@ impl Plasticity {
             state[3 + c] = factor * shear[c];
         }
         if COLUMNS > STRAIN + 1 {
-            Self::let_go(state, STRAIN);
+            Self::zero_failed(state, STRAIN);
         }
         factor
     }
