@@ -1,18 +1,16 @@
-//! The serial engine of Crumple: it runs without MPI, and its search and elements do not know that
-//! there are others.
+//! The engine of Crumple: it runs without MPI. Search and elements are serial and know no ranks.
 //!
-//! - [`step`]: THE TIME STEP, start there; [`serve`]: one worker from first order to last report
-//! - [`engine`]: owns everything; [`nodes`], [`blocks`]: columns of nodes and elements
-//! - [`elements`], [`materials`]: formulations and laws, one file each; [`lanes`]: numbers they are
-//!   written in
-//! - [`contact`]: search, then enforce; [`wall`]: rigid walls
-//! - [`loads`], [`prescribed`]: what acts from outside, and motion that is given; [`curve`]: their
-//!   factors over time; [`rigid`]: bodies that do not deform; [`ties`]: nodes carried by others
-//! - [`membership`], [`migrate`], [`erosion`]: who has what, and how that changes; [`census`]: who
-//!   would have what; [`halo`]: what goes over the wires in a step; [`agreement`]: what all must
-//!   know alike; [`motion`]: how far things have moved
+//! - [`step`]: THE TIME STEP, start there; [`serve`]: one worker from the first order to the last
+//!   report
+//! - [`engine`]: owns everything; [`nodes`]: columns of nodes
+//! - [`fem`]: elements, materials, blocks of elements, assembly
+//! - [`contact`]: search, then enforcement
+//! - [`constraints`]: prescribed motion, rigid bodies, ties, rigid walls
+//! - [`parallel`]: partition, ghosts, migration, the reduction of each step
+//! - [`math`]: lanes of numbers, best-fit rigid motion, exact sums
+//! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed elements
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records, files;
-//!   [`trace`]: what happens when
+//!   [`trace`]: time line of a worker
 
 pub mod constraints;
 pub mod contact;

@@ -4,7 +4,7 @@
 //! may need what this one did not. Times are shares of the CPU time of that run, elements of all
 //! parts taken as equally dear.
 
-use crate::analysis::pieces::Sets;
+use crate::analysis::connectivity::Sets;
 use crate::results::summary::{Cpu, MeanMax, PartSummary};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -53,7 +53,7 @@ struct Advice {
 pub fn run(dir: &Path) -> u8 {
     match read(dir) {
         Ok(summary) => {
-            crate::run::say::write(format_args!("{}", describe(&summary)));
+            crate::run::stdout::write(format_args!("{}", describe(&summary)));
             0
         }
         Err(why) => {
@@ -358,7 +358,7 @@ fn contact(s: &Summary) -> Option<Advice> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::pieces::Piece;
+    use crate::analysis::connectivity::Piece;
 
     fn part(id: u32, plastic_strain_max: f64, near: bool, pairs: bool) -> PartSummary {
         PartSummary {

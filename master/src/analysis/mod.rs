@@ -1,9 +1,10 @@
-//! analysis
+//! Analysis of jobs and runs: studies, advice, cost, benchmarks, predicted scaling and the
+//! measured stable step.
 
 pub mod advise;
 pub mod bench;
+pub mod connectivity;
 pub mod cost;
-pub mod pieces;
 pub mod scale;
 pub mod spectrum;
 pub mod study;

@@ -12,7 +12,7 @@
 //! from the mid-step before. `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`.
 //! With masses and inertias as weights B is symmetric, and Lanczos' vectors give its largest
 //! eigenvalue from below; all of them are kept orthogonal to each other, and the estimate is taken
-//! when its residual says that an eigenvalue lies within [`CLOSE`] of it (Parlett 1998, theorem
+//! when its residual says that an eigenvalue lies within `CLOSE` of it (Parlett 1998, theorem
 //! 4.5.1), or when it has stopped growing.
 //!
 //! Seen: elements with their present stress and shape, springs and dampers, ties, penalty and

@@ -361,11 +361,11 @@ pub fn run(args: &crate::cli::CheckArgs) -> u8 {
             return Report::EXIT_CODE;
         }
     };
-    crate::run::say::write(format_args!("{text}"));
+    crate::run::stdout::write(format_args!("{text}"));
     let Some(time) = args.step else { return 0 };
     match crate::analysis::spectrum::assembled(&model, time) {
         Ok(found) => {
-            crate::run::say::write(format_args!("{}", stability(&found, model.settings.safety)));
+            crate::run::stdout::write(format_args!("{}", stability(&found, model.settings.safety)));
             if found.taken > found.limit { UNSTABLE } else { 0 }
         }
         Err(why) => {

@@ -1,4 +1,4 @@
-//! input
+//! Input: jobs, keyword decks, their checks and their reference pages.
 
 pub mod check;
 pub mod deck;

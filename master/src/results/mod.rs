@@ -1,4 +1,4 @@
-//! results
+//! Results: fields, histories, the summary, the report page and exports for other programs.
 
 pub mod d3plot;
 pub mod field_file;

@@ -1,6 +1,6 @@
 //! `summary.json`: how a run went.
 
-use crate::analysis::pieces::{Piece, pieces};
+use crate::analysis::connectivity::{Piece, pieces};
 use crumple_proto::job::{Job, Part, Wall};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::NodeRecord;

@@ -5,7 +5,7 @@ use crate::input::job::{self, Model, Report};
 use crate::results::report;
 use crate::results::summary::{Status, Summary};
 use crate::run::control::{self, Results, RunError};
-use crate::run::say::say;
+use crate::run::stdout::say;
 use crate::run::stop::StopFlag;
 use crumple_proto::transport::{Transport, threads};
 use std::path::Path;
@@ -125,7 +125,7 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
         eprint!("{}", model.show(warning));
     }
     if !args.quiet {
-        crate::run::say::write(format_args!("{}", crate::input::check::mapping(model)));
+        crate::run::stdout::write(format_args!("{}", crate::input::check::mapping(model)));
     }
     log_to(&out);
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));

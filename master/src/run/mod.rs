@@ -1,4 +1,4 @@
-//! run
+//! The run as the master sees it: start, control, balance, decomposition, progress and stop.
 
 pub mod balance;
 pub mod control;
@@ -6,5 +6,5 @@ pub mod decompose;
 pub mod embedded;
 pub mod launch;
 pub mod progress;
-pub mod say;
+pub mod stdout;
 pub mod stop;

@@ -1,10 +1,10 @@
 //! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
 
 use super::{
-    Entry, bars, beams, contact, crashes, crossed, crush, edges, elements, experiments, facets,
-    hertz, invariance, joined, lines, materials, plates, press, relaxed, ridges, rigid, sections,
-    sheets, sliding, solid_bars, solid_cells, solid_patches, stability, stacked, steps, taylor,
-    walls,
+    Entry, bars, beam_contact, beams, contact, crashes, crush, dynamic_relaxation, edges, elements,
+    experiments, facets, hertz, invariance, joints, lines, materials, plates, pressure_patch,
+    ridges, rigid, sections, sheets, sliding, solid_bars, solid_cells, solid_patches, stability,
+    stacks, steps, taylor, walls,
 };
 
 const fn entry(
@@ -62,10 +62,10 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "A16",
         "Plate frequencies",
-        &[beams::PLATE, beams::FREE_PLATE, beams::CLAMPED_PLATE, relaxed::SAGGED],
+        &[beams::PLATE, beams::FREE_PLATE, beams::CLAMPED_PLATE, dynamic_relaxation::SAGGED],
         "frequencies 4 to 8 of FV12, NAFEMS 13H",
     ),
-    entry("A17", "Added masses", &[beams::MASSES, relaxed::HANGING], ""),
+    entry("A17", "Added masses", &[beams::MASSES, dynamic_relaxation::HANGING], ""),
     entry(
         "A19",
         "Rigid rotation, spinning body",
@@ -76,7 +76,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "A22",
         "Contact patch test",
-        &[press::PATCH],
+        &[pressure_patch::PATCH],
         "inclined and curved surfaces; the closed form of Serac (neo-Hookean)",
     ),
     entry(
@@ -114,7 +114,12 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "A30",
         "Large deflection of shells",
-        &[relaxed::STRIP, relaxed::ROLL, relaxed::HEMISPHERE, relaxed::PULLED],
+        &[
+            dynamic_relaxation::STRIP,
+            dynamic_relaxation::ROLL,
+            dynamic_relaxation::HEMISPHERE,
+            dynamic_relaxation::PULLED,
+        ],
         "",
     ),
     entry(
@@ -123,8 +128,8 @@ pub const CATALOGUE: &[Entry] = &[
         &[invariance::WORKERS, invariance::SCENES],
         "B15 as a scene; MPI: tests/tests/mpi.rs",
     ),
-    entry("A32", "Ties", &[joined::WAVE, joined::FLIGHT], "ties that let go of a failed element"),
-    entry("A33", "Spot welds that break", &[joined::WELD], "bending and torque"),
+    entry("A32", "Ties", &[joints::WAVE, joints::FLIGHT], "ties that let go of a failed element"),
+    entry("A33", "Spot welds that break", &[joints::WELD], "bending and torque"),
     entry("A34", "Beams", &[lines::SWING, lines::HINGE], ""),
     entry("A35", "Springs and dampers", &[lines::OSCILLATOR], ""),
     entry("A36", "Thickness in plastic flow", &[sheets::THINNING], ""),
@@ -173,10 +178,10 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "B09",
         "Twisted beam, Scordelis-Lo, pinched cylinder, hemisphere",
-        &[relaxed::CURVED, relaxed::TWISTED, relaxed::THIN],
+        &[dynamic_relaxation::CURVED, dynamic_relaxation::TWISTED, dynamic_relaxation::THIN],
         "Raasch hook",
     ),
-    entry("B10", "NAFEMS LE5 Z-section", &[relaxed::FOLDED], ""),
+    entry("B10", "NAFEMS LE5 Z-section", &[dynamic_relaxation::FOLDED], ""),
     entry(
         "B11",
         "Square tube, axial crush",
@@ -219,7 +224,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "C02",
         "Light node on a heavy segment and the reverse",
-        &[contact::LIGHT, stacked::FOAM],
+        &[contact::LIGHT, stacks::FOAM],
         "",
     ),
     entry("C03", "Corner, facet, vertex", &[facets::DROPPED], ""),
@@ -231,7 +236,7 @@ pub const CATALOGUE: &[Entry] = &[
         &[contact::FAST],
         "a rotating plate hit by its own edge",
     ),
-    entry("C08", "Symmetric contact, double counting", &[stacked::PLATES, stacked::LONG], ""),
+    entry("C08", "Symmetric contact, double counting", &[stacks::PLATES, stacks::LONG], ""),
     entry("C09", "Friction reversal", &[sliding::REVERSAL], ""),
     entry(
         "C10",
@@ -245,7 +250,7 @@ pub const CATALOGUE: &[Entry] = &[
         "C13",
         "Element inversion",
         &[solid_cells::CRUSHED],
-        "shells: tests/tests/endings.rs tests that an inverted one ends the run",
+        "shells: tests/tests/exit_codes.rs tests that an inverted one ends the run",
     ),
     entry(
         "C14",
@@ -256,7 +261,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "C15",
         "Over-constraint by several pairs",
-        &[contact::SANDWICH, stacked::STACK, stacked::CORNER, contact::CRADLE],
+        &[contact::SANDWICH, stacks::STACK, stacks::CORNER, contact::CRADLE],
         "(d) has unit tests in worker/src/contact/enforce/tests.rs",
     ),
     entry("C16", "Numbering of a shell in shear", &[elements::NUMBERING], ""),
@@ -269,7 +274,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry(
         "C20",
         "Beams as lines",
-        &[crossed::RIGID, crossed::ELASTIC, crossed::EDGE, crossed::REST],
+        &[beam_contact::RIGID, beam_contact::ELASTIC, beam_contact::EDGE, beam_contact::REST],
         "",
     ),
 ];

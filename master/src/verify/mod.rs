@@ -13,26 +13,26 @@
 //! program, [U] not verified.
 
 mod bars;
+mod beam_contact;
 mod beams;
 pub mod bench;
 pub mod catalogue;
 mod contact;
 mod crashes;
-mod crossed;
 mod crush;
+mod dynamic_relaxation;
 mod edges;
 mod elements;
 mod experiments;
 mod facets;
 mod hertz;
 mod invariance;
-mod joined;
+mod joints;
 mod lines;
 mod materials;
 mod measure;
 mod plates;
-mod press;
-mod relaxed;
+mod pressure_patch;
 mod report;
 mod ridges;
 mod rigid;
@@ -46,7 +46,7 @@ mod solid_cells;
 mod solid_patches;
 mod solids;
 mod stability;
-mod stacked;
+mod stacks;
 mod steps;
 mod taylor;
 mod walls;
@@ -151,7 +151,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     let mut outcomes = run_all(&checks, &Bench::new(Some(jobs)));
     refuse_repeats(&mut outcomes);
     let report = report::Report { entries: &entries, outcomes: &outcomes, quick: args.quick };
-    crate::run::say::write(format_args!("{}", report.markdown()));
+    crate::run::stdout::write(format_args!("{}", report.markdown()));
     if let Err(error) = write(&args.out, &report) {
         eprintln!("error: {}: {error}; choose another folder with --out", args.out.display());
         return BAD_INPUT;

@@ -1,4 +1,4 @@
-//! constraints
+//! Constraints on velocities: prescribed motion, rigid bodies, ties and rigid walls.
 
 pub mod prescribed;
 pub mod rigid;

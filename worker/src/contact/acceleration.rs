@@ -14,9 +14,9 @@
 //! the next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
-use crate::contact::exact_sum::{ExactSum, WORDS};
 use crate::contact::geometry::V3;
 use crate::contact::pairs::Pair;
+use crate::math::exact_sum::{ExactSum, WORDS};
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;

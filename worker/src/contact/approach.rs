@@ -8,7 +8,7 @@
 //! search nor workers show; a search has to know all that is so near ([`STEPS`]).
 
 use crate::contact::geometry::V3;
-use crate::contact::local::REACH;
+use crate::contact::local_search::REACH;
 use crate::contact::surface::Segment;
 use crate::nodes::{Nodes, Row, xyz};
 

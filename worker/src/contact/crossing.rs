@@ -3,8 +3,8 @@
 //! nodes, or comes through where no fold is sharp enough, still gets through. That is looked for
 //! now and then, for all edges of the surface, and told.
 
+use crate::contact::folds::{Edge, EdgeTable};
 use crate::contact::geometry::{V3, project_edges};
-use crate::contact::ridges::{Edge, EdgeTable};
 use crate::contact::search::Search;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};

@@ -26,10 +26,10 @@
 
 use crate::constraints::ties::ContactExclusions;
 use crate::contact::approach;
+use crate::contact::folds::{Edge, EdgeTable, FoldWedge, Kind};
 use crate::contact::geometry::{EdgeProjection, V3, project_edges, separation};
-use crate::contact::local::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
+use crate::contact::local_search::{ACTIVE, BEHIND, BESIDE, REACH, moved, tolerated};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
-use crate::contact::ridges::{Edge, EdgeTable, FoldWedge, Kind};
 use crate::contact::search::Search;
 use crate::contact::surface::{NOT_LOCAL, Surface};
 use crate::nodes::{Nodes, xyz};

@@ -18,7 +18,7 @@
 
 use crate::constraints::ties::ContactExclusions;
 use crate::contact::geometry::{Sphere, V3};
-use crate::contact::local::{ACTIVE, BEHIND, REACH, moved, tolerated};
+use crate::contact::local_search::{ACTIVE, BEHIND, REACH, moved, tolerated};
 use crate::contact::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::contact::pairs::{Pair, PairHistory, PairKey};
 use crate::contact::search::Search;

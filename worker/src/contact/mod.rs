@@ -14,27 +14,26 @@
 mod acceleration;
 pub mod approach;
 pub mod beams;
-mod close;
+mod candidates;
 pub mod crossing;
 pub mod edges;
 pub mod enforce;
-mod exact_sum;
 mod facets;
+pub mod folds;
 pub mod geometry;
-pub mod initial;
+pub mod initial_penetration;
 pub mod interfaces;
 pub mod kernels;
-pub mod local;
-mod meet;
-mod neighbours;
+pub mod local_search;
+mod near_list;
 mod overlap;
 pub mod pairs;
-pub mod record;
+mod projections;
 mod resultants;
-pub mod ridges;
 pub mod search;
+pub mod search_record;
+mod solver;
 pub mod surface;
-mod sweep;
 
 use crate::constraints::rigid::Bodies;
 use crate::constraints::ties::ContactExclusions;
@@ -43,7 +42,7 @@ use crate::energy::{ContactWork, Work};
 use crate::math::rigid_motion::MotionTracker;
 use crate::nodes::{Nodes, Row, row, xyz};
 use crate::parallel::ghosts::Ghosts;
-use close::{CandidateFilter, NearList};
+use candidates::CandidatePair;
 use crossing::Crossing;
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::job::Contact as ContactJob;
@@ -53,14 +52,14 @@ use enforce::{Elasticity, Laws, StepSizes};
 use facets::Facets;
 use geometry::{Sphere, V3};
 use interfaces::Interfaces;
-use meet::ProjectedPairs;
-use neighbours::CandidatePair;
+use near_list::{CandidateFilter, NearList};
 use pairs::{Pair, PairHistory, PairTable, accelerated_velocity};
-use record::SearchRecord;
+use projections::ProjectedPairs;
 use search::{SEARCHES, Search};
+use search_record::SearchRecord;
+use solver::ContactSolver;
+pub use solver::TrafficEstimate;
 use surface::{Segment, Surface};
-use sweep::ContactSolver;
-pub use sweep::TrafficEstimate;
 
 /// Automatic single-surface contact of one worker.
 pub struct Contact {
@@ -131,7 +130,7 @@ const FOLDS_EVERY: u64 = 64;
 /// How far beyond their own box segments must be known for a search with the local search's reach,
 /// by the scales of segment and nodes [length].
 pub fn search_reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
-    local::REACH * interfaces.most(segment_scale + largest_scale)
+    local_search::REACH * interfaces.most(segment_scale + largest_scale)
 }
 
 impl Contact {
@@ -418,7 +417,7 @@ impl Contact {
                 s.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
             (self.search_method)(&boxes, &points, &mut |g, p| {
                 let (segment, slave) = (&s.segments[g as usize], s.slaves[p as usize]);
-                let reach = local::reach_of_old(s, slave, segment) + self.skin;
+                let reach = local_search::reach_of_old(s, slave, segment) + self.skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
                 let touches = || s.interface(p as usize, segment).is_some();
                 let is_other =
@@ -494,7 +493,7 @@ impl Contact {
             self.projected_pairs.all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index)
         {
             let i = meetings[0].of.slave_index as usize;
-            local::find_pairs(
+            local_search::find_pairs(
                 nodes,
                 (&self.surface, &alive),
                 i,

@@ -4,9 +4,9 @@
 //! every other pair that touches one of its local nodes, so that it can add up the contact force on
 //! each of them alone, in ascending order of the pairs' names.
 
-mod order;
+pub mod convergence;
 mod pair;
-pub mod quiet;
+mod schedule;
 
 pub use pair::{
     FIXED_MASS_RATIO, MAX_PAIR_NODES, OpposingPairs, Pair, PairHistory, PairKey, padded,
@@ -73,8 +73,8 @@ pub struct PairTable {
     shared: Vec<SharedPairs>,
     /// Whether pairs count for areas, see [`Pair::area`].
     pub by_area: bool,
-    convergence: quiet::ConvergenceDetector,
-    schedule: order::SweepSchedule,
+    convergence: convergence::ConvergenceDetector,
+    schedule: schedule::SweepSchedule,
     incidence: Vec<(u32, u32, u8)>,
     words: Vec<u64>,
 }
@@ -441,7 +441,7 @@ impl PairTable {
     fn exchange(
         &mut self,
         comm: &mut dyn Transport,
-        mut quiet: Option<&mut quiet::ConvergenceDetector>,
+        mut quiet: Option<&mut convergence::ConvergenceDetector>,
         of: fn(&mut Pair) -> &mut V3,
     ) -> Result<(), RankLost> {
         for c in &self.shared {

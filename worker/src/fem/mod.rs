@@ -1,4 +1,5 @@
-//! fem
+//! Elements and materials, the columns they are stored in, and the assembly of their forces at
+//! nodes.
 
 pub mod assembly;
 pub mod blocks;

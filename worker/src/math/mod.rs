@@ -1,4 +1,5 @@
-//! math
+//! Mathematics that knows nothing of nodes, elements or workers.
 
+pub mod exact_sum;
 pub mod lanes;
 pub mod rigid_motion;

@@ -11,7 +11,7 @@ use crate::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crate::contact::Contact;
 use crate::contact::beams::with_edges;
 use crate::contact::pairs::Pair;
-use crate::contact::pairs::quiet::distances;
+use crate::contact::pairs::convergence::distances;
 use crate::contact::surface::{Segment, Surface};
 use crate::engine::Engine;
 use crate::fem::blocks::LocalElement;

@@ -18,7 +18,7 @@ use crate::input::job::{self, Model, Report};
 use crate::run::decompose::{Centres, Load, Loads, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Progress, State};
-use crate::run::say::say;
+use crate::run::stdout::say;
 use crumple_proto::boxes::CutTree;
 use crumple_worker::contact::TrafficEstimate;
 use crumple_worker::engine::Engine;

@@ -2,7 +2,7 @@
 
 use super::model::{LOSSES, Network};
 use super::{Prediction, Sample};
-use crate::analysis::study::chart::plain::{Curve, percent_over_doublings};
+use crate::analysis::study::chart::series::{Curve, percent_over_doublings};
 use crumple_worker::parallel::census::Count;
 use std::fmt::Write;
 use std::path::Path;

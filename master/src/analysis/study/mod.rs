@@ -17,7 +17,7 @@ pub mod runs;
 pub mod spec;
 
 use crate::cli::StudyArgs;
-use crate::run::say::say;
+use crate::run::stdout::say;
 use crate::run::stop::StopFlag;
 use grid::Plan;
 use results::Table;

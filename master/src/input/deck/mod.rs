@@ -9,7 +9,8 @@
 //!
 //! The reader of cards knows nothing of models. Nothing here panics on any input.
 
-mod build;
+mod convert;
+mod diagnostics;
 pub mod export;
 mod expression;
 mod fields;
@@ -21,9 +22,8 @@ mod record;
 pub mod reference;
 mod table;
 mod text;
-mod trouble;
 
-pub use build::mesh::{Lists, Places};
+pub use convert::mesh::{Lists, Places};
 pub use merge::merge;
 pub use text::Text;
 
@@ -31,9 +31,9 @@ use crate::input::job::report::{Finding, deck_path};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
+use diagnostics::Trouble;
 use std::collections::BTreeMap;
 use std::path::Path;
-use trouble::Trouble;
 
 /// What a deck asks for, and what it gets.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub fn is_deck(path: &Path) -> bool {
 pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck {
     let mut trouble = Trouble::default();
     let mut texts = text::Texts::read(path, &mut trouble);
-    let (tree, mut built) = build::build(&texts, leave_out, trouble);
+    let (tree, mut built) = convert::build(&texts, leave_out, trouble);
     let unsupported = report_unsupported(
         std::mem::take(&mut built.unsupported),
         allow_unsupported,

@@ -1,10 +1,10 @@
 //! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names for values, which fields refer to as `&name`.
 
+use super::diagnostics::Trouble;
 use super::expression;
 use super::fields::{Format, expand};
 use super::number;
 use super::text::{Block, Texts};
-use super::trouble::Trouble;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 

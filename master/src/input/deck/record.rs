@@ -1,12 +1,12 @@
 //! Cards read by the table: values that know where they stand.
 
+use super::diagnostics::Trouble;
 use super::fields::{Format, split};
 use super::keywords::Row;
 use super::number;
 use super::parameters::{Parameter, Parameters};
 use super::table::{Card, Field, Kind, Times};
 use super::text::{Block, Texts};
-use super::trouble::Trouble;
 use crate::input::job::tree::Place;
 
 /// What stands in a field.

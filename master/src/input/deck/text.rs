@@ -4,8 +4,8 @@
 //! A `*INCLUDE` is replaced by what it names. What stands before `*KEYWORD`, comments (`$`), and
 //! what follows `*END` in its file is left out. Nothing here knows any other keyword.
 
+use super::diagnostics::Trouble;
 use super::fields::Format;
-use super::trouble::Trouble;
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
 

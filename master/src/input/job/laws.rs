@@ -9,7 +9,7 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_worker::contact::enforce::{CONTACT_LAWS, ITERATIONS, PENALTY_FORMS};
-use crumple_worker::contact::initial::{InitialPenetrations, Penetration};
+use crumple_worker::contact::initial_penetration::{InitialPenetrations, Penetration};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::{Element, build_block, formulation};
 use crumple_worker::fem::materials;

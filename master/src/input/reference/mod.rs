@@ -15,8 +15,8 @@ use crate::cli::SchemaArgs;
 /// Prints the schema, or the page. Returns the exit code.
 pub fn run(args: &SchemaArgs) -> u8 {
     match args.reference {
-        true => crate::run::say::write(format_args!("{}", page())),
-        false => crate::run::say::write(format_args!("{:#}\n", schema())),
+        true => crate::run::stdout::write(format_args!("{}", page())),
+        false => crate::run::stdout::write(format_args!("{:#}\n", schema())),
     }
     0
 }

@@ -26,7 +26,7 @@ pub const FILE_SIZE: u64 = 256;
 pub fn run(dir: &Path, file_size: u64) -> u8 {
     match export(dir, file_size * 1_000_000) {
         Ok(said) => {
-            crate::run::say::write(format_args!("{said}\n"));
+            crate::run::stdout::write(format_args!("{said}\n"));
             0
         }
         Err(why) => {

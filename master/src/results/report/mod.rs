@@ -12,13 +12,13 @@ mod paths;
 mod plots;
 mod scene;
 mod series;
+mod single_forces;
 mod sources;
 mod surface;
 mod tables;
-mod things;
 
 use crate::results::fields::COLLECTION;
-use crate::run::say::say;
+use crate::run::stdout::say;
 use encode::Description;
 use scene::Scene;
 use serde_json::json;

@@ -3,7 +3,7 @@
 
 use super::paths::{self, WallPath};
 use super::plots::{History, Plots};
-use super::things;
+use super::single_forces;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -65,7 +65,8 @@ impl Sources {
             Ok(history) => {
                 sources.problems.extend(history.damage.clone());
                 sources.plots = history.plots(sources.workers());
-                let of_things = things::plots(dir, &sources.plots.time, &mut sources.problems);
+                let of_things =
+                    single_forces::plots(dir, &sources.plots.time, &mut sources.problems);
                 let after_walls =
                     sources.plots.plots.iter().position(|p| p.title == "Time step").unwrap_or(0);
                 sources.plots.plots.splice(after_walls..after_walls, of_things);

@@ -25,7 +25,7 @@ pub const HELP: &str = "build it with `cargo build --release --features vtkhdf`"
 pub fn run(dir: &Path) -> u8 {
     match export(dir) {
         Ok(said) => {
-            crate::run::say::write(format_args!("{said}\n"));
+            crate::run::stdout::write(format_args!("{said}\n"));
             0
         }
         Err(why) => {

@@ -2,7 +2,7 @@
 //! legend.
 
 use super::axis::Axis;
-use super::sheet::{Anchor, BLACK, Colour, GREY, LIGHT, SIZE, Sheet};
+use super::canvas::{Anchor, BLACK, Colour, GREY, LIGHT, SIZE, Sheet};
 
 /// Left, top, right and bottom of the plot on the page.
 pub const LEFT: f64 = 95.0;

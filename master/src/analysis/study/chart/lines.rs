@@ -3,9 +3,9 @@
 
 use super::View;
 use super::axis::Axis;
+use super::canvas::{GREY, Sheet, WHITE};
 use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
 use super::map::curves;
-use super::sheet::{GREY, Sheet, WHITE};
 use crate::analysis::study::grid::{number, plain, short};
 use crate::analysis::study::results::Row;
 use crate::analysis::study::spec::flatten;

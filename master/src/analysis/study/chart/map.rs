@@ -3,8 +3,8 @@
 
 use super::View;
 use super::axis::{Axis, short};
+use super::canvas::{Anchor, BLACK, Colour, Sheet, WHITE};
 use super::frame::{BOTTOM, Frame, LEFT, LEGEND, RIGHT, SMALL, TOP};
-use super::sheet::{Anchor, BLACK, Colour, Sheet, WHITE};
 use crate::analysis::study::grid::number;
 use crate::analysis::study::results::Row;
 use crate::analysis::study::spec::{ENDED, formula};

@@ -6,16 +6,16 @@
 //! - `pareto`, `map`, `lines`: the kinds; `plain`: curves without a study
 
 mod axis;
+mod canvas;
 mod frame;
 mod lines;
 mod map;
 mod pareto;
-pub mod plain;
-mod sheet;
+pub mod series;
 
 use super::results::{Row, Table};
 use super::spec::{Chart, ChartKind, Measure, Study};
-use sheet::Sheet;
+use canvas::Sheet;
 use std::path::{Path, PathBuf};
 
 /// Draws all charts of a study into a folder; gives the files.

@@ -2,8 +2,8 @@
 //! front.
 
 use super::axis::Axis;
+use super::canvas::{Anchor, BLACK, Sheet, WHITE};
 use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
-use super::sheet::{Anchor, BLACK, Sheet, WHITE};
 use super::{View, dash};
 
 /// Draws the chart.

@@ -23,12 +23,12 @@ mod units;
 mod walls;
 mod welds;
 
+use super::diagnostics::Trouble;
 use super::keywords::{self, Row};
 use super::parameters::Parameters;
 use super::record::{Cards, Record};
 use super::table::Effect;
 use super::text::{Block, Texts};
-use super::trouble::Trouble;
 use super::{Mapping, Unsupported};
 use crate::input::job::tree::{Node, Place};
 use crumple_proto::ids::NodeId;

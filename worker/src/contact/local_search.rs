@@ -12,8 +12,8 @@
 //! does not meet the nodes of that one's top with its side faces, at whose lower rims they pass.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
-use crate::contact::meet::ProjectedPair;
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
+use crate::contact::projections::ProjectedPair;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
@@ -149,7 +149,7 @@ struct PairGeometry<'a> {
     slave: u32,
     /// Its place among the surface's slaves.
     place: usize,
-    /// See [`Neighbours::ring`](crate::contact::neighbours::Neighbours::ring).
+    /// See [`Neighbours::ring`](crate::contact::candidates::Neighbours::ring).
     ring: u8,
     interface: u16,
     /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both
@@ -470,9 +470,9 @@ fn evaluate_pair(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::close::CandidateFilter;
+    use crate::contact::candidates::CandidatePair;
     use crate::contact::geometry::Sphere;
-    use crate::contact::neighbours::CandidatePair;
+    use crate::contact::near_list::CandidateFilter;
     use crate::contact::surface::NOT_LOCAL;
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};

@@ -1,8 +1,8 @@
 //! Curves that are given as numbers, for commands that measure without a study.
 
 use super::axis::Axis;
+use super::canvas::WHITE;
 use super::frame::{BOTTOM, Frame, LEFT, RIGHT, TOP, colour};
-use super::sheet::WHITE;
 use std::path::{Path, PathBuf};
 
 /// A named curve.

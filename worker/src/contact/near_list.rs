@@ -3,10 +3,10 @@
 //! search's, at a fraction of that skin, and leaves out only what the local search would turn away
 //! in every step until then, as long as a slave that remembered nothing still does.
 
+use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::{Sphere, V3};
 use crate::contact::kernels::{are_separated, is_in, projects_outside};
-use crate::contact::local::{has_history, reach, reach_of_old};
-use crate::contact::neighbours::{CandidatePair, PairBatch};
+use crate::contact::local_search::{has_history, reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};

@@ -2,7 +2,7 @@
 //! and what is met with less than its thickness.
 
 use crate::contact::geometry::{V3, nearest};
-use crate::contact::local::{BEHIND, BESIDE, is_opposed};
+use crate::contact::local_search::{BEHIND, BESIDE, is_opposed};
 use crate::contact::search::linked_cells;
 use crate::contact::surface::{ContactParts, Segment, Surface};
 use crate::fem::blocks::LocalElement;

@@ -1,10 +1,10 @@
 //! Which near segments come into reach of their slaves in the step, and where they are nearest:
 //! several at once, whoever their slaves are.
 
+use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::{Nearest, V3};
 use crate::contact::kernels::{is_in, is_within, plane_bound, project, projects_outside};
-use crate::contact::local::{reach, reach_of_old};
-use crate::contact::neighbours::{CandidatePair, PairBatch};
+use crate::contact::local_search::{reach, reach_of_old};
 use crate::contact::pairs::PairHistory;
 use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
