@@ -33,7 +33,7 @@ const LEAST_FAILURE_STRAIN: f64 = 1e-6;
 const LARGEST_TRIAXIALITY: f64 = 1.5;
 
 /// Columns after effective plastic strain.
-const MAX_SLOPE: usize = 1;
+const TEMPERATURE_RISE: usize = 1;
 const DAMAGE: usize = 2;
 const FAILED: usize = 3;
 
@@ -205,7 +205,7 @@ impl Plasticity {
     fn homologous<R: Real>(&self, columns: &[R]) -> R {
         match &self.thermal {
             Some(thermal) => {
-                Real::min(columns[MAX_SLOPE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
+                Real::min(columns[TEMPERATURE_RISE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
             }
             None => R::zero(),
         }
@@ -217,8 +217,8 @@ impl Plasticity {
         let one = R::splat(1.0);
         let homologous = self.homologous(columns);
         if let Some(thermal) = &self.thermal {
-            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[MAX_SLOPE]);
-            columns[MAX_SLOPE] = R::select(mask, rise, columns[MAX_SLOPE]);
+            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[TEMPERATURE_RISE]);
+            columns[TEMPERATURE_RISE] = R::select(mask, rise, columns[TEMPERATURE_RISE]);
         }
         let limit = match self.failure {
             Failure::None => return,
