@@ -1,8 +1,7 @@
-//! Bad jobs give everything that is wrong with them, each with its line and a remedy; nothing
-//! panics.
+//! Bad jobs: the report lists all errors, each with its line and a remedy; nothing panics.
 //!
-//! A file in `tests/bad` begins with what its report has to say: one `#: text` for each piece of
-//! text.
+//! A file in `tests/bad` begins with the expected contents of its report: one `#: text` for each
+//! piece of text.
 
 use crumple::input::job::{Model, Report, read};
 use std::path::{Path, PathBuf};
@@ -55,8 +54,8 @@ fn every_bad_job_says_all_that_is_wrong_with_it() {
     assert!(count >= 28, "{count} bad jobs");
 }
 
-/// The whole text of a report, once: file, line, column, the line itself, the key underlined, the
-/// remedy.
+/// Checks the whole text of a report, once: file, line, column, the line itself, the key
+/// underlined, the remedy.
 #[test]
 fn a_report_shows_the_line_and_underlines_the_key() {
     let report = report_of(&folder("bad/wrong_section.toml"), &[]).to_string();
@@ -156,12 +155,12 @@ fn a_good_job_becomes_a_model() {
     assert_eq!((elements.len(), nodes.len()), (4, 9));
     assert_eq!((elements[3].nodes[2], elements[3].part), (elements[3].nodes[3], 1));
     assert_eq!((nodes[0].fixed, nodes[8].mass, nodes[7].mass), (0b1100, 0.5, 0.0));
-    // Ten mm from the centre in x and y, turning at 0.5 about z.
+    // Ten mm from the centre in x and y, rotating at 0.5 about z.
     assert_eq!((nodes[8].v, nodes[8].w), ([-5.0, -5.0, 0.0], [0.0, 0.0, 0.5]));
     assert_eq!(nodes[0].v, [0.0, -10.0, 0.0]);
     assert_eq!(model.settings.walls[0].direction, [0.0, 1.0, 0.0]);
     assert_eq!(model.settings.field_times, [0.0, 0.02, 0.05, 0.1]);
-    // Sides: ten everywhere but the triangle's diagonal.
+    // All sides are ten except the triangle's diagonal.
     assert_eq!((model.settings.buffer, model.settings.contact.as_ref().unwrap().skin), (10.0, 2.5));
     let area = 100.0;
     let mass = 7.85e-6 * area * (1.0 + 1.0 + 2.0 + 0.5 * 2.0);
@@ -202,8 +201,8 @@ fn mass_scaling_reaches_the_step_asked_for() {
     );
 }
 
-/// No cycle in an outer step is refused; what cannot be slow is told, and the line of `check` says
-/// what subcycles leave.
+/// Zero cycles in an outer step are refused; elements that cannot be slow are reported, and the
+/// line of `check` has the remaining share of computations.
 #[test]
 fn subcycles_are_checked() {
     let refused = report_of(&plate(), &["time.subcycles=0"]).to_string();
@@ -216,7 +215,7 @@ fn subcycles_are_checked() {
             ["scene.strip=2", "scene.narrow=8"].iter().chain(sets).map(|s| s.to_string()).collect();
         read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
     };
-    // 20 columns, of which 2 are narrow and their neighbours next to these: 80 of 400 quads in each
+    // 2 of 20 columns are narrow; with their neighbours 80 of 400 quads are computed in each
     // cycle.
     let model = strip(&["time.subcycles=4"]);
     let told = crumple::input::check::describe(&model);
@@ -291,7 +290,7 @@ fn check_describes_the_job() {
     }
 }
 
-/// Whatever stands in a file, reading it ends in a model or a report.
+/// Any contents of a file give a model or a report.
 #[test]
 fn damaged_jobs_do_not_panic() {
     let text = std::fs::read(plate()).unwrap();
@@ -366,7 +365,7 @@ fn damaged_jobs_do_not_panic() {
     );
 }
 
-/// Two cubes of ten, one `depth` into the other.
+/// Returns a job with two cubes of ten, one `depth` into the other.
 fn sunk(depth: f64, aside: f64) -> String {
     let cube = |first: u32, at: [f64; 3]| {
         let corner = |i: u32| {

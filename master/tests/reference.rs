@@ -1,5 +1,5 @@
-//! The committed reference of jobs is what the program says, and the schema for editors agrees with
-//! the reader.
+//! The committed reference of jobs equals the output of the program, and the schema for editors
+//! agrees with the reader.
 
 use crumple::input::job::read;
 use crumple::input::reference::{page, schema};
@@ -21,8 +21,8 @@ fn the_committed_reference_is_current() {
     );
 }
 
-/// The keys that the schema adds to what the reader checks are those of the tables that it checks
-/// against: everything in the shipped jobs is known, with its words.
+/// The keys that the schema adds to the checks of the reader are those of the tables of the
+/// reader: the schema knows every key and word of the shipped jobs.
 #[test]
 fn the_schema_knows_what_shipped_jobs_say() {
     let schema = schema();

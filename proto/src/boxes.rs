@@ -1,9 +1,9 @@
-//! Axis-aligned boxes, and the tree of cuts that tiles space with one box per worker (Wang 2007,
-//! 2.1).
+//! Axis-aligned boxes, and the tree of cuts that divides space into one box per worker (Wang et
+//! al. 2007, sec. 2.1).
 
 use serde::{Deserialize, Serialize};
 
-/// An axis-aligned box [length].
+/// Axis-aligned box [length].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Aabb {
     /// Lower corner.
@@ -13,19 +13,19 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// Empty box, which contains no point.
     pub const EMPTY: Aabb = Aabb { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
-    /// The box that holds all space.
+    /// Box that contains all space.
     pub const ALL: Aabb = Aabb { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
 
-    /// The smallest box around points.
+    /// Returns the smallest box around `points`.
     pub fn around(points: impl IntoIterator<Item = [f64; 3]>) -> Self {
         let mut b = Self::EMPTY;
         points.into_iter().for_each(|p| b.include(p));
         b
     }
 
-    /// Grows the box to hold `p`.
+    /// Extends the box to contain `p`.
     pub fn include(&mut self, p: [f64; 3]) {
         for (c, &pc) in p.iter().enumerate() {
             self.min[c] = self.min[c].min(pc);
@@ -33,27 +33,28 @@ impl Aabb {
         }
     }
 
-    /// The box with every face moved outwards by `d` (inwards if negative).
+    /// Returns the box with every face moved outwards by `d` [length], or inwards if `d` is
+    /// negative.
     pub fn grown(&self, d: f64) -> Self {
         Self { min: self.min.map(|a| a - d), max: self.max.map(|a| a + d) }
     }
 
-    /// Whether the closed boxes have a point in common.
+    /// Returns true if the closed boxes have a point in common.
     pub fn intersects(&self, o: &Self) -> bool {
         (0..3).all(|c| self.min[c] <= o.max[c] && o.min[c] <= self.max[c])
     }
 
-    /// Whether `p` lies in the closed box.
+    /// Returns true if `p` lies in the closed box.
     pub fn contains(&self, p: [f64; 3]) -> bool {
         (0..3).all(|c| self.min[c] <= p[c] && p[c] <= self.max[c])
     }
 
-    /// Whether `o` lies wholly inside.
+    /// Returns true if the box contains all of `o`.
     pub fn contains_box(&self, o: &Self) -> bool {
         (0..3).all(|c| self.min[c] <= o.min[c] && o.max[c] <= self.max[c])
     }
 
-    /// The common part, empty if there is none.
+    /// Returns the intersection of both boxes, empty if they have no point in common.
     pub fn intersection(&self, o: &Self) -> Self {
         let mut b = *self;
         for c in 0..3 {
@@ -63,18 +64,18 @@ impl Aabb {
         b
     }
 
-    /// Whether no point lies in the box.
+    /// Returns true if the box contains no point.
     pub fn is_empty(&self) -> bool {
         (0..3).any(|c| self.min[c] > self.max[c])
     }
 
-    /// Distance between the two boxes [length], 0 if they touch.
+    /// Returns the distance between the two boxes [length], 0 if they touch.
     pub fn distance(&self, o: &Self) -> f64 {
         let gaps = (0..3).map(|c| (o.min[c] - self.max[c]).max(self.min[c] - o.max[c]).max(0.0));
         gaps.map(|g| g * g).sum::<f64>().sqrt()
     }
 
-    /// The eight corners.
+    /// Returns the eight corners [length].
     pub fn corners(&self) -> [[f64; 3]; 8] {
         std::array::from_fn(|i| {
             std::array::from_fn(|c| if i >> c & 1 == 0 { self.min[c] } else { self.max[c] })
@@ -85,9 +86,9 @@ impl Aabb {
 /// One entry of a [`CutTree`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Cut {
-    /// A plane; what lies below it along `axis` is in entry `below`.
+    /// Plane; points below it along `axis` are in entry `below`.
     Plane {
-        /// 0, 1 or 2.
+        /// Axis normal to the plane: 0, 1 or 2.
         axis: usize,
         /// Coordinate of the plane [length].
         at: f64,
@@ -96,24 +97,24 @@ pub enum Cut {
         /// Entry of the upper half.
         above: usize,
     },
-    /// The box of this worker (0-based).
+    /// Box of this worker (0-based).
     Leaf(usize),
 }
 
 /// Recursive bisection of space. Entry 0 is the root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CutTree {
-    /// Entries; children come after their parent.
+    /// Entries; children follow their parent.
     pub entries: Vec<Cut>,
 }
 
 impl CutTree {
-    /// All space to one worker.
+    /// Returns the tree that gives all space to one worker.
     pub fn single() -> Self {
         Self { entries: vec![Cut::Leaf(0)] }
     }
 
-    /// The leaf entry whose box holds `p`.
+    /// Returns the leaf entry whose box contains `p`.
     pub fn entry_of(&self, p: [f64; 3]) -> usize {
         let mut i = 0;
         while let Cut::Plane { axis, at, below, above } = self.entries[i] {
@@ -122,7 +123,7 @@ impl CutTree {
         i
     }
 
-    /// The worker whose box holds `p`.
+    /// Returns the worker whose box contains `p`.
     pub fn worker_of(&self, p: [f64; 3]) -> usize {
         match self.entries[self.entry_of(p)] {
             Cut::Leaf(w) => w,
@@ -130,12 +131,12 @@ impl CutTree {
         }
     }
 
-    /// Number of workers.
+    /// Returns the number of workers.
     pub fn workers(&self) -> usize {
         self.entries.iter().filter(|e| matches!(e, Cut::Leaf(_))).count()
     }
 
-    /// The box of each worker; outer faces are at infinity.
+    /// Returns the box of each worker; outer faces are at infinity.
     pub fn boxes(&self) -> Vec<Aabb> {
         let mut of_entry = vec![Aabb::ALL; self.entries.len()];
         let mut boxes = vec![Aabb::EMPTY; self.workers()];
@@ -152,7 +153,7 @@ impl CutTree {
         boxes
     }
 
-    /// The workers under entry `i`, ascending.
+    /// Returns the workers below entry `i`, ascending.
     pub fn leaves(&self, i: usize) -> Vec<usize> {
         match self.entries[i] {
             Cut::Leaf(w) => vec![w],

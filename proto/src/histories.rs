@@ -1,10 +1,10 @@
-//! Histories by kind: what a job asks for, in ids, and the workers' shares of what is recorded at
-//! every history interval.
+//! Histories by kind: requests of a job, in ids, and the contributions of workers to each
+//! history interval.
 
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
-/// What is recorded beside the sums of `history.csv`.
+/// Histories that are recorded in addition to the sums of `history.csv`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HistoryRequests {
     /// Energies, mass and momentum of each part.
@@ -22,16 +22,16 @@ pub struct HistoryRequests {
 /// Nodes whose motion is recorded.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NodeGroup {
-    /// Name for people.
+    /// Name for output.
     pub name: String,
     /// The nodes, ascending.
     pub nodes: Vec<NodeId>,
 }
 
-/// A section through the model: nodes, and the elements on one side that end at them.
+/// Section through the model: nodes, and the elements on one side that end at them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Section {
-    /// Name for people.
+    /// Name for output.
     pub name: String,
     /// The nodes, ascending.
     pub nodes: Vec<NodeId>,
@@ -39,28 +39,29 @@ pub struct Section {
     pub elements: Vec<ElemId>,
 }
 
-/// A force transducer: the contact force on a surface, from another one or from all.
+/// Force transducer: the contact force on a surface, from another surface or from all.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Transducer {
-    /// Name for people.
+    /// Name for output.
     pub name: String,
-    /// The surface whose force is recorded.
+    /// Surface whose force is recorded.
     pub on: Surface,
-    /// Those that exert it.
+    /// Surface that exerts the force.
     pub from: Surface,
 }
 
-/// A part of what can touch: by parts, by nodes, or by both. Without either it is all.
+/// Subset of the contact surface: by parts, by nodes, or by both. Without either it is the
+/// whole surface.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Surface {
-    /// Indices of the parts, ascending; any part if empty.
+    /// Indices of the parts, ascending; all parts if empty.
     pub parts: Vec<u32>,
-    /// The nodes, ascending; any node without them.
+    /// The nodes, ascending; all nodes if `None`.
     pub nodes: Option<Vec<NodeId>>,
 }
 
 impl Surface {
-    /// Whether something of this part with these nodes belongs to it.
+    /// Returns true if an entity of this part with these nodes belongs to the surface.
     pub fn has(&self, part: u32, nodes: &[NodeId]) -> bool {
         let own = |set: &Vec<NodeId>| nodes.iter().all(|n| set.binary_search(n).is_ok());
         (self.parts.is_empty() || self.parts.binary_search(&part).is_ok())
@@ -68,29 +69,29 @@ impl Surface {
     }
 }
 
-/// One worker's shares of what is recorded at one time; empty where nothing is asked for.
+/// Contributions of one worker at one time; empty where nothing is requested.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HistoryShares {
     /// Per part, in the order of the settings.
     pub parts: Vec<PartShare>,
     /// Pairs of parts that touch, ascending.
     pub contacts: Vec<ContactShare>,
-    /// Nodes of all groups that the worker owns, ascending.
+    /// Nodes of all groups that this worker owns, ascending.
     pub nodes: Vec<NodeState>,
     /// Per section.
     pub sections: Vec<SectionShare>,
-    /// Contact pairs that transducers feel, ascending by transducer and pair.
+    /// Contact forces on transducers, ascending by transducer and pair.
     pub transducers: Vec<PairForce>,
 }
 
-/// What the elements of a part have.
+/// Sums over the elements of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartShare {
     /// Mass [mass].
     pub mass: f64,
     /// Kinetic energy of that mass [energy].
     pub kinetic: f64,
-    /// Internal energy: stored and plastically dissipated [energy].
+    /// Internal energy: stored elastically and dissipated plastically [energy].
     pub internal: f64,
     /// Hourglass and drilling energy [energy].
     pub hourglass: f64,
@@ -98,27 +99,27 @@ pub struct PartShare {
     pub momentum: [f64; 3],
 }
 
-/// Contact force between two parts, the first of which has the lower index.
+/// Contact force between two parts; the first has the lower index.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactShare {
     /// Indices into the parts of the settings.
     pub parts: [u32; 2],
-    /// Force on the first [force].
+    /// Force on the first part [force].
     pub force: [f64; 3],
 }
 
-/// What a transducer feels of one contact pair.
+/// Force of one contact pair on a transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairForce {
     /// Index of the transducer.
     pub transducer: u32,
-    /// The pair's name, by which pairs are in ascending order on any number of workers.
+    /// Key of the pair; the ascending order of keys does not depend on the number of workers.
     pub pair: [u64; 4],
     /// Force on the transducer's surface [force].
     pub force: [f64; 3],
 }
 
-/// The motion of a node.
+/// Motion of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NodeState {
     /// The node.
@@ -133,7 +134,7 @@ pub struct NodeState {
     pub a: [f64; 3],
 }
 
-/// What the elements of a section put on its nodes.
+/// Sums of the forces that the elements of a section exert on its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SectionShare {
     /// Force [force].
@@ -142,7 +143,7 @@ pub struct SectionShare {
     pub moment: [f64; 3],
     /// Sum of the coordinates of the owned nodes [length].
     pub places: [f64; 3],
-    /// Their number.
+    /// Number of owned nodes.
     pub nodes: u64,
 }
 
@@ -151,7 +152,7 @@ fn add(a: &mut [f64; 3], b: &[f64; 3]) {
 }
 
 impl HistoryShares {
-    /// Adds another worker's shares of the same time.
+    /// Adds the contributions of another worker at the same time.
     pub fn add(&mut self, o: &Self) {
         for (a, b) in self.parts.iter_mut().zip(&o.parts) {
             a.mass += b.mass;
@@ -178,8 +179,9 @@ impl HistoryShares {
         self.transducers.sort_by_key(|p| (p.transducer, p.pair));
     }
 
-    /// Force on each of so many transducers, of the sum over workers: pairs in ascending order, so
-    /// that the bits do not depend on who had which [force].
+    /// Returns the force on each of `count` transducers [force]. `self` must be the sum over
+    /// all workers. Pairs are added in ascending order, so that the result does not depend on
+    /// the decomposition, to the bit.
     pub fn transducer_forces(&self, count: usize) -> Vec<[f64; 3]> {
         let mut forces = vec![[0.0; 3]; count];
         for pair in &self.transducers {
@@ -190,8 +192,8 @@ impl HistoryShares {
 }
 
 impl SectionShare {
-    /// Middle of the section's nodes [length], and the moment about it [force length]; to be asked
-    /// of the sum over workers.
+    /// Returns the centre of the section's nodes [length] and the moment about it [force
+    /// length]. `self` must be the sum over all workers.
     pub fn about_midsurface(&self) -> ([f64; 3], [f64; 3]) {
         let (c, f) = (self.places.map(|x| x / self.nodes.max(1) as f64), self.force);
         let turn =
@@ -223,8 +225,8 @@ mod tests {
         assert_eq!(one.nodes, [node(2), node(5), node(9)]);
     }
 
-    /// 1 + 1e-16 - 1 is 0 in this order, and another number in others: the order is that of the
-    /// pairs, not of the workers.
+    /// 1 + 1e-16 - 1 is 0 in this order and another number in others. The order must be that of
+    /// the pairs, not of the workers.
     #[test]
     fn a_transducer_sums_in_the_order_of_pairs() {
         let felt =
@@ -252,8 +254,8 @@ mod tests {
         assert!(Surface::default().has(9, &ids(&[7])));
     }
 
-    /// Two forces of 5 along z at y = 1 and y = 3 are 10 in the middle, and no moment about it; the
-    /// same with the nodes at y = 0 and y = 2 give a moment of 10 about x.
+    /// Two forces of 5 along z at y = 1 and y = 3 give 10 at the centre, and no moment about
+    /// it. With the nodes at y = 0 and y = 2 they give a moment of 10 about x.
     #[test]
     fn the_moment_is_about_the_middle_of_the_nodes() {
         let of = |places: [f64; 3]| SectionShare {

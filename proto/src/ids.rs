@@ -1,10 +1,12 @@
-//! Global ids. A node id where an element id is meant does not compile.
+//! Global ids. The compiler rejects a node id in place of an element id.
 //!
-//! Everything of which the order matters (columns, sums, pairs) goes by ascending id. A user's mesh
-//! may be numbered so that neighbours lie far apart in memory; its ids then get a *place* in front
-//! of the number that the user gave, their *label*, and go by place. Only labels are shown.
+//! Everything whose order matters (columns, sums, pairs) is ordered by ascending id. A user's
+//! mesh may be numbered such that neighbours lie far apart in memory. Its ids then get a
+//! *place* in front of the user's number, the *label*, and are ordered by place. Output shows
+//! labels only.
 //!
-//! An id of a mesh is at most `LARGEST`, which its check sees to; with a place it is larger.
+//! Ids of a mesh are at most `LARGEST`, which the check of the mesh ensures. Ids with a place
+//! are larger.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -19,21 +21,20 @@ macro_rules! id {
     };
 }
 
-/// Ids that a user's mesh has.
+/// Implements ids that come from a user's mesh.
 macro_rules! labelled {
     ($name:ident) => {
         impl $name {
-            /// Largest id that is taken from a mesh.
+            /// Largest id that a mesh may contain.
             pub const LARGEST: Self = Self(9_000_000_000_000_000 - 1);
 
-            /// The id of what comes at `place` and is called `label`; `None` if either is too
-            /// large.
+            /// Returns the id with `place` and `label`; `None` if either is too large.
             pub fn placed(place: u64, label: u64) -> Option<Self> {
                 let fits = place < 1 << PLACE_BITS && label < 1 << LABEL_BITS;
                 fits.then_some(Self(PLACED | place << LABEL_BITS | label))
             }
 
-            /// What the user's mesh calls it.
+            /// Returns the number in the user's mesh.
             pub fn label(self) -> u64 {
                 if self.0 & PLACED == 0 { self.0 } else { self.0 & ((1 << LABEL_BITS) - 1) }
             }
@@ -49,33 +50,33 @@ macro_rules! labelled {
 
 const LABEL_BITS: u32 = 32;
 const PLACE_BITS: u32 = 28;
-/// Set in ids with a place; those without are far below it.
+/// Bit that is set in ids with a place; ids without one are far below it.
 const PLACED: u64 = 1 << (LABEL_BITS + PLACE_BITS);
 
 id!(
-    /// Global id of a node, as the user's mesh numbers it or with a place in front.
+    /// Global id of a node: the number in the user's mesh, possibly with a place in front.
     NodeId
 );
 labelled!(NodeId);
 id!(
-    /// Global id of an element, as the user's mesh numbers it or with a place in front.
+    /// Global id of an element: the number in the user's mesh, possibly with a place in front.
     ElemId
 );
 labelled!(ElemId);
 
 id!(
-    /// A face of an element: its id times 8 and the number of the face
+    /// Id of a face of an element: 8 times the element's id plus the number of the face
     /// ([`crate::mesh::Shape::faces`]).
     SegmentId
 );
 
 impl SegmentId {
-    /// Face number `face` of an element.
+    /// Returns the id of face number `face` of an element.
     pub fn new(elem: ElemId, face: usize) -> Self {
         Self(elem.0 * 8 + face as u64)
     }
 
-    /// The element.
+    /// Returns the element's id.
     pub fn elem(self) -> ElemId {
         ElemId(self.0 / 8)
     }

@@ -1,23 +1,23 @@
-//! A mesh as a generator or a file gives it: nodes, elements, named node sets.
+//! Mesh from a generator or a file: nodes, elements, named node sets.
 
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 
-/// Shape of an element, before a part gives it a formulation.
+/// Shape of an element; a part gives it a formulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Shape {
     /// Four-node shell.
     Quad4,
     /// Three-node shell.
     Tri3,
-    /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the solid,
-    /// then those opposite.
+    /// Eight-node solid: the four nodes of a face, whose right-hand normal points into the
+    /// solid, then the opposite four.
     Hex8,
-    /// Two nodes: a spring or damper.
+    /// Spring or damper with two nodes.
     Line2,
-    /// A beam: two nodes, and in a mesh as it is given a third one, in the plane of the first and
-    /// second axis.
+    /// Beam with two nodes; in a mesh from a file a third one lies in the plane of the first
+    /// and second axis.
     Beam2,
 }
 
@@ -26,7 +26,7 @@ impl Shape {
     pub const ALL: [Shape; 5] =
         [Shape::Quad4, Shape::Tri3, Shape::Hex8, Shape::Line2, Shape::Beam2];
 
-    /// Number of corner nodes.
+    /// Returns the number of corner nodes.
     pub fn corners(self) -> usize {
         match self {
             Shape::Quad4 => 4,
@@ -36,7 +36,8 @@ impl Shape {
         }
     }
 
-    /// Places for corners in the columns of a block: a triangle leaves its fourth unused.
+    /// Returns the number of corner slots in the columns of a block; a triangle does not use
+    /// its fourth.
     pub fn slots(self) -> usize {
         match self {
             Shape::Quad4 | Shape::Tri3 => 4,
@@ -45,8 +46,8 @@ impl Shape {
         }
     }
 
-    /// Corners of each face, whose right-hand normal points outwards; of a shell its own corners
-    /// (a triangle repeats its third). Lines have none.
+    /// Returns the corners of each face, whose right-hand normal points outwards. The face of a
+    /// shell has the shell's own corners (a triangle repeats its third). Lines have no faces.
     pub fn faces(self) -> &'static [[usize; 4]] {
         match self {
             Shape::Quad4 => &[[0, 1, 2, 3]],
@@ -63,23 +64,23 @@ impl Shape {
         }
     }
 
-    /// Whether its nodes turn.
+    /// Returns true if its nodes have rotational degrees of freedom.
     pub fn turns(self) -> bool {
         self.is_shell() || self == Shape::Beam2
     }
 
-    /// Whether it is a shell.
+    /// Returns true for shells.
     pub fn is_shell(self) -> bool {
         matches!(self, Shape::Quad4 | Shape::Tri3)
     }
 
-    /// Whether it is a solid.
+    /// Returns true for solids.
     pub fn is_solid(self) -> bool {
         self == Shape::Hex8
     }
 }
 
-/// One node: id and initial coordinates [length].
+/// Node: id and initial coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeshNode {
     /// Global id.
@@ -88,50 +89,51 @@ pub struct MeshNode {
     pub x: [f64; 3],
 }
 
-/// Corner nodes of an element, the last repeated up to eight.
+/// Corner nodes of an element; the last one is repeated up to eight.
 pub type CornerNodes = [NodeId; 8];
 
-/// The corners as [`CornerNodes`].
+/// Returns the corners as [`CornerNodes`].
 ///
 /// # Panics
-/// Without any corner, or with more than eight.
+/// If there are no corners, or more than eight.
 pub fn corner_nodes(corners: &[NodeId]) -> CornerNodes {
     let last = *corners.last().expect("an element has corners");
     assert!(corners.len() <= 8, "an element has eight corners at most");
     std::array::from_fn(|c| corners.get(c).copied().unwrap_or(last))
 }
 
-/// One element: id, id of its part, shape, corner nodes.
+/// Element: id, part, shape, corner nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeshElement {
     /// Global id.
     pub id: ElemId,
-    /// Id of the part that it belongs to.
+    /// Id of its part.
     pub part: u32,
     /// Shape.
     pub shape: Shape,
     /// Corner nodes in the order of the shape.
     pub nodes: CornerNodes,
-    /// Thickness of a shell that has one of its own; 0 for that of its part [length].
+    /// Thickness of a shell with a thickness of its own; 0 for that of its part [length].
     pub thickness: f64,
 }
 
 impl MeshElement {
-    /// An element with these corners.
+    /// Builds an element with these corners.
     ///
     /// # Panics
-    /// Without any corner, or with more than eight.
+    /// If there are no corners, or more than eight.
     pub fn new(id: ElemId, part: u32, shape: Shape, corners: &[NodeId]) -> Self {
         Self { id, part, shape, nodes: corner_nodes(corners), thickness: 0.0 }
     }
 
-    /// The corner nodes that are in use.
+    /// Returns the corner nodes that the shape uses.
     pub fn corners(&self) -> &[NodeId] {
         &self.nodes[..self.shape.corners()]
     }
 }
 
-/// The faces of each solid that no other solid repeats, as bits by their number; 0 for all else.
+/// Returns the faces of each solid that no other solid shares, one bit per face number; 0 for
+/// all other elements.
 pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
     let mut open: HashMap<[NodeId; 4], (usize, usize)> = HashMap::new();
     let mut free = vec![0u8; elements.len()];
@@ -151,7 +153,7 @@ pub fn free_faces(elements: &[MeshElement]) -> Vec<u8> {
     free
 }
 
-/// A whole mesh.
+/// Complete mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Nodes, in any order of id.

@@ -1,10 +1,10 @@
-//! The whole conversation between master and workers on one page.
+//! All control messages between master and workers.
 //!
-//! Start-up: `Start` to each worker. Then workers run and send `Report`, `History`, `Fields` on
-//! their own; the master sends `Order`s, which all workers carry out before the same cycle (they
-//! agree on it among themselves). Workers answer a `Recut` order with `Ready`; `Extents` and
-//! `Histograms` questions follow, and `Cuts` ends it. At the end each worker sends `Closing` and
-//! its node states.
+//! Start-up: the master sends `Start` to each worker. Workers then run, and send `Report`,
+//! `History` and `Fields` unasked. The master sends `Order`s. The workers agree among
+//! themselves on the cycle before which all of them execute an order. Workers answer a `Recut`
+//! order with `Ready`; `Extents` and `Histograms` requests follow, and `Cuts` completes it. At
+//! the end each worker sends `Closing` with the states of its nodes.
 
 use crate::boxes::{Aabb, CutTree};
 use crate::partition::{ElementRecord, NodeRecord, Settings};
@@ -12,91 +12,93 @@ use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
 use crate::trace::Recording;
 use serde::{Deserialize, Serialize};
 
-/// Master to worker.
+/// Message from the master to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ToWorker {
-    /// The job and this worker's first share of the mesh.
+    /// The job and this worker's first partition of the mesh.
     Start {
-        /// What all workers know.
+        /// Settings that are equal on all workers.
         settings: Box<Settings>,
-        /// First boxes.
+        /// First tree of boxes.
         tree: CutTree,
         /// This worker's elements.
         elements: Vec<ElementRecord>,
         /// All nodes of these elements.
         nodes: Vec<NodeRecord>,
-        /// Whether to record what happens when.
+        /// True if the worker records spans and moments for `--trace`.
         trace: bool,
     },
-    /// There is nothing to do: the job is bad. Instead of `Start`.
+    /// The job is invalid and there is no work; sent instead of `Start`.
     Quit,
-    /// To be carried out by all workers before the same cycle; numbered from 1.
+    /// Order that all workers execute before the same cycle; orders are numbered from 1.
     Order {
         /// Number of the order.
         number: u64,
-        /// What to do.
+        /// Action to execute.
         action: Action,
     },
-    /// Which extents do your element centres have in these leaf entries of the growing tree?
+    /// Requests the extents of this worker's element centres in leaf entries of the growing
+    /// tree.
     Extents {
-        /// The tree so far.
+        /// Tree so far.
         tree: CutTree,
-        /// Leaf entries asked about.
+        /// Leaf entries that are requested.
         entries: Vec<usize>,
     },
-    /// How is the load spread along an axis within leaf entries of the growing tree?
+    /// Requests the distribution of load along an axis in leaf entries of the growing tree.
     Histograms {
-        /// The tree so far.
+        /// Tree so far.
         tree: CutTree,
-        /// Entry, axis, lower and upper end.
+        /// Entry, axis, lower and upper end of each histogram.
         of: Vec<(usize, usize, f64, f64)>,
         /// Number of bins.
         bins: usize,
-        /// Cost of a contact pair in units of an element's.
+        /// Cost of a contact pair over the cost of an element.
         pair_weight: f64,
     },
-    /// The new boxes: migrate and go on.
+    /// New boxes: the workers migrate elements and continue the run.
     Cuts(CutTree),
 }
 
-/// What an order asks for.
+/// Action that an order requests.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
-    /// High redecomposition: boxes only drift; membership is renewed.
+    /// Membership update (*high* redecomposition): the boxes only drift, the members are
+    /// renewed.
     Renew(CutTree),
-    /// Low redecomposition: boxes are recomputed too.
+    /// Repartition (*low* redecomposition): the boxes are computed again as well.
     Recut,
-    /// Stop with outputs intact.
+    /// End of the run with complete output.
     Stop,
 }
 
-/// Worker to master.
+/// Message from a worker to the master.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ToMaster {
     /// Progress and load.
     Report(StepReport),
-    /// A history row's share.
+    /// Contribution of this worker to a history row.
     History(Box<HistoryPart>),
-    /// Field files of one time are written.
+    /// The field files of one time are complete.
     Fields {
         /// Number of the output.
         index: usize,
         /// Simulated time [time].
         time: f64,
     },
-    /// Something went wrong that does not end the run.
+    /// Warning that does not end the run.
     Warning(String),
-    /// Stopped for a `Recut` order, ready for questions.
+    /// The worker has stopped for a `Recut` order and waits for requests.
     Ready,
-    /// Answer to `Extents`: box around element centres per entry.
+    /// Answer to `Extents`: box around the element centres, per entry.
     Extents(Vec<Aabb>),
     /// Answer to `Histograms`: load per bin, per entry.
     Histograms(Vec<Vec<f64>>),
-    /// The run cannot go on; all workers stop at this state.
+    /// The worker cannot continue; all workers stop at this state.
     Trouble(Failure),
-    /// What was recorded, before `Closing` and also when another worker was lost; only if asked
-    /// for.
+    /// Recorded trace, if requested; sent before `Closing`, and also when another worker was
+    /// lost.
     Recording(Box<Recording>),
-    /// The run is over; the states of owned nodes follow as node records.
+    /// The run is over; contains the states of owned nodes as node records.
     Closing(Box<FinalReport>, Vec<NodeRecord>),
 }

@@ -1,5 +1,5 @@
-//! What a worker receives: settings for all, records of its elements and nodes.
-//! The same records travel at start-up and from worker to worker when boxes are renewed.
+//! Data that a worker receives: settings for all workers, records of its elements and nodes.
+//! The same records are sent at start-up and between workers when boxes are renewed.
 
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
@@ -13,33 +13,34 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What every worker knows of the job; nothing in it but loaded nodes and faces, rigid bodies, ties
-/// and what histories ask for grows with the mesh.
+/// Settings of the job that all workers have. Only loaded nodes and faces, rigid bodies, ties
+/// and history requests grow with the mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Settings {
-    /// Simulated time to run to [time].
+    /// End time of the run [time].
     pub end_time: f64,
-    /// Fraction of the smallest element step that is used.
+    /// Safety factor: fraction of the smallest element step that is used.
     pub safety: f64,
-    /// Stop after this many cycles, 0 for no limit.
+    /// Largest number of cycles, 0 for no limit.
     pub max_cycles: u64,
-    /// Stop as failed below this fraction of the first step.
+    /// Smallest permitted ratio of the step to the first step; the run fails below it.
     pub dt_min_ratio: f64,
     /// Time between history rows [time].
     pub history_interval: f64,
     /// Times of field files, ascending [time].
     pub field_times: Vec<f64>,
-    /// What is recorded at every history interval beside the sums.
+    /// Histories that are recorded in addition to the sums, at every history interval.
     pub histories: HistoryRequests,
     /// Folder for field files.
     pub field_dir: String,
     /// Materials, in the job's order.
     pub materials: Vec<Material>,
-    /// Parts in ascending id; a record's `part` is an index into this.
+    /// Parts in ascending id; the `part` of a record is an index into this list.
     pub parts: Vec<Part>,
-    /// Vectors from beams towards their second axes at the start, by ascending id [length].
+    /// Vectors from beams towards their second axes at the start, by ascending element id
+    /// [length].
     pub axes: Vec<(ElemId, [f64; 3])>,
-    /// What shells and solids compute with.
+    /// Floating-point precision of shell and solid kernels.
     pub precision: Precision,
     /// Rigid walls.
     pub walls: Vec<Wall>,
@@ -51,37 +52,38 @@ pub struct Settings {
     pub ties: Vec<Tie>,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
-    /// Cycles of an outer step, in the first of which slow elements are computed; 1 if all elements
-    /// always are.
+    /// Number of cycles of an outer step; slow elements are computed in the first of them. 1 if
+    /// all elements are computed in every cycle.
     pub subcycles: u64,
-    /// Contact, if the scene has any; lengths that the job left to a default are filled in.
+    /// Contact, if the model has any; default values of omitted lengths are filled in.
     pub contact: Option<Contact>,
-    /// Whether nodes can turn: there are shells, or rigid bodies. Without, no rotational column is
-    /// kept, moved or sent.
+    /// True if nodes can rotate, because there are shells, beams or rigid bodies. Otherwise no
+    /// rotational columns are stored, migrated or sent.
     pub rotations: bool,
     /// Width b of the box buffer [length].
     pub buffer: f64,
-    /// Ask for a redecomposition every so many cycles, 0 for never (for tests).
+    /// Number of cycles between forced redecompositions, 0 for none (for tests).
     pub force_every: u64,
 }
 
-/// What an element costs when it is not computed, its share of the motion of nodes, over what it
-/// costs when it is.
+/// Cost of an element in a cycle in which it is not computed (its part of the nodal update)
+/// over its cost in a cycle in which it is.
 const IDLE_COST: f64 = 0.25;
 
 impl Settings {
-    /// Mean cost of an element in a cycle, over that of one that is computed in each.
+    /// Returns the mean cost of an element per cycle, over that of an element that is computed
+    /// in every cycle.
     pub fn load(&self, element: &ElementRecord) -> f64 {
         if element.slow { IDLE_COST + (1.0 - IDLE_COST) / self.subcycles as f64 } else { 1.0 }
     }
 }
 
-/// A material as a worker sees it: a law's name and a table of numbers.
+/// Material as workers see it: name of the law and its parameters.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Material {
     /// Name that parts refer to.
     pub name: String,
-    /// Name of the law in the worker's table.
+    /// Name of the law in the worker's registry.
     pub law: String,
     /// Mass density [mass/length^3].
     pub density: f64,
@@ -100,32 +102,32 @@ pub enum Param {
     Table(Vec<Vec<f64>>),
 }
 
-/// A node with its whole state.
+/// Node with its complete state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct NodeRecord {
     /// Global id.
     pub id: NodeId,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
+    /// Constrained degrees of freedom, fixed or prescribed: bits 0..6 are x, y, z, rx, ry, rz.
     pub fixed: u64,
     /// Initial coordinates [length].
     pub x0: [f64; 3],
     /// Coordinates [length].
     pub x: [f64; 3],
-    /// Coordinates when it was last seen where surfaces are folded [length].
+    /// Coordinates at the last classification of folded edges [length].
     pub seen: [f64; 3],
     /// Velocity at mid-step [length/time].
     pub v: [f64; 3],
     /// Rotational velocity at mid-step [1/time].
     pub w: [f64; 3],
-    /// Lumped mass, elements and added mass together [mass]; before the first assembly, added mass
+    /// Lumped mass of elements plus added mass [mass]; before the first assembly, added mass
     /// only.
     pub mass: f64,
     /// Lumped rotational inertia [mass length^2].
     pub inertia: f64,
 }
 
-/// An element; its history columns travel beside it.
+/// Element; its history columns are sent separately.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ElementRecord {
     /// Global id.
@@ -136,21 +138,22 @@ pub struct ElementRecord {
     pub shape: Shape,
     /// Corner nodes.
     pub nodes: CornerNodes,
-    /// Faces of a solid that no other solid repeats, as bits by their number.
+    /// Faces of a solid that no other solid shares, one bit per face number.
     pub free_faces: u8,
-    /// Whether it has failed and left the contact surface.
+    /// True if the element has failed and has left the contact surface.
     pub failed: bool,
-    /// Thickness at the start of a shell that has one of its own; 0 for that of its part [length].
+    /// Initial thickness of a shell with a thickness of its own; 0 for that of its part
+    /// [length].
     pub thickness: f64,
-    /// Factor on the part's density, above 1 where mass scaling adds mass.
+    /// Factor on the density of the part, above 1 if mass scaling adds mass.
     pub mass_factor: f64,
-    /// Fraction of its mass that its stable step counts on: springs and ties that share its nodes
-    /// count on the rest.
+    /// Fraction of its mass that its stable step is based on; the rest is used by springs and
+    /// ties that share its nodes.
     pub share: f64,
-    /// Whether it is computed in the first cycle of an outer step only, see
+    /// True if the element is computed in the first cycle of an outer step only, see
     /// [`Settings::subcycles`].
     pub slow: bool,
-    /// Stable step that the masses of its nodes leave an element that has none, before the safety
-    /// factor; infinite for all others [time].
+    /// Stable step, before the safety factor, of an element without a stable step of its own,
+    /// from the masses of its nodes; infinite for all other elements [time].
     pub stable_dt: f64,
 }

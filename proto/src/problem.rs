@@ -1,31 +1,31 @@
-//! What is wrong with a job, said so that its author can mend it.
+//! Problems of a job, described such that its author can correct them.
 
 use std::fmt;
 
-/// How bad a [`Problem`] is.
+/// Severity of a [`Problem`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// The run goes on.
+    /// The run continues.
     Warning,
     /// The run does not start.
     Error,
 }
 
-/// One thing that is wrong, where, and what to do.
+/// One problem: its location, description and remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// Key path in the job, such as `part.0.thickness`; empty where no key is at fault.
+    /// Path of the key in the job, such as `part.0.thickness`; empty if no key is at fault.
     pub path: String,
-    /// What is wrong, naming the entity.
+    /// Description, with the name of the entity.
     pub message: String,
-    /// What to do.
+    /// Remedy.
     pub help: String,
 }
 
 impl Problem {
-    /// A problem that keeps the run from starting.
+    /// Builds a problem that prevents the run from starting.
     pub fn error(
         path: impl Into<String>,
         message: impl Into<String>,
@@ -39,7 +39,7 @@ impl Problem {
         }
     }
 
-    /// A problem that the user should know of.
+    /// Builds a warning to the user.
     pub fn warning(
         path: impl Into<String>,
         message: impl Into<String>,

@@ -1,5 +1,5 @@
-//! Shape of the elements of a mesh: pure geometry, for `crumple check` and for the tests of
-//! generators.
+//! Shape quality of the elements of a mesh: pure geometry, for `crumple check` and for the
+//! tests of generators.
 
 use crate::ids::{ElemId, NodeId};
 use crate::mesh::{Mesh, MeshElement, Shape};
@@ -7,44 +7,43 @@ use std::collections::HashMap;
 
 type V3 = [f64; 3];
 
-/// A figure and the element where it is found.
+/// Extreme value and the element in which it occurs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worst {
-    /// The figure, in the unit of the field that holds it.
+    /// The value, in the unit of the field that holds it.
     pub value: f64,
-    /// The element; the lowest id of several alike.
+    /// The element; of several with the same value the one with the lowest id.
     pub element: ElemId,
 }
 
-/// How good or bad the elements of a mesh are.
+/// Quality of the elements of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// Shortest side [length].
     pub min_side: Worst,
-    /// Middle of all sides in order of length, a side that elements share counted for each
-    /// [length].
+    /// Median of all sides; a side counts once per element that has it [length].
     pub median_side: f64,
     /// Longest side [length].
     pub max_side: Worst,
-    /// Largest ratio of longest to shortest side within an element; 1 at best.
+    /// Largest ratio of longest to shortest side of an element; 1 is best.
     pub max_aspect: Worst,
-    /// Largest warpage of a quad or a solid's face: angle between the normals of the halves on
-    /// either side of a diagonal [degree].
+    /// Largest warpage of a quad or of a solid's face: angle between the normals of the two
+    /// halves on either side of a diagonal [degree].
     pub max_warpage_deg: Worst,
     /// Smallest ratio of the smallest to the largest Jacobian at an element's corners: 1 for a
-    /// parallelogram, 0 for a quad that has become a triangle, negative for one that is concave or
-    /// folded over.
+    /// parallelogram, 0 for a quad that has degenerated to a triangle, negative for a concave
+    /// or folded one.
     pub min_jacobian: Worst,
-    /// Smallest area of a shell or a solid's face [length^2].
+    /// Smallest area of a shell or of a solid's face [length^2].
     pub min_area: Worst,
-    /// Elements whose area or volume is zero to round-off, or that name a node twice: no run can
-    /// start with them.
+    /// Elements whose area or volume is zero to round-off, or that contain a node twice; a run
+    /// cannot start with them.
     pub zero_area: Vec<ElemId>,
-    /// Elements that name a node that is not in the mesh; they are left out of all other figures.
+    /// Elements with a node that is not in the mesh; all other values exclude them.
     pub dangling: Vec<ElemId>,
 }
 
-/// Figures of one element.
+/// Values of one element.
 struct Figures {
     sides: Vec<f64>,
     aspect: f64,
@@ -54,7 +53,7 @@ struct Figures {
     degenerate: bool,
 }
 
-/// Measures every element; `None` if there is none whose nodes exist.
+/// Measures all elements; returns `None` if no element has all its nodes in the mesh.
 pub fn quality(mesh: &Mesh) -> Option<Quality> {
     let at: HashMap<NodeId, V3> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let mut order: Vec<&MeshElement> = mesh.elements.iter().collect();
@@ -110,7 +109,7 @@ pub fn quality(mesh: &Mesh) -> Option<Quality> {
     }
     let mut q = q?;
     if sides.is_empty() {
-        // Springs without length alone.
+        // There are only springs of zero length.
         (sides, q.min_side.value) = (vec![0.0], 0.0);
     }
     let middle = sides.len() / 2;
@@ -128,7 +127,7 @@ fn measure(element: &MeshElement, x: &[V3]) -> Figures {
     }
 }
 
-/// Of a line: its length alone, if it has any.
+/// Measures a line: only its length, unless it is zero.
 fn measure_line(x: &[V3]) -> Figures {
     let length = norm(sub(x[1], x[0]));
     let sides = if length > 0.0 { vec![length] } else { Vec::new() };
@@ -142,15 +141,15 @@ fn measure_line(x: &[V3]) -> Figures {
     }
 }
 
-/// Of a solid: sides are its edges, warpage and area those of its worst face, Jacobians those at
-/// its corners.
+/// Measures a solid: its sides are its edges, its warpage and area those of its worst face, its
+/// Jacobians those at its corners.
 fn measure_solid(element: &MeshElement, x: &[V3]) -> Figures {
     let faces = element.shape.faces().iter().map(|face| {
         let ids = face.map(|c| element.nodes[c]);
         measure_face(&ids, &face.map(|c| x[c]))
     });
     let faces: Vec<Figures> = faces.collect();
-    // The edges of bottom and top, and from one to the other: every edge once.
+    // Edges of the bottom, of the top, and between them: every edge once.
     let rising = (0..4).map(|c| norm(sub(x[c + 4], x[c])));
     let sides: Vec<f64> = faces[..2].iter().flat_map(|f| f.sides.clone()).chain(rising).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
@@ -181,7 +180,8 @@ fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
     let sides: Vec<f64> = (0..n).map(|i| norm(sub(x[(i + 1) % n], x[i]))).collect();
     let longest = sides.iter().copied().fold(0.0, f64::max);
     let shortest = sides.iter().copied().fold(f64::INFINITY, f64::min);
-    // Twice the area vector: the diagonals' cross product for a quad, two sides' for a triangle.
+    // Twice the area vector: cross product of the diagonals of a quad, or of two sides of a
+    // triangle.
     let twice = if n == 4 {
         cross(sub(x[2], x[0]), sub(x[3], x[1]))
     } else {
@@ -189,7 +189,7 @@ fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
     };
     let area = 0.5 * norm(twice);
     let repeats = (1..n).any(|i| ids[..i].contains(&ids[i]));
-    // 1e-12: some thousand times the round-off of products of coordinates.
+    // 1e-12: about a thousand times the round-off of products of coordinates.
     let degenerate = repeats || area <= 1e-12 * longest * longest;
     let corner = |i: usize| cross(sub(x[(i + 1) % n], x[i]), sub(x[(i + n - 1) % n], x[i]));
     let (jacobian, warpage_deg) = if n == 3 {
@@ -200,7 +200,8 @@ fn measure_face(ids: &[NodeId], x: &[V3]) -> Figures {
         let j = [0, 1, 2, 3].map(|i| dot(corner(i), twice));
         let largest = j.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let smallest = j.into_iter().fold(f64::INFINITY, f64::min);
-        // The halves beside the diagonal 0-2 are the corners 1 and 3; beside 1-3, 0 and 2.
+        // The halves on either side of diagonal 0-2 are at corners 1 and 3; those of 1-3 at 0
+        // and 2.
         let warp = angle_deg(corner(1), corner(3)).max(angle_deg(corner(0), corner(2)));
         (smallest / largest, warp)
     };
@@ -224,7 +225,7 @@ fn norm(a: V3) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Angle between two vectors [degree], accurate near zero too.
+/// Returns the angle between two vectors [degree], accurate near zero too.
 fn angle_deg(a: V3, b: V3) -> f64 {
     norm(cross(a, b)).atan2(dot(a, b)).to_degrees()
 }
@@ -258,9 +259,9 @@ mod tests {
         assert!(q.zero_area.is_empty() && q.dangling.is_empty());
     }
 
-    /// One corner of a unit square lifted by h. Along the diagonal that leaves it out the halves
-    /// meet at atan(h sqrt 2); along its own, the planes z = h y and z = h x at the slightly larger
-    /// acos(1/(1 + h^2)).
+    /// One corner of a unit square is lifted by h. The halves on either side of the diagonal
+    /// without this corner include the angle atan(h sqrt 2). Along the diagonal with this
+    /// corner, the planes z = h y and z = h x include the slightly larger acos(1/(1 + h^2)).
     #[test]
     fn a_lifted_corner_is_warpage() {
         let h = 0.1;

@@ -1,31 +1,31 @@
-//! Tied nodes as workers know them.
+//! Tied nodes for workers.
 
 use crate::ids::{ElemId, NodeId};
 use serde::{Deserialize, Serialize};
 
-/// A node that is carried by others.
+/// Tie of a node (slave) to other nodes (masters).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Tie {
-    /// The node.
+    /// The slave.
     pub node: NodeId,
-    /// What carries it, ascending, with their shares: above 0, together 1. None of them is tied
-    /// itself.
+    /// Masters with their weights, ascending. Weights are above 0 and sum to 1. No master is
+    /// itself a slave.
     pub masters: Vec<(NodeId, f64)>,
-    /// Nodes of the surface that stand on faces between tied nodes, of which this is one: contact
-    /// lets them be, as it does carriers.
+    /// Untied nodes of the surface whose projection is on a face between tied nodes that
+    /// include this one; contact ignores them as it does masters.
     pub near: Vec<NodeId>,
-    /// Elements of the face that it stands on, and of those of tied nodes in between: when one of
-    /// them fails it is let go. None for what is tied to a node.
+    /// Elements of the face that the slave is projected onto, and of the faces of slaves in
+    /// between. If one of them fails, the slave is released. Empty if it is tied to a node.
     pub faces: Vec<ElemId>,
-    /// Whether rotations are tied too.
+    /// True if rotations are tied too.
     pub rotations: bool,
-    /// Whether it keeps its place against its carriers' mean one, as an arm that turns with them;
-    /// without, that is its place.
+    /// True if the slave keeps its position relative to the mean position of its masters, at
+    /// the end of an arm that rotates with them. Otherwise it is at the mean position.
     pub offset: bool,
 }
 
 impl Tie {
-    /// Nodes of the surface that contact does not look at together with this one.
+    /// Returns the nodes of the surface whose contact with this slave is ignored.
     pub fn partners(&self) -> impl Iterator<Item = NodeId> + '_ {
         self.masters.iter().map(|c| c.0).chain(self.near.iter().copied())
     }

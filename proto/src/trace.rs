@@ -1,70 +1,70 @@
-//! What a worker records of its time for `crumple run --trace`: phases as spans, orders and
-//! renewals as moments.
+//! Trace of a worker for `crumple run --trace`: phases as spans, orders and renewals as
+//! moments.
 
 use serde::{Deserialize, Serialize};
 
-/// Most events of one worker; what happens later is not recorded. A cycle has about a dozen: the
-/// first 15,000 or so.
+/// Largest number of events of one worker; later ones are not recorded. A cycle has about a
+/// dozen events, so the trace covers the first 15,000 cycles or so.
 pub const MAX_EVENTS: usize = 200_000;
 
-/// A stretch of time in one phase.
+/// Interval of time in one phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Span {
     /// Index into [`crate::report::PHASES`].
     pub phase: u8,
-    /// Cycles done before it.
+    /// Cycles completed before the span.
     pub cycle: u64,
-    /// Begin, since the recording's origin [ns].
+    /// Start, since the origin of the recording [ns].
     pub start: u64,
     /// Duration [ns].
     pub duration: u64,
 }
 
-/// What an order asks for, in a word.
+/// Kind of an order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
-    /// High redecomposition.
+    /// Membership update (*high* redecomposition).
     High,
-    /// Low redecomposition.
+    /// Repartition (*low* redecomposition).
     Low,
-    /// Stop.
+    /// End of the run.
     Stop,
 }
 
-/// What has happened at a moment.
+/// Event at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Event {
-    /// The order of this number has come from the master.
+    /// The order with this number has arrived from the master.
     Arrived(u64, Kind),
-    /// All workers begin to carry out the order of this number.
+    /// All workers begin to execute the order with this number.
     Begun(u64, Kind),
-    /// Elements that have failed leave the contact surface, with a renewal of membership.
+    /// Failed elements leave the contact surface, with a membership update.
     Erosion,
 }
 
-/// A moment.
+/// Event with its cycle and time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Moment {
-    /// What has happened.
+    /// The event.
     pub event: Event,
-    /// Cycles done before it.
+    /// Cycles completed before the event.
     pub cycle: u64,
-    /// When, since the recording's origin [ns].
+    /// Time since the origin of the recording [ns].
     pub at: u64,
 }
 
-/// All that one worker has recorded.
+/// Complete recording of one worker.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recording {
-    /// The origin of all times by the monotonic clock of the worker's machine [ns].
+    /// Origin of all times, by the monotonic clock of the worker's machine [ns].
     pub origin: u64,
-    /// The origins of any two workers are the same moment up to the larger of their two figures
-    /// [ns].
+    /// Uncertainty of the origin [ns]. The origins of any two workers are the same moment up to
+    /// the larger of their two uncertainties.
     pub doubt: u64,
-    /// Spans in the order of time; they do not overlap.
+    /// Spans in ascending time; they do not overlap.
     pub spans: Vec<Span>,
-    /// Moments in the order of time.
+    /// Moments in ascending time.
     pub moments: Vec<Moment>,
-    /// Cycles done when [`MOST_EVENTS`] were reached.
+    /// Cycles completed when [`MAX_EVENTS`] was reached.
     pub full: Option<u64>,
 }

@@ -1,70 +1,70 @@
-//! Rigid walls as workers know them.
+//! Rigid walls for workers.
 
 use crate::ids::NodeId;
 use crate::loads::Motion;
 use serde::{Deserialize, Serialize};
 
-/// A rigid wall.
+/// Rigid wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
-    /// Name for histories.
+    /// Name in histories.
     pub name: String,
-    /// A point of a plane, a corner of a rectangle, the start of a cylinder's axis, at time 0
+    /// Point of a plane, corner of a rectangle or start of a cylinder's axis, at time 0
     /// [length].
     pub point: [f64; 3],
-    /// Unit normal of a plane or a rectangle, unit vector along a cylinder's axis.
+    /// Unit normal of a plane or rectangle, unit vector along the axis of a cylinder.
     pub direction: [f64; 3],
-    /// How far it reaches.
+    /// Shape and size.
     pub form: WallForm,
     /// Coulomb friction coefficient.
     pub friction: f64,
-    /// Nodes that meet it, ascending; all without.
+    /// Nodes that the wall acts on, ascending; all nodes if `None`.
     pub nodes: Option<Vec<NodeId>>,
-    /// Nodes that do not, ascending.
+    /// Nodes that the wall ignores, ascending.
     pub except: Vec<NodeId>,
-    /// How it moves.
+    /// Motion of the wall.
     pub motion: WallMotion,
 }
 
-/// Form of a wall.
+/// Shape of a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallForm {
-    /// A plane without end.
+    /// Infinite plane.
     Plane,
-    /// A part of a plane.
+    /// Part of a plane.
     Rectangle {
         /// Unit vector along the first side; the second side has the direction normal x edge.
         edge: [f64; 3],
-        /// Lengths of the sides, 0 for one without end [length].
+        /// Lengths of the sides, 0 if infinite [length].
         lengths: [f64; 2],
     },
-    /// The mantle of a cylinder.
+    /// Lateral surface of a cylinder.
     Cylinder {
         /// Radius [length].
         radius: f64,
-        /// Length, 0 for one without end [length].
+        /// Length, 0 if infinite [length].
         length: f64,
     },
 }
 
-/// How a wall moves.
+/// Motion of a wall.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallMotion {
-    /// Not at all.
+    /// At rest.
     Still,
-    /// As nodes push it, along its normal.
+    /// Moved along its normal by the impulses of nodes.
     Pushed {
         /// Mass [mass].
         mass: f64,
         /// Velocity along the normal at time 0 [length/time].
         speed: f64,
     },
-    /// As prescribed; its `nodes` are empty.
+    /// Prescribed; its `nodes` are empty.
     Led(Motion),
 }
 
 impl Wall {
-    /// A plane that stands still and stops all nodes.
+    /// Returns a plane at rest that acts on all nodes.
     pub fn plane(point: [f64; 3], normal: [f64; 3], friction: f64) -> Self {
         Self {
             name: String::new(),
@@ -78,7 +78,7 @@ impl Wall {
         }
     }
 
-    /// Whether a node meets it at all.
+    /// Returns true if the wall acts on the node.
     pub fn allows(&self, node: NodeId) -> bool {
         let within = self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&node).is_ok());
         within && self.except.binary_search(&node).is_err()

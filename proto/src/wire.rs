@@ -1,5 +1,5 @@
-//! Control messages as bytes: bincode, framed by its length, padded to whole words.
-//! Columns of numbers do not pass here; they travel as words.
+//! Control messages as bytes: bincode, preceded by the length, padded to whole words. Columns
+//! of numbers are sent as words without this encoding.
 
 use crate::transport::{RankLost, Tag, Transport};
 use serde::{Serialize, de::DeserializeOwned};
@@ -14,7 +14,7 @@ pub fn encode<T: Serialize>(message: &T) -> Vec<u64> {
     words
 }
 
-/// Decodes what [`encode`] made; `None` if the words are not such a message.
+/// Decodes a message from [`encode`]; returns `None` if the words are no such message.
 pub fn decode<T: DeserializeOwned>(words: &[u64]) -> Option<T> {
     let (&len, body) = words.split_first()?;
     let bytes = bytemuck::cast_slice::<u64, u8>(body).get(..len as usize)?;
@@ -37,7 +37,7 @@ pub fn post<T: Serialize>(
 /// Waits for a control message.
 ///
 /// # Errors
-/// The sender is gone, or speaks another language.
+/// The sender is gone, or its message cannot be decoded.
 pub fn await_message<T: DeserializeOwned>(
     comm: &mut dyn Transport,
     from: usize,
@@ -48,10 +48,10 @@ pub fn await_message<T: DeserializeOwned>(
     decode(&words).ok_or(RankLost { rank: from })
 }
 
-/// Takes a control message if one has come.
+/// Receives a control message if one has arrived.
 ///
 /// # Errors
-/// The sender is gone, or speaks another language.
+/// The sender is gone, or its message cannot be decoded.
 pub fn poll_message<T: DeserializeOwned>(
     comm: &mut dyn Transport,
     from: usize,

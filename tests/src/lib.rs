@@ -11,7 +11,7 @@ use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// A folder of `cases/`.
+/// Returns the path of a folder of `cases/`.
 pub fn case(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(name)
 }
@@ -28,7 +28,7 @@ pub fn read(path: &Path, sets: &[&str]) -> Model {
 /// Runs a job on one engine to its end; `look` sees the engine after each step.
 ///
 /// # Panics
-/// When an element is in trouble.
+/// When an element fails.
 pub fn run_alone(model: &Model, mut look: impl FnMut(&Engine)) -> Engine {
     let after_each_step = |e: &mut Engine| {
         if e.clock.cycle > 0 {

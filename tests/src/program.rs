@@ -1,5 +1,5 @@
-//! The binary as a user starts it, with a deadline so that nothing can hang, and what it leaves
-//! behind.
+//! Runs the binary as a user does, with a deadline so that no test can hang, and reads the files
+//! that it leaves.
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 use serde_json::Value;
@@ -11,12 +11,12 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Longest that a run of a test may take: several times what the longest takes on two busy cores.
+/// Longest duration of a run: several times that of the slowest test on two busy cores.
 const LIMIT: Duration = Duration::from_secs(240);
-/// Between two looks at a process.
+/// Interval between two polls of a process.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// The binary to test: `CRUMPLE_BIN`, or the one that cargo built beside this test.
+/// Returns the binary to test: `CRUMPLE_BIN`, or the one that cargo built next to this test.
 ///
 /// # Panics
 /// When there is none.
@@ -34,19 +34,19 @@ pub fn crumple() -> PathBuf {
     beside
 }
 
-/// The repository.
+/// Returns the root of the repository.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the repository")
 }
 
-/// `crumple` with arguments, in the repository's root.
+/// Returns a command that runs `crumple` with arguments in the repository's root.
 pub fn crumple_with(args: &[&str]) -> Command {
     let mut command = Command::new(crumple());
     command.args(args);
     command
 }
 
-/// `mpirun` with so many ranks of `crumple`.
+/// Returns a command that runs `mpirun` with `ranks` ranks of `crumple`.
 pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     let mut command = Command::new("mpirun");
     command.args(["-n", &ranks.to_string()]).arg(crumple()).args(args);
@@ -65,11 +65,11 @@ pub fn mpirun(ranks: usize, args: &[&str]) -> Command {
     command
 }
 
-/// Why there can be no test under MPI here; `None` if there can. `deploy/test.sh` promises that
-/// there can.
+/// Returns the reason why tests under MPI are impossible here, or `None` if they are possible.
+/// `deploy/test.sh` guarantees that they are possible.
 ///
 /// # Panics
-/// When `CRUMPLE_BIN` is set, as `deploy/test.sh` does, and there is no MPI all the same.
+/// When there is no MPI although `CRUMPLE_BIN` is set, as `deploy/test.sh` does.
 pub fn no_mpi() -> Option<String> {
     let there = Command::new("mpirun")
         .arg("--version")
@@ -96,7 +96,7 @@ pub fn no_mpi() -> Option<String> {
     why
 }
 
-/// A process that runs. Its results go to a folder of its own, its words to a file.
+/// A running process. Its results go to a folder of its own, its output to a file.
 pub struct Running {
     child: Child,
     folder: TempDir,
@@ -105,23 +105,23 @@ pub struct Running {
 
 /// A process that has ended.
 pub struct Ended {
-    /// Exit code; none if a signal ended it.
+    /// Exit code; none if a signal ended the process.
     pub code: Option<i32>,
-    /// How long it took.
+    /// Duration of the process.
     pub took: Duration,
     folder: TempDir,
 }
 
-/// A `history.csv`.
+/// Contents of a `history.csv`.
 pub struct History {
     /// Names of the columns.
     pub header: Vec<String>,
-    /// Rows; an empty field is not a number.
+    /// Rows; an empty field is NaN.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Starts a command in the repository's root with `--out` for a folder of its own, in its own
-/// process group.
+/// Starts a command in the repository's root, in its own process group, with `--out` for a
+/// folder of its own.
 ///
 /// # Panics
 /// When it cannot be started.
@@ -147,7 +147,7 @@ impl Running {
     /// Waits for the end.
     ///
     /// # Panics
-    /// When the deadline is over; the process and its group are killed.
+    /// When the deadline has passed; the process and its group are killed.
     pub fn end(mut self) -> Ended {
         let status =
             self.wait_for("it ends", |r| r.child.try_wait().expect("a child can be waited for"));
@@ -156,10 +156,10 @@ impl Running {
         Ended { code: status.code(), took: self.began.elapsed(), folder }
     }
 
-    /// Waits until `look` finds something.
+    /// Waits until `look` returns a value.
     ///
     /// # Panics
-    /// When the deadline is over; the process and its group are killed.
+    /// When the deadline has passed; the process and its group are killed.
     pub fn wait_for<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         loop {
             if let Some(found) = look(self) {
@@ -175,7 +175,7 @@ impl Running {
         }
     }
 
-    /// Waits until the history has so many rows: the run is under way.
+    /// Waits until the history has `rows` rows, so that the run is in progress.
     pub fn wait_for_rows(&mut self, rows: usize) {
         let path = self.folder.path().join("out/history.csv");
         let there =
@@ -188,7 +188,7 @@ impl Running {
         send(self.child.id(), signal);
     }
 
-    /// Process ids of the ranks that an mpirun has started, by rank.
+    /// Returns the process ids of the ranks that mpirun has started, by rank.
     ///
     /// # Panics
     /// When there is no /proc.
@@ -212,7 +212,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         if let Ok(None) = self.child.try_wait() {
             for rank in self.ranks() {
-                send(rank, Signal::KILL); // mpirun gives each a group of its own
+                send(rank, Signal::KILL); // mpirun puts each rank in its own group
             }
             if let Some(group) = Pid::from_raw(self.child.id() as i32) {
                 let _ = kill_process_group(group, Signal::KILL);
@@ -222,7 +222,7 @@ impl Drop for Running {
     }
 }
 
-/// Sends a signal to a process; one that has just ended needs none.
+/// Sends a signal to a process; does nothing if it has just ended.
 pub fn send(pid: u32, signal: Signal) {
     if let Some(pid) = Pid::from_raw(pid as i32) {
         let _ = kill_process(pid, signal);
@@ -230,27 +230,27 @@ pub fn send(pid: u32, signal: Signal) {
 }
 
 impl Ended {
-    /// Everything that it wrote to standard output and error.
+    /// Returns all output of the process, standard output and error.
     pub fn said(&self) -> String {
         String::from_utf8_lossy(&fs::read(self.folder.path().join("words")).unwrap_or_default())
             .into_owned()
     }
 
-    /// This, if the exit code is the one wanted.
+    /// Returns `self` after a check of the exit code.
     ///
     /// # Panics
-    /// When it is not.
+    /// When the exit code is not `code`.
     pub fn with_code(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}", self.said());
         self
     }
 
-    /// The folder with results.
+    /// Returns the folder with results.
     pub fn out(&self) -> PathBuf {
         self.folder.path().join("out")
     }
 
-    /// `summary.json`.
+    /// Reads `summary.json`.
     ///
     /// # Panics
     /// When there is none.
@@ -260,12 +260,12 @@ impl Ended {
             .expect("JSON")
     }
 
-    /// The digest of the state.
+    /// Returns the digest of the state.
     pub fn digest(&self) -> String {
         self.summary()["state_digest"].as_str().expect("a digest").to_owned()
     }
 
-    /// `history.csv`.
+    /// Reads `history.csv`.
     ///
     /// # Panics
     /// When there is none.
@@ -277,20 +277,21 @@ impl Ended {
         History { header, rows: lines.map(|line| line.split(',').map(number).collect()).collect() }
     }
 
-    /// Events of `log.jsonl`.
+    /// Reads the events of `log.jsonl`.
     ///
     /// # Panics
-    /// When a line is no JSON.
+    /// When a line is not JSON.
     pub fn log(&self) -> Vec<Value> {
         let text = fs::read_to_string(self.out().join("log.jsonl")).expect("a log");
         text.lines().map(|line| serde_json::from_str(line).expect("a line is JSON")).collect()
     }
 
-    /// Reads the field files through VTK with deploy/read_fields.py, or, without a Python that can,
-    /// looks that every file that the collection names is there. Returns the number of steps.
+    /// Reads the field files through VTK with deploy/read_fields.py. Without a Python that has
+    /// VTK, it checks only that every file in the collection exists. Returns the number of
+    /// steps.
     ///
     /// # Panics
-    /// When something does not add up.
+    /// When a check fails.
     pub fn read_fields(&self) -> usize {
         let collection =
             fs::read_to_string(self.out().join("fields/fields.pvd")).expect("fields.pvd");
@@ -309,7 +310,7 @@ impl Ended {
 }
 
 impl History {
-    /// A column by the start of its name.
+    /// Returns the column whose name starts with `name`.
     ///
     /// # Panics
     /// When there is none.
@@ -323,19 +324,19 @@ impl History {
     }
 }
 
-/// Numbers of a JSON array.
+/// Returns the numbers of a JSON array.
 ///
 /// # Panics
-/// When it is none.
+/// When the value is not an array of numbers.
 pub fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("an array").iter().map(|v| v.as_f64().expect("a number")).collect()
 }
 
-/// Panics when a number anywhere in `value` is not finite: JSON has no word for those, serde writes
-/// null.
+/// Asserts that all numbers in `value` are finite. JSON cannot represent others; serde writes
+/// null for them.
 ///
 /// # Panics
-/// See above.
+/// When a number is not finite.
 pub fn assert_finite(value: &Value, path: &str) {
     match value {
         Value::Null => panic!("{path} is no number"),

@@ -1,10 +1,10 @@
-//! ARCHITECTURE.md is a map; every place on it exists.
+//! Every path in ARCHITECTURE.md exists.
 
 use std::fs;
 use std::path::Path;
 
-/// Paths are what stands in backticks and has a slash, or an ending that files here have. `DIR/...`
-/// is output of a run.
+/// Returns true if a word in backticks is a path: it has a slash, or an ending of files in this
+/// repository. `DIR/...` is output of a run.
 fn is_path(word: &str) -> bool {
     const ENDINGS: [&str; 6] = [".rs", ".sh", ".py", ".md", ".toml", ".sbatch"];
     let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "._-/".contains(c));

@@ -1,8 +1,8 @@
-//! Elastic waves in bars, against one-dimensional theory: Graff, Wave Motion in Elastic Solids
-//! (1975), ch. 2.
+//! Elastic waves in bars, compared with one-dimensional theory: Graff, Wave Motion in Elastic
+//! Solids (1975), ch. 2.
 //!
-//! A bar is a strip of N square shells with Poisson's ratio 0, so that it carries plane waves of
-//! speed `c = sqrt(E/rho)` and nothing else. Units mm, ms, kg.
+//! A bar is a strip of N square shells with Poisson's ratio 0. It carries only plane waves of
+//! speed `c = sqrt(E/rho)`. Units mm, ms, kg.
 
 use crumple_tests::{read, run_alone};
 use crumple_worker::engine::Engine;
@@ -11,14 +11,14 @@ const LENGTH: f64 = 100.0;
 const E: f64 = 207.0;
 const RHO: f64 = 7.85e-6;
 const THICKNESS: f64 = 1.0;
-/// Speed of the bars, that of a crash [mm/ms]; strains are v / c = 2e-3.
+/// Velocity of the bars, typical of a crash [mm/ms]; strains are v / c = 2e-3.
 const V: f64 = 10.0;
 
 fn c() -> f64 {
     (E / RHO).sqrt()
 }
 
-/// Strips in the plane, one part each.
+/// Strips in a plane, one part each.
 #[derive(Default)]
 struct Bars {
     nodes: Vec<[f64; 2]>,
@@ -27,7 +27,7 @@ struct Bars {
 }
 
 impl Bars {
-    /// Adds a strip of `n` squares from x = `from` on.
+    /// Adds a strip of `n` squares from x = `from`.
     fn add(&mut self, from: f64, n: usize) {
         let (first, side) = (self.nodes.len(), LENGTH / n as f64);
         self.parts += 1;
@@ -38,8 +38,8 @@ impl Bars {
         self.shells.extend((0..n).map(shell));
     }
 
-    /// Runs a job on these bars; `rest` are walls, velocities and contact. The set `first` holds
-    /// the first `first` nodes.
+    /// Runs a job on these bars; `rest` contains walls, velocities and contact. The set `first`
+    /// holds the first `first` nodes.
     fn run(&self, first: usize, rest: &str, look: impl FnMut(&Engine)) -> Engine {
         let nodes = self
             .nodes
@@ -71,7 +71,7 @@ impl Bars {
     }
 }
 
-/// Mean velocity along x of a range of nodes at the last mid-step.
+/// Returns the mean velocity along x of a range of nodes at the last mid-step.
 fn flight(e: &Engine, nodes: std::ops::Range<usize>) -> f64 {
     let sum = |f: fn(f64, f64) -> f64| {
         nodes.clone().map(|i| f(e.nodes.mass[i], e.nodes.v[i][0])).sum::<f64>()
@@ -86,7 +86,7 @@ struct Struck {
     lost: f64,
 }
 
-/// A bar flies end-on against a rigid wall.
+/// Runs a bar of `n` cells that hits a rigid wall with its end.
 fn struck(n: usize) -> Struck {
     let mut bars = Bars::default();
     bars.add(0.0, n);
@@ -113,10 +113,10 @@ fn struck(n: usize) -> Struck {
     }
 }
 
-/// A01 and A03: the wall holds the end for the wave's way there and back, 2L/c, with `rho c v A`,
-/// and the bar leaves as fast as it came. The wall stops the end nodes for good at the touch, a
-/// plastic impact that takes their share 1/2N of the energy: the loss vanishes with the mesh size,
-/// to first order.
+/// A01 and A03: the wall holds the end with `rho c v A` for the time 2L/c, in which the wave
+/// runs to the other end and back. The bar rebounds with its initial speed. The wall stops the
+/// end nodes at contact in a plastic impact, which takes their fraction 1/2N of the energy: the
+/// loss vanishes with the mesh size, to first order.
 #[test]
 fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     let bars = [20, 40, 80].map(|n| (n, struck(n)));
@@ -136,11 +136,11 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
         );
     }
     let (_, finest) = &bars[2];
-    // The front of N = 80 cells is some 3 cells wide after 160 cells (dispersion of central
+    // The front for N = 80 cells is about 3 cells wide after 160 cells (dispersion of central
     // differences and lumped masses): 1 to 2 % of the time there and back.
     assert!((finest.contact_time - 1.0).abs() < 0.02, "{}", finest.contact_time);
     assert!((finest.mean_force - 1.0).abs() < 0.02, "{}", finest.mean_force);
-    // What the front's ringing keeps and what the impact took.
+    // The tolerance covers the oscillation behind the front and the loss of the impact.
     assert!((finest.rebound - 1.0).abs() < 0.02, "{}", finest.rebound);
     for pair in bars.windows(2) {
         let order = (pair[0].1.lost / pair[1].1.lost).log2();
@@ -152,7 +152,7 @@ fn a_bar_on_a_rigid_wall_rebounds_after_two_wave_times() {
     }
 }
 
-/// What a bar that flies into an equal one at rest makes of it.
+/// Result of the impact of a bar on an equal one at rest.
 struct Exchange {
     /// Velocity of separation over that of approach.
     restitution: f64,
@@ -167,7 +167,7 @@ struct Exchange {
 fn exchange(n: usize, v: f64) -> Exchange {
     let mut bars = Bars::default();
     bars.add(0.0, n);
-    // Surfaces meet at a distance of the mean thickness; a hair's breadth of air.
+    // Surfaces touch at the mean thickness; 1e-6 mm is a small gap.
     bars.add(LENGTH + THICKNESS + 1e-6, n);
     let half = 2 * (n + 1);
     let rest = format!(
@@ -181,7 +181,7 @@ fn exchange(n: usize, v: f64) -> Exchange {
         }
         last = velocity;
         if e.clock.time < LENGTH / c() {
-            // All that the second bar has by now came through the interface.
+            // Until now all momentum of the second bar came through the interface.
             (when, gained) = (e.clock.time * c() / LENGTH, velocity);
         }
     });
@@ -206,22 +206,22 @@ fn exchange(n: usize, v: f64) -> Exchange {
     x
 }
 
-/// Two equal bars meet end to end: they exchange their velocities after 2L/c, and while they touch
-/// the interface carries `rho c v / 2`. Nodes meet the rims of segments here. The touch is a
-/// plastic impact of the end nodes: `1/2 m_red v^2` with half a node's mass, half of their share
-/// 1/2N of the energy.
+/// Two equal bars collide end to end. They exchange their velocities after 2L/c, and during
+/// contact the stress at the interface is `rho c v / 2`. Nodes touch the edges of segments here.
+/// The contact is a plastic impact of the end nodes: the loss is `1/2 m_red v^2` with half a
+/// node's mass, half of their fraction 1/2N of the energy.
 #[test]
 fn two_equal_bars_exchange_their_velocities() {
     let all = [20, 40, 80].map(|n| (n, exchange(n, V)));
     for (n, x) in &all {
-        // The gap is closed to 1e-4 of the thickness per step: 1e-4 / 2.2e-4 ms = 0.46 mm/ms at N =
-        // 80, 5 % of v.
+        // The gap is closed to 1e-4 of the thickness per step: 1e-4 / 2.2e-4 ms = 0.46 mm/ms at
+        // N = 80, 5 % of v.
         assert!((x.work * 2.0 * *n as f64 + 0.5).abs() < 0.1, "N = {n}: contact work {}", x.work);
     }
     for pair in all.windows(2) {
         let order = ((1.0 - pair[0].1.restitution) / (1.0 - pair[1].1.restitution)).log2();
-        // Dispersion of the front spreads as N^(2/3) cells; what it keeps of the energy falls with
-        // that power.
+        // Dispersion keeps a part of the energy behind the front; this part decreases as
+        // N^(-2/3).
         assert!((0.55..1.1).contains(&order), "restitution towards 1 with order {order}");
     }
     let x = &all[2].1;
@@ -231,9 +231,9 @@ fn two_equal_bars_exchange_their_velocities() {
     }
 }
 
-/// At a twentieth of that speed the tolerance of the law, 1e-4 of the thickness per step, is half
-/// of the approach. A force that is left as it is because it is within the tolerance must not drive
-/// the bars apart.
+/// At a twentieth of that velocity the tolerance of the law, 1e-4 of the thickness per step, is
+/// half of the approach. A force that stays unchanged within the tolerance must not drive the
+/// bars apart.
 #[test]
 fn slow_bars_do_not_leave_faster_than_they_came() {
     for n in [20, 40, 80] {

@@ -1,5 +1,5 @@
-//! Beams as lines in contact: against each other, edges of shells and solids, and faces; closed
-//! forms, and the same bits on any number of workers. Units mm, ms, kg.
+//! Contact of beams as lines: with each other, with edges of shells and solids, and with faces.
+//! Closed forms, and the same bits on any number of workers. Units mm, ms, kg.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
@@ -14,7 +14,7 @@ const RADIUS: f64 = 2.0;
 const RHO: f64 = 7.85e-6;
 const LAWS: [&str; 3] = ["lagrange", "kinematic", "penalty"];
 
-/// A mesh in the making.
+/// Builder of a mesh.
 #[derive(Default)]
 struct Rows {
     nodes: String,
@@ -32,7 +32,7 @@ impl Rows {
         self.node
     }
 
-    /// A row of `n` beams of a part between two points; gives its nodes.
+    /// Adds a row of `n` beams of a part between two points; returns its nodes.
     fn bar(&mut self, part: u32, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<usize> {
         let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
         let nodes: Vec<usize> = (0..=n).map(|i| self.node(at(i))).collect();
@@ -40,9 +40,9 @@ impl Rows {
         nodes
     }
 
-    /// Beams from node to node.
+    /// Adds beams from node to node.
     fn beams(&mut self, part: u32, nodes: &[usize]) {
-        // Where the second axis points does not matter to tubes.
+        // The direction of the second axis has no effect on tubes.
         let third = self.node([310.0, 470.0, 590.0]);
         for pair in nodes.windows(2) {
             self.element += 1;
@@ -51,7 +51,8 @@ impl Rows {
         }
     }
 
-    /// A grid of quads over a rectangle, `at` by its fractions; gives its nodes.
+    /// Adds a grid of quads over a rectangle; `at` maps fractions of its sides to positions.
+    /// Returns its nodes.
     fn sheet(
         &mut self,
         part: u32,
@@ -81,8 +82,8 @@ impl Rows {
         nodes
     }
 
-    /// The job, with node sets, and the rest of it. Part 1 has beams, part 2 too, part 3 shells,
-    /// part 4 solids.
+    /// Returns the job with node sets and the further keys `rest`. Parts 1 and 2 have beams,
+    /// part 3 shells, part 4 solids.
     fn model(&self, end_time: f64, sets: &[(&str, &[usize])], rest: &str) -> Model {
         let list = |ids: &[usize]| ids.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         let sets: Vec<String> =
@@ -113,7 +114,7 @@ impl Rows {
 /// Thickness of shells [mm].
 const THICKNESS: f64 = 1.0;
 
-/// Place and velocity of the node with this id.
+/// Returns the position and velocity of the node with this id.
 fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
     let n = (0..e.nodes.local_count)
         .find(|&n| e.nodes.id[n].label() == id as u64)
@@ -121,17 +122,17 @@ fn at(e: &Engine, id: usize) -> ([f64; 3], [f64; 3]) {
     ([0, 1, 2].map(|c| e.nodes.x[n][c]), [0, 1, 2].map(|c| e.nodes.v[n][c]))
 }
 
-/// Momentum and angular momentum.
+/// Returns the momentum and the angular momentum.
 fn momenta(e: &Engine) -> [f64; 6] {
     let (p, l) = momentum(&e.nodes);
     [p[0], p[1], p[2], l[0], l[1], l[2]]
 }
 
-/// Two rigid beams at right angles, `off` from the middle of both; the upper one comes down with 1
-/// mm/ms. Gives the velocities along z of their centres when they are apart or together for good,
-/// and the change of the momenta.
+/// Collides two rigid beams at right angles, at the distance `off` from the middle of both; the
+/// upper one falls with 1 mm/ms. Returns the velocities along z of their centres after they have
+/// separated or joined, and the change of the momenta.
 fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
-    const CELLS: usize = 11; // no node where they cross
+    const CELLS: usize = 11; // no node at the crossing
     let mut rows = Rows::default();
     let z = RADIUS + 0.5;
     let along = |s: f64| LENGTH * (s - 0.5) - off;
@@ -163,13 +164,14 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
     ([mean(&above), mean(&below)], change)
 }
 
-/// Rigid beams that meet `d` from the middles of both: what passes from one to the other is `m v (1
-/// + e)/2/(1 + m d^2/I)`, with the rebound e = 0 of the laws that let nothing give way and e = 1 of
-/// a spring without damping.
+/// Rigid beams collide at the distance `d` from their middles. The impulse is `m v (1 + e)/2/(1
+/// + m d^2/I)`, with the restitution e = 0 of the laws without compliance and e = 1 of a spring
+/// without damping.
 #[test]
 fn crossed_rigid_beams_take_over_the_closed_form() {
     for d in [0.0, 20.0] {
-        // Of lumped masses: m L^2/12 (1 + 2/n^2), the inertia of the nodes themselves below 1 %.
+        // Inertia of lumped masses: m L^2/12 (1 + 2/n^2); the inertia of the nodes themselves is
+        // below 1 %.
         let arm = d * d / (LENGTH * LENGTH / 12.0 * (1.0 + 2.0 / 121.0));
         for (law, rebound) in [
             ("law = \"lagrange\"", 0.0),
@@ -188,8 +190,8 @@ fn crossed_rigid_beams_take_over_the_closed_form() {
     }
 }
 
-/// Deformable beams, elastic and hollow as they come: none goes through the other, no energy comes
-/// from nothing.
+/// Deformable beams, elastic and hollow: none goes through the other, and contact creates no
+/// energy.
 #[test]
 fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
     for law in LAWS {
@@ -202,7 +204,7 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
         );
         let (mut nearest, mut initial, mut worst) = (f64::INFINITY, 0.0f64, 0.0f64);
         let end = run_alone(&rows.model(1.0, &[("above", &above)], &rest), |e| {
-            // Node 6 of the one and the nodes about y = 1 of the other.
+            // Node 6 of one beam and the nodes near y = 1 of the other.
             let low = at(e, above[5]).0[2];
             let high = 0.5 * (at(e, above[10] + 2 + 5).0[2] + at(e, above[10] + 2 + 6).0[2]);
             nearest = nearest.min(low - high);
@@ -210,7 +212,7 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
             initial = initial.max(if e.clock.cycle == 1 { energies.kinetic } else { 0.0 });
             worst = worst.max((energies.kinetic + energies.internal) / initial);
         });
-        // Bent by less than 0.1 between nodes.
+        // The beams bend by less than 0.1 between nodes.
         assert!(nearest > 2.0 * RADIUS - 0.2, "{law}: middles come to {nearest}");
         assert!(worst < 1.005, "{law}: energy rises to {worst} of what there was");
         let crossings = end.contact.as_ref().unwrap().crossings(&end.nodes, end.clock.time);
@@ -218,9 +220,9 @@ fn crossed_elastic_beams_do_not_pass_and_keep_energy() {
     }
 }
 
-/// A rigid beam comes down on the free edge of a sheet that stands upright and is held, off its
-/// middle: it gives off `m v (1 + e)/(1 + m d^2/I)` with the rebound e, and turns about the edge,
-/// at the distance of its radius and half the thickness.
+/// A rigid beam falls on the free edge of an upright sheet that is held, off the beam's middle.
+/// It gives off `m v (1 + e)/(1 + m d^2/I)` with the restitution e, and turns about the edge, at
+/// the distance of its radius and half the thickness.
 #[test]
 fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
     let (v, d) = (1.0, 20.0);
@@ -238,15 +240,15 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
         let mut least = f64::INFINITY;
         let end = run_alone(&model, |e| {
             let [[_, y0, z0], [_, y1, z1]] = [bar[0], bar[11]].map(|n| at(e, n).0);
-            // Of the edge, the origin, from the line of the bar.
+            // Distance of the edge, which is the origin, from the line of the bar.
             least = least.min((y0 * z1 - y1 * z0).abs() / (y1 - y0).hypot(z1 - z0));
         });
         let arm = d * d / (LENGTH * LENGTH / 12.0 * (1.0 + 2.0 / 121.0));
         let weight = |k: usize| if k == 0 || k == 11 { 0.5 } else { 1.0 };
         let mean =
             bar.iter().enumerate().map(|(k, &n)| weight(k) * at(&end, n).1[2]).sum::<f64>() / 11.0;
-        // Without anything that gives way it stays on the edge, by a spring without damping it
-        // comes off as fast as it came.
+        // Under laws without compliance it stays on the edge. On a spring without damping it
+        // rebounds with its initial velocity.
         let rebound = if law == "penalty" { 1.0 } else { 0.0 };
         let kept = v * ((1.0 + rebound) / (1.0 + arm) - 1.0);
         assert!((mean - kept).abs() < 0.01 * v, "{law}: the middle goes on with {mean} for {kept}");
@@ -254,8 +256,8 @@ fn a_beam_that_falls_over_a_free_edge_turns_about_it() {
     }
 }
 
-/// A beam under gravity comes to rest on a sheet, its line at `r + t/2` from that of the sheet; all
-/// that holds it are nodes of either.
+/// A beam comes to rest on a sheet under gravity, its line at `r + t/2` from the middle surface;
+/// only nodes of either body carry contact forces.
 #[test]
 fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
     for law in LAWS {
@@ -270,7 +272,7 @@ fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
         let end = run_alone(&rows.model(8.0, &[("sheet", &sheet)], &rest), |_| {});
         for &n in &bar {
             let (x, v) = at(&end, n);
-            // The spring of the penalty gives way by g dt^2/0.35 and so.
+            // The penalty spring is compressed by about g dt^2/0.35.
             assert!(
                 (x[2] / z - 1.0).abs() < 2e-3 && v[2].abs() < 1e-3,
                 "{law}: node {n} at {} for {z}, {}",
@@ -281,9 +283,10 @@ fn a_beam_lies_on_a_sheet_at_its_radius_and_half_the_thickness() {
     }
 }
 
-/// Three beams in a triangle hold a cube that stands on its corner between them: each lies against
-/// one of its edges, in the plane of this and the axis, so that the corner is `(r - rho cos a)/sin
-/// a` from the plane of the beams, with `rho` from the axis to a beam, `cos a = 1/sqrt(3)`.
+/// Three beams in a triangle hold a cube that stands on its corner between them. Each beam
+/// touches one edge of the cube, in the plane of this edge and the axis. The corner is therefore
+/// `(r - rho cos a)/sin a` from the plane of the beams, with the distance `rho` from the axis to
+/// a beam and `cos a = 1/sqrt(3)`.
 #[test]
 fn a_cage_of_beams_holds_a_cube_by_its_edges() {
     let (rho, side) = (15.0, 40.0);
@@ -297,8 +300,8 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
             let end = |along: f64| [rho * c - along * s, rho * s + along * c, 0.0];
             held.extend(rows.bar(1, 3, end(-24.0), end(24.0)));
         }
-        // Edges of the cube go up from its corner in the planes through the axis and the middles of
-        // the beams.
+        // Edges of the cube rise from its corner in the planes through the axis and the middles
+        // of the beams.
         let edges: [[f64; 3]; 3] = std::array::from_fn(|k| {
             let (s, c) = (k as f64 * 120f64.to_radians()).sin_cos();
             [side * sin * c, side * sin * s, side * cos]
@@ -338,8 +341,8 @@ fn a_cage_of_beams_holds_a_cube_by_its_edges() {
     }
 }
 
-/// A slide down a row of beams: joints between them do not stop what comes along, a beam across
-/// without friction.
+/// A row of beams is a slide: its joints do not stop a beam that slides across them without
+/// friction.
 #[test]
 fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     for law in LAWS {
@@ -379,8 +382,8 @@ fn nothing_catches_where_one_beam_ends_and_the_next_begins() {
     }
 }
 
-/// A pile of loose beams, sheets and a bar of solids in two layers, which comes down, slides and
-/// turns; one beam breaks.
+/// Returns a job with a pile of loose beams, sheets and a bar of solids in two layers, which
+/// falls, slides and turns; one beam breaks.
 fn pile(contact: &str) -> Model {
     let mut rows = Rows::default();
     let mut upper = Vec::new();
@@ -395,7 +398,7 @@ fn pile(contact: &str) -> Model {
     let sheet = rows.sheet(3, [9, 7], |x, y| [100.0 * (x - 0.5), 90.0 * (y - 0.5), -5.2]);
     let lid = rows.sheet(3, [5, 4], |x, y| [61.0 * (x - 0.4), 43.0 * (y - 0.5), 5.4]);
     upper.extend(&lid);
-    // Ribs along edges of both, and a post under the lid's corner.
+    // Ribs along edges of both sheets, and a post under the lid's corner.
     let ribs = [(&sheet, 8, 3), (&sheet, 8, 5), (&lid, 5, 2)];
     let ribs = ribs
         .map(|(of, step, from)| of.iter().copied().skip(from).step_by(step).collect::<Vec<_>>());
@@ -454,7 +457,7 @@ fn lines_across_workers_give_the_same_bits() {
     }
 }
 
-/// Without beams in contact the upper ones fall through the lower ones.
+/// Without beams in contact the upper beams fall through the lower ones.
 #[test]
 fn beams_are_out_of_contact_where_the_job_says_so() {
     for (contact, passes) in [
@@ -477,7 +480,7 @@ fn beams_are_out_of_contact_where_the_job_says_so() {
     }
 }
 
-/// A beam that fails lets go what lies on it.
+/// A beam that fails releases the bodies that lie on it.
 #[test]
 fn broken_beams_leave_the_contact() {
     let mut rows = Rows::default();

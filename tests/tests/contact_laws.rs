@@ -1,9 +1,9 @@
-//! Searches and contact laws as a job names them, on seven bodies in collision.
+//! Contact searches and contact laws selected in a job, on seven bodies in collision.
 
 use crumple_tests::program::{crumple_with, run};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 
-/// Both global searches find the same candidates, point in box, so nothing that follows can differ.
+/// Both global searches find the same candidates, point in box, so the results are the same.
 #[test]
 fn both_searches_give_the_same_bits() {
     for workers in [1, 3] {
@@ -20,7 +20,7 @@ fn both_searches_give_the_same_bits() {
     }
 }
 
-/// Every law in every form: the same bits on any number of workers, also when boxes are cut anew.
+/// Every law in every form gives the same bits on any number of workers, also with repartitions.
 #[test]
 fn every_law_gives_the_same_bits_on_any_number_of_workers() {
     let forms: [&[&str]; 7] = [
@@ -47,8 +47,8 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
     }
 }
 
-/// A block of solids that slides over facets: segments that a worker meets with its own belong to
-/// others, and change workers.
+/// A block of solids slides over facets. Segments in contact belong to other workers, and change
+/// workers.
 #[test]
 fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
     let model = read(&case("slide"), &["scene.facets=8", "contact.law=mortar"]);
@@ -61,7 +61,8 @@ fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
     }
 }
 
-/// Penalty, and mass weights: the same bits on any number of workers, and energy in order.
+/// Penalty and mass weights give the same bits on any number of workers and a correct energy
+/// balance.
 #[test]
 fn other_laws_and_weights_keep_bits_momentum_and_energy() {
     for (set, bound) in [("contact.law=penalty", 0.01), ("contact.weighting=mass", 0.01)] {
@@ -87,12 +88,11 @@ fn other_laws_and_weights_keep_bits_momentum_and_energy() {
                 e["error_max"], s["contact"]["penetration_max"]
             );
             assert!(s["contact"]["pairs_max"].as_u64() > Some(5), "bodies do meet");
-            // Contact work is booked by force times displacement, whatever law gave the force, so
-            // the balance is as good as that of the elements: a trapezoid over steps in which
-            // bodies yield.
+            // Contact work is force times displacement for every law, so the balance is as good
+            // as that of the elements: a trapezoid over steps in which bodies yield.
             assert!(e["error_max"].as_f64().unwrap() < bound, "{set}: {e}");
-            // Contact may only take energy: all of it comes from 216 J of motion. A penalty spring
-            // holds some for a while and gives it back.
+            // Contact may only take energy: all of it comes from 216 J of motion. A penalty
+            // spring stores some temporarily and returns it.
             let contact = e["contact"].as_f64().unwrap();
             assert!(
                 contact < 0.0 && -contact < e["total_initial"].as_f64().unwrap(),
@@ -101,7 +101,7 @@ fn other_laws_and_weights_keep_bits_momentum_and_energy() {
             let history = r.history();
             for c in ["momentum x", "momentum y", "momentum z"] {
                 let p = history.column(c);
-                // 0.4 kg mm/ms, given with ten digits; nothing outside holds the bodies.
+                // 0.4 kg mm/ms, given with ten digits; no external force acts on the bodies.
                 p.iter().for_each(|now| {
                     assert!((now - p[0]).abs() < 1e-9, "{set}: {c} from {} to {now}", p[0])
                 });
@@ -110,10 +110,10 @@ fn other_laws_and_weights_keep_bits_momentum_and_energy() {
     }
 }
 
-/// A rod hits a wall of bricks that lie on each other: a brick's node in a joint of the bed has
-/// touched the brick above it, whose face looks as the rod's does, and is still new to the rod.
-/// Taken for an old contact there it was inside by more than all that contact tells of, and the
-/// penalty law threw it out.
+/// A rod hits a wall of bricks that lie on each other. A brick's node in a bed joint has touched
+/// the brick above it, whose face is parallel to that of the rod, but its contact with the rod
+/// is new. When it was treated as the old contact, its penetration exceeded the depth of that
+/// contact, and the penalty law pushed it out.
 #[test]
 fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
     for law in ["lagrange", "penalty"] {
@@ -135,8 +135,8 @@ fn nodes_in_a_joint_of_bricks_are_new_to_what_hits_them() {
     }
 }
 
-/// A tube of shells finer than they are thick touches itself round its corners from the start,
-/// unless contact takes shells for no thicker than their sides.
+/// A tube of shells that are shorter than thick touches itself around its corners from the
+/// start, unless contact limits the thickness of shells to the length of their sides.
 #[test]
 fn fine_shells_do_not_touch_round_a_corner() {
     let fine = [

@@ -1,13 +1,13 @@
 //! The d3plot database of a run, read back by an independent reader (lasso-python) and compared
-//! with the field files, bit for bit: deploy/read_d3plot.py. Without such a reader only what can be
-//! seen from outside is looked at.
+//! bit for bit with the field files: deploy/read_d3plot.py. Without such a reader the tests
+//! check only the files from outside.
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use std::env;
 use std::fs;
 use std::process::Command;
 
-/// A Python that has the reader.
+/// Returns a Python that has the reader, if there is one.
 fn python() -> Option<std::ffi::OsString> {
     let python = env::var_os("CRUMPLE_PYTHON");
     let has = |p: &std::ffi::OsString| {
@@ -23,8 +23,8 @@ fn python() -> Option<std::ffi::OsString> {
     found
 }
 
-/// Exports in files of at most `size` MB, which are `files` then, and has them read; gives what the
-/// reader says.
+/// Exports in files of at most `size` MB, checks that there are `files` of them, and has them
+/// read; returns the output of the reader.
 fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
     let out = ended.out();
     let dir = out.to_str().unwrap();
@@ -55,16 +55,16 @@ fn export_and_read(ended: &Ended, size: &str, files: usize) -> Option<String> {
     Some(run(reader).with_code(0).said())
 }
 
-/// Shells of several parts with plastic strain, pieces of several workers, states in one file and,
-/// written again, in several.
+/// Shells of several parts with plastic strain, pieces of several workers, states in one file
+/// and, written again, in several files.
 #[test]
 fn shells_read_back() {
     let args = ["run", "cases/tumble", "--quiet", "--workers", "3", "--end-time", "1.0"];
     let sets = ["--set", "output.field_interval=0.25", "--set", "parallel.force_every=50"];
     let ended = run(crumple_with(&[&args[..], &sets].concat())).with_code(0);
     export_and_read(&ended, "100", 2);
-    // A state of 1200 shells has some 100 kB: twice as many files as before the second time, and
-    // none of them is left over.
+    // A state of 1200 shells has about 100 kB. The last export writes fewer files than the one
+    // before it and must leave none of those behind.
     for (size, files) in [("0", 6), ("1", 2)] {
         let Some(said) = export_and_read(&ended, size, files) else { continue };
         assert!(
@@ -75,7 +75,7 @@ fn shells_read_back() {
     }
 }
 
-/// Solids, written at the end of the run because the job asks for it.
+/// Solids, written at the end of the run because the job requests it.
 #[test]
 fn solids_read_back() {
     let args = ["run", "cases/can-crush", "--quiet", "--workers", "2", "--end-time", "0.05"];
@@ -91,9 +91,9 @@ fn solids_read_back() {
     }
 }
 
-/// Shells that tear beside a solid that does not: what has failed is gone from the fields and
-/// marked in the database. Every second node and element id is left out, and elements are not
-/// numbered as they lie.
+/// Shells that tear next to a solid that does not. Failed elements are absent from the fields
+/// and marked in the database. Every second node and element id is missing, and the ids of
+/// elements are not in the order of the mesh.
 #[test]
 fn what_has_failed_is_marked() {
     let mut nodes: String = (0..10)
@@ -134,7 +134,7 @@ fn what_has_failed_is_marked() {
     }
 }
 
-/// Springs are in the fields, and not in the database; the shells beside them are.
+/// Springs are in the fields, but not in the database; the shells next to them are in both.
 #[test]
 fn springs_are_left_out() {
     let args = ["run", "tests/decks/scenes/sled.k", "--quiet", "--workers", "2", "--no-report"];

@@ -1,4 +1,4 @@
-//! Whatever stands in a deck, reading it ends in a model or in a report.
+//! Any content of a deck gives a model or a report.
 
 use crumple::input::job::read;
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ static PLATE: LazyLock<Vec<String>> = LazyLock::new(|| {
     ["fixed.k", "long.k", "comma.k"].map(read).to_vec()
 });
 
-/// Names of all keywords, from the page that is made of their table.
+/// Names of all keywords, from the page that is generated from their table.
 static KEYWORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     let page = crumple::input::deck::reference::page();
     let names = page.split('`').skip(1).step_by(2);
@@ -22,7 +22,7 @@ static KEYWORDS: LazyLock<Vec<String>> = LazyLock::new(|| {
     names.filter(upper).map(String::from).collect()
 });
 
-/// What may stand in a field.
+/// Generates the contents of a field.
 fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         4 => (0i64..12).prop_map(|i| i.to_string()),
@@ -45,7 +45,7 @@ fn line() -> impl Strategy<Value = String> {
     prop_oneof![4 => fixed, 2 => commas, 1 => any::<String>()]
 }
 
-/// A keyword of the table with lines of numbers below it.
+/// Generates a keyword of the table with lines of numbers below it.
 fn block() -> impl Strategy<Value = String> {
     let option = prop::sample::select(vec![
         "",
@@ -63,7 +63,7 @@ fn block() -> impl Strategy<Value = String> {
         .prop_map(|(name, option, lines)| format!("*{name}{option}\n{}\n", lines.join("\n")))
 }
 
-/// Reads the bytes as a deck, alone and with what is unsupported left out.
+/// Reads the bytes as a deck, strictly and with unsupported keywords ignored.
 fn survives(bytes: &[u8]) -> (bool, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
@@ -130,7 +130,7 @@ proptest! {
     }
 }
 
-/// The damage is neither too small nor too great to be of use.
+/// The damage is neither too small nor too large to be useful.
 #[test]
 fn some_damaged_plates_are_sound_and_some_are_not() {
     let text = &PLATE[0];

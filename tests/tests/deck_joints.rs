@@ -1,12 +1,12 @@
-//! What joins parts in keyword decks, beams, ties and welds: each deck here adds lines to two
+//! Joints of parts in keyword decks: beams, ties and welds. Each deck here adds lines to two
 //! plates above each other.
 
 use crumple::input::job::{Model, read};
 use crumple_proto::job::BeamSection;
 use std::fs;
 
-/// Units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z = 2, nodes 11 to
-/// 16.
+/// Two plates; units mm, ms, kg. Part 1: two shells at z = 0, nodes 1 to 6; part 2: two at z =
+/// 2, nodes 11 to 16.
 const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nlow\n1,1,1\nhigh\n2,1,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
     *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*INITIAL_VELOCITY\n0\n1.0\n*NODE\n1,0,0,0\n2,10,0,0\n3,20,0,0\n4,0,10,0\n5,10,10,0\n\
     6,20,10,0\n11,0,0,2\n12,10,0,2\n13,20,0,2\n14,0,10,2\n15,10,10,2\n16,20,10,2\n*ELEMENT_SHELL\n1,1,1,2,5,4\n\
@@ -19,7 +19,7 @@ fn with(lines: &str) -> Model {
     read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// Vectors towards the second axes of beams, made square to their lines and of length 1.
+/// Returns the unit vectors of the second axes of beams, perpendicular to their lines.
 fn second_axes(model: &Model) -> Vec<[f64; 3]> {
     let at = |id| model.mesh.nodes.iter().find(|n| n.id == id).map(|n| n.x).unwrap();
     let beam = |id| model.mesh.elements.iter().find(|e| e.id == id).unwrap();
@@ -151,7 +151,7 @@ fn contacts_tie() {
     }
 }
 
-/// A beam between two plates, tied to the middle of a shell of each by `*CONTACT_SPOTWELD`.
+/// A beam between two plates is tied to the middle of a shell of each by `*CONTACT_SPOTWELD`.
 #[test]
 fn spot_weld_contacts_tie_beams() {
     let model = with(
@@ -196,7 +196,7 @@ fn null_shells_are_skins() {
     assert!(!model.warnings.iter().any(|w| w.message.contains("no solid")), "{:?}", model.warnings);
 }
 
-/// A plate on a skin, written as a deck and read back: the skin is one again, bit for bit.
+/// A plate on a skin, written as a deck and read back: the skin is a skin again, bit for bit.
 #[test]
 fn exported_skins_are_skins() {
     let folder = tempfile::tempdir().unwrap();
@@ -208,14 +208,14 @@ fn exported_skins_are_skins() {
     assert_eq!([0, 2].map(|i| again.job.part[i].skin), [false, true]);
     let run = |model: &Model| crumple_tests::run_side_by_side(model, 2, 50, 0).digest();
     assert_eq!(run(&model), run(&again));
-    // It is felt: what is there and bears is another scene.
+    // The material of the skin matters: an elastic one gives a different result.
     assert_ne!(
         run(&model),
         run(&with(&lines.replace("MAT_NULL\n2,1.0e-9", "MAT_ELASTIC\n2,1.0e-9,1.0,0.3")))
     );
 }
 
-/// Two sections with one title are told apart by their numbers.
+/// Two sections with one title are distinguished by their numbers.
 #[test]
 fn cross_sections_of_one_name_are_two() {
     let section =

@@ -1,12 +1,12 @@
-//! What keywords become: each deck here adds a few lines to a plate of two shells above a cube, and
-//! the job is looked at.
+//! Keywords and the job that they become: each deck here adds a few lines to a plate of two
+//! shells above a cube.
 
 use crumple::input::job::{Model, read};
 use crumple_proto::mesh::Shape;
 use std::fs;
 
-/// Units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below; nodes 1 to 8 the cube, 11
-/// to 16 the plate.
+/// A plate above a cube; units mm, ms, kg. Part 1: two shells at z = 12, part 2: a solid below;
+/// nodes 1 to 8 the cube, 11 to 16 the plate.
 const BASE: &str = "*KEYWORD\n*CONTROL_TERMINATION\n10.0\n*PART\nplate\n1,1,1\ncube\n2,2,1\n*SECTION_SHELL\n1,2,1.0,3\n1.0\n\
     *SECTION_SOLID\n2,1\n*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n8,0,10,10\n\
     11,0,0,12\n12,10,0,12\n13,20,0,12\n14,0,10,12\n15,10,10,12\n16,20,10,12\n*ELEMENT_SHELL\n1,1,11,12,15,14\n\
@@ -21,7 +21,7 @@ fn model_of(text: &str) -> Model {
     read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// The base with an elastic material and these lines.
+/// Reads the base with an elastic material and these lines.
 fn with(lines: &str) -> Model {
     model_of(&format!("{BASE}{STEEL}{MOVES}{lines}"))
 }
@@ -225,7 +225,7 @@ fn contacts_become_interfaces() {
     );
 }
 
-/// Only the contact that says so is of segments; the map of the deck tells.
+/// Only the contact whose card asks for it is of segments; the map of the deck shows it.
 #[test]
 fn mortar_contacts_take_the_law_of_segments() {
     let pair = "*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_MORTAR_ID\n2,second\n1,2,3,3\n\n\n";
@@ -259,7 +259,7 @@ fn contacts_of_a_single_surface_come_before_those_of_two() {
     assert_eq!((pair.birth, pair.death), (0.25, Some(0.5)));
 }
 
-/// Of three parts two have the same friction: of each two kinds that meet, the mean.
+/// Two of three parts have the same friction; each pair of different kinds gets the mean.
 #[test]
 fn friction_of_parts_is_what_a_contact_asks_for() {
     let deck = BASE.replace(
@@ -300,8 +300,8 @@ fn friction_of_parts_is_what_a_contact_asks_for() {
     );
 }
 
-/// What is exported and read again is the same contact: several cards, sets of parts, and what
-/// cards do not say.
+/// An exported deck that is read again has the same contact: several cards, sets of parts, and
+/// settings that no card has.
 #[test]
 fn exported_contacts_are_read_as_they_were() {
     let contacts = "*CONTACT_AUTOMATIC_SINGLE_SURFACE_ID\n1,all of it\n0,0,5\n0.1,0.05,2.0,0.3,,,0.1,0.75\n,,,,0.5\n\
@@ -313,7 +313,7 @@ fn exported_contacts_are_read_as_they_were() {
         let all = model.job.contact.as_ref().unwrap().each();
         let plain = |c: crumple_proto::job::Contact| {
             let sides = c.sides(&ids);
-            // A limit of 0 is none, and sides are told by their parts.
+            // A limit of 0 means no limit, and sides are distinguished by their parts.
             let limit = c.friction_limit.filter(|&l| l > 0.0);
             let death = c.death.filter(|&t| t < model.job.end_time);
             format!(
@@ -344,7 +344,7 @@ fn exported_contacts_are_read_as_they_were() {
     assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
 }
 
-/// The base with these lines, and with `--set`.
+/// Reads the base with these lines, and with `--set`.
 fn read_with(sets: &[&str], lines: &str) -> Model {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
@@ -379,7 +379,7 @@ fn single_thicknesses_and_masses() {
         model_of(&format!("{shells}{STEEL}{MOVES}*ELEMENT_MASS\n1,5,0.25\n2,6,0.25\n3,7,1.0\n"));
     assert_eq!(model.job.part[0].thickness, 2.5);
     assert!(model.mesh.elements.iter().all(|e| e.thickness == 0.0), "that of the part");
-    // The corners without one have the section's, 1.
+    // Corners without a thickness have that of the section, 1.
     let several = shells.replacen("2.5,2.5,2.5,2.5", "2.5,0.0,2.0,2.5", 1);
     let two = model_of(&format!("{several}{STEEL}{MOVES}"));
     let own: Vec<f64> =

@@ -1,11 +1,11 @@
-//! Decks run: walls, springs and what they ask to be recorded, on any number of workers. Units mm,
+//! Runs of decks: walls, springs and requested histories, on any number of workers. Units mm,
 //! ms, kg, so kN and J.
 
 use crumple_tests::program::{Ended, crumple_with, run};
 use std::collections::BTreeSet;
 use std::fs;
 
-/// Header and rows of a history, as texts.
+/// Returns the header and the rows of a history, as texts.
 fn table(ended: &Ended, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let text = fs::read_to_string(ended.out().join(name))
         .unwrap_or_else(|e| panic!("{name}: {e}: {}", ended.said()));
@@ -13,7 +13,7 @@ fn table(ended: &Ended, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
     (lines.next().expect("a header"), lines.collect())
 }
 
-/// Numbers of a column in the rows whose second field is `of`.
+/// Returns the numbers of a column in the rows whose second field is `of`.
 fn column(ended: &Ended, name: &str, of: &str, column: &str) -> Vec<f64> {
     let (header, rows) = table(ended, name);
     let at = header
@@ -24,7 +24,8 @@ fn column(ended: &Ended, name: &str, of: &str, column: &str) -> Vec<f64> {
     own.map(|row| row[at].parse().expect("a number")).collect()
 }
 
-/// A deck on 1, 2 and 4 workers: one digest, the energies in balance.
+/// Runs a deck on 1, 2 and 4 workers; checks that the digests are equal and the energies
+/// balance.
 fn on_any_workers(deck: &str, balance: f64) -> [Ended; 3] {
     let runs = ["1", "2", "4"].map(|workers| {
         let ended = run(crumple_with(&[
@@ -45,12 +46,12 @@ fn on_any_workers(deck: &str, balance: f64) -> [Ended; 3] {
     runs
 }
 
-/// A sled with a mass that a sheet runs into, a roller that a curve leads into it from below,
-/// springs and dampers at its other end: all of them act, the same on any number of workers, and no
-/// energy is lost.
+/// A sheet hits a sled with a mass and hangs on springs and dampers at its other end; a curve
+/// moves a roller into it from below. All of them act in the same way on any number of workers,
+/// and no energy is lost.
 #[test]
 fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
-    // 4e-4 was seen: the wall with a mass is met by single nodes, one step at a time.
+    // The measured value was 4e-4: single nodes hit the wall with a mass, one step at a time.
     let runs = on_any_workers("tests/decks/scenes/sled.k", 1e-3);
     let [one, ..] = &runs;
     let (header, rows) = table(one, "walls.csv");
@@ -59,8 +60,8 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
     assert_eq!(walls, BTreeSet::from(["roller", "sled"]));
     assert!(rows.len() >= 2 * 50, "a row each at every interval: {}", rows.len());
     let last = |name: &str, c: &str| *column(one, "walls.csv", name, c).last().unwrap();
-    // The sled is 0.02 kg at 2 mm/ms, the sheet 9.4e-3 kg at -10 mm/ms: the sheet is stopped, if
-    // not thrown back.
+    // The sled is 0.02 kg at 2 mm/ms, the sheet 9.4e-3 kg at -10 mm/ms: the sheet is stopped or
+    // thrown back.
     let momentum = 7.85e-6 * 40.0 * 20.0 * 1.5 * 10.0;
     assert!(
         last("sled", "impulse x") > 0.5 * momentum,
@@ -74,7 +75,7 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
         let energy = column(one, "parts.csv", of, "internal");
         assert!(energy.iter().any(|e| *e > 0.0), "the {name} takes up energy: {energy:?}");
     }
-    // Sums over workers: ten digits of the largest.
+    // Sums over workers: ten digits of the largest value.
     for several in &runs[1..] {
         for (wall, c) in [("sled", "impulse x"), ("roller", "impulse z")] {
             let (a, b) = (column(one, "walls.csv", wall, c), column(several, "walls.csv", wall, c));
@@ -87,11 +88,11 @@ fn walls_and_springs_of_a_deck_give_the_same_on_any_workers() {
     }
 }
 
-/// A cube on a plate: what a transducer feels on a part is what that part feels, from either side,
-/// by parts and by segments; and its digits do not depend on the workers.
+/// A cube on a plate: the force of a transducer on a part is the contact force on that part,
+/// from either side, by parts and by segments. Its digits do not depend on the workers.
 #[test]
 fn transducers_of_a_deck_feel_the_contact() {
-    // 2.4e-5 was seen.
+    // The measured value was 2.4e-5.
     let runs = on_any_workers("tests/decks/scenes/transducers.k", 1e-4);
     let (header, rows) = table(&runs[0], "transducers.csv");
     assert_eq!(header, ["time [ms]", "transducer", "force x [kN]", "force y [kN]", "force z [kN]"]);
@@ -123,15 +124,15 @@ fn transducers_of_a_deck_feel_the_contact() {
     }
 }
 
-/// A bar that has come to rest under a force at its end bears it in every section; a plane whose
-/// head points the other way turns the sign, and so do elements on the other side.
+/// A bar at rest under a force at its end has this force in every section. A plane with the
+/// opposite normal changes the sign, and so do elements on the other side.
 #[test]
 fn cross_sections_of_a_deck_bear_what_is_applied() {
-    // 1.6e-6 was seen.
+    // The measured value was 1.6e-6.
     let [one, ..] = on_any_workers("tests/decks/scenes/sections.k", 1e-5);
     for (name, force) in [("cut", 1.0), ("disc", -1.0), ("left", -1.0)] {
         let x = *column(&one, "sections.csv", name, "force x").last().unwrap();
-        // Rest is to within exp(-30 * 3) of the slowest mode; numbers have ten digits.
+        // The remaining motion of the slowest mode is exp(-30 * 3); numbers have ten digits.
         assert!((x - force).abs() < 1e-8, "{name}: {x}");
         let [y, z] =
             ["force y", "force z"].map(|c| *column(&one, "sections.csv", name, c).last().unwrap());

@@ -1,8 +1,8 @@
-//! Keyword decks: formats that give the same model, decks that are wrong, decks that other programs
-//! read, and back again.
+//! Keyword decks: formats that give the same model, decks with errors, decks that other programs
+//! read, and export back to decks.
 //!
-//! A file in `decks/bad` begins with what its report has to say: one `$: text` for each piece of
-//! text. The pipe and the Taylor bar are public examples: `decks/README.md`.
+//! A file in `decks/bad` begins with the expected contents of its report: one `$: text` for each
+//! piece of text. The pipe and the Taylor bar are public examples: `decks/README.md`.
 
 use crumple::input::job::{Model, read};
 use crumple_tests::program::{self, crumple_with};
@@ -17,7 +17,7 @@ fn good(path: &Path) -> Model {
     read(path, &[]).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// All that a run starts with, as text.
+/// Returns everything with which a run starts, as text.
 fn whole(model: &Model) -> String {
     let mut job = model.job.clone();
     job.mesh.deck = None;
@@ -25,7 +25,7 @@ fn whole(model: &Model) -> String {
     format!("{}\n{:?}\n{elements:?}\n{nodes:?}", serde_json::to_string(&job).unwrap(), model.mesh)
 }
 
-/// The deck as somebody else would have saved it.
+/// Returns the deck as another program would have saved it.
 fn saved(name: &str, change: impl Fn(&str) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
@@ -72,7 +72,7 @@ fn all_formats_give_the_same_model() {
     );
 }
 
-/// A line with tabs for blanks wherever these reach a column that is a multiple of eight.
+/// Replaces blanks of a line by tabs wherever these reach a column that is a multiple of eight.
 fn with_tabs(line: &str) -> String {
     let mut out = String::new();
     for (number, eight) in line.as_bytes().chunks(8).enumerate() {
@@ -112,7 +112,7 @@ fn every_bad_deck_says_what_is_wrong_with_it() {
     assert!(count >= 25, "{count} bad decks");
 }
 
-/// The whole text of a report, once.
+/// Checks the whole text of a report, once.
 #[test]
 fn a_report_shows_the_card_and_underlines_the_field() {
     let Err(report) = read(&decks("bad/number.k"), &[]) else { panic!("it passes") };
@@ -168,7 +168,8 @@ fn includes_are_read_in_place() {
     assert_eq!(whole(&good(&main)), whole(&good(&decks("good/fixed.k"))));
 }
 
-/// Names of files as other systems write them; and what there is where only capitals differ.
+/// Names of files as other systems write them, and existing files whose names differ only in
+/// case.
 #[test]
 fn includes_of_other_systems_are_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -188,8 +189,8 @@ fn includes_of_other_systems_are_found() {
     assert!(report.contains("there is my meshes/mesh 1.k"), "{report}");
 }
 
-/// What a deck survives is told: a file cut short, a card that is there twice, velocities in other
-/// units.
+/// The report names what a deck survives: a file cut short, a duplicate card, velocities in
+/// other units.
 #[test]
 fn slips_are_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -274,8 +275,8 @@ fn public_decks_are_what_they_are() {
     assert_eq!(taylor.job.part[0].element.as_deref(), Some("hexahedron"));
 }
 
-/// The pipe as it is written: what spins is rigid and touches nothing. And the whip that a job
-/// makes of it.
+/// The pipe as in its deck: the spinning part is rigid and touches nothing. Then the pipe whip
+/// that a job makes of it.
 #[test]
 fn the_pipe_runs_to_its_end_on_any_workers() {
     let run = |job: &str, workers: &str| {
@@ -297,14 +298,14 @@ fn the_pipe_runs_to_its_end_on_any_workers() {
             .filter(|p| p["plastic_strain_max"].as_f64() > Some(0.05));
         let wanted = if job.ends_with("pipe.k") { 0 } else { 2 };
         assert_eq!(strained.count(), wanted, "{job}: the whip bends one pipe and dents the other");
-        // Nothing of the pipe that is hit comes out on the far side of the one that hits it.
+        // No node of the struck pipe comes out on the far side of the striking pipe.
         let through = summary["contact"]["penetration_max"].as_f64().unwrap();
         assert!(through < 0.5, "{job}: {through} of the contact thickness");
     }
 }
 
-/// B01 by a deck: the quarter bar of the Taylor deck with the planes that it leaves out, and the
-/// copper and speed of B01.
+/// B01 by a deck: the quarter bar of the Taylor deck with the missing planes of symmetry, and
+/// the copper and velocity of B01.
 #[test]
 fn the_taylor_bar_shortens_as_the_published_one() {
     let copper = [
@@ -329,8 +330,9 @@ fn the_taylor_bar_shortens_as_the_published_one() {
     let y: Vec<f64> = own.map(|i| engine.nodes.x[i][1]).collect();
     let length =
         y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
-    // Lengths scale with the bar: 21.43 of 32.4 mm (B01). 2 %: this bar is thicker (L/D 3.75, not
-    // 5.06), its foot is not held to the wall, and it has five cells on its radius; 1.5 % was seen.
+    // Lengths scale with the bar: 21.43 of 32.4 mm (B01). 2 %: this bar is thicker (L/D 3.75,
+    // not 5.06), its foot is not held to the wall, and it has five cells on its radius; the
+    // measured error was 1.5 %.
     assert!((length / 30.0 / (21.43 / 32.4) - 1.0).abs() < 0.02, "{length}");
 }
 
@@ -361,8 +363,8 @@ fn an_exported_job_gives_the_same_digest() {
     }
 }
 
-/// What has a card of the format is written as one, so that other programs see it; and it gives the
-/// same bits.
+/// Settings that have a card of the format are written as one, so that other programs see them;
+/// the result has the same bits.
 #[test]
 fn exported_cards_say_what_other_programs_have_to_know() {
     let folder = tempfile::tempdir().unwrap();
@@ -372,8 +374,8 @@ fn exported_cards_say_what_other_programs_have_to_know() {
         ));
         ended.with_code(0).digest()
     };
-    // Vectors and factors that cards have in other digits; a spring that is a damper too; one with
-    // a direction.
+    // Vectors and factors that cards have in other digits; a spring that is also a damper; a
+    // spring with a direction.
     let odd = [
         "wall.roller.displacement=[0.0, 0.3, 1.7]",
         "wall.sled.normal=[1.0, 0.1, 0.03]",
@@ -428,7 +430,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
             );
         }
         assert_eq!(one, digest(first), "{job}");
-        // And once more: names that a deck has given are not mistaken for others.
+        // A second export: names from a deck must not be mistaken for others.
         program::run(crumple_with(&["export-deck", first, "--out", again])).with_code(0);
         assert_eq!(one, digest(again), "{job}, exported twice");
     }

@@ -1,15 +1,15 @@
-//! Edges that meet edges, of shells and of solids: the same bits whichever workers own the one and
-//! the other.
+//! Contact between edges, of shells and of solids: the same bits whichever workers own the
+//! edges.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Nodes of the lower layer that are farther below its edges than this are held [mm].
+/// Distance below the edges of the lower layer from which its nodes are held [mm].
 const FLOOR: f64 = 4.0;
 
-/// Nodes and elements so far.
+/// Nodes and elements of a mesh.
 #[derive(Default)]
 struct Bodies {
     nodes: String,
@@ -21,8 +21,8 @@ struct Bodies {
     element: usize,
 }
 
-/// Where a body lies: a point, its length along a direction in the plane, and whether it is one of
-/// those above [mm].
+/// Position of a body: a point, its length along a direction in the plane, and true if it is in
+/// the upper layer [mm].
 struct Place {
     at: [f64; 3],
     length: f64,
@@ -44,7 +44,7 @@ impl Bodies {
         }
     }
 
-    /// An upright strip of shells, 4 mm high, its free edge towards the others.
+    /// Adds an upright strip of shells, 4 mm high, its free edge towards the other layer.
     fn strip(&mut self, p: &Place, cells: usize) {
         let first = self.node + 1;
         for i in 0..=cells {
@@ -68,7 +68,8 @@ impl Bodies {
         }
     }
 
-    /// A sheet of shells that is bent along its middle, 5 mm high, its ridge towards the others.
+    /// Adds a sheet of shells that is bent along its middle, 5 mm high, its ridge towards the
+    /// other layer.
     fn roof(&mut self, p: &Place, cells: usize) {
         let first = self.node + 1;
         for i in 0..=cells {
@@ -95,7 +96,7 @@ impl Bodies {
         }
     }
 
-    /// A bar of cubes, 4 mm wide, that stands on an edge, its lowest or highest.
+    /// Adds a bar of cubes, 4 mm wide, that stands on an edge, its lowest or highest.
     fn bar(&mut self, p: &Place, cells: usize) {
         let (first, d) = (self.node + 1, 8f64.sqrt());
         for i in 0..=cells {
@@ -107,7 +108,7 @@ impl Bodies {
         for i in 0..cells {
             self.element += 1;
             let n = first + 4 * i;
-            // Where across and up change hands, so does the order around.
+            // A reflection of the axes across and up reverses the order of the corners.
             let around = if p.above { [0, 1, 2, 3] } else { [0, 3, 2, 1] };
             let corners = around.map(|k| n + k).into_iter().chain(around.map(|k| n + 4 + k));
             let corners: Vec<String> = corners.map(|c| c.to_string()).collect();
@@ -117,8 +118,8 @@ impl Bodies {
     }
 }
 
-/// Strips, bars and bent sheets in two layers; the upper one comes down and slides over the lower
-/// one, from edge to edge, also where these belong to different workers.
+/// Returns a job with strips, bars and bent sheets in two layers. The upper layer falls and
+/// slides over the lower one, from edge to edge, also across workers.
 fn grid(contact: &str, cells: usize, velocity: [f64; 3], weight: f64) -> Model {
     let mut bodies = Bodies::default();
     for (above, angle) in [(true, 0.0), (false, 70.0)] {
@@ -213,7 +214,7 @@ fn edges_across_workers_give_the_same_bits() {
     }
 }
 
-/// With edges the layers bounce; without, the upper one goes through.
+/// With contact of edges the layers rebound; without it the upper layer goes through.
 #[test]
 fn edges_hold_what_would_pass_between_nodes() {
     let ends = [true, false].map(|edges| {

@@ -1,5 +1,5 @@
-//! Element deletion: what fails leaves the contact surface, and what was behind it is touched from
-//! then on, whichever workers own the one and the other.
+//! Element deletion: failed elements leave the contact surface, and the faces behind them are in
+//! contact from then on, whichever workers own either.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
@@ -11,7 +11,7 @@ const SIDE: f64 = 5.0;
 /// Gap between rod and plate at the start [mm].
 const GAP: f64 = 0.5;
 
-/// Rows of cubes, and the nodes that they use; ids go on from those before.
+/// Rows of cubes, and the nodes that they use; ids continue from the previous ones.
 #[derive(Default)]
 struct Rows {
     nodes: String,
@@ -21,8 +21,8 @@ struct Rows {
 }
 
 impl Rows {
-    /// `count` cubes from `from` on, of the part that `part` gives for a layer; returns the id of
-    /// the first node.
+    /// Adds `count` cubes from `from`; `part` gives the part of a layer. Returns the id of the
+    /// first node.
     fn block(&mut self, count: [usize; 3], from: [f64; 3], part: impl Fn(usize) -> u32) -> usize {
         let first = self.node + 1;
         let [a, b, c] = count;
@@ -59,8 +59,8 @@ impl Rows {
     }
 }
 
-/// A rod of one cube's width strikes a plate whose upper layer is brittle and whose lower one is
-/// not.
+/// Returns a job in which a rod, one cube wide, strikes a plate whose upper layer is brittle and
+/// whose lower layer is not.
 fn rod_on_plate() -> Model {
     let mut rows = Rows::default();
     let plate = rows.block([5, 5, 2], [0.0; 3], |layer| if layer == 1 { 2 } else { 1 });
@@ -121,9 +121,9 @@ fn rod_on_plate() -> Model {
     job::read_text(PathBuf::from("rod.toml"), text, &[]).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// The rod goes through the brittle layer and is stopped and thrown back by the one beneath, whose
-/// faces only come to light when the first is gone: without them it would fall through all the
-/// plate.
+/// The rod goes through the brittle layer and rebounds from the lower one, whose faces are
+/// exposed only after the upper layer has failed. Without these faces it would fall through the
+/// whole plate.
 #[test]
 fn what_was_behind_a_failed_element_is_touched() {
     let model = rod_on_plate();
@@ -141,8 +141,8 @@ fn what_was_behind_a_failed_element_is_touched() {
         failed > 0 && top(&end) > at_start.unwrap(),
         "{failed} failed: each bares up to five faces"
     );
-    // The lower layer's upper face starts at 5 mm and gives way elastically, by well below a tenth
-    // of its height.
+    // The upper face of the lower layer starts at 5 mm and deflects elastically, by well below a
+    // tenth of its height.
     assert!(lowest < 2.0 * SIDE - 2.0, "the rod has to be through the upper layer: {lowest}");
     assert!(lowest > SIDE - 0.5, "and to be stopped by the lower one: {lowest}");
     let speed = end
@@ -157,8 +157,8 @@ fn what_was_behind_a_failed_element_is_touched() {
     assert!(speed > 0.0, "thrown back: {speed}");
 }
 
-/// Surfaces, and with them the bits, do not depend on who owns what has failed and what lies
-/// behind.
+/// Surfaces, and with them the bits, do not depend on the owners of failed elements and of those
+/// behind them.
 #[test]
 fn deletion_gives_the_same_bits_on_any_number_of_workers() {
     let model = rod_on_plate();
@@ -172,8 +172,8 @@ fn deletion_gives_the_same_bits_on_any_number_of_workers() {
     }
 }
 
-/// A sheet of 8 by 8 shells above another one; a node of the upper sheet is shot along it, through
-/// its neighbours.
+/// Returns a job with a sheet of 8 by 8 shells above another one; a node of the upper sheet
+/// moves fast within it, through its neighbours.
 fn shot_sheet(inverted: &str, element: &str) -> Model {
     const N: usize = 8;
     let (mut nodes, mut quads) = (String::new(), String::new());
@@ -233,8 +233,8 @@ fn shot_sheet(inverted: &str, element: &str) -> Model {
         .unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// An inverted shell ends the run, or leaves the contact surface and the sums where its part lets
-/// it, whoever owns it.
+/// An inverted shell ends the run. If its part permits deletion, it leaves the contact surface
+/// and the sums instead, whichever worker owns it.
 #[test]
 fn inverted_shells_end_the_run_or_leave_it() {
     for element in ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"] {

@@ -1,4 +1,4 @@
-//! How a run ends other than well, through the binary: exit codes, and what is kept.
+//! Runs that fail or are stopped, through the binary: exit codes, and the files that remain.
 
 use crumple::run::stop::StopFlag;
 use crumple_proto::transport::threads::{Threads, connect};
@@ -10,8 +10,8 @@ use std::fs;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-/// Above the stability limit energy grows from step to step: the run has to be ended, with what it
-/// had in order.
+/// Above the stability limit energy grows from step to step: the run must end, with complete
+/// results until then.
 #[test]
 fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     let unstable = ["run", "cases/jeep-frame", "--workers", "2", "--set", "time.safety=2.5"];
@@ -26,8 +26,7 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
         );
     }
     kept(&failed);
-    // Nothing is decided by one worker alone, so the last good state does not depend on them
-    // either.
+    // No worker decides alone, so the last good state does not depend on the workers either.
     let alone = run(crumple_with(&[
         "run",
         "cases/jeep-frame",
@@ -39,9 +38,9 @@ fn an_unstable_run_names_its_element_and_keeps_the_last_good_state() {
     assert_eq!((alone.digest(), &alone.summary()["reason"]), (failed.digest(), &s["reason"]));
 }
 
-/// Just above the limit plasticity holds the motion in bounds; swings from step to step, or the
-/// balance of energy, tell all the same. The order to stop reaches workers at a cycle of their own,
-/// so nothing is said of the digest.
+/// Just above the limit plasticity bounds the motion; oscillations from step to step, or the
+/// balance of energy, still show the instability. The order to stop reaches workers at a cycle
+/// that varies, so the digest is not compared.
 #[test]
 fn a_run_that_gains_energy_ends_and_names_its_element() {
     let failed = run(crumple_with(&[
@@ -63,8 +62,8 @@ fn a_run_that_gains_energy_ends_and_names_its_element() {
     kept(&failed);
 }
 
-/// Ctrl-C: all workers end the same cycle and write their state. A run with as many cycles gives
-/// the same bits.
+/// Ctrl-C: all workers end the same cycle and write their state. A run with this number of
+/// cycles gives the same bits.
 #[test]
 fn an_interrupted_run_keeps_the_state_of_its_last_cycle() {
     let job =
@@ -99,7 +98,7 @@ fn a_limit_of_cycles_is_a_regular_end() {
     kept(&ended);
 }
 
-/// Summary, history and fields are whole and finite.
+/// Checks that summary, history and fields are complete and finite.
 fn kept(r: &Ended) {
     assert_finite(&r.summary(), "summary");
     let h = r.history();
@@ -117,7 +116,7 @@ fn kept(r: &Ended) {
     assert!(r.read_fields() >= 2, "the start and the end");
 }
 
-/// A small job, to be spoilt.
+/// A small valid job, into which tests put errors.
 const PLATE: &str = r#"
 end_time = 0.1
 [mesh]
@@ -145,13 +144,13 @@ fn spoilt(from: &str, to: &str, more: &[&str]) -> Ended {
     run(crumple_with(&[&["run", job.to_str().unwrap()], more].concat()))
 }
 
-/// The plate as it stands is sound, so that what follows fails for the reason given.
+/// The unchanged plate is valid, so that the following tests fail for the given reason.
 #[test]
 fn the_job_that_is_spoilt_below_is_good() {
     spoilt("steel", "steel", &["--workers", "2"]).with_code(0);
 }
 
-/// Bad input: code 2, before anything runs, with the fault named and a way out; never a panic.
+/// Bad input: code 2, before anything runs, with the error named and a remedy; never a panic.
 #[test]
 fn bad_input_is_refused_with_code_2_and_says_what_to_do() {
     let cases: &[(&str, &str, &[&str], &[&str])] = &[
@@ -196,7 +195,7 @@ fn a_job_that_is_not_there_is_bad_input() {
     }
 }
 
-/// A folder that cannot be written is found out before the run and named; the code is that of bad
+/// A folder that cannot be written is detected before the run and named; the code is that of bad
 /// input.
 #[test]
 fn an_output_folder_that_cannot_be_written_is_named() {
@@ -223,7 +222,7 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     }
 }
 
-/// A wire that panics after so many messages have come in: the worker behind it is lost in the
+/// A connection that panics after a number of received messages: its worker is lost in the
 /// middle of a step.
 struct Frail(Threads, u32);
 
@@ -259,8 +258,8 @@ impl Transport for Frail {
     }
 }
 
-/// A worker that panics takes its wires with it: master and other workers find that out and end,
-/// nobody waits for it. The binary turns this error into code 4.
+/// A worker that panics closes its connections. The master and the other workers detect this and
+/// end; none of them waits for it. The binary turns this error into code 4.
 #[test]
 fn a_worker_that_panics_is_a_lost_worker() {
     for messages in [0, 1, 40, 2000] {
@@ -292,7 +291,7 @@ fn a_worker_that_panics_is_a_lost_worker() {
                 .expect("what came of the trace is JSON");
             say.send(ended.map(|_| ()).map_err(|error| error.to_string())).unwrap();
         });
-        // Two workers and the master end with an error; the third worker does not come back.
+        // Two workers and the master end with an error; the third worker does not return.
         let mut errors: Vec<String> = (0..3)
             .map(|_| {
                 hear.recv_timeout(Duration::from_secs(60))

@@ -1,9 +1,9 @@
-//! The jeep frame thrown with a spin, touching nothing: what is kept, and how seldom boxes are
-//! renewed.
+//! The jeep frame in free flight with a spin: conserved quantities, and the number of
+//! redecompositions.
 //!
 //! Wang 2007 redecomposes when the largest displacement exceeds the buffer. Here displacement is
-//! measured apart from a rigid motion of each worker's content, so flight alone asks for nothing;
-//! only the frame's own vibration does.
+//! measured relative to a rigid motion of each worker's content. Flight alone therefore needs no
+//! redecomposition; only the frame's own vibration does.
 
 use crumple_tests::program::{Ended, crumple_with, numbers, run};
 
@@ -11,8 +11,8 @@ use crumple_tests::program::{Ended, crumple_with, numbers, run};
 const BUFFER: &str = "parallel.buffer=7.042";
 
 fn flight(workers: &str) -> Ended {
-    // Boxes are recomputed for the load only, which depends on the clock; here motion alone is to
-    // ask.
+    // Boxes are computed again only for the load, which depends on the clock; here only motion
+    // may require it.
     let args = [
         "run",
         "cases/flight",
@@ -28,7 +28,8 @@ fn flight(workers: &str) -> Ended {
     run(crumple_with(&args)).with_code(0)
 }
 
-/// Largest change of a column triple against the start, as a fraction of its size at the start.
+/// Returns the largest change of a column triple since the start, as a fraction of its size at
+/// the start.
 fn drift(r: &Ended, name: &str) -> f64 {
     let h = r.history();
     let [x, y, z] = ["x", "y", "z"].map(|c| h.column(&format!("{name} {c}")));
@@ -46,23 +47,24 @@ fn a_thrown_frame_keeps_what_it_has_and_seldom_renews_its_boxes() {
     let s = four.summary();
     let [low, high] = ["low", "high"].map(|k| s["redecompositions"][k].as_u64().unwrap());
     let buffer: f64 = BUFFER.split_once('=').unwrap().1.parse().unwrap();
-    // Against fixed boxes the frame would use up the buffer every 0.7 b / |v| = 0.5 ms.
+    // With fixed boxes the frame would use up the buffer every 0.7 b / |v| = 0.5 ms.
     let fixed = 20.0 * numbers(&s["momentum"]["start"])[0].abs() / 103.9 / (0.7 * buffer);
-    // Against boxes that only translate, by the spin's motion relative to the centre of a worker's
-    // quarter (half its length is 500 mm at 0.0229 / ms, and of two bodies twice that is relative).
+    // With boxes that only translate, the motion due to the spin relative to the centre of a
+    // worker's quarter counts (half its length is 500 mm at 0.0229 / ms, and of two bodies twice
+    // that is relative).
     let spin = 0.005f64.hypot(0.01).hypot(0.02);
     let translated = 20.0 * spin * 500.0 / (0.7 * buffer);
     eprintln!(
         "{low} low, {high} high; fixed boxes would need {fixed:.0}, boxes that only translate {translated:.0}"
     );
     assert!(fixed > 30.0 && translated > 30.0);
-    // The frame starts to spin without the stretch that belongs to it and swings; that may use the
-    // margin up now and then.
+    // The frame starts to spin without the matching stretch and vibrates, which occasionally
+    // uses up the margin.
     assert!(low == 0 && high <= 2, "{low} low and {high} high in 20 ms");
 
     for r in [&one, &four] {
-        // Central differences keep linear momentum, and angular momentum of lumped masses, to
-        // round-off of the sums; history has ten digits.
+        // Central differences conserve linear momentum, and angular momentum of lumped masses,
+        // to round-off of the sums; history has ten digits.
         let (p, l) = (drift(r, "momentum"), drift(r, "angular momentum"));
         let error = r.summary()["energy"]["error_max"].as_f64().unwrap();
         eprintln!("momentum {p:.1e}, angular momentum {l:.1e}, energy {error:.1e}");

@@ -1,7 +1,7 @@
-//! A free square that spins about no axis of its own for 60 turns, at rest in itself and while its
-//! corners vibrate: nothing acts on it, so energy and angular momentum stay what they are. Stress
-//! that follows the element a part of a step late makes such a body gain energy, as an e-fold in a
-//! turn or by `omega^2 dt`. Units mm, ms, kg.
+//! A free square spins for 60 turns about an axis that is not its own, without deformation and
+//! with vibrating corners. No force acts on it, so energy and angular momentum stay constant. If
+//! stress follows the element a fraction of a step late, such a body gains energy, as an e-fold
+//! in a turn or by `omega^2 dt`. Units mm, ms, kg.
 
 use crumple::input::job::read_text;
 use crumple_tests::run_alone;
@@ -10,8 +10,8 @@ use crumple_worker::energy::momentum;
 const SIDE: f64 = 10.0;
 const SPIN: [f64; 3] = [1.0, 0.6, 0.3];
 
-/// The square with corners that start with the velocity of the spin and `swing` [mm/ms] to and fro
-/// in turn.
+/// Returns the job; the corners start with the velocity of the spin and alternately plus and
+/// minus `swing` [mm/ms].
 fn job(element: &str, swing: [f64; 3]) -> String {
     let corners = [[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]];
     let mut text = format!(
@@ -40,7 +40,8 @@ fn job(element: &str, swing: [f64; 3]) -> String {
     text
 }
 
-/// Largest change of energy, as a fraction of that at the start, and of angular momentum likewise.
+/// Returns the largest changes of energy and of angular momentum, as fractions of their values
+/// at the start.
 fn drift(element: &str, swing: [f64; 3]) -> [f64; 2] {
     let model = read_text("spin.toml".into(), job(element, swing), &[])
         .unwrap_or_else(|report| panic!("{report}"));
@@ -56,7 +57,7 @@ fn drift(element: &str, swing: [f64; 3]) -> [f64; 2] {
     worst
 }
 
-/// Flat, all formulations keep the energy to the second order of the turn in a step, 1.5e-3
+/// Flat, all formulations conserve energy to the second order of the rotation per step, 1.5e-3
 /// squared.
 #[test]
 fn a_flat_square_spins_for_ever() {
@@ -68,9 +69,9 @@ fn a_flat_square_spins_for_ever() {
     }
 }
 
-/// Vibrating with an eighth of its energy and more, off its plane, in it, or both: 4e-5 and 2e-4
-/// measured. Hourglass rates that follow the turn of a step only in part make that 1e-3 and, over
-/// longer times, more than all.
+/// The square vibrates with an eighth of its energy or more, out of its plane, in it, or both:
+/// measured changes are 4e-5 and 2e-4. If hourglass rates follow the rotation of a step only in
+/// part, the change is 1e-3 and, over longer times, more than all energy.
 #[test]
 fn a_vibrating_square_spins_for_ever() {
     for (element, bound) in

@@ -1,11 +1,11 @@
-//! Histories by kind against closed forms, and the same values on any number of workers. Units mm,
-//! ms, kg, so kN and J. Numbers in the files have ten digits: that, times the largest of a column,
-//! is what sums of them are compared within.
+//! Histories by kind, compared with closed forms, and the same values on any number of workers.
+//! Units mm, ms, kg, so kN and J. Numbers in the files have ten digits: sums of them are
+//! compared within that precision of the largest value of a column.
 
 use crumple_tests::program::{Ended, crumple_with, run};
 use std::fs;
 
-/// What ten digits leave over, with room for sums of some of them.
+/// Tolerance for ten digits, with a margin for sums of several numbers.
 const DIGITS: f64 = 1e-8;
 const RHO: f64 = 7.85e-6;
 
@@ -30,7 +30,8 @@ impl Table {
             .unwrap_or_else(|| panic!("no {name} in {:?}", self.header))
     }
 
-    /// A column of the rows that have `word` in column `by`; of all rows where `by` is empty.
+    /// Returns a column of the rows that have `word` in column `by`; of all rows if `by` is
+    /// empty.
     fn column(&self, name: &str, by: &str, word: &str) -> Vec<f64> {
         let at = self.at(name);
         let kept = self.rows.iter().filter(|row| by.is_empty() || row[self.at(by)] == word);
@@ -55,12 +56,12 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m, v| m.max(v.abs()))
 }
 
-/// Largest difference of two vectors' components.
+/// Returns the largest difference of two vectors' components.
 fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
 }
 
-/// The two bars, with a row in every cycle.
+/// Runs the two bars, with a row in every cycle.
 fn bars(workers: &str) -> Ended {
     let sets = ["--set", "output.history_interval=1e-9", "--set", "output.field_interval=-1"];
     run(crumple_with(
@@ -69,8 +70,8 @@ fn bars(workers: &str) -> Ended {
     .with_code(0)
 }
 
-/// What the parts have adds up to what the model has, and the contact force on a bar is what
-/// changes its momentum: with the impulse F mid between two mid-steps, and momentum at a time the
+/// The values of the parts add up to those of the model, and the contact force on a bar changes
+/// its momentum. With the impulse F mid between two mid-steps, and the momentum at a time as the
 /// mean of those before and after, `P(n+1) - P(n) = (F(n) mid(n) + F(n+1) mid(n+1)) / 2`.
 #[test]
 fn parts_add_up_and_contact_changes_their_momentum() {
@@ -106,7 +107,7 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     );
 
     let dt = all.column("dt");
-    // The last row tells of the time before, with the step after it.
+    // The last row is for the previous time, with the step after it.
     let rows = dt.len() - 1;
     let mid = |n: usize| 0.5 * (dt[n] + if n > 0 { dt[n - 1] } else { 0.0 });
     let momentum = parts.vector("momentum", "part", "1");
@@ -118,8 +119,8 @@ fn parts_add_up_and_contact_changes_their_momentum() {
     }
 }
 
-/// The files hold the same on any number of workers, to round-off of the sums over them; the state
-/// is the same to the bit, and the same as without any of these files.
+/// The files are the same on any number of workers, to round-off of their sums. The state is the
+/// same to the bit, with and without these files.
 #[test]
 fn workers_make_no_difference() {
     let scene = |workers: &str, more: &[&str]| {
@@ -159,8 +160,8 @@ fn workers_make_no_difference() {
     }
 }
 
-/// Transducers on each part, and from one on another, have the same digits on any number of
-/// workers, add up to what parts feel, and change nothing of the state.
+/// Transducers on each part, and on one part from another, have the same digits on any number of
+/// workers, add up to the contact forces on parts, and do not change the state.
 #[test]
 fn transducers_have_the_same_digits_on_any_workers() {
     let asked = "output.transducer=[{ name = \"on 2\", parts = [2] }, { name = \"2 from 1\", parts = [2], from_parts = [1] }, \
@@ -187,7 +188,7 @@ fn transducers_have_the_same_digits_on_any_workers() {
     );
 }
 
-/// A strip of ten quads of side 5 along x, 4 thick, parts 1 (the first half) and 2.
+/// Returns a strip of ten quads of side 5 along x, thickness 4, parts 1 (the first half) and 2.
 fn strip(more: &str) -> String {
     let (mut nodes, mut shells) = (String::new(), String::new());
     for i in 0..=10 {
@@ -209,7 +210,8 @@ fn strip(more: &str) -> String {
     )
 }
 
-/// The strip held at its left end, until it rests; sections in its middle, seen from either side.
+/// Returns the strip held at its left end, damped until it is at rest; sections in its middle,
+/// from either side.
 fn held_strip(load: &str) -> String {
     strip(&format!(
         "end_time = 4.0\n[[fix]]\nnodes = \"held\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
@@ -220,16 +222,16 @@ fn held_strip(load: &str) -> String {
     ))
 }
 
-/// Mean place of nodes at the last row.
+/// Returns the mean position of nodes in the last row.
 fn place(nodes: &Table, ids: [&str; 2]) -> [f64; 3] {
     let of = |id: &str| ["x [", "y [", "z ["].map(|c| *nodes.column(c, "id", id).last().unwrap());
     let (a, b) = (of(ids[0]), of(ids[1]));
     std::array::from_fn(|c| 0.5 * (a[c] + b[c]))
 }
 
-/// A strip that has come to rest under a force at its tip bears that force in every section, and
-/// the moment that it has about the section's middle where the strip now is. Rest is to within
-/// `exp(-8.35 * 4)` of the slowest mode, critically damped: 3e-15, times its time.
+/// A strip at rest under a force at its tip has that force in every section, and its moment
+/// about the middle of the deformed section. The remaining motion is `exp(-8.35 * 4)` of the
+/// slowest mode, critically damped: 3e-15, times its time.
 #[test]
 fn sections_bear_what_is_applied() {
     let force = [0.5, 0.0, 2e-3];
@@ -263,9 +265,9 @@ fn sections_bear_what_is_applied() {
     }
 }
 
-/// Pressure that acts on a section's own elements is no force in the section: the right half under
-/// a pressure p passes on what acts beyond the section's nodes, p times its area but for the half
-/// element that they carry themselves.
+/// Pressure on a section's own elements is no force in the section. With the right half under a
+/// pressure p, the section carries the load beyond its nodes: p times the area, minus the half
+/// element that the nodes carry themselves.
 #[test]
 fn pressure_on_the_elements_of_a_section_does_not_count() {
     let p = 1e-6;
@@ -276,12 +278,12 @@ fn pressure_on_the_elements_of_a_section_does_not_count() {
     let force =
         *Table::of(&ended, "sections.csv").vector("force", "section", "right").last().unwrap();
     let wanted = -p * (125.0 - 12.5);
-    // The strip bends by a thousandth of its length, which turns the pressure's direction and
-    // shortens nothing.
+    // The strip bends by a thousandth of its length, which rotates the direction of the pressure
+    // but does not shorten the strip.
     assert!((force[2] / wanted - 1.0).abs() < 1e-5, "{force:?}, not {wanted}");
 }
 
-/// Thrown upwards, `v = v0 - g t` and `u = v0 t - g t^2 / 2`.
+/// Vertical throw: `v = v0 - g t` and `u = v0 t - g t^2 / 2`.
 #[test]
 fn nodes_fall() {
     let (g, v0) = (100.0, 10.0);
@@ -293,22 +295,22 @@ fn nodes_fall() {
     let [u, v, a] =
         ["displacement", "velocity", "acceleration"].map(|name| nodes.vector(name, "id", "3"));
     let times = nodes.column("time", "", "");
-    // The last row has the velocity of the mid-step before, see the README.
+    // The last row has the velocity of the previous mid-step, see the README.
     assert!(times.len() > 20);
     for (((t, u), v), a) in times.iter().zip(&u).zip(&v).zip(&a).take(times.len() - 1) {
         assert!(
             (v[2] - v0 + g * t).abs() < DIGITS * v0 && (a[2] + g).abs() < 1e-7 * g,
             "{t}: {v:?} {a:?}"
         );
-        // Steps of a strip that stays as it is change by round-off only, so that the scheme is
-        // exact.
+        // The shape of the strip is constant, so steps change by round-off only and the scheme
+        // is exact.
         assert!((u[2] - v0 * t + 0.5 * g * t * t).abs() < DIGITS, "{t}: {u:?}");
     }
 }
 
-/// What a wall has given is what has changed the momentum: with P(n) the mean of the momenta of the
-/// mid-steps around it, `P(n) - P(n-1) = (I(n) - I(n-2)) / 2`. Mean forces times the times between
-/// rows are the impulse.
+/// The impulse of a wall is the change of momentum. With P(n) the mean of the momenta of the
+/// mid-steps around it, `P(n) - P(n-1) = (I(n) - I(n-2)) / 2`. Mean forces times the times
+/// between rows are the impulse.
 #[test]
 fn walls_change_the_momentum() {
     let text = strip(

@@ -1,5 +1,5 @@
-//! Bodies that start inside each other's thickness: contact lets that be, and makes no energy of
-//! it. Units mm, ms, kg.
+//! Bodies that start inside each other's contact thickness: contact leaves them unchanged and
+//! does not create energy. Units mm, ms, kg.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::program::{Ended, crumple_with, run};
@@ -7,7 +7,7 @@ use crumple_tests::run_alone;
 use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 
-/// A mesh of shells in the making.
+/// Builder of a mesh of shells.
 #[derive(Default)]
 struct Mesh {
     nodes: String,
@@ -18,7 +18,7 @@ struct Mesh {
 }
 
 impl Mesh {
-    /// A sheet of `n[0]` by `n[1]` shells over the unit square as `place` lays it.
+    /// Adds a sheet of `n[0]` by `n[1]` shells; `place` maps the unit square to positions.
     fn sheet(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) {
         let first = self.count + 1;
         self.parts = self.parts.max(part);
@@ -65,8 +65,8 @@ const LAWS: [&str; 4] = [
     "law = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = 1.0",
 ];
 
-/// Two plates, half a thickness apart where they ought to be a whole one, and askew so that no
-/// nodes match: at rest they stay.
+/// Two plates start half a thickness apart instead of a whole one, and at an angle so that no
+/// nodes match: they stay at rest.
 #[test]
 fn plates_at_rest_inside_each_other_stay_at_rest() {
     for law in LAWS {
@@ -98,8 +98,8 @@ fn plates_at_rest_inside_each_other_stay_at_rest() {
     }
 }
 
-/// A panel whose rim is folded back to 0.6 of a thickness, as a hem is, flies, spins and swings:
-/// contact may not drive it.
+/// A panel whose rim is folded back to 0.6 of a thickness, like a hem, flies, spins and
+/// vibrates: contact may not drive it.
 #[test]
 fn a_folded_panel_in_flight_gains_nothing() {
     for law in LAWS {
@@ -128,9 +128,9 @@ fn a_folded_panel_in_flight_gains_nothing() {
     }
 }
 
-/// Plates half a thickness apart, one thrown at the other: the work at pairs that started so is
-/// told apart from the rest, and they give no more than they took. Plates that start clear of each
-/// other and meet have none.
+/// Plates start half a thickness apart, and one moves towards the other. The work at pairs with
+/// an initial penetration is booked separately, and they give no more energy than they took.
+/// Plates with an initial distance have no such work.
 #[test]
 fn work_at_starting_penetrations_is_booked_apart() {
     for law in LAWS {
@@ -170,8 +170,8 @@ fn work_at_starting_penetrations_is_booked_apart() {
     }
 }
 
-/// Springs without a damper that are too stiff for the step throw bars apart with more than they
-/// came with: from 1 % on that is warned of, at 10 % it ends the run.
+/// Undamped springs that are too stiff for the step make bars rebound with more energy than they
+/// had: from 1 % on the run warns, at 10 % it ends.
 #[test]
 fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
     let bars = |scale: f64| {

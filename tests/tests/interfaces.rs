@@ -1,16 +1,18 @@
-//! Contact interfaces: parts that touch by numbers of their own, or not at all. Units mm, ms, kg.
+//! Contact interfaces: parts with their own contact settings, or without contact. Units mm, ms,
+//! kg.
 
 use crumple::input::job;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 
-/// Pressed weight, mass and speed of the block of `cases/slide`, and how long the weight grows.
+/// Pressing weight, mass and velocity of the block of `cases/slide`, and the duration of the
+/// ramp of the weight.
 const WEIGHT: f64 = 0.4;
 const MASS: f64 = 0.0314;
 const SPEED: f64 = 10.0;
 const RAMP: f64 = 0.1;
 
-/// Mean velocity and height of the block's nodes.
+/// Returns the mean velocity and height of the block's nodes.
 fn block(e: &Engine) -> ([f64; 3], f64) {
     let part = |id: u32| e.settings.parts.iter().position(|p| p.id == id).unwrap() as u32;
     let mut nodes: Vec<u32> = e
@@ -57,8 +59,8 @@ fn an_interface_of_the_two_parts_gives_the_bits_of_one_contact() {
     );
 }
 
-/// Speed at a time of a mass under friction that falls with the speed, by small steps of the
-/// midpoint rule.
+/// Returns the velocity at a time of a mass under friction that depends on the velocity, by
+/// small steps of the midpoint rule.
 fn slowed(friction: impl Fn(f64) -> f64, end: f64) -> f64 {
     let steps = 20_000;
     let (dt, mut v, mut t) = (end / f64::from(steps), SPEED, 0.0f64);
@@ -92,8 +94,8 @@ fn friction_falls_with_the_sliding_speed() {
     }
 }
 
-/// Without contact the weight drives the block down: with w(t) = W t/T up to T, and W after it, it
-/// sinks by W/m (t^2/2 - T t/2 + T^2/6).
+/// Without contact the weight drives the block down: with w(t) = W t/T up to T, and W after it,
+/// it sinks by W/m (t^2/2 - T t/2 + T^2/6).
 #[test]
 fn parts_that_do_not_touch_pass_through_each_other() {
     let end = 0.5;
@@ -121,7 +123,7 @@ fn contact_is_there_from_birth_to_death() {
         } else {
             2
         };
-        // The clock has ticked since the pairs were found.
+        // The clock has advanced since the pairs were found.
         let near = [0.2, 0.4].iter().any(|t| (e.clock.time - t).abs() < 2.0 * e.clock.last_dt);
         if !near {
             seen[period] += e.contact.as_ref().unwrap().owned_table().count();
@@ -138,8 +140,8 @@ fn contact_is_there_from_birth_to_death() {
     assert!(at(0.59) < at(0.41) - 1.0, "it falls again: {} after {}", at(0.59), at(0.41));
 }
 
-/// Two sheets of 1 mm that fly at each other turn where their middles are as far apart as the
-/// interface says.
+/// Two sheets of 1 mm that fly at each other turn back when their middles are at the distance
+/// that the interface sets.
 #[test]
 fn sheets_meet_at_the_thickness_of_their_interface() {
     let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
@@ -175,7 +177,7 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
         let path = there.path().join("sheets.toml");
         std::fs::write(&path, text).unwrap();
         let model = job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
-        // How far apart they are when the lower one first feels the other: then they bend.
+        // Distance at the first contact force on the lower sheet; afterwards the sheets bend.
         let mut apart = None;
         run_alone(&model, |e| {
             let of = |range: std::ops::Range<usize>| range.map(|n| e.nodes.x[n][2]);
@@ -203,8 +205,8 @@ fn sheets_meet_at_the_thickness_of_their_interface() {
     }
 }
 
-/// Several laws in one scene: the same bits on any number of workers, momentum kept, and no energy
-/// made.
+/// Several laws in one scene: the same bits on any number of workers, conserved momentum, and no
+/// created energy.
 #[test]
 fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
     let laws = "contact.interface=[{parts=[1], law=\"kinematic\"}, {parts=[2], against=[1, 3], law=\"penalty\", friction=0.2}, \
@@ -239,7 +241,8 @@ fn interfaces_of_several_laws_give_the_same_bits_on_any_number_of_workers() {
     assert!(energies.contact < 0.0, "contact takes: {energies:?}");
 }
 
-/// Friction by speed, a birth and a death: the same bits on any number of workers.
+/// Friction that depends on velocity, a birth and a death time: the same bits on any number of
+/// workers.
 #[test]
 fn friction_by_speed_gives_the_same_bits_on_any_number_of_workers() {
     let numbers = [

@@ -1,5 +1,5 @@
-//! The jeep frame through the binary: the paper's counts, what a run leaves behind, balances, and
-//! one state for any number of workers.
+//! The jeep frame through the binary: the paper's counts, the files of a run, balances, and one
+//! state for any number of workers.
 
 use crumple_tests::program::{Ended, assert_finite, crumple_with, numbers, run};
 use serde_json::Value;
@@ -12,7 +12,7 @@ fn jeep(workers: usize, end_time: &str) -> Ended {
         .with_code(0)
 }
 
-/// The scene of Wang 2007: 7208 shells, 7190 nodes, at rest inside: nothing to warn of.
+/// The scene of Wang 2007: 7208 shells, 7190 nodes, no deformation at the start: no warnings.
 #[test]
 fn check_gives_the_papers_counts_and_no_warning() {
     let check = run(crumple_with(&["check", "cases/jeep-frame"])).with_code(0).said();
@@ -21,8 +21,8 @@ fn check_gives_the_papers_counts_and_no_warning() {
     }
 }
 
-/// Bits do not depend on workers, and each run keeps its books. In this time the horns begin to
-/// fold at the wall, and the first folds touch.
+/// Bits do not depend on workers, and the balances of each run are correct. In this time the
+/// horns begin to fold at the wall, and the first folds touch.
 #[test]
 fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
     let runs = [1, 2, 3, 4, 7].map(|workers| jeep(workers, "10"));
@@ -35,7 +35,8 @@ fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
     assert_eq!(runs[2].read_fields(), 3, "0, 5 and 10 ms");
 }
 
-/// The same with dense contact: folds lie on each other. Boxes are renewed several times.
+/// The same checks with dense contact: folds lie on each other, and boxes are renewed several
+/// times.
 #[test]
 fn twenty_five_milliseconds_with_contact_give_one_state_on_one_and_four_workers() {
     let (one, four) = (jeep(1, "25"), jeep(4, "25"));
@@ -51,22 +52,23 @@ fn balances(r: &Ended) {
     let s = r.summary();
     assert_finite(&s, "summary");
     assert_eq!((s["status"].as_str(), s["reason"].as_str()), (Some("completed"), Some("end_time")));
-    // What the trapezoid of forces over finite steps leaves over: 0.002 % here;
-    // 1 % is what crash codes are accepted with.
+    // Error of the trapezoid of forces over finite steps: 0.002 % here; crash codes are accepted
+    // with 1 %.
     let error = s["energy"]["error_max"].as_f64().unwrap();
     assert!(error < 0.01, "energy error {error}");
-    // 5 to 7 % with hourglass coefficient 0.01; above 8 % folds are too stiff to trust.
+    // 5 to 7 % with hourglass coefficient 0.01; above 8 % folds are too stiff to be reliable.
     let [hourglass, internal] = ["hourglass", "internal"].map(|k| s["energy"][k].as_f64().unwrap());
     assert!(hourglass < 0.08 * internal, "hourglass {hourglass} of {internal}");
-    // Lagrange forces leave 1e-4 of the thickness open. A segment that lies less than 0.02 in front
-    // of the tangent plane of another one adds nothing to that (`PLANE` in `contact/local.rs`), so
-    // that a node is up to 0.02 deep in the next one when it goes over. Folds flatter than what
-    // `SINKS` allows in `contact/ridges.rs` are up to a tenth deep when they begin to meet others:
-    // 0.059 here (0.13 with `SINKS` of 0.5). A node past the middle of a shell has 1.
+    // Lagrange forces leave a gap of 1e-4 of the thickness. A segment that lies less than 0.02
+    // in front of the tangent plane of another one adds no constraint (`PLANE` in
+    // `contact/local_search.rs`), so a node that crosses over to it is up to 0.02 deep in it.
+    // Folds flatter than the limit `SINKS` in `contact/folds.rs` are up to a tenth deep when
+    // their contact with other folds begins: 0.059 here (0.13 with `SINKS` of 0.5). A node past
+    // the middle of a shell has 1.
     let deepest = s["contact"]["penetration_max"].as_f64().unwrap();
     assert!(deepest < 0.1, "penetration {deepest}");
-    // Momentum is that of the present time, the impulse that of the last mid-step: they differ by
-    // the wall's force over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
+    // Momentum is that of the present time, the impulse that of the last mid-step: they differ
+    // by the wall's force over half a step, 500 kN * 1.7e-3 ms = 0.8 of 18800 kg mm/ms.
     let m = &s["momentum"];
     let (start, end, wall) =
         (numbers(&m["start"]), numbers(&m["end"]), numbers(&m["wall_impulse"]));
@@ -74,12 +76,12 @@ fn balances(r: &Ended) {
         let left = end[c] - start[c] - wall[c];
         assert!(left.abs() < 1e-3 * start[0].abs(), "component {c}: {left} of {}", start[0]);
     }
-    // The barrier is flat and the frame symmetric: nothing pushes it sideways. Folds that lie on
-    // each other follow round-off: 1e-4 within 25 ms without contact, 7e-4 to 27e-4 with it.
+    // The barrier is flat and the frame symmetric, so there is no lateral force. Folds that lie
+    // on each other amplify round-off: 1e-4 within 25 ms without contact, 7e-4 to 27e-4 with it.
     assert!(wall[0] > 100.0 && wall[1].abs() < 4e-3 * wall[0], "wall impulse {wall:?}");
 }
 
-/// Every key that users rely on, with its type.
+/// Checks every key that users rely on, and its type.
 fn whole_summary(s: &Value) {
     for key in ["end_time", "cycles", "nodes", "workers", "wall_s", "grind_ns"] {
         assert!(s[key].is_number(), "{key}: {}", s[key]);
@@ -124,7 +126,8 @@ fn whole_summary(s: &Value) {
         digest.len() == 64 && digest.bytes().all(|b| b.is_ascii_hexdigit()),
         "blake3 in hex: {digest}"
     );
-    // 126 kJ: 1403.9 kg at 13.4112 mm/ms; the masses are sums of 7208 shells, exact to round-off.
+    // 126 kJ: 1403.9 kg at 13.4112 mm/ms; the masses are sums of 7208 shells, exact to
+    // round-off.
     let kinetic = 0.5 * 1403.9 * 13.4112f64.powi(2);
     let initial = s["energy"]["total_initial"].as_f64().unwrap();
     assert!(
@@ -157,8 +160,8 @@ fn history(r: &Ended) {
     }
     assert!(h.header.iter().collect::<BTreeSet<_>>().len() == h.header.len(), "no name twice");
     assert!(h.rows.iter().all(|row| row.len() == h.header.len()), "rows are whole");
-    // A row every 0.25 ms, one at 0 and one at the end; which of the last two comes first is a
-    // matter of round-off.
+    // A row every 0.25 ms, one at 0 and one at the end; the order of the last two depends on
+    // round-off.
     assert!((41..=42).contains(&h.rows.len()), "{} rows", h.rows.len());
     let time = h.column("time");
     assert!(
@@ -168,7 +171,7 @@ fn history(r: &Ended) {
     );
 }
 
-/// The log says what was done and why.
+/// Checks that the log has the redecompositions and their reasons.
 fn redecompositions(r: &Ended) {
     let s = r.summary();
     let log = r.log();

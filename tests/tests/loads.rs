@@ -1,5 +1,5 @@
-//! Loads and prescribed motion against closed forms, and the same bits on any number of workers.
-//! Units mm, ms, kg, so kN and GPa.
+//! Loads and prescribed motion compared with closed forms, and the same bits on any number of
+//! workers. Units mm, ms, kg, so kN and GPa.
 
 use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
@@ -9,8 +9,9 @@ use crumple_worker::nodes::xyz;
 const RHO: f64 = 7.85e-6;
 const E: f64 = 207.0;
 
-/// A square plate of side `side` in the plane z = 0 with `n` x `n` shells, part 1; set `all` holds
-/// its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of the job.
+/// Returns a square plate of side `side` in the plane z = 0 with `n` x `n` shells, part 1; set
+/// `all` holds its nodes, `edge` those at x = 0, `lower` the first half. `rest` is the rest of
+/// the job.
 fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Model {
     let (mut nodes, mut shells, mut edge) = (String::new(), String::new(), Vec::new());
     for i in 0..=n {
@@ -49,11 +50,11 @@ fn plate(side: f64, n: usize, thickness: f64, end_time: f64, rest: &str) -> Mode
     read(&path, &[])
 }
 
-/// The energy balance at whole times, as history rows have it.
+/// The energy balance at whole times, as in history rows.
 #[derive(Default)]
 struct Balance {
     initial: f64,
-    /// Largest that was left over, and work from outside.
+    /// Largest error of the balance, and external work.
     left: f64,
     work: f64,
 }
@@ -70,8 +71,8 @@ impl Balance {
     }
 }
 
-/// Free fall: `z = -g t^2 / 2` at every step but for the change of the last two, and work that is
-/// all kinetic.
+/// Free fall: `z = -g t^2 / 2` at every step except for the change of the last two; all work
+/// becomes kinetic energy.
 #[test]
 fn gravity_makes_all_fall_alike() {
     let g = 9.81e-3;
@@ -93,8 +94,8 @@ fn gravity_makes_all_fall_alike() {
         let place = |i: usize| (e.nodes.x[i][2] + 0.5 * g * t * t).abs();
         worst = (0..e.nodes.local_count).map(place).fold(worst, f64::max);
     });
-    // The scheme is exact for a constant force and step; its error is a change of the step,
-    // squared.
+    // The scheme is exact for a constant force and step; its error is the square of a change of
+    // the step.
     assert!(worst < 1e-7 * g, "{worst}");
     let Balance { left, work, .. } = balance;
     assert!(
@@ -103,8 +104,8 @@ fn gravity_makes_all_fall_alike() {
     );
 }
 
-/// Nodal forces and moments give the whole set its acceleration, a curve scales them, and damping
-/// alone slows the plate by exp(-a t).
+/// Nodal forces and moments give the whole set its acceleration, a curve scales them, and
+/// damping alone slows the plate by exp(-a t).
 #[test]
 fn nodal_loads_and_damping() {
     let (side, thickness) = (20.0, 1.0);
@@ -140,8 +141,8 @@ fn nodal_loads_and_damping() {
     assert!(work < 0.0 && left < 1e-12 * mass * 9.0, "{left} of {work}");
 }
 
-/// A free plate under pressure goes against its normal with p A / m, however it is turned: its
-/// momentum is p A t.
+/// A free plate under pressure accelerates against its normal with p A / m, in any orientation:
+/// its momentum is p A t.
 #[test]
 fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let (side, p) = (20.0, 1e-3);
@@ -151,14 +152,14 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     let momentum: f64 =
         (0..end.nodes.local_count).map(|i| end.nodes.mass[i] * end.nodes.v[i][2]).sum();
     let t = end.clock.time - 0.5 * end.clock.last_dt;
-    // Only bending, from nodal masses that are not in proportion to nodal areas at round-off, could
-    // disturb it.
+    // The only error is bending, since nodal masses are proportional to nodal areas only to
+    // round-off.
     assert!((momentum / (-p * side * side * t) - 1.0).abs() < 1e-9, "{momentum}");
     let Balance { left, work, .. } = balance;
     assert!(left < 1e-9 * work, "{left} of {work}");
 
-    // Turning by a quarter about y in the run: the force turns from -z to -x, so that its impulse
-    // is 2 p A T / pi in each.
+    // A quarter turn about y during the run: the force turns from -z to -x, so that its impulse
+    // is 2 p A T / pi in each direction.
     let turn = std::f64::consts::FRAC_PI_2 / 0.3;
     let rest = format!(
         "[[pressure]]\nnodes = \"all\"\npressure = {p:?}\n[[initial_velocity]]\nvelocity = [0.0, 0.0, 0.0]\n\
@@ -170,19 +171,19 @@ fn pressure_acts_against_the_normal_and_turns_with_the_plate() {
     };
     let expected = 2.0 * p * side * side * 0.3 / std::f64::consts::PI;
     for c in [0, 2] {
-        // Spinning at 5.2/ms stretches the plate by rho (w r)^2 / E = 1e-4 and more in its area.
+        // A spin of 5.2/ms stretches the plate by rho (w r)^2 / E = 1e-4 and more in its area.
         assert!((sum(c) / -expected - 1.0).abs() < 5e-3, "{c}: {} {expected}", sum(c));
     }
 }
 
 /// A plate held at one edge under pressure and damping comes to rest at the deflection of a
-/// cantilever, p b L^4/(8 E I) (nu = 0.3 clamps the strip's curvature at the root only), and the
-/// work is in the balance.
+/// cantilever, p b L^4/(8 E I) (nu = 0.3 restrains the strip's curvature at the root only), and
+/// the balance contains the work.
 #[test]
 fn dynamic_relaxation_finds_the_static_answer() {
     let (side, thickness, p) = (100.0, 4.0, 1e-4);
-    // First frequency of a cantilever: 3.516/L^2 sqrt(E I/(rho A)); damping of twice its circular
-    // frequency is critical.
+    // First frequency of a cantilever: 3.516/L^2 sqrt(E I/(rho A)); damping of twice its
+    // circular frequency is critical.
     let w = 3.516 / (side * side) * (E * thickness * thickness / 12.0 / RHO).sqrt();
     let rest = format!(
         "[time]\ndamping = {:?}\n[[fix]]\nnodes = \"edge\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
@@ -195,14 +196,14 @@ fn dynamic_relaxation_finds_the_static_answer() {
     let beam = p * side.powi(4) / (8.0 * E * thickness.powi(3) / 12.0);
     let tips: Vec<f64> = (110..121).map(|i| end.nodes.x[i][2]).collect();
     let tip = tips.iter().sum::<f64>() / 11.0;
-    // A square cantilever plate is stiffer than the beam (coefficient 0.129 against 1/8 of p L^4 /
-    // D, D = E I/(1 - nu^2)).
+    // A square cantilever plate is stiffer than the beam (coefficient 0.129 against 1/8 of p L^4
+    // / D, D = E I/(1 - nu^2)).
     assert!((tip / (0.129 * 8.0 * 0.91 * beam) - 1.0).abs() < 0.02, "{tip} {beam}");
     let Balance { left, work, .. } = balance;
     assert!(left < 0.01 * work.abs(), "the balance of the elements: {left} of {work}");
 }
 
-/// Catalogue A19 (a): a whole turn prescribed in 100 and in 1000 steps leaves no stress, at a
+/// Catalogue A19 (a): a full turn, prescribed in 100 and in 1000 steps, leaves no stress at a
 /// quarter, a half and the end.
 #[test]
 fn a_prescribed_turn_leaves_no_stress() {
@@ -233,14 +234,14 @@ fn a_prescribed_turn_leaves_no_stress() {
     }
 }
 
-/// A plate that is 10 mm thick weighs 31.4 g: the block of the catalogue's A07 and A09.
+/// Runs a plate of 10 mm thickness and 31.4 g: the block of the catalogue's A07 and A09.
 fn block(end_time: f64, rest: &str, look: impl FnMut(&Engine)) -> Engine {
     let wall = "[[wall]]\nname = \"floor\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.3\n";
     run_alone(&plate(20.0, 4, 10.0, end_time, &format!("{wall}{rest}")), look)
 }
 
-/// Catalogue A07: a block under 1 MPa slides with 10 m/s, mu = 0.3: it stops after 2.6167 ms and
-/// 13.083 mm and stays.
+/// Catalogue A07: a block under 1 MPa slides with 10 m/s, mu = 0.3. It stops after 2.6167 ms and
+/// 13.083 mm and stays there.
 #[test]
 fn a_pressed_block_slides_to_a_stop() {
     let rest = "[[pressure]]\nparts = [1]\npressure = 1e-3\n[[initial_velocity]]\nvelocity = [10.0, 0.0, 0.0]\n";
@@ -265,8 +266,8 @@ fn a_pressed_block_slides_to_a_stop() {
     assert!((e.wall / -1.570 - 1.0).abs() < 0.005, "friction took it all: {}", e.wall);
 }
 
-/// Catalogue A09: on an incline with mu = 0.3 a block goes with g (sin a - mu cos a) at 20 and 25
-/// degrees and does not creep at 15. The incline is turned gravity.
+/// Catalogue A09: on an incline with mu = 0.3 a block accelerates with g (sin a - mu cos a) at
+/// 20 and 25 degrees and does not creep at 15. Rotated gravity represents the incline.
 #[test]
 fn a_block_on_an_incline() {
     for (degrees, acceleration) in [(15.0f64, 0.0), (20.0, 0.5897e-3), (25.0, 1.4786e-3)] {
@@ -280,8 +281,8 @@ fn a_block_on_an_incline() {
     }
 }
 
-/// A plate on planes of symmetry is a quarter of a plate: what the planes hold does not move, the
-/// rest does.
+/// A plate on planes of symmetry is a quarter of a plate: the degrees of freedom that the planes
+/// hold do not move, the others do.
 #[test]
 fn planes_of_symmetry_hold_what_they_must() {
     let rest = "[[symmetry]]\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n[[symmetry]]\npoint = [0.0, 0.0, 0.0]\n\
@@ -296,7 +297,7 @@ fn planes_of_symmetry_hold_what_they_must() {
     assert_eq!((nodes[1].v[0], nodes[1].w, nodes[1].v[2] != 0.0), (0.0, [1.0, 0.0, 0.0], true));
 }
 
-/// Everything at once on 1, 2 and 4 workers, with boxes renewed by force: the same bits.
+/// All loads together on 1, 2 and 4 workers, with forced renewals of the boxes: the same bits.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let rest = "[time]\ndamping = 0.5\n[[curve]]\nname = \"wave\"\npoints = [[0.0, 0.0], [0.1, 1.0], [0.2, -0.5]]\n\

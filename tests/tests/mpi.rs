@@ -1,4 +1,4 @@
-//! Ranks as MPI processes: the same bits as with threads, and no ending that hangs.
+//! Ranks as MPI processes: the same bits as with threads, and no end that hangs.
 
 use crumple_tests::program::{Running, crumple_with, mpirun, no_mpi, run, send, start};
 use rustix::process::Signal;
@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 const JEEP: [&str; 6] =
     ["run", "cases/jeep-frame", "--end-time", "3", "--set", "output.field_interval=-1"];
 const TUMBLE: [&str; 4] = ["run", "cases/tumble", "--set", "output.field_interval=-1"];
-/// A run that is to be ended long before its time.
+/// A run that is stopped long before its end time.
 const LONG: [&str; 5] =
     ["run", "cases/jeep-frame", "--quiet", "--set", "output.history_interval=0.05"];
 
-/// Open MPI waits 1 s before each of SIGTERM and SIGKILL; on a busy machine a state may take longer
-/// to write.
+/// Starts a long run. Open MPI waits 1 s before each of SIGTERM and SIGKILL; on a busy machine a
+/// state may take longer to write.
 fn long_run(ranks: usize) -> Running {
     let mut command = mpirun(ranks, &LONG);
     command.env("OMPI_MCA_odls_base_sigkill_timeout", "3");
@@ -22,7 +22,7 @@ fn long_run(ranks: usize) -> Running {
     running
 }
 
-/// Nothing above the transport can tell threads from processes, so the bits are the same.
+/// No code above the transport can distinguish threads from processes, so the bits are the same.
 #[test]
 fn processes_give_the_bits_that_threads_give() {
     if no_mpi().is_some() {
@@ -39,7 +39,7 @@ fn processes_give_the_bits_that_threads_give() {
     }
 }
 
-/// mpirun with one rank has no worker of its own: the binary runs as it does alone.
+/// mpirun with one rank has no separate worker: the binary runs as it does alone.
 #[test]
 fn a_single_rank_runs_its_workers_as_threads() {
     if no_mpi().is_some() {
@@ -51,7 +51,8 @@ fn a_single_rank_runs_its_workers_as_threads() {
     assert_eq!((&s["transport"], &s["workers"]), (&"threads".into(), &2.into()));
 }
 
-/// The workers wait for their first order when the master finds the job bad: they are sent home.
+/// The workers wait for their first order when the master rejects the job: they are ordered to
+/// end.
 #[test]
 fn a_bad_job_ends_all_ranks_with_code_2() {
     if no_mpi().is_some() {
@@ -67,8 +68,8 @@ fn a_bad_job_ends_all_ranks_with_code_2() {
     }
 }
 
-/// MPI cannot tell ranks that one of them is gone, but mpirun can, and ends them: 128 + 9 is its
-/// code for SIGKILL.
+/// MPI cannot report to ranks that one of them is lost, but mpirun can, and ends them: 128 + 9
+/// is its code for SIGKILL.
 #[test]
 fn a_worker_that_is_killed_ends_the_job() {
     if no_mpi().is_some() {
@@ -80,7 +81,7 @@ fn a_worker_that_is_killed_ends_the_job() {
         assert_eq!(ranks.len(), 4);
         send(ranks[victim], Signal::KILL);
         running.end().with_code(137);
-        // Ended ranks that nobody has asked for their code have no command line any more.
+        // Ended ranks whose exit code is not collected yet have no command line.
         let alive =
             |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| !line.is_empty());
         let deadline = Instant::now() + Duration::from_secs(10);
@@ -91,7 +92,8 @@ fn a_worker_that_is_killed_ends_the_job() {
     }
 }
 
-/// A signal to the master ends the run in order. The state is that of a run with as many cycles.
+/// A signal to the master ends the run in order. The state is that of a run with this number of
+/// cycles.
 #[test]
 fn an_interrupted_master_stops_all_ranks_with_code_130() {
     if no_mpi().is_some() {
@@ -109,9 +111,9 @@ fn an_interrupted_master_stops_all_ranks_with_code_130() {
     assert_eq!(stopped.digest(), counted.digest());
 }
 
-/// Ctrl-C reaches mpirun, which terminates the ranks after odls_base_sigkill_timeout and kills them
-/// after as long again: time for them to keep their state. The code is Open MPI's own, 1, whatever
-/// the ranks say.
+/// Ctrl-C reaches mpirun, which terminates the ranks after odls_base_sigkill_timeout and kills
+/// them after the same time again: this is enough to write their state. The code is Open MPI's
+/// own, 1, for any exit code of the ranks.
 #[test]
 fn an_interrupted_mpirun_leaves_a_whole_state() {
     if no_mpi().is_some() {
@@ -125,7 +127,7 @@ fn an_interrupted_mpirun_leaves_a_whole_state() {
     assert!(stopped.read_fields() >= 1);
 }
 
-/// A worker ignores what a launcher sends to all ranks: the master decides.
+/// A worker ignores signals that a launcher sends to all ranks: the master decides.
 #[test]
 fn a_signal_to_a_worker_alone_does_not_stop_it() {
     if no_mpi().is_some() {

@@ -1,6 +1,5 @@
-//! Meshes whose ids lie all over them are numbered anew inside: the same answer as in rows, the
-//! same on any number of workers, and the user's ids in all that is asked for and written. Units
-//! mm, ms, kg.
+//! Meshes with shuffled ids are renumbered internally: the same result as with ids in rows, the
+//! same on any number of workers, and the user's ids in requests and output. Units mm, ms, kg.
 
 use crumple::results::field_file::{Piece, pieces_of_folder};
 use crumple_proto::ids::NodeId;
@@ -11,7 +10,7 @@ use crumple_tests::{case, read, run_side_by_side};
 use std::collections::HashMap;
 use std::fs;
 
-/// Large enough that not all nodes fit into a cache.
+/// So large that not all nodes fit into a cache.
 const FINE: &str = "scene.elements=24";
 const SHUFFLED: &str = "scene.shuffle=7";
 
@@ -30,7 +29,8 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
         assert_eq!(one.digest(), other.digest(), "{workers} workers");
     }
 
-    // Sums go in another order: nodes differ by round-off, of a way of 1.4 mm and sides of 2.5 mm.
+    // The order of sums differs, so nodes differ by round-off, for a displacement of 1.4 mm and
+    // sides of 2.5 mm.
     let of_rows = run_side_by_side(&rows, 1, CYCLES, 0);
     let there: HashMap<[u64; 3], [f64; 3]> =
         of_rows.nodes.iter().map(|n| (n.x0.map(f64::to_bits), n.x)).collect();
@@ -45,12 +45,12 @@ fn a_shuffled_tube_is_crushed_as_one_in_rows_on_any_number_of_workers() {
     assert!(moved > 1.0, "{moved} mm");
 }
 
-/// Plates that meet, a fin tied to one of them by its foot and to one node by its top, and a rigid
-/// plate on a spring. Places in the mesh are in rows; `id` makes ids of those of nodes, `number` of
-/// those of shells.
+/// Returns a job with colliding plates, a fin tied to one of them by its foot and to one node by
+/// its top, and a rigid plate on a spring. Indices in the mesh are in rows; `id` maps those of
+/// nodes to ids, `number` those of shells.
 fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> String {
     let (mut nodes, mut shells) = (Vec::new(), Vec::new());
-    // Part, quads along both sides, and where node (i, j) is.
+    // Part, quads along both sides, and the position of node (i, j).
     type At = fn(f64, f64) -> [f64; 3];
     let plates: [(usize, [usize; 2], At); 4] = [
         (1, [80, 80], |i, j| [1.25 * i, 1.25 * j, 0.0]),
@@ -108,9 +108,9 @@ fn joined(id: impl Fn(usize) -> usize, number: impl Fn(usize) -> usize) -> Strin
     )
 }
 
-/// Ids all over against ids in rows: nodes differ by round-off, of a way of 1 mm. In contact, who
-/// goes first among pairs and which of two faces a node takes at their edge go by ids; that is 3e-6
-/// mm here.
+/// Shuffled ids compared with ids in rows: nodes differ by round-off, for a displacement of 1
+/// mm. In contact, ids determine the order of pairs and the choice between two faces at their
+/// common edge; the effect is 3e-6 mm here.
 #[test]
 fn contact_ties_springs_and_rigid_bodies_go_along() {
     const COUNT: usize = 81 * 81 + 21 * 21 + 11 * 6 + 6 * 6;
@@ -150,7 +150,7 @@ fn contact_ties_springs_and_rigid_bodies_go_along() {
     }
 }
 
-/// Within a millionth of the largest.
+/// Asserts that values are equal within a millionth of the largest.
 fn assert_near(a: &[f64], b: &[f64], what: &str) {
     let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
     assert_eq!(a.len(), b.len(), "{what}");
@@ -159,7 +159,7 @@ fn assert_near(a: &[f64], b: &[f64], what: &str) {
     }
 }
 
-/// The mesh as a user has it, with its own ids.
+/// Returns the mesh of the user, with the original ids.
 fn given(shuffle: u32) -> Mesh {
     let scene = format!(
         "side = 60\nlength = 300\nelements = 24\ntrigger = 0.5\ntrigger_from = 10\ntrigger_to = 40\nshuffle = {shuffle}"
@@ -167,7 +167,7 @@ fn given(shuffle: u32) -> Mesh {
     crumple_cases::generate("tube", &scene.parse().unwrap()).unwrap()
 }
 
-/// A run of some cycles that asks for histories of nodes and of elements by their ids.
+/// Runs some cycles of a job that requests histories of nodes and of elements by their ids.
 fn asked_for(shuffle: u32, nodes: &[u64], elements: &[u64]) -> Ended {
     let text = fs::read_to_string(case("tube-crush").join("job.toml")).unwrap();
     let more = format!(
@@ -181,7 +181,7 @@ fn asked_for(shuffle: u32, nodes: &[u64], elements: &[u64]) -> Ended {
     run(crumple_with(&[&["run", path, "--quiet"], &sets[..]].concat())).with_code(0)
 }
 
-/// Rows of a history: words, then numbers.
+/// Returns the rows of a history: words, then numbers.
 fn rows(ended: &Ended, name: &str, words: usize) -> Vec<(Vec<String>, Vec<f64>)> {
     let text = fs::read_to_string(ended.out().join(name)).unwrap();
     let row = |line: &str| {
@@ -194,7 +194,7 @@ fn rows(ended: &Ended, name: &str, words: usize) -> Vec<(Vec<String>, Vec<f64>)>
 
 #[test]
 fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
-    // The same nodes and elements by the ids that they have in either mesh.
+    // The same nodes and elements by their ids in either mesh.
     let (in_rows, mesh) = (given(0), given(7));
     let place = |mesh: &Mesh, id: NodeId| mesh.nodes[id.0 as usize - 1].x.map(f64::to_bits);
     let shuffled: HashMap<[u64; 3], u64> =

@@ -1,6 +1,5 @@
-//! The field files of a real run, read back with VTK: every element once, shared nodes equal to the
-//! last bit, times in order, all values finite. What is looked at is listed in
-//! deploy/read_fields.py.
+//! The field files of a real run, read back with VTK: every element once, shared nodes equal to
+//! the last bit, times in order, all values finite. deploy/read_fields.py lists the checks.
 
 use crumple_tests::program::{crumple_with, root, run};
 use std::env;

@@ -1,21 +1,21 @@
-//! Single precision in elements: nearly the crash of double precision, the same bits on any number
-//! of workers.
+//! Single precision in elements: nearly the result of double precision, the same bits on any
+//! number of workers.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 
 const SINGLE: &str = "elements.precision=single";
 
-/// A short tube that folds onto itself, coarse.
+/// Returns a short coarse tube that folds onto itself.
 fn tube(sets: &[&str]) -> Model {
     let mut all = vec!["scene.elements=8"];
     all.extend(sets);
     read(&case("tube"), &all)
 }
 
-/// What buckles makes round-off larger, and steps are shorter by a 4096th, which moves a fold as
-/// much: at the end the energy that deforms is off by 4e-6 (and by 6e-7 and 2e-7 with 12 and 16
-/// shells over a side).
+/// Buckling amplifies round-off, and steps are shorter by a 4096th, which changes a fold by the
+/// same amount. At the end the internal energy is off by 4e-6 (and by 6e-7 and 2e-7 with 12 and
+/// 16 shells over a side).
 #[test]
 fn a_tube_folds_as_in_double_precision() {
     let [double, single] = [&[][..], &[SINGLE]].map(|sets| {

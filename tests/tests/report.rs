@@ -1,4 +1,5 @@
-//! The page that shows a run: made of what the run left, and drawn by a browser without a fault.
+//! The report page of a run: generated from the files of the run, and drawn by a browser without
+//! errors.
 
 use crumple_tests::program::{Ended, crumple_with, run};
 use std::fs;
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// A few milliseconds of two bars, on two workers.
+/// Arguments of a run of a few milliseconds of two bars, on two workers.
 const RUN: [&str; 4] = ["run", "cases/bars", "--workers", "2"];
 
 fn bars(more: &[&str]) -> Ended {
@@ -21,7 +22,7 @@ fn page(run: &Ended) -> String {
         .unwrap_or_else(|e| panic!("report.html: {e}: {}", run.said()))
 }
 
-/// What stands between two marks.
+/// Returns the text between two marks.
 fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
     let rest = text.split_once(begin).unwrap_or_else(|| panic!("no {begin}")).1;
     rest.split_once(end).unwrap_or_else(|| panic!("no {end}")).0
@@ -47,7 +48,7 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
         "the summary is on the page"
     );
     assert_eq!(facts["plots"]["plots"][0]["title"], "Energies");
-    // They add up: at every time to the line of the total, which stays.
+    // The lines add up at every time to the total, which is constant.
     let lines = facts["plots"]["plots"][0]["lines"].as_array().unwrap();
     let line = |label: &str| -> Vec<f64> {
         let found = lines.iter().find(|line| line["label"] == label);
@@ -73,7 +74,7 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     fs::remove_file(ended.out().join("report.html")).unwrap();
     run(crumple_with(&["report", &ended.out().display().to_string()])).with_code(0);
     assert!(page(&ended) == first, "the same results make the same page");
-    // What is damaged or missing is told by name, and the rest is shown.
+    // The page names damaged or missing files and shows the rest.
     let piece = ended.out().join("fields/step_000000/piece_001.vtu");
     let whole = fs::read(&piece).unwrap();
     fs::write(&piece, &whole[..whole.len() * 9 / 10]).unwrap();
@@ -88,8 +89,8 @@ fn a_run_leaves_a_page_and_report_makes_the_same_again() {
     assert!(page(&ended).contains("Not read: "), "problems are on the page");
 }
 
-/// Walls that move have a path over the times of the history, those that stand none; and the page
-/// with them has no fault.
+/// Moving walls have a path over the times of the history, fixed walls have none; the page with
+/// them has no error.
 #[test]
 fn walls_that_move_have_their_paths() {
     let ended =
@@ -104,7 +105,7 @@ fn walls_that_move_have_their_paths() {
         "the roller ends where its curve takes it: {}",
         path(1)
     );
-    // The sled is thrown back, along its normal only.
+    // The sled moves back, along its normal only.
     assert!(last(0, 0).abs() > 0.1 && last(0, 1) == 0.0, "{}", path(0));
     assert!(!page(&ended).contains("drawn where they are at first"));
     fs::remove_file(ended.out().join("walls.csv")).unwrap();
@@ -140,7 +141,7 @@ fn a_folder_of_nothing_is_bad_input() {
     assert!(said.contains("holds nothing of a run") && said.contains("summary.json"), "{said}");
 }
 
-/// `CRUMPLE_CHROMIUM`, or the first that is found in `PATH`.
+/// Returns `CRUMPLE_CHROMIUM`, or the first browser in `PATH`.
 fn browser() -> Option<PathBuf> {
     if let Some(named) = std::env::var_os("CRUMPLE_CHROMIUM") {
         return Some(PathBuf::from(named));
@@ -152,8 +153,8 @@ fn browser() -> Option<PathBuf> {
         .find(|file| file.is_file())
 }
 
-/// What the page is after its scripts have run. Pictures are drawn by software, so that no graphics
-/// card is needed.
+/// Returns the page after its scripts have run. Pictures are drawn by software, so that no
+/// graphics card is needed.
 fn opened(browser: &Path, page: &Path, fragment: &str, profile: &Path, more: &[&str]) -> String {
     let mut command = Command::new(browser);
     command.args([

@@ -1,5 +1,5 @@
-//! Rigid bodies made of shells: falling, guided, led, in contact, on any number of workers. Units
-//! mm, ms, kg.
+//! Rigid bodies made of shells: falling, guided, with prescribed motion, in contact, on any
+//! number of workers. Units mm, ms, kg.
 
 use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
@@ -15,7 +15,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// A plate in the plane z = `at[2]`, `cells` squares of side `side`.
+    /// Adds a plate in the plane z = `at[2]`, `cells` squares of side `side`.
     fn plate(&mut self, at: [f64; 3], cells: [usize; 2], side: f64) -> usize {
         self.parts += 1;
         let first = self.nodes.len() + 1;
@@ -33,7 +33,7 @@ impl Scene {
         self.parts
     }
 
-    /// A closed box from `at` on with `cells` squares of side `side` along its edges.
+    /// Adds a closed box from `at` with `cells` squares of side `side` along its edges.
     fn cuboid(&mut self, at: [f64; 3], cells: [usize; 3], side: f64) -> usize {
         self.parts += 1;
         let mut known: BTreeMap<[usize; 3], usize> = BTreeMap::new();
@@ -61,7 +61,8 @@ impl Scene {
         self.parts
     }
 
-    /// The job, with sets of all nodes of each part, `part_1` and so on; `rest` is the rest of it.
+    /// Returns the job with sets of all nodes of each part, `part_1` and so on; `rest` is the
+    /// rest of the job.
     fn job(&self, end_time: f64, rest: &str) -> Model {
         let nodes = self
             .nodes
@@ -104,8 +105,8 @@ fn cube(rest: &str, end_time: f64, look: impl FnMut(&Engine)) -> Engine {
     )
 }
 
-/// Catalogue A13: a cube of 1 kg falls 100 mm under g = 9.81 m/s2: it meets the floor after 142.78
-/// ms with 1.40071 m/s, and stays there: the impact is plastic.
+/// Catalogue A13: a cube of 1 kg falls 100 mm under g = 9.81 m/s2. It hits the floor after
+/// 142.78 ms with 1.40071 m/s and stays there: the impact is plastic.
 #[test]
 fn a_rigid_cube_falls_and_lands() {
     let rest = "mass = 1.0\n[time]\ndt_max = 0.05\n[[gravity]]\nacceleration = [0.0, 0.0, -9.81e-3]\n\
@@ -132,8 +133,8 @@ fn a_rigid_cube_falls_and_lands() {
     assert!((wall / (-0.5 * 1.40071f64.powi(2)) - 1.0).abs() < 1e-3, "all is lost: {wall}");
 }
 
-/// A body that is guided along x goes with F / m whatever else pulls at it, and one that may turn
-/// about z only turns with M / J.
+/// A body that is guided along x accelerates with F / m under any other loads, and one that may
+/// only turn about z with M / J.
 #[test]
 fn guided_bodies_follow_what_is_left_free() {
     let dofs = |list: &str| {
@@ -153,7 +154,8 @@ fn guided_bodies_follow_what_is_left_free() {
     );
     let end = cube(&dofs("\"x\", \"y\", \"z\", \"rx\", \"ry\""), 1e-2, |_| {});
     let body = &end.bodies.bodies[0];
-    // The cube is alike about all axes; 1/2 M/J t^2, and a half-step more at mid-steps.
+    // The inertia of the cube is the same about all axes; 1/2 M/J t^2, and half a step more at
+    // mid-steps.
     let spin = 3.0 / body.inertia[(2, 2)] * (end.clock.time - 0.5 * end.clock.last_dt);
     assert!(
         (body.last_spin.z / spin - 1.0).abs() < 1e-9 && body.last_spin.x.abs() < 1e-12,
@@ -162,8 +164,8 @@ fn guided_bodies_follow_what_is_left_free() {
     );
 }
 
-/// Led by its spin, a cube that carries a deformable plate does ten turns: its nodes end where they
-/// began.
+/// A cube with prescribed spin carries a deformable plate through ten turns: its nodes end at
+/// their initial positions.
 #[test]
 fn a_led_body_takes_its_nodes_along() {
     let turns = 10.0 * std::f64::consts::TAU;
@@ -182,8 +184,8 @@ fn a_led_body_takes_its_nodes_along() {
     assert!(worst < 1e-11, "63 radians in 100 steps, eps each, on 10 mm: {worst:e}");
 }
 
-/// A rigid cube flies into a free elastic plate, off its middle: linear and angular momentum of
-/// both are kept to round-off, energy does not grow, and the plate takes its share.
+/// A rigid cube hits a free elastic plate off its middle: linear and angular momentum of both
+/// are conserved to round-off, energy does not grow, and the plate takes its share.
 #[test]
 fn contact_with_a_deformable_plate_keeps_momentum() {
     let mut scene = Scene::default();
@@ -222,7 +224,7 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
         );
         let p = body.mass * 10.0;
         assert!(worst[0] < 1e-12 * p, "{law}: round-off of a thousand steps: {worst:?} of {p}");
-        // Positions and velocities are half a step apart, which shifts L by F x v dt/2 within a
+        // Positions and velocities are half a step apart, which changes L by F x v dt/2 during
         // contact only.
         assert!(worst[1] < 0.01 * p * 10.0, "{law}: {worst:?}");
         let kept = energies.kinetic + energies.internal + energies.hourglass;
@@ -231,9 +233,9 @@ fn contact_with_a_deformable_plate_keeps_momentum() {
     }
 }
 
-/// Catalogue C06: a rigid cube that starts 0.1 mm deep in a plate that is held fixed is let out
-/// gradually: the law gives back 0.002 of the depth per step, so that it goes with no more than
-/// twice 0.002 d / dt, not with d / dt, and gains less than 1e-3 J.
+/// Catalogue C06: a rigid cube starts 0.1 mm deep in a plate that is held. The contact law
+/// reduces the penetration gradually, by 0.002 of the depth per step. The cube therefore leaves
+/// with at most twice 0.002 d / dt, not with d / dt, and gains less than 1e-3 J.
 #[test]
 fn an_initial_penetration_does_not_throw_a_body_out() {
     let mut scene = Scene::default();
@@ -253,16 +255,16 @@ fn an_initial_penetration_does_not_throw_a_body_out() {
     );
 }
 
-/// A rigid cube that carries a deformable plate by shared nodes, falls and slides on a wall, is hit
-/// by a second rigid body and by an elastic one: the same bits on 1, 2 and 4 workers, with boxes
-/// renewed by force.
+/// A rigid cube carries a deformable plate by shared nodes, falls and slides on a wall, and is
+/// hit by a second rigid body and by an elastic one: the same bits on 1, 2 and 4 workers, with
+/// forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let mut scene = Scene::default();
     scene.cuboid([0.0, 0.0, 0.0], [3, 3, 3], 5.0);
     scene.cuboid([2.0, 3.0, 17.0], [4, 2, 2], 5.0);
     scene.plate([-5.0, -3.0, 29.0], [5, 5], 5.0);
-    // A flap on the first cube: shares the nodes of one edge.
+    // A flap on the first cube shares the nodes of one edge.
     let edge: Vec<usize> = (0..4)
         .map(|j| scene.nodes.iter().position(|n| *n == [15.0, 5.0 * j as f64, 15.0]).unwrap() + 1)
         .collect();

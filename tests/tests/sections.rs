@@ -1,17 +1,18 @@
-//! Thicknesses of single shells, and shells whose middle is beside their nodes. Units mm, ms, kg.
+//! Thicknesses of single shells, and shells whose middle surface is offset from their nodes.
+//! Units mm, ms, kg.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{case, read, run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::fmt::Write;
 
-/// Steel without a transverse strain, so that strips are beams.
+/// Steel without transverse strain, so that strips are beams.
 const E: f64 = 200.0;
 const RHO: f64 = 7.85e-6;
 const WIDTH: f64 = 10.0;
 
-/// A strip of `n` squares along x, clamped at x = 0 and pulled at its other end by `force`, slowed
-/// down to rest.
+/// Runs a strip of `n` squares along x, clamped at x = 0 and pulled at its other end by `force`,
+/// with damping until it is at rest.
 fn strip(
     n: usize,
     thickness: f64,
@@ -49,7 +50,7 @@ fn model_of(text: &str, sets: &[&str]) -> Model {
     read(&path, sets)
 }
 
-/// Displacement of a node along an axis.
+/// Returns the displacement of a node along an axis.
 fn moved(e: &Engine, node: usize, axis: usize) -> f64 {
     e.nodes.x[node][axis] - e.nodes.x0[node][axis]
 }
@@ -58,8 +59,8 @@ fn near(found: f64, wanted: f64, tolerance: f64, why: &str) {
     assert!((found / wanted - 1.0).abs() < tolerance, "{found} for {wanted}: {why}");
 }
 
-/// Half of a strip is twice as thick: it weighs as much, carries half of the stress and lengthens
-/// by half.
+/// Half of a strip is twice as thick: it has twice the weight, half of the stress and half of
+/// the elongation.
 #[test]
 fn a_strip_of_two_thicknesses_lengthens_and_weighs_by_each() {
     let (n, force) = (8, 0.1);
@@ -98,9 +99,9 @@ fn a_strip_of_two_thicknesses_lengthens_and_weighs_by_each() {
     }
 }
 
-/// The tip of a strip that is pulled along its nodes, e below its middle, comes to where its middle
-/// is on the line of the force as a beam under tension and bending does: it rises by `e (1 - 1/cosh
-/// k L)`, `k^2 = F/EI`.
+/// A strip is pulled along its nodes, e below its middle. As in a beam under tension and
+/// bending, its tip moves until its middle is on the line of the force: it rises by `e (1 -
+/// 1/cosh k L)`, `k^2 = F/EI`.
 #[test]
 fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
     let (n, thickness, force) = (6, 2.0, 0.1);
@@ -114,8 +115,8 @@ fn a_strip_with_an_offset_rises_towards_the_line_of_the_force() {
     }
 }
 
-/// Two sheets that fly at each other turn where their middles are as far apart as half the
-/// thicknesses of the shells that meet.
+/// Two sheets that fly at each other turn back when their middles are half the sum of the
+/// thicknesses of the touching shells apart.
 #[test]
 fn shells_meet_at_their_own_thickness() {
     let sheet = |first: usize, shell: usize, part: usize, z: f64, shift: f64| {
@@ -176,7 +177,7 @@ fn shells_meet_at_their_own_thickness() {
     }
 }
 
-/// Thicknesses of single shells and offsets in a scene with much contact: the same bits on any
+/// Thicknesses of single shells and offsets in a scene with dense contact: the same bits on any
 /// number of workers.
 #[test]
 fn own_thicknesses_and_offsets_give_the_same_bits_on_any_number_of_workers() {
@@ -222,15 +223,15 @@ fn mistakes_in_thicknesses_and_offsets_are_told_all_at_once() {
     }
 }
 
-/// Pressed weight, mass and speed of the block of `cases/slide`, its foot, and how long the weight
-/// grows.
+/// Pressing weight, mass, velocity and foot area of the block of `cases/slide`, and the duration
+/// of the ramp of the weight.
 const WEIGHT: f64 = 0.4;
 const MASS: f64 = 0.0314;
 const SPEED: f64 = 10.0;
 const FOOT: f64 = 400.0;
 const RAMP: f64 = 0.1;
 
-/// Mean velocity of the block along x.
+/// Returns the mean velocity of the block along x.
 fn sliding(e: &Engine) -> f64 {
     let part = e.settings.parts.iter().position(|p| p.id == 2).unwrap() as u32;
     let mut nodes: Vec<u32> =
@@ -242,12 +243,13 @@ fn sliding(e: &Engine) -> f64 {
 
 const LAWS: [&str; 4] = ["lagrange", "kinematic", "penalty", "mortar"];
 
-/// Runs the block of `cases/slide` with each law under a third of what Coulomb's friction would be:
-/// it has lost `tau A/m` a time once that is reached. Gives the loss over that by law.
+/// Runs the block of `cases/slide` with each law, with a limit of a third of Coulomb's friction.
+/// Once the limit is reached, the block loses the velocity `tau A/m` per unit time. Returns the
+/// measured loss over the expected one, by law.
 fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
     let (friction, end) = (0.3, 1.5);
     let limit = friction * WEIGHT / FOOT / 3.0;
-    // Coulomb's friction grows in the ramp up to the limit, in a third of it.
+    // In the first third of the ramp Coulomb's friction grows up to the limit.
     let lost = limit * FOOT / MASS * (end - 0.5 * RAMP / 3.0);
     LAWS.map(|law| {
         let sets = [
@@ -260,7 +262,8 @@ fn limited(read: impl Fn(&[&str]) -> Model) -> [f64; 4] {
     })
 }
 
-/// The block on one large fixed facet: all that touches are its own nodes, whose areas are known.
+/// The block slides on one large fixed facet: only its own nodes touch, and their areas are
+/// known.
 #[test]
 fn friction_is_no_more_than_its_limit_times_the_area() {
     let mut text =
@@ -301,8 +304,8 @@ fn friction_is_no_more_than_its_limit_times_the_area() {
     assert_eq!(digest(high), digest(none), "a limit that is never reached changes nothing");
 }
 
-/// On facets as large as a half of it: nodes of the base bear too, and where the block ends between
-/// them is not known.
+/// On facets half as large as the block, nodes of the base carry forces too, and the boundary of
+/// the block between them is not known.
 #[test]
 fn limited_friction_on_coarse_facets_is_right_within_a_tenth() {
     for (found, law) in limited(|sets| read(&case("slide"), sets)).into_iter().zip(LAWS) {

@@ -1,14 +1,14 @@
-//! Springs and dampers against closed forms, and the same bits on any number of workers. Units of
-//! the closed forms.
+//! Springs and dampers compared with closed forms, and the same bits on any number of workers.
+//! Units of the closed forms.
 
 use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
-/// A job of `springs`, each of a part of its own: ends as numbers of `nodes` from 1, and what
-/// `[part.spring]` holds. The set `n1` holds the first node, and so on. `rest` is the rest of the
-/// job.
+/// Returns a job of `springs`, each in its own part: ends as numbers of `nodes` from 1, and the
+/// contents of `[part.spring]`. The set `n1` holds the first node, and so on. `rest` is the rest
+/// of the job.
 fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest: &str) -> Model {
     let (mut points, mut sets, mut rows, mut parts) =
         (String::new(), String::new(), String::new(), String::new());
@@ -32,8 +32,8 @@ fn scene(nodes: &[[f64; 3]], springs: &[([usize; 2], &str)], end_time: f64, rest
 
 const HELD: &str = "[[fix]]\nnodes = \"n1\"\ndofs = [\"x\", \"y\", \"z\"]\n";
 
-/// Unexplained energy while the step stays: velocities start at a whole time, and the last steps
-/// are cut.
+/// Error of the energy balance while the step is constant: velocities start at a whole time, and
+/// the last steps are cut.
 #[derive(Default)]
 struct Balance {
     first: Option<f64>,
@@ -43,7 +43,8 @@ struct Balance {
 impl Balance {
     fn look(&mut self, e: &Engine) {
         if e.clock.cycle > 2 && e.clock.dt == e.clock.first_dt {
-            // `balance` takes a kinetic energy below nought, as where a mass turns back, for none.
+            // `balance` takes a negative kinetic energy, as at a reversal of the motion, as
+            // zero.
             let energies = e.ledger.energies(&e.nodes);
             let now = energies.kinetic + energies.internal;
             let first = *self.first.get_or_insert(now);
@@ -52,8 +53,8 @@ impl Balance {
     }
 }
 
-/// A mass m on a spring k goes as v/w sin(w t) with w^2 = k/m, along the spring, along a direction
-/// that stays, and by a table of forces alike. Central differences have the frequency 2/dt asin(w
+/// A mass m on a spring k moves as v/w sin(w t) with w^2 = k/m, along the spring, along a fixed
+/// direction, and with a table of forces. Central differences have the frequency 2/dt asin(w
 /// dt/2): after the angle w t = 20 they are ahead by 20 (w dt)^2 / 24.
 #[test]
 fn a_mass_on_a_spring_swings_with_its_frequency() {
@@ -81,8 +82,8 @@ fn a_mass_on_a_spring_swings_with_its_frequency() {
     }
 }
 
-/// A damper c slows a mass by exp(-c t/m): its force is half a step late, which makes the rate c/m
-/// (1 + c dt/2m). The energy that it takes is internal energy.
+/// A damper c slows a mass by exp(-c t/m). Its force is half a step late, which makes the rate
+/// c/m (1 + c dt/2m). The dissipated energy is internal energy.
 #[test]
 fn a_damper_slows_exponentially() {
     let (c, m, v, dt) = (0.8, 2.0, 3.0, 1e-3);
@@ -107,8 +108,8 @@ fn a_damper_slows_exponentially() {
     }
 }
 
-/// Two free masses on a spring that hardens and a damper fly and turn about each other: momentum
-/// and angular momentum and energy keep to round-off.
+/// Two free masses on a hardening spring and a damper fly and turn about each other: momentum,
+/// angular momentum and energy are conserved to round-off.
 #[test]
 fn free_masses_keep_momentum() {
     let rest = "[[mass]]\nnodes = \"n1\"\nmass = 2.0\n[[mass]]\nnodes = \"n2\"\nmass = 5.0\n[time]\nsafety = 0.1\n\
@@ -133,7 +134,7 @@ fn free_masses_keep_momentum() {
     assert!(balance.worst < 1e-11, "{}", balance.worst);
 }
 
-/// Eight masses in a ring with springs across: the step at full safety is stable, one that is 1.8
+/// Eight masses in a ring with springs across: the step at full safety is stable, a step 1.8
 /// times as long is not.
 #[test]
 fn the_step_is_stable_and_not_much_too_short() {
@@ -164,7 +165,7 @@ fn the_step_is_stable_and_not_much_too_short() {
 }
 
 /// A sheet of shells on springs and dampers of all kinds to the ground and to a rigid body: the
-/// same bits on 1, 2 and 4 workers, with boxes renewed by force.
+/// same bits on 1, 2 and 4 workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let (mut nodes, mut shells, mut springs) = (String::new(), String::new(), String::new());

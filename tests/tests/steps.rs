@@ -1,7 +1,8 @@
-//! The stable step where masses of nodes are shared: with springs, ties with an offset, and shells
-//! in penalty contact. What the step is reckoned with holds at any safety up to 1 (or where contact
-//! is, up to what it is told of the safety), so the limit is bisected as in A23 and A24 of the
-//! catalogue. Units: modulus and density of the shells are 1.
+//! The stable step if several features share the masses of nodes: springs, ties with an offset,
+//! and shells in penalty contact. The computed step is valid at any safety up to 1 (with
+//! contact, up to the safety that the contact law assumes). The limit is therefore found by
+//! bisection, as in A23 and A24 of the catalogue. Units: modulus and density of the shells are
+//! 1.
 
 use crumple::analysis::spectrum;
 use crumple::input::job::{self, Model};
@@ -10,7 +11,7 @@ use crumple_worker::engine::Engine;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 use std::ops::ControlFlow;
 
-/// Nodes, shells and springs of a mesh in the making, and all else of the job.
+/// Nodes, shells and springs of a mesh, and all other keys of the job.
 #[derive(Default)]
 struct Scene {
     nodes: String,
@@ -73,7 +74,7 @@ impl Scene {
     }
 }
 
-/// Whether what is moved by next to nothing at first grows; `at` sees all nodes' velocities.
+/// Returns true if small random initial velocities grow.
 fn grows(model: &Model) -> bool {
     const NOISE: f64 = 1e-12;
     let mut seed = 7u64;
@@ -95,7 +96,7 @@ fn grows(model: &Model) -> bool {
     grown || ended.expect("one worker").trouble.is_some()
 }
 
-/// Largest safety at which a scene does not grow, to a hundredth.
+/// Returns the largest safety at which a scene does not grow, to a hundredth.
 fn limit(model: impl Fn(f64) -> Model) -> f64 {
     let (mut low, mut high) = (0.5, 2.5);
     while high - low > 0.01 {
@@ -107,8 +108,8 @@ fn limit(model: impl Fn(f64) -> Model) -> f64 {
 
 const SHELLS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "c0_triangle"];
 
-/// A square, or two triangles, as it lies or out of shape, with springs from its corners outwards
-/// along the diagonals to the ground.
+/// Returns a square, or two triangles, regular or distorted, with springs from its corners
+/// outwards along the diagonals to the ground.
 fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene, Vec<usize>) {
     let mut scene = Scene::default();
     let far = if distorted { [1.4, 0.7] } else { [1.0, 1.0] };
@@ -131,16 +132,16 @@ fn lone(element: &str, distorted: bool, stiffness: f64, damping: f64) -> (Scene,
     (scene, ground)
 }
 
-/// A lone element with four springs is stable at full safety, however stiff they are against it:
-/// each mode of both has its share of the mass. It was not at 0.9 while the lone square's own 5 %
-/// and the springs' 10 % were both taken from the safety.
+/// A single element with four springs is stable at full safety, for any stiffness of the
+/// springs: each mode of both has its share of the mass. It was unstable at 0.9 when the single
+/// square's own 5 % and the springs' 10 % were both taken from the safety.
 #[test]
 fn a_lone_element_with_four_springs_bears_its_step() {
     for element in SHELLS {
         for distorted in [false, true] {
             for nu in [0.0, 0.3] {
-                // The corner's mass is 0.0025, the square of its highest frequency some 5: springs
-                // of a fiftieth of that and more.
+                // The corner's mass is 0.0025, the square of its highest frequency about 5:
+                // springs of a fiftieth of that and more.
                 for stiffness in [2e-4, 2e-3, 1e-2, 1.0] {
                     let of = |safety: f64| {
                         let (scene, ground) = lone(element, distorted, stiffness, 0.0);
@@ -157,8 +158,8 @@ fn a_lone_element_with_four_springs_bears_its_step() {
     }
 }
 
-/// Dampers need mass in proportion to their strength, not to its square: weak ones take next to
-/// none of the step.
+/// Dampers need mass in proportion to their strength, not to its square: weak ones reduce the
+/// step very little.
 #[test]
 fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
     let first = |damping: f64| {
@@ -176,7 +177,7 @@ fn a_lone_element_with_dampers_bears_its_step_and_weak_ones_cost_nothing() {
     }
 }
 
-/// A lone square, or two triangles, whose edge stands at the end of arms from a plate.
+/// Returns a single square, or two triangles, whose edge is at the end of arms from a plate.
 fn tied(element: &str, arm: f64, safety: f64) -> Model {
     let mut scene = Scene::default();
     let plate =
@@ -199,7 +200,7 @@ fn tied(element: &str, arm: f64, safety: f64) -> Model {
     scene.model(&[("edge", &nodes[..2])], 0.3, safety, 1500)
 }
 
-/// At full safety.
+/// The step is stable at full safety.
 #[test]
 fn a_lone_element_tied_with_an_offset_bears_its_step() {
     for element in SHELLS {
@@ -210,8 +211,8 @@ fn a_lone_element_tied_with_an_offset_bears_its_step() {
     }
 }
 
-/// A square that lies on another one, smaller or turned, pressed on by springs of a contact as
-/// stiff as they may be.
+/// Returns a square that lies on another one, smaller or rotated, pressed on by springs of a
+/// contact with the largest permitted stiffness.
 fn pressed(turned: bool, form: &str, safety: f64) -> Model {
     let mut scene = Scene { damping: 0.1, ..Scene::default() };
     let thickness = 0.05;
@@ -236,14 +237,15 @@ fn pressed(turned: bool, form: &str, safety: f64) -> Model {
     scene.model(&[], 0.3, safety, 6000)
 }
 
-/// Contact springs of a shell on another at their bound: stable at the step that the engine takes.
-/// The law is told of a safety of 0.9 and leaves half of the room, so that the step may be 0.951 of
-/// what the elements bear at least; where it truly ends is bisected.
+/// Contact springs between two shells at their bound are stable at the step that the engine
+/// takes. The law assumes a safety of 0.9 and leaves half of the margin, so the step may be at
+/// least 0.951 of the limit of the elements; bisection finds the true limit.
 #[test]
 fn shells_in_penalty_contact_bear_their_step() {
     for turned in [false, true] {
         for form in ["soft", "stiffness"] {
-            // What comes to rest is stable; `safety` is that of the step, the law knows 0.9.
+            // A scene that comes to rest is stable; `safety` is that of the step, the law
+            // assumes 0.9.
             let still = |safety: f64| {
                 let (mut touching, mut largest) = (0, 0.0f64);
                 let ended = run_alone(&pressed(turned, form, 0.9), |e: &mut Engine| {
@@ -268,8 +270,8 @@ fn shells_in_penalty_contact_bear_their_step() {
     }
 }
 
-/// Limits at which runs begin to grow, and what is found of the highest frequency of the assembled
-/// system without running.
+/// Checks the limit from the highest frequency of the assembled system, without a run, against
+/// the limits at which runs begin to grow.
 fn assert_found(what: &str, of: impl Fn(f64) -> Model, at: f64, bisected: f64) {
     let model = of(0.3);
     let found = spectrum::assembled(&model, at).unwrap_or_else(|why| panic!("{what}: {why}"));
@@ -282,8 +284,8 @@ fn assert_found(what: &str, of: impl Fn(f64) -> Model, at: f64, bisected: f64) {
     );
 }
 
-/// The assembled system's limit is found to 2 % for a lone square with springs, ones out of shape
-/// and triangles, plates that are tied with arms, and a patch.
+/// The limit of the assembled system is found to 2 % for a single square with springs, distorted
+/// squares and triangles, plates that are tied with arms, and a patch.
 #[test]
 fn the_limit_of_the_assembled_system_is_found() {
     for element in SHELLS {
@@ -319,9 +321,8 @@ fn the_limit_of_the_assembled_system_is_found() {
     assert_found("a patch", of, 0.0, limit(of));
 }
 
-/// A sheet that is stretched by a half along x and held: at the time at which it stands still its
-/// limit is that which is bisected from there, with mass that has spread and stress that stiffens
-/// it.
+/// A sheet is stretched by a half along x and held. At the time at which it comes to rest its
+/// limit is equal to the bisected one from there, with redistributed mass and stress stiffening.
 #[test]
 fn the_limit_of_a_stretched_sheet_is_found() {
     let (n, end) = (4, 500.0);
@@ -342,7 +343,7 @@ fn the_limit_of_a_stretched_sheet_is_found() {
              [[motion]]\nnodes = \"far\"\ndisplacement = [2.0, 0.0, 0.0]\ndofs = [\"x\"]\ncurve = \"slow\"\n";
         scene.model(&[("near", &near), ("far", &far)], 0.3, safety, 0)
     };
-    // From the time on at which it stands, with another safety and next to nothing added.
+    // From the time of rest on, with another safety and small added velocities.
     let grows_at = |safety: f64| {
         let (mut first, mut cycles, mut grown) = (0.0, 0, false);
         let ended = run_alone(&of(0.3), |e: &mut Engine| {

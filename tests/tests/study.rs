@@ -1,4 +1,4 @@
-//! A study from start to end: points, a failure among them, charts, and nothing done twice.
+//! A complete study: points, a failed one among them, charts, and no repeated computation.
 
 use crumple_tests::program::{crumple_with, root, run};
 
@@ -24,7 +24,7 @@ x = "scene.elements"
 y = "time.safety"
 "#;
 
-/// Runs a study with the text given; the words it said, by exit code.
+/// Runs a study with the given text and checks the exit code; returns its output.
 fn study(folder: &std::path::Path, text: &str, code: i32) -> String {
     let file = folder.join("study.toml");
     let job = root().join("cases/bars/job.toml");
@@ -42,7 +42,7 @@ fn a_study_runs_once_and_keeps_failures_as_points() {
     let results = std::fs::read_to_string(folder.path().join("out/results.csv")).unwrap();
     let codes: Vec<&str> =
         results.lines().skip(1).map(|line| line.split(',').nth(3).unwrap()).collect();
-    // Three times the stable step fails whatever the mesh.
+    // Three times the stable step fails for any mesh.
     assert_eq!(codes, ["0", "3", "0", "3"], "{results}");
     for chart in ["front.svg", "front.png", "map.svg", "map.png"] {
         assert!(folder.path().join("out").join(chart).metadata().unwrap().len() > 1000, "{chart}");

@@ -1,5 +1,5 @@
-//! Nodes tied to surfaces: waves through a tie, momentum and energy, the same bits on any number of
-//! workers, and jobs that are wrong. Units mm, ms, kg.
+//! Nodes tied to surfaces: waves through a tie, momentum and energy, the same bits on any number
+//! of workers, and jobs with errors. Units mm, ms, kg.
 
 use crumple::input::job::{self, Model};
 use crumple_tests::{run_alone, run_side_by_side};
@@ -8,12 +8,12 @@ use crumple_worker::engine::Engine;
 
 const E: f64 = 207.0;
 const RHO: f64 = 7.85e-6;
-/// Length of each bar, its side, and the length of its cells.
+/// Length of each bar, its side, and the length of its cells [mm].
 const LENGTH: f64 = 60.0;
 const SIDE: f64 = 4.0;
 const CELL: f64 = 1.0;
 
-/// Rows of a mesh in the making.
+/// Rows of a mesh.
 #[derive(Default)]
 struct Rows {
     nodes: String,
@@ -31,7 +31,8 @@ impl Rows {
         self.count
     }
 
-    /// A block of solids from one corner to the other; gives its nodes by their places in the grid.
+    /// Adds a block of solids from one corner to the opposite one; returns its nodes by their
+    /// grid indices.
     fn block(
         &mut self,
         part: u32,
@@ -66,7 +67,7 @@ impl Rows {
         ids
     }
 
-    /// A plate of shells square to the third axis; gives its nodes, row by row.
+    /// Adds a plate of shells perpendicular to the third axis; returns its nodes, row by row.
     fn plate(&mut self, part: u32, [from, to]: [[f64; 2]; 2], z: f64, n: [usize; 2]) -> Vec<usize> {
         let place = |c: usize, i: usize| from[c] + (to[c] - from[c]) * i as f64 / n[c] as f64;
         let mut ids = Vec::new();
@@ -110,8 +111,8 @@ fn model(text: &str) -> Result<Model, String> {
     job::read(&path, &[]).map_err(|report| report.to_string())
 }
 
-/// Two bars end to end, of 2 x 2 and 3 x 3 cells across; the nodes of the second one's end are tied
-/// to the first one's, `gap` away.
+/// Returns two bars end to end, with 2 x 2 and 3 x 3 cells in the cross section. The nodes at
+/// the end of the second bar are tied to the first bar, at the distance `gap`.
 fn bars(gap: f64, rest: &str) -> String {
     let mut rows = Rows::default();
     let along = (LENGTH / CELL) as usize;
@@ -124,9 +125,9 @@ fn bars(gap: f64, rest: &str) -> String {
     rows.job(&[("end", end), ("second", own)], &format!("{parts}{rest}"))
 }
 
-/// What a run keeps where nothing holds it: the largest changes of momentum and angular momentum
-/// since the first look, and the largest imbalance of energy as a fraction of what there was at
-/// first.
+/// Conserved quantities of a free run: the largest changes of momentum and angular momentum
+/// since the first step seen, and the largest error of the energy as a fraction of the initial
+/// energy.
 #[derive(Default)]
 struct Watch {
     first: Option<[[f64; 3]; 2]>,
@@ -151,8 +152,8 @@ impl Watch {
     }
 }
 
-/// The end of the second bar shares the displacements of one node: struck there, all of it goes on
-/// together, and momentum keeps.
+/// The nodes at the end of the second bar share the displacements of one node. The bar starts
+/// with a velocity: the tied nodes move together, and momentum is conserved.
 #[test]
 fn nodes_share_displacements() {
     let rest = "[[tie]]\nnodes = \"rest\"\nnode = 550\n[[initial_velocity]]\nnodes = \"second\"\nvelocity = [1.0, 0.0, 0.0]\n";
@@ -172,18 +173,17 @@ fn nodes_share_displacements() {
     }
     let whole = RHO * SIDE * SIDE * LENGTH;
     assert!(watch.changed[0] < 1e-12 * whole, "round-off: {:?}", watch.changed);
-    // Nothing is lost or won as nodes are tied to one that moves otherwise: it is as much as the
-    // mesh came with.
+    // A tie to a node with another velocity changes no momentum: it is that of the mesh.
     let came = watch.first.unwrap()[0][0];
     assert!((came - whole).abs() < 1e-12 * whole, "{came} {whole}");
 }
 
 const TIE: &str = "[[tie]]\nname = \"joint\"\nnodes = \"end\"\nparts = [1]\n";
 
-/// The first bar runs into the second one at rest: a wave with half its velocity goes through both,
-/// the momentum of the second one grows by the stress `rho c v / 2` times the area, and arrives at
-/// its middle with the velocity of waves. 1 % is what the rings of the front leave in means over 30
-/// cells; the front is two cells wide.
+/// The first bar hits the second one, which is at rest. A wave with half its velocity goes
+/// through both, the momentum of the second bar grows by the stress `rho c v / 2` times the
+/// area, and the front arrives at its middle with the velocity of waves. The tolerance of 1 %
+/// covers oscillations behind the front in means over 30 cells; the front is two cells wide.
 #[test]
 fn a_wave_goes_through_a_tie() {
     let c = (E / RHO).sqrt();
@@ -201,7 +201,7 @@ fn a_wave_goes_through_a_tie() {
             arrival.get_or_insert(e.clock.time);
         }
         if e.clock.time >= half && at_half.is_none() {
-            // The mass of the tied end, of half a cell, is with the nodes that carry it.
+            // The masters carry the mass of the tied end, which is that of half a cell.
             let tied = 0.5 * CELL * SIDE * SIDE * RHO * 0.5;
             let second = (0..e.nodes.local_count).filter(|&i| e.nodes.x0[i][0] > LENGTH + 0.1);
             let given: f64 = second.map(|i| e.nodes.mass[i] * e.nodes.v[i][0]).sum::<f64>() + tied;
@@ -222,7 +222,8 @@ fn a_wave_goes_through_a_tie() {
     let whole = RHO * SIDE * SIDE * LENGTH;
     let changed = watch.changed[0];
     assert!(changed < 1e-12 * whole, "round-off of sums over 1000 nodes: {changed} of {whole}");
-    // The same in one mesh: the step changes with the strain, which costs the balance that much.
+    // The same bars as one mesh: the step changes with the strain, which causes this error of
+    // the balance.
     let mut rows = Rows::default();
     let one = rows.block(
         1,
@@ -241,8 +242,8 @@ fn a_wave_goes_through_a_tie() {
     assert!(unexplained < 2.0 * of_one && of_one < 1e-6, "{unexplained}, in one mesh {of_one}");
 }
 
-/// Tied bars turn in free flight: momentum and angular momentum keep, nothing strains at the tie
-/// but for what flying apart takes, and tied nodes stay where they stand on their faces.
+/// Tied bars turn in free flight. Momentum and angular momentum are conserved, the tie is
+/// strained only by the centrifugal load, and tied nodes keep their positions on the faces.
 #[test]
 fn tied_bars_turn_without_strain() {
     let spin = 2.0;
@@ -269,8 +270,8 @@ fn tied_bars_turn_without_strain() {
 }
 
 /// A patch at the end of arms above a plate, in free flight: it turns about an axis of the plate
-/// and is struck at one end. Momentum and angular momentum keep, arms keep their length, and what
-/// turns without being struck does not strain.
+/// or is struck at one end. Momentum and angular momentum are conserved, arms keep their length,
+/// and without the impact there is no strain.
 #[test]
 fn arms_turn_with_their_face() {
     for struck in [false, true] {
@@ -295,8 +296,8 @@ fn arms_turn_with_their_face() {
         let end = run_alone(&model, |e: &Engine| watch.look(e));
         let Watch { changed: worst, unexplained, initial, .. } = watch;
         let energies = end.ledger.energies(&end.nodes);
-        // The arms turn exactly, their moments act as if by small steps: squares of rotations
-        // within a step are left.
+        // The arms turn exactly, but their moments are those of small steps: the error is the
+        // square of rotations within a step.
         let (strained, left) = if struck { (0.5, 1e-3) } else { (1e-4, 1e-5) };
         assert!(
             energies.internal < strained * initial && unexplained < left,
@@ -320,9 +321,9 @@ fn xyz_of(e: &Engine, id: crumple_proto::ids::NodeId) -> [f64; 3] {
     [0, 1, 2].map(|c| e.nodes.x[i as usize][c])
 }
 
-/// A fine patch tied to a coarse plate, posts of beams tied with their rotations between it and a
-/// plate above, a rigid foot that carries a plate's edge, and a block that falls on the patch,
-/// above a wall: the same bits on 1, 2 and 4 workers, with boxes renewed by force.
+/// A fine patch is tied to a coarse plate, posts of beams are tied with their rotations between
+/// it and a plate above, a rigid foot carries a plate's edge, and a block falls on the patch,
+/// above a wall: the same bits on 1, 2 and 4 workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let mut rows = Rows::default();
@@ -375,8 +376,8 @@ fn bits_do_not_depend_on_workers() {
     }
 }
 
-/// The same plate with the patch, hit on the patch: what the block loses the plate gains, and no
-/// energy comes from nowhere.
+/// A block hits the patch of the same plate: the momentum that the block loses the plate gains,
+/// and no energy is created.
 #[test]
 fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
     let mut rows = Rows::default();
@@ -393,8 +394,8 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
     );
     let text =
         format!("end_time = 0.6\n{}", rows.job(&[("patch", patch), ("block", block)], &rest));
-    // The kinematic law asks for the masses of the nodes themselves, which tied ones have given
-    // away.
+    // The kinematic law needs the masses of the nodes themselves, but tied nodes have passed
+    // theirs to the masters.
     for law in ["lagrange", "kinematic"] {
         let model = model(&text.replace("LAW", law)).unwrap();
         let (mut watch, mut least, mut deepest) = (Watch::default(), 0.0f64, 0.0f64);
@@ -409,15 +410,15 @@ fn contact_on_tied_nodes_keeps_momentum_and_makes_no_energy() {
         assert!(least < 1e-3, "{law}: contact gives energy: {least}");
         assert!(worst < 1e-11, "{law}: {worst}");
         assert!(most < 0.01, "{law}: {most}");
-        // 0.016 of the thickness were seen by both; as if tied nodes weighed nothing it is 0.89 by
-        // the kinematic law.
+        // The measured value is 0.016 of the thickness for both laws; if tied nodes had no mass,
+        // it would be 0.89 for the kinematic law.
         assert!(deepest < 0.05, "{law}: {deepest}");
     }
 }
 
-/// A plate of two elements, one of them brittle under a patch that is tied to it. Pulled apart the
-/// brittle one fails: the patch is let go with the mass and the velocity that it has, and goes on
-/// alone, on any number of workers.
+/// A plate of two elements, the brittle one under a patch that is tied to it. Under tension the
+/// brittle element fails: the patch is released with its mass and velocity and continues alone,
+/// on any number of workers.
 #[test]
 fn a_face_that_fails_lets_go() {
     let mut rows = Rows::default();
@@ -459,7 +460,7 @@ fn a_face_that_fails_lets_go() {
     let mass = whole[0];
     assert!(whole.iter().all(|m| (m - mass).abs() < 1e-14 * mass * 100.0), "masses are given back");
     assert!(watch.changed[0] < 1e-10 * mass * 10.0, "momentum: {:?}", watch.changed);
-    // From then on the patch goes on as a whole by its own momentum.
+    // After release the patch continues as a whole with its own momentum.
     let mean =
         |x: &[[f64; 3]]| [0, 1].map(|c| x.iter().map(|p| p[c]).sum::<f64>() / x.len() as f64);
     let now: Vec<[f64; 3]> = patch.iter().map(|&n| xyz_of(&end, id_of(n))).collect();
@@ -477,8 +478,8 @@ fn id_of(n: usize) -> crumple_proto::ids::NodeId {
     crumple_proto::ids::NodeId(n as u64)
 }
 
-/// Ties one on another: a strip on a strip on a strip, struck at one end, keep their momentum and
-/// go on together; at the end of arms that is refused.
+/// Chained ties: a strip on a strip on a strip, struck at one end, conserve their momentum and
+/// move together. A chain at the end of arms is refused.
 #[test]
 fn ties_stand_on_ties_but_for_arms() {
     let scene = |offset: bool, shift: f64| {
@@ -522,8 +523,8 @@ fn ties_stand_on_ties_but_for_arms() {
         "{:?}",
         model.warnings
     );
-    // The third stands between nodes of the second one, all of them tied: what carries it is of the
-    // first.
+    // The third strip lies between nodes of the second one, all of them tied: its masters are
+    // nodes of the first one.
     let own = |n: u64| third.contains(&(n as usize));
     let of_third: Vec<_> = model.settings.ties.iter().filter(|t| own(t.node.0)).collect();
     assert!(
@@ -545,8 +546,8 @@ fn ties_stand_on_ties_but_for_arms() {
     );
 }
 
-/// A motion that leads a plate and what is tied to it leads both alike, and does the work of both
-/// masses once.
+/// A prescribed motion of a plate and of the nodes tied to it moves both in the same way, and
+/// does the work of both masses once.
 #[test]
 fn led_nodes_take_what_is_tied_along() {
     let mut rows = Rows::default();
@@ -565,12 +566,12 @@ fn led_nodes_take_what_is_tied_along() {
             .unwrap();
     let end = run_alone(&model, |_| {});
     let speeds: Vec<f64> = end.nodes.v.iter().map(|v| v[0]).collect();
-    // Round-off of places over the length of a step.
+    // Round-off of positions over the length of a step.
     assert!(speeds.iter().all(|v| (v - speeds[0]).abs() < 1e-10), "{speeds:?}");
     let mass = RHO * (40.0 * 40.0 + 14.0 * 19.0);
     let energies = end.ledger.energies(&end.nodes);
     let exact = 0.5 * mass * speeds[0].powi(2);
-    // Half a step is between the velocities and the work.
+    // The velocities and the work are half a step apart.
     assert!(
         (energies.external / exact - 1.0).abs() < 0.01 && speeds[0] > 1.9,
         "{energies:?} {exact}"
@@ -578,8 +579,8 @@ fn led_nodes_take_what_is_tied_along() {
     assert!(energies.balance(0.0).abs() < 1e-9 * exact, "{}", energies.balance(0.0));
 }
 
-/// A block falls on a patch that is tied to a plate, which lies on a rigid wall with a mass: the
-/// wall feels the blow in the same step, and momentum of all keeps.
+/// A block falls on a patch that is tied to a plate, which lies on a rigid wall with a mass. The
+/// wall receives the impulse in the same step, and the total momentum is conserved.
 #[test]
 fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     let mut rows = Rows::default();
@@ -613,7 +614,8 @@ fn a_wall_with_a_mass_feels_blows_on_tied_nodes() {
     let wall = end.walls.carried(true).1[2];
     let came = -20.0 * RHO * 11.0 * 11.0 * 7.8;
     assert!(wall < 0.2 * came, "the wall has a good part of the blow: {wall} of {came}");
-    // What the wall learns of a step late lets the plate into it by that step's way.
+    // A delay of one step in the force on the wall would give a penetration by the displacement
+    // of that step.
     assert!(deepest < 1e-9, "{deepest}");
     assert!(worst < 1e-10 * came.abs(), "{worst} of {came}");
 }
@@ -669,7 +671,7 @@ fn jobs_that_are_wrong_are_told() {
     );
 }
 
-/// Nodes beside a surface are moved onto it, which is told; those farther off than the tolerance
+/// Nodes near a surface are moved onto it, with a warning; nodes farther away than the tolerance
 /// are not tied.
 #[test]
 fn nodes_are_moved_onto_the_surface() {
@@ -692,7 +694,8 @@ fn nodes_are_moved_onto_the_surface() {
     assert!(far.contains("none of its 16 nodes"), "{far}");
     model(&format!("end_time = 1.0\n{}", bars(0.2, &format!("{TIE}tolerance = 0.25\n{moving}"))))
         .unwrap();
-    // Thicknesses as a deck gives them, but no less than the twentieth.
+    // The tolerance follows from the thicknesses of a deck, but is at least a twentieth of the
+    // diagonal.
     model(&format!(
         "end_time = 1.0\n{}",
         bars(0.2, &format!("{TIE}thicknesses = [0.2, 0.2]\n{moving}"))
@@ -705,9 +708,9 @@ fn nodes_are_moved_onto_the_surface() {
     .unwrap();
 }
 
-/// A block falls on one large skin between the corners of a frame, and not through it; without the
-/// skin it would. The skin has mass, sets no step and bears nothing: a corner that moves feels no
-/// other one.
+/// A block falls on one large skin between the corners of a frame, which stops it; without the
+/// skin it falls through. The skin has mass, does not limit the step and carries no load: a
+/// moving corner does not act on the others.
 #[test]
 fn a_skin_touches_and_bears_nothing() {
     let run = |skin: bool| {
@@ -744,16 +747,16 @@ fn a_skin_touches_and_bears_nothing() {
     let skin = b[2];
     assert!(skin < -0.5, "the block takes the skin along: {skin}");
     assert!(low(&with) > skin - 0.1, "and does not go through: {} {skin}", low(&with));
-    // Elastic, it would pull both to the same velocity. The block pushes along a normal that tilts
-    // with the corners, by 1e-6.
+    // An elastic skin would pull both to the same velocity. The block pushes along a normal that
+    // tilts with the corners, by 1e-6.
     assert!(
         (a[0] - 3.0).abs() < 1e-4 && (b[0] - 40.0).abs() < 1e-4,
         "a corner feels no other: {a:?} {b:?}"
     );
 }
 
-/// A coarse patch in the plane of a fine plate that carries it: contact sees neither inside the
-/// other, from either side, and leaves them in peace.
+/// A coarse patch in the plane of a fine plate that carries it: contact finds no penetration of
+/// either, from either side, and has no effect.
 #[test]
 fn contact_lets_what_is_tied_be() {
     let mut rows = Rows::default();
@@ -782,9 +785,9 @@ fn contact_lets_what_is_tied_be() {
     assert!(off < 1e-11, "round-off: {off}");
 }
 
-/// A cantilever of two strips of shells, the second one's edge tied across the first one's last row
-/// of cells: with rotations its tip goes down by P L^3 / 3 E I as one strip does, without it hangs
-/// on a hinge. 2 %: the tie bends the row's cells bilinearly.
+/// A cantilever of two strips of shells; the edge of the second strip is tied across the last
+/// row of cells of the first one. With tied rotations its tip deflects by P L^3 / 3 E I as that
+/// of one strip, without them the tie is a hinge. 2 %: the tie bends the row's cells bilinearly.
 #[test]
 fn a_tied_edge_bends_as_one_strip() {
     let (length, width) = (100.0f64, 10.0);

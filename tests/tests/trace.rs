@@ -1,4 +1,4 @@
-//! The time line of a run: what it holds, and that it agrees with what the summary says.
+//! The time line of a run: its contents, and their agreement with the summary.
 
 use crumple::results::summary::Summary;
 use crumple::run::control::{self, Results};
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 const WORKERS: usize = 2;
 
-/// A run on two workers, and the events of its trace.
+/// Runs a job on two workers; returns the summary and the events of its trace.
 fn traced(sets: &[&str]) -> (Summary, Vec<Value>) {
     let mut model = read(&case("bars"), sets);
     let out = tempfile::tempdir().unwrap();
@@ -37,8 +37,8 @@ fn spans(events: &[Value], worker: usize) -> Vec<&Value> {
     events.iter().filter(|e| e["ph"] == "X" && e["tid"] == worker).collect()
 }
 
-/// Every phase of every worker, in the order of time, adding up to what the summary says; renewals
-/// and orders are there.
+/// The trace has every phase of every worker, in the order of time. The sums agree with the
+/// summary. Renewals and orders are in the trace.
 #[test]
 fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
     let (summary, events) = traced(&["time.max_cycles=120", "parallel.force_every=25"]);
@@ -49,8 +49,8 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
         let spans = spans(&events, worker);
         let mut end = 0.0;
         for s in &spans {
-            // Times have three digits behind the point: they end where the next begins up to half
-            // of the last.
+            // Times have three decimal places: an event may end later than the next begins by
+            // half of the last place.
             assert!(number(s, "ts") >= end - 1e-3, "overlap at {s}");
             end = number(s, "ts") + number(s, "dur");
         }
@@ -81,7 +81,7 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
     }
     for (p, name) in PHASES.iter().enumerate() {
         let said = &summary.phase_s[*name];
-        // Nanoseconds are cut off once per event, of microseconds and more.
+        // Each event, of microseconds and more, is truncated to nanoseconds once.
         let close = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.max(1e-6);
         assert!(
             close(most[p], said.max) && close(sums[p] / WORKERS as f64, said.mean),
@@ -91,7 +91,7 @@ fn a_trace_holds_all_phases_of_all_workers_and_they_add_up() {
     }
 }
 
-/// A run that fails leaves its trace as well.
+/// A run that fails writes its trace too.
 #[test]
 fn a_run_that_fails_leaves_its_trace() {
     let (summary, events) = traced(&["time.safety=3"]);

@@ -1,4 +1,5 @@
-//! A scene pays only for what it has: solids have no rotations, and lose nothing by that.
+//! A scene has no cost for features that it does not use: solids have no rotations, and the
+//! result is the same.
 
 use crumple_tests::{case, read, run_side_by_side};
 use std::ops::ControlFlow;

@@ -1,13 +1,13 @@
-//! The quick checks of the catalogue, entry by entry: what is within its tolerance, and what is
-//! not, is what the committed table `tests/verification.json` says. After a change of results, look
-//! at the table that `crumple verify` writes, and commit it.
+//! The quick checks of the catalogue, entry by entry: the set of passing and failing rows must
+//! be that of the committed table `tests/verification.json`. After a change of results, examine
+//! the table that `crumple verify` writes, and commit it.
 
 use crumple::verify::{Bench, CATALOGUE, Row};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Quantity and variant of a row, and whether it passes.
+/// Quantity and variant of a row, and true if it passes.
 type Verdicts = BTreeMap<(String, String), bool>;
 
 fn committed(id: &str, check: &str) -> Verdicts {

@@ -1,12 +1,12 @@
-//! The VTKHDF file of a run, read back by VTK and compared with the field files, bit for bit:
-//! deploy/read_vtkhdf.py. A binary built without it refuses, and says what to do.
+//! The VTKHDF file of a run, read back by VTK and compared bit for bit with the field files:
+//! deploy/read_vtkhdf.py. A binary built without VTKHDF refuses the request and names a remedy.
 
 use crumple_tests::program::{Ended, crumple_with, root, run};
 use std::env;
 use std::process::Command;
 
-/// A run with the file asked for by its job; `None` where the binary is built without it, once that
-/// has been refused as it should.
+/// Runs a job that requests the file. Returns `None` for a binary without VTKHDF, after a check
+/// that it refuses the request.
 fn with_file(job: &str, more: &[&str]) -> Option<Ended> {
     let asked = ["run", job, "--quiet", "--set", "output.vtkhdf=true"];
     let ended = run(crumple_with(&[&asked[..], more].concat()));
@@ -46,7 +46,7 @@ fn shells_of_several_workers_read_back() {
     assert!(said.contains("5 steps, 1200 cells at first, 1200 at last: all agrees"), "{said}");
 }
 
-/// Solids, shells and springs, and cells that become fewer (32 of 36 were seen to be left).
+/// Solids, shells and springs, and cells whose number decreases (32 of 36 remain).
 #[test]
 fn other_shapes_and_failing_elements_read_back() {
     for (job, more, wanted) in [

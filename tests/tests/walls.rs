@@ -1,4 +1,4 @@
-//! Rigid walls that move, end somewhere or are round, on any number of workers. Units mm, ms, kg.
+//! Rigid walls that move, are finite or are round, on any number of workers. Units mm, ms, kg.
 
 use crumple::input::job::Model;
 use crumple_tests::{read, run_alone, run_side_by_side};
@@ -7,8 +7,8 @@ use crumple_worker::engine::Engine;
 
 const RHO: f64 = 7.85e-6;
 
-/// Square plates of shells of 1 mm, a part and a node set `part_1` and so on each: corner, sides
-/// and cells along x and y. `rest` is the rest of the job.
+/// Returns a job with square plates of shells of 1 mm, each with a part and a node set `part_1`
+/// and so on: corner, sides and cells along x and y. `rest` is the rest of the job.
 fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -> Model {
     let (mut nodes, mut shells, mut sets, mut parts) =
         (String::new(), String::new(), String::new(), String::new());
@@ -48,14 +48,14 @@ fn job(plates: &[([f64; 3], [f64; 2], [usize; 2])], end_time: f64, rest: &str) -
     read(&path, &[])
 }
 
-/// Momentum along z of nodes and walls at the last mid-step.
+/// Returns the momentum along z of nodes and walls at the last mid-step.
 fn along_z(e: &Engine) -> f64 {
     momentum(&e.nodes).0[2] + e.walls.carried(true).1.z
 }
 
-/// A plate falls flat on a wall of mass M that comes to meet it, and a rigid one likewise: both go
-/// on with what momentum gives, (m v + M V) / (m + M), to round-off; the energy that is lost is m M
-/// / (m + M) (V - v)^2 / 2, and booked.
+/// A plate, deformable or rigid, falls flat on a wall of mass M that moves towards it. Both
+/// continue with the common velocity (m v + M V) / (m + M), to round-off. The energy loss m M /
+/// (m + M) (V - v)^2 / 2 is booked.
 #[test]
 fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     let (big, mass, speed, v) = (0.004, RHO * 20.0 * 20.0, 2.0, -10.0);
@@ -93,8 +93,8 @@ fn a_plate_on_a_wall_with_a_mass_is_a_plastic_impact() {
     }
 }
 
-/// A rigid plate and another one meet a light wall in the same step, while a third plate presses on
-/// the rigid one: the wall takes the velocity of what it meets, and never more.
+/// A rigid plate and another one touch a light wall in the same step, while a third plate
+/// presses on the rigid one: the wall takes the velocity of the touching plates, and never more.
 #[test]
 fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     let rest = "[[wall]]\npoint = [0.0, 0.0, -0.1]\nnormal = [0.0, 0.0, 1.0]\nmass = 1e-6\n\
@@ -116,8 +116,8 @@ fn bodies_and_nodes_do_not_both_use_a_walls_momentum() {
     assert!((-10.5..-9.0).contains(&fastest), "the plates come with 10 and 10.5: {fastest}");
 }
 
-/// Two strips fall: the one above the rectangle rests on it, the other falls by. A rigid one does
-/// the same.
+/// Two strips fall: the strip above the rectangle rests on it, the other one falls past it.
+/// Rigid strips do the same.
 #[test]
 fn a_rectangle_lets_pass_what_is_beside_it() {
     let strips = [([1.0, 1.0, 0.2], [6.0, 6.0], [3, 3]), ([12.0, 1.0, 0.2], [6.0, 6.0], [3, 3])];
@@ -140,8 +140,9 @@ fn a_rectangle_lets_pass_what_is_beside_it() {
     }
 }
 
-/// A strip that falls across a cylinder, rigid or not, hangs over it: its middle stays outside and
-/// its ends go down, and a cylinder that is led upwards through the set of its ends passes these.
+/// A strip, rigid or deformable, falls across a cylinder and hangs over it: its middle stays
+/// outside and its ends move down. A cylinder that moves upwards by prescribed motion through
+/// the set of its ends passes them.
 #[test]
 fn a_cylinder_catches_a_strip() {
     let strip = [([-20.0, 0.0, 10.5], [40.0, 4.0], [20, 2])];
@@ -170,9 +171,9 @@ fn a_cylinder_catches_a_strip() {
     }
 }
 
-/// A wall with a mass throws two plates and a rigid one against each other, against a rectangle, a
-/// led cylinder and a plane that only some nodes meet: the same bits on 1, 2 and 4 workers, with
-/// boxes renewed by force.
+/// A wall with a mass throws two plates and a rigid one against each other, against a rectangle,
+/// a cylinder with prescribed motion, and a plane that acts on some nodes only: the same bits on
+/// 1, 2 and 4 workers, with forced renewals of the boxes.
 #[test]
 fn bits_do_not_depend_on_workers() {
     let plates = [

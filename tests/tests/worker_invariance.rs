@@ -1,5 +1,6 @@
-//! Bits do not depend on workers: the union of workers' pairs is the serial run's at every step,
-//! and the state is the same to the last bit, however often and wherever boxes are cut.
+//! Bits do not depend on workers: the union of workers' pairs equals the pairs of the serial run
+//! at every step, and the state is the same to the last bit, for any number and position of
+//! boxes.
 
 use crumple::run::embedded::run_alone;
 use crumple_proto::boxes::CutTree;
@@ -8,7 +9,7 @@ use crumple_tests::{Trace, case, read, run_side_by_side};
 use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 
-/// Four tubes and three plates that fly at each other, tumbling.
+/// Runs four tubes and three plates that fly at each other, tumbling.
 fn tumble(workers: usize, cycles: u64, force_every: u64) -> Trace {
     run_side_by_side(&read(&case("tumble"), &[]), workers, cycles, force_every)
 }
@@ -43,7 +44,7 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
     }
 }
 
-/// A skin is there to save time: what a search collects beyond what touches changes nothing.
+/// A skin only saves time: candidates that are not in contact do not change the result.
 #[test]
 fn how_far_candidates_are_collected_changes_no_bit() {
     for (name, cycles, skins) in
@@ -62,7 +63,7 @@ fn how_far_candidates_are_collected_changes_no_bit() {
     }
 }
 
-/// A job's engine after some cycles.
+/// Returns a job's engine after some cycles.
 fn engine(name: &str, sets: &[&str], cycles: u64, compute_all: bool) -> Engine {
     let look = |e: &mut Engine| {
         if compute_all {
@@ -75,7 +76,7 @@ fn engine(name: &str, sets: &[&str], cycles: u64, compute_all: bool) -> Engine {
     ended.engine
 }
 
-/// Rims that are held, pressure, contact, a wall, solids.
+/// Held rims, pressure, contact, a wall, solids.
 #[test]
 fn leaving_out_elements_that_nothing_has_strained_changes_no_bit() {
     let tube = ["scene.elements=5"];
@@ -97,7 +98,7 @@ fn leaving_out_elements_that_nothing_has_strained_changes_no_bit() {
     }
 }
 
-/// After a renewal, which looks anew which elements are unstrained, in groups with others too.
+/// A renewal determines again which elements are unstrained, also in groups with strained ones.
 #[test]
 fn strained_elements_that_stand_still_keep_their_forces() {
     let mut e = engine("plate", &["initial_velocity.0.velocity=[0, 0, 0.5]"], 5, false);

@@ -1,17 +1,16 @@
-//! Factors over time: linear between points, constant outside, and their exact integrals from time
-//! 0.
+//! Factors over time: linear between points, constant outside, with exact integrals from time 0.
 
 /// A piecewise linear factor.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Time and factor, times ascending.
+    /// Time [time] and factor, in ascending time.
     points: Vec<[f64; 2]>,
-    /// First and second integral from the first point on, at each point.
+    /// First and second integral from the first point to each point [time], [time^2].
     integrals: Vec<[f64; 2]>,
 }
 
 impl Curve {
-    /// Through points `[time, factor]`, at least one, times ascending.
+    /// Creates a curve through points `[time, factor]`: at least one, in ascending time.
     pub fn new(points: &[[f64; 2]]) -> Self {
         let mut integrals = vec![[0.0; 2]];
         for pair in points.windows(2) {
@@ -22,12 +21,12 @@ impl Curve {
         Self { points: points.to_vec(), integrals }
     }
 
-    /// The factor 1 at all times.
+    /// Returns the curve that is 1 at all times.
     pub fn one() -> Self {
         Self::new(&[[0.0, 1.0]])
     }
 
-    /// The factor at `time`.
+    /// Returns the factor at `time` [time].
     pub fn value(&self, time: f64) -> f64 {
         let (i, slope) = self.piece(time);
         match i {
@@ -36,18 +35,18 @@ impl Curve {
         }
     }
 
-    /// Integral of the factor from 0 to `time` [time].
+    /// Returns the integral of the factor from 0 to `time` [time].
     pub fn integral(&self, time: f64) -> f64 {
         self.since_first(time)[0] - self.since_first(0.0)[0]
     }
 
-    /// Integral of [`Curve::integral`] from 0 to `time` [time^2].
+    /// Returns the integral of [`Curve::integral`] from 0 to `time` [time^2].
     pub fn second_integral(&self, time: f64) -> f64 {
         let [first, second] = self.since_first(0.0);
         self.since_first(time)[1] - second - first * time
     }
 
-    /// The last point at or before `time` and the slope after it.
+    /// Returns the last point at or before `time` and the slope after it.
     fn piece(&self, time: f64) -> (Option<usize>, f64) {
         let after = self.points.partition_point(|p| p[0] <= time);
         let slope = match (after.checked_sub(1), self.points.get(after)) {
@@ -57,7 +56,7 @@ impl Curve {
         (after.checked_sub(1), slope)
     }
 
-    /// First and second integral from the first point to `time`.
+    /// Returns the first and second integral from the first point to `time`.
     fn since_first(&self, time: f64) -> [f64; 2] {
         let (i, slope) = self.piece(time);
         let at = i.unwrap_or(0);
@@ -65,7 +64,8 @@ impl Curve {
     }
 }
 
-/// First and second integral a time `h` beyond where they are `from`, on a line that starts at `y`.
+/// Returns the first and second integral at a time `h` after the point where they are `from`, on
+/// a line that starts at `y`.
 fn beyond(from: [f64; 2], y: f64, slope: f64, h: f64) -> [f64; 2] {
     let first = from[0] + h * (y + 0.5 * slope * h);
     [first, from[1] + h * (from[0] + h * (0.5 * y + slope * h / 6.0))]
@@ -86,8 +86,8 @@ mod tests {
         assert_eq!(Curve::one().value(7.0), 1.0);
     }
 
-    /// By hand: 2 t up to 1, then the trapezoids; and by a sum of midpoints, which is exact to
-    /// h^2/24 of the curvature.
+    /// References: by hand, 2 t up to 1, then the trapezoids; and a sum by the midpoint rule,
+    /// whose error is h^2/24 times the curvature.
     #[test]
     fn integrals_start_at_time_0_wherever_the_points_are() {
         for shift in [0.0, -1.5, 0.7] {

@@ -1,5 +1,5 @@
-//! The energy ledger: work in, stored, dissipated, lost. Sums are for reports; nothing is decided
-//! from them.
+//! The energy ledger: external work, stored, dissipated and lost energy. The sums are for reports
+//! only; no decision depends on them.
 
 use crate::fem::elements::PassTotals;
 use crate::nodes::{Nodes, Row, xyz};
@@ -8,28 +8,29 @@ use nalgebra::Vector3;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
-/// Work of impulses in a step, in two halves: up to the present time with the velocities of the
-/// mid-step before, and from then on with those of the mid-step after [energy].
+/// Work of impulses in a step, in two halves: before the present time with the velocities of the
+/// previous mid-step, after it with those of the next mid-step [energy].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// `p . v- / 2`
+    /// `p . v- / 2` [energy]
     pub before: f64,
-    /// `p . v+ / 2`
+    /// `p . v+ / 2` [energy]
     pub after: f64,
 }
 
 impl Work {
-    /// Of one component of an impulse between velocities `before` and `after`.
+    /// Returns the work of one component of an impulse [mass length/time] between velocities
+    /// `before` and `after` [length/time].
     pub fn from_impulse(impulse: f64, before: f64, after: f64) -> Self {
         Self { before: 0.5 * impulse * before, after: 0.5 * impulse * after }
     }
 
-    /// Of three components.
+    /// Returns the work of an impulse with three components.
     pub fn from_impulses(impulse: &Row, before: &Row, after: &Row) -> Self {
         (0..3).map(|c| Self::from_impulse(impulse[c], before[c], after[c])).sum()
     }
 
-    /// Both halves.
+    /// Returns the sum of both halves [energy].
     pub fn total(&self) -> f64 {
         self.before + self.after
     }
@@ -64,15 +65,15 @@ impl Sum for Work {
 /// Work of contact forces in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContactWork {
-    /// All of it.
+    /// Work of all contact forces.
     pub total: Work,
-    /// The part that friction did.
+    /// Work of friction.
     pub friction: Work,
-    /// The part of pairs that started inside each other's thickness and have not come apart since.
+    /// Work of the pairs that penetrate since the start of the run.
     pub starting: Work,
 }
 
-/// What has accumulated on this worker.
+/// Energies and work accumulated on this worker.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ledger {
     internal: f64,
@@ -84,7 +85,7 @@ pub struct Ledger {
     external: LedgerEntry,
 }
 
-/// Work so far, and what of it lies between the present time and the next mid-step [energy].
+/// Work so far, and the part of it between the present time and the next mid-step [energy].
 #[derive(Clone, Copy, Debug, Default)]
 struct LedgerEntry {
     total: f64,
@@ -103,7 +104,7 @@ impl LedgerEntry {
 }
 
 impl Ledger {
-    /// Books a pass over elements.
+    /// Books the energies of a pass over elements.
     pub fn book_elements(&mut self, t: &PassTotals) {
         self.internal += t.internal;
         self.hourglass += t.hourglass;
@@ -126,13 +127,13 @@ impl Ledger {
         self.external.book(work);
     }
 
-    /// Energies at the present time, between the mid-steps with velocities v- and v+ (`v` and
-    /// `next_v`). With a kinetic energy of `m v- . v+ / 2` and internal work by the trapezoidal
-    /// rule in force the central difference scheme keeps the balance to round-off while the step is
-    /// constant: `m (v+ - v-) = dt f` gives `K(n+1) - K(n) = dt v(n+1/2) . (f(n) + f(n+1)) / 2`.
+    /// Returns the energies at the present time, between the mid-steps with velocities v- and v+
+    /// (`v` and `v_next`). Kinetic energy is `m v- . v+ / 2`; internal work uses the trapezoidal
+    /// rule in the force. Then the central-difference scheme keeps the balance to round-off while
+    /// the step is constant: `m (v+ - v-) = dt f` gives `K(n+1) - K(n) = dt v(n+1/2) . (f(n) +
+    /// f(n+1)) / 2`.
     ///
-    /// After a step, and before the next, those are the energies of the time at which the step
-    /// began.
+    /// Between two steps these are the energies of the time at which the finished step began.
     pub fn energies(&self, nodes: &Nodes) -> Energies {
         let (kinetic, swing) = kinetic(nodes);
         Energies {
@@ -149,8 +150,8 @@ impl Ledger {
     }
 }
 
-/// Kinetic energy of owned nodes at the present time, and what the mean of the squares has beyond
-/// it, `m |v+ - v-|^2 / 4` [energy].
+/// Returns the kinetic energy of owned nodes at the present time, and by how much the mean of the
+/// squared velocities gives more, `m |v+ - v-|^2 / 4` [energy].
 fn kinetic(nodes: &Nodes) -> (f64, f64) {
     let product = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let change = |a: &Row, b: &Row| (0..3).map(|c| (b[c] - a[c]) * (b[c] - a[c])).sum::<f64>();
@@ -167,13 +168,14 @@ fn kinetic(nodes: &Nodes) -> (f64, f64) {
     (own().map(of).sum(), own().map(swing).sum())
 }
 
-/// Linear and angular momentum of owned nodes about the origin at the last mid-step. Nodes have no
-/// memory of where between two times they are; angular momentum uses present positions.
+/// Returns the linear and angular momentum of owned nodes about the origin at the last mid-step.
+/// Positions at mid-step are not stored; angular momentum uses present positions.
 pub fn momentum(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
     momentum_of(nodes, &nodes.v, &nodes.w)
 }
 
-/// The same at the present time, within a step: with the mean of the velocities before and after.
+/// Returns both momenta at the present time, within a step: with the mean of the velocities
+/// before and after.
 pub fn momentum_at_present(nodes: &Nodes) -> ([f64; 3], [f64; 3]) {
     momentum_of(nodes, &nodes.v_next, &nodes.w_next)
 }

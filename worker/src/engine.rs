@@ -1,4 +1,5 @@
-//! The serial engine of one worker: builds mesh, state and laws from its share, then owns them.
+//! The serial engine of one worker. It builds mesh, state and laws from its partition and owns
+//! them.
 
 use crate::constraints::prescribed::Prescribed;
 use crate::constraints::rigid::Bodies;
@@ -36,28 +37,28 @@ use std::time::Instant;
 pub enum Phase {
     /// Internal forces.
     Elements,
-    /// Nodal sums.
+    /// Assembly, loads, velocities without contact.
     Assemble,
-    /// Messages, waiting included.
+    /// Messages, including the wait for them.
     Halo,
-    /// Global search and how far nodes have moved.
+    /// Global search, and the rigid-motion fit that shows how far ghosts stay valid.
     Search,
     /// Local search.
     Local,
     /// Contact forces.
     Contact,
-    /// Walls, velocities, positions.
+    /// Walls, and positions of nodes and rigid bodies.
     Advance,
     /// History and field files.
     Output,
-    /// Migration and new membership.
+    /// Migration and build of the new partition.
     Renewal,
 }
 
-/// Seconds per phase.
+/// Time per phase.
 #[derive(Debug)]
 pub struct Timer {
-    /// Seconds so far.
+    /// Time so far [s].
     pub seconds: PhaseSeconds,
     last: Instant,
     recorder: Option<Box<Recorder>>,
@@ -68,12 +69,12 @@ impl Timer {
         Self { seconds: [0.0; PHASES.len()], last: Instant::now(), recorder: None }
     }
 
-    /// Starts a lap without booking the time before it.
+    /// Starts a lap and does not book the time before it.
     pub fn restart(&mut self) {
         self.last = Instant::now();
     }
 
-    /// Books the time since the last lap under `phase`.
+    /// Books the time since the last lap for `phase`.
     pub fn lap(&mut self, phase: Phase) {
         let now = Instant::now();
         self.seconds[phase as usize] += (now - self.last).as_secs_f64();
@@ -93,27 +94,27 @@ impl Timer {
         Ok(())
     }
 
-    /// The recorder, if there is one.
+    /// Returns the recorder, if there is one.
     pub fn recorder(&mut self) -> &mut Option<Box<Recorder>> {
         &mut self.recorder
     }
 }
 
-/// One worker's engine.
+/// The engine of one worker.
 pub struct Engine {
-    /// What all workers know.
+    /// Settings, equal on all workers.
     pub settings: Settings,
     /// Boxes of all workers.
     pub tree: CutTree,
-    /// Time.
+    /// Time, cycle and step sizes.
     pub clock: Clock,
     /// Nodal columns.
     pub nodes: Nodes,
     /// Own elements.
     pub blocks: Blocks,
-    /// Connections.
+    /// Connections to other workers: shared nodes and ghosts.
     pub halo: Ghosts,
-    /// Contact, if the scene has any.
+    /// Contact, if the job has any.
     pub contact: Option<Contact>,
     /// Rigid walls.
     pub walls: Walls,
@@ -121,31 +122,31 @@ pub struct Engine {
     pub loads: Loads,
     /// Prescribed motions.
     pub prescribed: Prescribed,
-    /// Rigid bodies, all of the scene.
+    /// All rigid bodies of the job.
     pub bodies: Bodies,
     /// Tied nodes.
     pub ties: Ties,
     /// Energies.
     pub ledger: Ledger,
-    /// Where what is recorded is.
+    /// Local indices of the nodes, sections and parts whose histories are recorded.
     histories: Histories,
-    /// Energies when the present outer step began: later in it those of slow elements are of
-    /// another time than motion.
+    /// Energies at the start of the present outer step. Later in the outer step, energies of slow
+    /// elements and of motion belong to different times.
     balance: Option<Energies>,
-    /// How held nodes have moved since the boxes were last renewed.
+    /// Motion of local nodes since the last repartition or membership update.
     pub motion: MotionTracker,
-    /// What workers agree on.
+    /// The global reduction of each step.
     pub agreement: StepReduction,
     /// Time per phase.
     pub timer: Timer,
-    /// Own shells that were inverted and have failed for it, until someone takes note.
+    /// Own shells that were inverted and deleted and are not reported yet.
     pub inverted: Vec<crumple_proto::ids::ElemId>,
-    /// Mean element centre when the boxes were last renewed.
+    /// Mean element centre at the last repartition or membership update [length].
     centre: [f64; 3],
 }
 
 impl Engine {
-    /// An engine for a fresh share at time 0. All workers call this together.
+    /// Builds the engine for a new partition at time 0. All workers call this together.
     ///
     /// # Errors
     /// A worker is gone.
@@ -194,14 +195,16 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Moves elements to the workers whose boxes hold them now. All workers call this together.
+    /// Moves elements to the workers that now own their boxes. All workers call this together.
     ///
     /// # Errors
     /// A worker is gone.
     pub fn renew(&mut self, comm: &mut dyn Transport, tree: CutTree) -> Result<(), RankLost> {
         self.tree = tree;
-        let by_part = std::mem::take(&mut self.blocks.by_part); // what was done here stays booked here
-        let slow_dt = self.blocks.slow_dt; // and what all agree on
+        // Energies by part stay with the worker that computed them; `slow_dt` is equal on all
+        // workers.
+        let by_part = std::mem::take(&mut self.blocks.by_part);
+        let slow_dt = self.blocks.slow_dt;
         let all_computed = self.blocks.all_computed;
         let local = LocalMesh {
             nodes: std::mem::take(&mut self.nodes),
@@ -228,7 +231,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Takes failed elements out of the contact surface. All workers call this together.
+    /// Removes failed elements from the contact surface. All workers call this together.
     ///
     /// # Errors
     /// A worker is gone.
@@ -264,12 +267,13 @@ impl Engine {
         self.centre = self.mean_centre();
     }
 
-    /// This worker's box.
+    /// Returns the box of this worker.
     pub fn own_box(&self) -> Aabb {
         self.tree.boxes()[self.nodes.me as usize]
     }
 
-    /// Mean displacement of own elements since the boxes were last renewed [length].
+    /// Returns the mean displacement of own elements since the last repartition or membership
+    /// update [length].
     pub fn drift(&self) -> [f64; 3] {
         let now = self.mean_centre();
         std::array::from_fn(|c| now[c] - self.centre[c])
@@ -285,13 +289,14 @@ impl Engine {
         sum
     }
 
-    /// Centre of an own element [length].
+    /// Returns the centre of an own element [length].
     pub fn centre_of(&self, nodes: [u32; 8], shape: crumple_proto::mesh::Shape) -> [f64; 3] {
         centre(&self.nodes, nodes, shape)
     }
 
-    /// Calls `f` with the centre and the load of every own element. All loads add up to `cost`,
-    /// what a cycle costs here; a contact pair weighs as much as `pair_weight` elements.
+    /// Calls `f` with the centre and the load of every own element. The sum of all loads is
+    /// `cost`, the cost of a cycle on this worker. A contact pair weighs as much as `pair_weight`
+    /// elements.
     pub fn for_each_load(&self, cost: f64, pair_weight: f64, mut f: impl FnMut([f64; 3], f64)) {
         let mut pairs = vec![0u32; self.nodes.local_count];
         let load = |e: &crate::fem::blocks::LocalElement| self.settings.load(&e.record);
@@ -299,8 +304,8 @@ impl Engine {
         for n in self.contact.iter().flat_map(|c| c.owned_pair_nodes()) {
             pairs[n as usize] += 1;
         }
-        // In a regular mesh a node is the first corner of one element; that one carries the node's
-        // pairs.
+        // In a regular mesh each node is the first corner of one element. This element gets the
+        // pairs of the node.
         let carried = |e: &crate::fem::blocks::LocalElement| {
             pair_weight * f64::from(pairs[e.nodes[0] as usize])
         };
@@ -310,8 +315,8 @@ impl Engine {
         }
     }
 
-    /// Sends a history row if one is due; velocities before and after the present time must both be
-    /// known.
+    /// Sends a history row if one is due. The velocities before and after the present time must
+    /// both be known.
     ///
     /// # Errors
     /// The master is gone.
@@ -333,12 +338,13 @@ impl Engine {
         Ok(())
     }
 
-    /// Energies at the present time or, when the run has `ended`, at the time before.
+    /// Returns the energies at the present time or, if the run has `ended`, at the previous time.
     ///
-    /// With subcycles the balance of [`crate::energy::Ledger::energies`] holds where an outer step
-    /// begins and at nodes that have slow elements only, or fast ones only. Those between swing
-    /// within an outer step of m steps of dt, and what is kept has beside it, to second order,
-    /// `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/m`. It counts as kinetic here.
+    /// With subcycles the balance of [`crate::energy::Ledger::energies`] holds at the start of an
+    /// outer step. At a node with only slow or only fast elements it always holds. Nodes with both
+    /// oscillate within an outer step of m steps dt. There the conserved energy has, to second
+    /// order, the additional term `-(dt^2/12) (2 m - 1) (m - 1) sum f_s f_f/M`, with the forces f_s
+    /// of slow and f_f of fast elements on a node of mass M. It counts as kinetic energy here.
     pub fn energies(&self, ended: bool) -> Energies {
         let mut energies = self.ledger.energies(&self.nodes);
         if self.settings.subcycles > 1 {
@@ -354,8 +360,8 @@ impl Engine {
         energies
     }
 
-    /// Sends a history row; the last one, when the run has `ended`, has the energies of the time
-    /// before, with subcycles those of the last outer step's start.
+    /// Sends a history row. The last row, after the run has `ended`, has the energies of the
+    /// previous time; with subcycles those of the start of the last outer step.
     ///
     /// # Errors
     /// The master is gone.
@@ -391,8 +397,8 @@ impl Engine {
     }
 }
 
-/// What contact knows of the bodies. Parts whose material cannot be built are refused before the
-/// start.
+/// Returns the elastic constants of all parts for contact. Parts whose material cannot be built
+/// are refused before the start.
 fn elasticity(settings: &Settings) -> Elasticity {
     let of = |part: &crumple_proto::job::Part| {
         let material = settings.materials.iter().find(|m| m.name == part.material);

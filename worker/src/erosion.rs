@@ -1,10 +1,10 @@
-//! Erosion: elements whose law has failed leave the contact surface, and what was behind them comes
-//! to light.
+//! Erosion: elements whose law has failed leave the contact surface, and the faces behind them
+//! become free.
 //!
-//! A failed element stays where it is in its block, and its mass with its nodes; it bears nothing,
-//! sets no step and cannot be touched. All workers agree that some have failed
-//! ([`crate::parallel::reduction`]) and tell each other the faces that these had. A solid that has
-//! one of these faces too, which its opposing-face list tells, shows it from then on.
+//! A failed element stays in its block, and its mass at its nodes. It carries no force, does not
+//! limit the step and is not in contact. The reduction of the step reports failures to all
+//! workers ([`crate::parallel::reduction`]). The workers then exchange the faces of failed
+//! solids. A solid that has such a face too marks it as free from then on.
 
 use crate::fem::blocks::Blocks;
 use crate::nodes::Nodes;
@@ -12,8 +12,8 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::HashMap;
 
-/// Failed elements are looked for in every so many cycles: a failed element bears nothing
-/// meanwhile.
+/// Number of cycles between two searches for failed elements. Until then a failed element carries
+/// no force.
 pub const EVERY: u64 = 8;
 
 /// Nodes of a face, ascending.
@@ -27,8 +27,8 @@ fn faces_of(nodes: &[NodeId; 8], faces: &[[usize; 4]]) -> impl Iterator<Item = F
     })
 }
 
-/// Marks own elements that have failed, and opens the faces of own solids that failed ones of any
-/// worker had covered. Membership has to be settled anew afterwards. Gives the former. All workers
+/// Marks own elements that have failed and returns their ids. Frees the faces of own solids that
+/// failed solids of any worker covered. The partition must be built again afterwards. All workers
 /// call this together.
 ///
 /// # Errors
@@ -43,8 +43,8 @@ pub fn erode(
     let ids = failed.iter().map(|&i| blocks.elements[i].record.id).collect();
     let solids = failed.iter().map(|&i| &blocks.elements[i].record).filter(|r| r.shape.is_solid());
     let bared: Vec<Face> = solids.flat_map(|r| faces_of(&r.nodes, r.shape.faces())).collect();
-    // Only who has a corner of a face near can have its other side; all are told, since failure is
-    // rare.
+    // Only workers that have a corner of a face can have its other side. All get the message,
+    // since failure is rare.
     let words: Vec<u64> = bared.iter().flatten().map(|n| n.0).collect();
     let parcels = vec![words; comm.size() - 1];
     let told = exchange_all(comm, parcels)?;

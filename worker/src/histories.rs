@@ -1,6 +1,6 @@
-//! What a worker records at every history interval beside sums: its parts' energies, contact
-//! between parts, nodes and sections. Read off the state when a row is due; nothing of it is felt
-//! by the state, and no step computes any of it.
+//! History records of a worker besides the global sums: energies of parts, contact forces between
+//! parts, nodes and sections. They are computed from the state only when a row is due. They do
+//! not change the state.
 
 use crate::contact::Contact;
 use crate::engine::Engine;
@@ -17,22 +17,23 @@ use std::collections::{BTreeMap, HashMap};
 
 type V3 = Vector3<f64>;
 
-/// Where on this worker is what histories ask for.
+/// Local indices of the requested histories.
 #[derive(Debug, Default)]
 pub struct Histories {
     /// Owned nodes of all groups, ascending.
     nodes: Vec<u32>,
     sections: Vec<LocalSection>,
-    /// Accelerations of these nodes when the present outer step began, with subcycles: no later
-    /// time in it has one [length/time^2].
+    /// Accelerations of the recorded nodes at the start of the present outer step, with
+    /// subcycles. Later in the outer step they have no acceleration [length/time^2].
     accelerations: HashMap<NodeId, [f64; 3]>,
-    /// With subcycles: contact forces in the present outer step so far, and in the whole one
-    /// before.
+    /// Contact forces of the present outer step so far, with subcycles.
     felt: SurfaceForces,
+    /// Contact forces of the complete previous outer step, with subcycles.
     felt_before: SurfaceForces,
 }
 
-/// Contact forces in an outer step, as fractions of a mean over all of its cycles [force].
+/// Contact forces in an outer step: sums over its cycles so far, divided by its number of cycles
+/// [force].
 #[derive(Debug, Default)]
 struct SurfaceForces {
     between_parts: BTreeMap<[u32; 2], [f64; 3]>,
@@ -67,18 +68,18 @@ impl SurfaceForces {
     }
 }
 
-/// What a worker has of a section.
+/// Local part of a section.
 #[derive(Debug, Default)]
 struct LocalSection {
-    /// Corner slots of own elements at the section's nodes, these nodes, and the cycles that a
-    /// force in the slot acts for.
+    /// Slots of the element nodal forces of own elements at nodes of the section, the local node,
+    /// and the number of cycles for which a force in the slot acts.
     corners: Vec<(usize, u32, f64)>,
     /// Owned nodes.
     nodes: Vec<u32>,
 }
 
 impl Histories {
-    /// Finds what is asked for among the nodes and elements that are here.
+    /// Finds the requested nodes and elements on this worker.
     pub fn bind_local(
         &mut self,
         asked: &HistoryRequests,
@@ -114,30 +115,31 @@ impl Histories {
         self.sections = asked.sections.iter().map(local).collect();
     }
 
-    /// Accelerations of recorded nodes, when an outer step begins.
+    /// Returns the accelerations of the recorded nodes at the start of an outer step
+    /// [length/time^2].
     pub fn accelerations(&self, engine: &Engine) -> HashMap<NodeId, [f64; 3]> {
         let of = |&n: &u32| (engine.nodes.id[n as usize], mean_acceleration(engine, n as usize));
         self.nodes.iter().map(of).collect()
     }
 
-    /// An outer step begins, with these accelerations.
+    /// Starts an outer step with these accelerations [length/time^2].
     pub fn start_outer_step(&mut self, accelerations: HashMap<NodeId, [f64; 3]>) {
         self.accelerations = accelerations;
         self.felt_before = std::mem::take(&mut self.felt);
     }
 
-    /// Takes the contact forces of a cycle into the means over an outer step.
+    /// Adds the contact forces of a cycle to the means over an outer step.
     pub fn record_contact(&mut self, settings: &Settings, contact: &Contact, nodes: &Nodes) {
         self.felt.add(1.0 / settings.subcycles as f64, contact, nodes, &settings.histories);
     }
 
-    /// This worker's shares of a row. Velocities are those before and after the present time or,
-    /// when the run has `ended`, those of the last two mid-steps; forces are then those of the last
-    /// step.
+    /// Returns this worker's shares of a row. Velocities are those before and after the present
+    /// time or, if the run has `ended`, those of the last two mid-steps; forces are then those of
+    /// the last step.
     pub fn shares(&self, engine: &Engine, ended: bool) -> HistoryShares {
         let asked = &engine.settings.histories;
-        // Contact answers the forces of slow elements all at once: only a mean over an outer step
-        // tells anything.
+        // Contact reacts at once to the forces of slow elements: only means over an outer step
+        // are meaningful.
         let felt = (engine.settings.subcycles > 1).then_some(if ended {
             &self.felt
         } else {
@@ -175,7 +177,7 @@ impl Histories {
         if self.sections.is_empty() {
             return Vec::new();
         }
-        // Pressure lies in the slots too, and is no force of the element.
+        // The slots contain pressure too, which is no internal force of the element.
         let mut pressed: HashMap<usize, V3> = HashMap::new();
         for (slot, f) in engine.loads.on_slots() {
             *pressed.entry(slot).or_default() += V3::from(xyz(f));
@@ -205,8 +207,8 @@ impl Histories {
     }
 }
 
-/// What the own elements of each part have. A node's mass is that of the corners at it; what
-/// `[[mass]]` adds is in no part.
+/// Returns the energies, masses and momenta of own elements by part. Nodal masses are those of
+/// the elements; masses added by `[[mass]]` belong to no part.
 fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
     let (nodes, blocks) = (&engine.nodes, &engine.blocks);
     let share = |energy: &[f64; 2]| PartShare {
@@ -239,9 +241,9 @@ fn parts(engine: &Engine, ended: bool) -> Vec<PartShare> {
     parts
 }
 
-/// Acceleration of a held node when an outer step begins [length/time^2]. Forces of slow elements
-/// come all at once, so that only means over an outer step tell anything: the velocity is now ahead
-/// of its mean by half of what it gains in one.
+/// Returns the acceleration of a local node at the start of an outer step [length/time^2]. Forces
+/// of slow elements act in one cycle only, so only means over an outer step are meaningful. The
+/// present velocity is ahead of its mean by half of its change in an outer step.
 fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
     let (before, after) = (&nodes.v[n], &nodes.v_next[n]);
@@ -250,14 +252,14 @@ fn mean_acceleration(engine: &Engine, n: usize) -> [f64; 3] {
             let now = before[c] + 0.5 * clock.last_dt * (after[c] - before[c]) / clock.mid();
             (now - mean[c]) / (0.5 * engine.settings.subcycles as f64 * clock.last_dt)
         }),
-        // At the start nothing is strained: loads and initial contact act alone.
+        // At the start all strains are zero: only loads and initial contact act.
         None => [0, 1, 2]
             .map(|c| if clock.mid() > 0.0 { (after[c] - before[c]) / clock.mid() } else { 0.0 }),
     }
 }
 
-/// The motion of a held node: velocity at the present time, or at the last mid-step when the run
-/// has `ended`.
+/// Returns the motion of a local node. The velocity is that of the present time or, if the run
+/// has `ended`, of the last mid-step.
 fn node(engine: &Engine, n: usize, ended: bool) -> NodeState {
     let (nodes, clock) = (&engine.nodes, &engine.clock);
     let (before, after) = (&nodes.v[n], &nodes.v_next[n]);

@@ -1,16 +1,18 @@
-//! The engine of Crumple: it runs without MPI. Search and elements are serial and know no ranks.
+//! The engine of Crumple. It runs without MPI. Search and elements are serial and do not depend
+//! on ranks.
 //!
-//! - [`step`]: THE TIME STEP, start there; [`serve`]: one worker from the first order to the last
+//! - [`step`]: the time step, start there; [`serve`]: one worker from the first order to the last
 //!   report
-//! - [`engine`]: owns everything; [`nodes`]: columns of nodes
+//! - [`engine`]: owns all parts of a worker; [`nodes`]: nodal columns
 //! - [`fem`]: elements, materials, blocks of elements, assembly
 //! - [`contact`]: search, then enforcement
 //! - [`constraints`]: prescribed motion, rigid bodies, ties, rigid walls
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
-//! - [`math`]: lanes of numbers, best-fit rigid motion, exact sums
-//! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed elements
-//! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records, files;
-//!   [`trace`]: time line of a worker
+//! - [`math`]: SIMD lanes, best-fit rigid motion, exact sums
+//! - [`loads`], [`curve`]: external forces and their factors over time; [`erosion`]: failed
+//!   elements
+//! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,
+//!   files; [`trace`]: time line of a worker
 
 pub mod constraints;
 pub mod contact;

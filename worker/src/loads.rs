@@ -1,8 +1,8 @@
-//! Loads: body forces, nodal forces, pressure on faces, and damping in proportion to mass.
+//! Loads: body forces, nodal forces, pressure on faces, and damping proportional to mass.
 //!
-//! Pressure is added to the corner forces of the element that is loaded, so that nodes gather it in
-//! ascending element id with everything else. Work is force times the mean of the velocities before
-//! and after, as in the ledger.
+//! Pressure is added to the element nodal forces of the loaded element, so that the assembly sums
+//! it in ascending element id with all other forces. Work is force times the mean of the
+//! velocities before and after, as in the ledger.
 
 use crate::contact::enforce::StepSizes;
 use crate::curve::Curve;
@@ -12,25 +12,26 @@ use crate::nodes::{Nodes, Row, row};
 use crumple_proto::loads::{Loads as LoadJob, Pressure};
 use nalgebra::Vector3;
 
-/// What acts on the model, by local numbers.
+/// Loads on the nodes and elements of this worker, by local index.
 #[derive(Debug, Default)]
 pub struct Loads {
     curves: Vec<Curve>,
-    /// Acceleration and curve.
+    /// Acceleration [length/time^2] and curve.
     gravity: Vec<(Row, Option<usize>)>,
     forces: Vec<NodalForce>,
     pressures: Vec<Pressure>,
     faces: Vec<LoadedFace>,
-    /// Damping [1/time].
+    /// Damping coefficient [1/time].
     pub damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
-    /// Cycles that a load on a held node acts for: those of an outer step where it has slow
-    /// elements only, which then move as with one long step; empty without subcycles.
+    /// Number of cycles for which a load on a local node acts. At a node with slow elements only
+    /// it is the number of cycles of an outer step: such a node moves as with one long step.
+    /// Empty without subcycles.
     cycles: Vec<f64>,
 }
 
-/// A force on some held nodes.
+/// A force on some local nodes.
 #[derive(Debug)]
 struct NodalForce {
     job: crumple_proto::loads::NodalForce,
@@ -43,21 +44,21 @@ struct NodalForce {
 #[derive(Debug)]
 struct LoadedFace {
     pressure: usize,
-    /// Corner slots and local nodes, in order around the normal.
+    /// Slots of the element nodal forces, and local nodes, in order around the normal.
     slots: [usize; 4],
     nodes: [u32; 4],
-    /// Whether other workers wait for its corner forces.
+    /// True if other workers wait for the element nodal forces.
     front: bool,
-    /// Whether the element is rigid: nothing else puts forces into its slots.
+    /// True if the element is rigid: no other force is in its slots.
     rigid: bool,
-    /// Cycles that a force acts for: those of an outer step on slow elements.
+    /// Number of cycles for which the force acts: those of an outer step for slow elements.
     cycles: f64,
-    /// Forces on its nodes when they last got any [force].
+    /// Last forces on its nodes [force].
     force: [Row; 4],
 }
 
 impl Loads {
-    /// From the job; nothing is loaded before [`Loads::settle`].
+    /// Creates the loads of a job. No node is loaded before [`Loads::bind_local`].
     pub fn new(job: &LoadJob) -> Self {
         Self {
             curves: job.curves.iter().map(|points| Curve::new(points)).collect(),
@@ -75,7 +76,7 @@ impl Loads {
         }
     }
 
-    /// Finds the loaded nodes and faces among those that are here.
+    /// Finds the loaded nodes and faces of this worker.
     pub fn bind_local(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
@@ -111,9 +112,9 @@ impl Loads {
         }
     }
 
-    /// Adds pressure to the corner forces of own elements; `front` selects those that other workers
-    /// wait for, or the rest. With `all`, when an outer step begins, slow elements get what acts
-    /// for all of its cycles.
+    /// Adds pressure to the element nodal forces of own elements. `front` selects the elements
+    /// for which other workers wait, or the others. `all` is true if an outer step begins; slow
+    /// elements then get the load of all its cycles.
     pub fn add_pressures(
         &mut self,
         blocks: &mut Blocks,
@@ -135,19 +136,20 @@ impl Loads {
         }
     }
 
-    /// What pressure has put into corner slots last, face after face: slots and forces [force].
+    /// Returns slots and forces of the last pressure, face by face [force].
     pub fn on_slots(&self) -> impl Iterator<Item = (usize, &Row)> {
         self.faces.iter().flat_map(|face| face.slots.iter().copied().zip(&face.force))
     }
 
-    /// How many times a load acts on a held node in this cycle; with `all` an outer step begins.
+    /// Returns how many times a load acts on a local node in this cycle. `all` is true if an
+    /// outer step begins.
     fn times(&self, i: usize, all: bool) -> f64 {
         let cycles = self.cycles.get(i).copied().unwrap_or(1.0);
         if all || cycles == 1.0 { cycles } else { 0.0 }
     }
 
-    /// Adds body forces and nodal forces to what drives the held nodes, in the order of the job;
-    /// with `all` an outer step begins.
+    /// Adds body forces and nodal forces to the forces of local nodes, in the order of the job.
+    /// `all` is true if an outer step begins.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, all: bool) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
@@ -174,9 +176,9 @@ impl Loads {
         }
     }
 
-    /// Damps the velocities without contact, which acts on them by [`Steps::push`]: with the
-    /// damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b = a mid / 2` (Belytschko, Liu & Moran
-    /// 2000, box 6.1, with C = a M).
+    /// Damps the velocities without contact; contact forces act on velocities by
+    /// [`StepSizes::dt_damped`]. With the damping a, `v+ = ((1 - b) v- + mid f/m) / (1 + b)`, `b
+    /// = a mid / 2` (Belytschko, Liu & Moran 2000, box 6.1, with C = a M).
     pub fn apply_damping(&self, nodes: &mut Nodes, mid: f64) {
         if self.damping > 0.0 {
             let b = 0.5 * self.damping * mid;
@@ -199,8 +201,8 @@ impl Loads {
         }
     }
 
-    /// Work done on owned nodes and elements in the step, when the velocities at its end are known;
-    /// with `all` on slow elements too [energy].
+    /// Returns the work done on owned nodes and elements in the step [energy]. The velocities at
+    /// its end must be known. With `all`, slow elements are included.
     pub fn work(&self, nodes: &Nodes, steps: StepSizes, all: bool) -> Work {
         let moved = |f: &Row, i: usize| Work::from_impulses(f, &nodes.v[i], &nodes.v_next[i]);
         let turned = |f: &Row, i: usize| Work::from_impulses(f, &nodes.w[i], &nodes.w_next[i]);
@@ -228,7 +230,7 @@ impl Loads {
         work
     }
 
-    /// Work of damping on node `i`.
+    /// Returns the work of damping on node `i` [energy].
     fn damped(&self, nodes: &Nodes, i: usize, mid: f64) -> Work {
         let b = 0.5 * self.damping * mid;
         let part = |inv: &Row, mass: f64, v: &Row, next: &Row| {
@@ -244,14 +246,14 @@ impl Loads {
     }
 }
 
-/// The factor of a load at `time`.
+/// Returns the factor of a load at `time`.
 fn factor(curves: &[Curve], curve: Option<usize>, time: f64) -> f64 {
     curve.map_or(1.0, |c| curves[c].value(time))
 }
 
-/// Forces of a pressure on the corners `x` of a face: exact integrals of `-p N_i n` over the
-/// triangle or the bilinear quad, so that they do work in proportion to the volume swept, and those
-/// on a closed surface sum to zero.
+/// Returns the forces of a pressure on the corners `x` of a face [force]: exact integrals of `-p
+/// N_i n` over the triangle or the bilinear quad. Their work is proportional to the swept volume,
+/// and the forces on a closed surface sum to zero.
 fn on_corners(pressure: f64, x: &[Row; 4], nodes: [u32; 4]) -> [Row; 4] {
     let [a, b, c, d] = x.map(|r| Vector3::new(r[0], r[1], r[2]));
     if nodes[2] == nodes[3] {
@@ -273,7 +275,7 @@ mod tests {
     use super::*;
 
     /// Over a bilinear quad the forces are the integral of -p N_i n, here by a fine midpoint rule
-    /// (error below h^2), and over a flat one a quarter of p A each.
+    /// (error below h^2). Over a flat quad each force is a quarter of p A.
     #[test]
     fn corner_forces_are_the_integral_of_the_pressure() {
         let flat = [

@@ -1,92 +1,90 @@
-//! Nodal columns. The first `held` nodes carry own elements and are integrated here, also when
-//! other workers hold them too: all compute the same bits. The rest are exterior: copies that
-//! contact needs.
+//! Nodal data, stored as columns. The first `local_count` nodes are local: nodes of own elements.
+//! This worker integrates them, also those that other workers share; all compute the same bits.
+//! The rest are ghost nodes: copies that contact needs.
 
 use crate::fem::elements::NodeView;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::NodeRecord;
 
-/// Three components and padding, so that a row is one vector register.
+/// Three components and one of padding, so that a row fills one vector register.
 pub type Row = [f64; 4];
 
-/// A row from three components.
+/// Returns a row of three components.
 pub fn row(a: [f64; 3]) -> Row {
     [a[0], a[1], a[2], 0.0]
 }
 
-/// The three components of a row.
+/// Returns the three components of a row.
 pub fn xyz(r: &Row) -> [f64; 3] {
     [r[0], r[1], r[2]]
 }
 
-/// A node's mean velocities in an outer step, see [`Nodes::mean_v`].
+/// Mean velocities of a node in an outer step, see [`Nodes::mean_v`].
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct OuterStepMean {
     /// The node.
     pub id: NodeId,
-    /// Of moving [length/time].
+    /// Velocity [length/time].
     pub v: [f64; 3],
-    /// Of turning [1/time].
+    /// Rotational velocity [1/time].
     pub w: [f64; 3],
 }
 
-/// Columns over local nodes; held nodes in ascending id, then exterior nodes in ascending id.
-/// Where nothing can turn, the rotational columns are empty.
+/// Columns over local nodes in ascending id, then over ghost nodes in ascending id. The
+/// rotational columns are empty if the model has no rotations.
 #[derive(Debug, Default)]
 pub struct Nodes {
-    /// This worker (0-based).
+    /// Number of this worker, counted from 0.
     pub me: u32,
-    /// Number of held nodes.
+    /// Number of local nodes.
     pub local_count: usize,
-    /// Whether nodes can turn.
+    /// True if nodes have rotations.
     pub rotations: bool,
     /// Global ids.
     pub id: Vec<NodeId>,
-    /// Worker that owns the node: the lowest that holds it.
+    /// Worker that owns the node: the lowest one of which it is a local node.
     pub owner: Vec<u32>,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
+    /// Bits 0..6: x, y, z, rx, ry, rz are fixed or prescribed.
     pub fixed: Vec<u8>,
     /// Initial coordinates [length].
     pub x0: Vec<Row>,
     /// Coordinates [length].
     pub x: Vec<Row>,
-    /// Coordinates when it was last seen where surfaces are folded, in the same cycle by all
-    /// workers [length].
+    /// Coordinates at the last update of folds, in the same cycle on all workers [length].
     pub seen: Vec<Row>,
     /// Velocities at the last mid-step [length/time].
     pub v: Vec<Row>,
     /// Rotational velocities at the last mid-step [1/time].
     pub w: Vec<Row>,
-    /// Velocities at the next mid-step; before contact is enforced, those without contact
-    /// [length/time].
+    /// Velocities at the next mid-step; without contact until contact is enforced [length/time].
     pub v_next: Vec<Row>,
-    /// Rotational velocities at the next mid-step; before contact is enforced, those without
-    /// contact [1/time]. Of exterior nodes where contact has friction only.
+    /// Rotational velocities at the next mid-step; without contact until contact is enforced
+    /// [1/time]. Ghost nodes have them only if contact has friction.
     pub w_next: Vec<Row>,
-    /// Force without contact [force]; held nodes only.
+    /// Force without contact; local nodes only [force].
     pub force: Vec<Row>,
-    /// Moment [force length]; held nodes only.
+    /// Moment; local nodes only [force length].
     pub moment: Vec<Row>,
     /// Lumped mass [mass].
     pub mass: Vec<f64>,
     /// Lumped rotational inertia [mass length^2].
     pub inertia: Vec<f64>,
-    /// Inverse mass per component, zero where fixed or prescribed.
+    /// Inverse mass per component, zero if fixed or prescribed [1/mass].
     pub inv_mass: Vec<Row>,
-    /// Mean velocities in the cycles of the outer step so far, as fractions of all of its cycles;
-    /// empty without subcycles [length/time].
+    /// Sum of the velocities in the cycles of the outer step so far, over the number of its
+    /// cycles; at the end of the outer step the mean. Empty without subcycles [length/time].
     pub mean_v: Vec<Row>,
-    /// The same of rotational velocities [1/time].
+    /// Rotational velocities as in `mean_v` [1/time].
     pub mean_w: Vec<Row>,
-    /// Inverse rotational inertia per component, zero where fixed or prescribed.
+    /// Inverse rotational inertia per component, zero if fixed or prescribed [1/(mass length^2)].
     pub inv_inertia: Vec<Row>,
 }
 
 impl Nodes {
-    /// Held nodes of worker `me` from records sorted by id; they are its own until others are found
-    /// to hold them.
+    /// Creates the local nodes of worker `me` from records in ascending id. All are owned by `me`
+    /// until it is known which other workers share them.
     pub fn new(records: &[NodeRecord], me: u32, rotations: bool) -> Self {
         let mut n = Self { me, local_count: records.len(), rotations, ..Self::default() };
         records.iter().for_each(|r| n.push(r, me));
@@ -95,7 +93,7 @@ impl Nodes {
         n
     }
 
-    /// Appends one node.
+    /// Appends a node.
     pub fn push(&mut self, r: &NodeRecord, owner: u32) {
         self.id.push(r.id);
         self.owner.push(owner);
@@ -116,7 +114,7 @@ impl Nodes {
         self.invert_mass(self.id.len() - 1);
     }
 
-    /// Brings the inverse masses of node `i` up to date.
+    /// Recomputes the inverse mass and inertia of node `i`.
     pub fn invert_mass(&mut self, i: usize) {
         let inverse = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
         let free = |bit: usize, a: f64| if self.fixed[i] >> bit & 1 == 1 { 0.0 } else { a };
@@ -128,7 +126,7 @@ impl Nodes {
         }
     }
 
-    /// The whole state of node `i`; nought for what it does not have.
+    /// Returns the state of node `i`; zero for properties that it does not have.
     pub fn record(&self, i: usize) -> NodeRecord {
         NodeRecord {
             id: self.id[i],
@@ -143,7 +141,8 @@ impl Nodes {
         }
     }
 
-    /// Velocities at the next mid-step from forces and moments, contact and walls not yet felt.
+    /// Computes velocities at the next mid-step from forces and moments, without contact and
+    /// walls. `mid` is the velocity step [time].
     pub fn accelerate(&mut self, mid: f64) {
         for i in 0..self.local_count {
             for c in 0..4 {
@@ -159,7 +158,7 @@ impl Nodes {
         }
     }
 
-    /// Moves held nodes to the next time.
+    /// Moves local nodes to the next time, by the step `dt` [time].
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
         for (x, v) in self.x[..self.local_count].iter_mut().zip(&self.v) {
@@ -169,8 +168,8 @@ impl Nodes {
         self.w[..turning].swap_with_slice(&mut self.w_next[..turning]);
     }
 
-    /// Takes the velocities of a cycle into the mean over an outer step of so many cycles; with
-    /// `begins` it is the first of them.
+    /// Adds the velocities of a cycle to the mean over an outer step of `subcycles` cycles.
+    /// `begins` marks the first of them.
     pub fn accumulate_outer_means(&mut self, subcycles: u64, begins: bool) {
         let share = 1.0 / subcycles as f64;
         for (mean, v) in [(&mut self.mean_v, &self.v), (&mut self.mean_w, &self.w)] {
@@ -182,14 +181,14 @@ impl Nodes {
         }
     }
 
-    /// The mean velocities of node `i`, if they are kept.
+    /// Returns the mean velocities of node `i`, if they are kept.
     pub fn mean(&self, i: usize) -> Option<OuterStepMean> {
         let v = xyz(self.mean_v.get(i)?);
         Some(OuterStepMean { id: self.id[i], v, w: self.mean_w.get(i).map_or([0.0; 3], xyz) })
     }
 
-    /// Keeps mean velocities of held nodes from now on; `means` are those from where they were kept
-    /// before.
+    /// Keeps mean velocities of local nodes from now on. `means` are those that the previous
+    /// workers of the nodes kept.
     pub fn retain_outer_means(&mut self, means: &[OuterStepMean]) {
         self.mean_v = vec![[0.0; 4]; self.local_count];
         self.mean_w = vec![[0.0; 4]; if self.rotations { self.local_count } else { 0 }];
@@ -202,17 +201,19 @@ impl Nodes {
         }
     }
 
-    /// What slow elements see when an outer step begins: the mean velocities of the one before.
+    /// Returns the view of slow elements at the start of an outer step: mean velocities of the
+    /// previous outer step.
     pub fn mean_view(&self) -> NodeView<'_> {
         NodeView { x: &self.x[..self.local_count], v: &self.mean_v, w: &self.mean_w }
     }
 
-    /// What elements see.
+    /// Returns the view of elements: coordinates and velocities.
     pub fn view(&self) -> NodeView<'_> {
         NodeView { x: &self.x, v: &self.v, w: &self.w }
     }
 
-    /// Bytes of the columns of moving and of turning, spare room of lists left out.
+    /// Returns the bytes of the translational and the rotational columns, without unused
+    /// capacity.
     pub fn bytes(&self) -> [usize; 2] {
         let rows =
             |columns: &[&Vec<Row>]| columns.iter().map(|c| size_of_val(&c[..])).sum::<usize>();
@@ -235,35 +236,35 @@ impl Nodes {
         ]
     }
 
-    /// Number of local nodes, exterior ones included.
+    /// Returns the number of local and ghost nodes.
     pub fn len(&self) -> usize {
         self.id.len()
     }
 
-    /// Mass of node `i` as contact meets it: a tied node, whose carriers have its mass, still has
-    /// it there [mass].
+    /// Returns the mass of node `i` in contact [mass]. The mass of a tied node is at its masters;
+    /// in contact the node still has it.
     pub fn contact_mass(&self, i: usize) -> f64 {
         let [x, y, z, _] = self.inv_mass[i];
         let inverse = x.max(y).max(z);
         if self.mass[i] > 0.0 || inverse == 0.0 { self.mass[i] } else { 1.0 / inverse }
     }
 
-    /// Whether this worker owns node `i`.
+    /// Returns true if this worker owns node `i`.
     pub fn is_owned(&self, i: usize) -> bool {
         i < self.local_count && self.owner[i] == self.me
     }
 
-    /// Whether there are no nodes.
+    /// Returns true if there are no nodes.
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Local number of a held node.
+    /// Returns the index of a local node.
     pub fn local_index(&self, id: NodeId) -> Option<u32> {
         self.id[..self.local_count].binary_search(&id).ok().map(|i| i as u32)
     }
 
-    /// Local number of a node, held or exterior.
+    /// Returns the index of a local or ghost node.
     pub fn index_of(&self, id: NodeId) -> Option<u32> {
         let exterior = || {
             self.id[self.local_count..]

@@ -1,5 +1,4 @@
-//! What a worker writes: its piece of the fields at one time, and the exterior copies that it
-//! holds.
+//! Field output of a worker: its piece of the fields at one time, and its ghost elements.
 
 use crate::engine::Engine;
 use crate::nodes::{Row, xyz};
@@ -26,7 +25,8 @@ struct CellColumns {
     element_id: Vec<i64>,
 }
 
-/// Writes the fields of own elements, and those of exterior copies where there can be any.
+/// Writes the fields of own elements and, if there are `several` workers, those of ghost
+/// elements.
 ///
 /// # Errors
 /// The files cannot be written.
@@ -50,7 +50,7 @@ pub fn write_fields(engine: &Engine, index: usize, several: bool) -> io::Result<
     Ok(())
 }
 
-/// What became of the parts: own elements, and the surfaces that this worker saw.
+/// Returns the results by part, of own elements and of the surfaces on this worker.
 pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     let mut parts = vec![PartRecord::default(); engine.settings.parts.len()];
     let mut around = BTreeMap::new();
@@ -63,7 +63,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
                     inverted,
                     ..PartRecord::default()
                 });
-                continue; // it is no more to be seen
+                continue; // failed elements are not shown
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let f = b.element.fields(b.state(i), &x);
@@ -90,7 +90,7 @@ pub fn part_records(engine: &Engine) -> Vec<PartRecord> {
     parts
 }
 
-/// Least and largest value of the elements around a node.
+/// Smallest and largest value of the elements around a node.
 #[derive(Clone, Copy)]
 struct Range {
     low: f64,
@@ -108,7 +108,7 @@ impl Range {
         (self.low, self.high) = (self.low.min(value), self.high.max(value));
     }
 
-    /// Nought where nothing was included.
+    /// Returns the difference of both; zero if no value was included.
     fn width(&self) -> f64 {
         (self.high - self.low).max(0.0)
     }
@@ -120,7 +120,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
     for b in &engine.blocks.blocks {
         for (i, e) in engine.blocks.elements[b.first..b.first + b.count].iter().enumerate() {
             if e.record.failed {
-                continue; // it is no more to be seen
+                continue; // failed elements are not shown
             }
             let x = e.nodes.map(|n| xyz(&engine.nodes.x[n as usize]));
             let f = b.element.fields(b.state(i), &x);
@@ -129,8 +129,9 @@ fn own_cells(engine: &Engine) -> CellColumns {
             c.von_mises.push(f.von_mises as f32);
             c.stress.push(f.stress.map(|s| s as f32));
             c.thickness.push(f.thickness as f32);
-            // Wang's classes: interior lies wholly in the internal box. What shares a node with
-            // another worker is interface wherever its own corners are.
+            // Classes of Wang et al. (2007): an interior element lies wholly in the internal box.
+            // An element that shares a node with another worker is an interface element wherever
+            // its corners are.
             let interior = !e.shared && inner.contains_box(&Aabb::around(x));
             c.class.push(if interior { vtu::INTERIOR } else { vtu::INTERFACE });
             c.name(engine, e.record.part, e.record.id);
@@ -149,7 +150,7 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
             _ => Shape::Quad4,
         };
         c.cells.push(shape, &s.nodes);
-        // A copy has its place and its thickness only; its stress is with its owner.
+        // A ghost has only position and thickness; its stress is with its owner.
         c.plastic_strain.push(0.0);
         c.von_mises.push(0.0);
         c.stress.push([0.0; 6]);

@@ -1,4 +1,4 @@
-//! One worker: takes orders, runs the engine, reports.
+//! One worker: takes orders, runs the engine, sends reports.
 
 use crate::engine::{Engine, Phase, StepConsensus};
 use crate::fem::blocks::Blocks;
@@ -14,36 +14,37 @@ use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Cycles between two reports to the master.
+/// Number of cycles between two reports to the master.
 const REPORT_EVERY: u64 = 10;
-/// Cycles between two looks for edges in surfaces: so rare that it costs nothing, and again at the
-/// end.
+/// Number of cycles between two checks for edges that cross surfaces. The interval is long, so
+/// that the checks cost nothing; the last check is at the end of the run.
 const CROSSINGS_EVERY: u64 = 500;
 
-/// A worker that runs.
+/// A running worker.
 pub struct Worker {
     engine: Engine,
-    /// Orders that have arrived and wait for the cycle before which all carry them out.
+    /// Orders that have arrived, with their numbers. All workers carry out an order before the
+    /// same cycle.
     orders: VecDeque<(u64, Action)>,
     done: u64,
     report: StepReport,
     cpu_before: Duration,
-    /// CPU seconds of a recent cycle, smoothed.
+    /// Smoothed CPU time of a recent cycle [s].
     cost: f64,
     stopped: bool,
-    /// Whether edges have been seen in surfaces, and told of.
+    /// True after a warning that an edge crosses a surface.
     crossed: bool,
-    /// Inverted shells that it has named.
+    /// Number of inverted shells named in warnings.
     named: u64,
 }
 
-/// Inverted shells that a worker names at most.
+/// Largest number of inverted shells that a worker names.
 const NAMED: u64 = 20;
 
-/// Weight of the newest cycle in the smoothed cost.
+/// Weight of the latest cycle in the smoothed cost.
 const NEWEST: f64 = 0.02;
 
-/// Serves from start to end.
+/// Runs a worker from the first order to the last report.
 ///
 /// # Errors
 /// Another rank is gone.
@@ -51,7 +52,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     let ToWorker::Start { settings, tree, elements, nodes, trace } =
         await_message(comm, 0, Tag::Order)?
     else {
-        return Ok(()); // the job is bad; the master says why
+        return Ok(()); // the job is invalid; the master reports why
     };
     let elements = elements.into_iter().map(|e| (e, Vec::new())).collect();
     let share = PartitionData { elements, nodes, ..PartitionData::default() };
@@ -69,7 +70,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
 }
 
 impl Worker {
-    /// A worker around an engine at time 0.
+    /// Creates a worker with an engine at time 0.
     pub fn new(engine: Engine) -> Self {
         let report = StepReport::default();
         Self {
@@ -85,7 +86,7 @@ impl Worker {
         }
     }
 
-    /// Cycles until the end, an order to stop, or trouble.
+    /// Computes cycles until the end of the run, an order to stop, or a failure.
     ///
     /// # Errors
     /// Another rank is gone.
@@ -112,7 +113,7 @@ impl Worker {
             self.report.cpu.push(cpu.as_secs_f32());
             self.report.urgency = self.report.urgency.max(agreed.margin_used);
             if agreed.margin_used >= 1.0 {
-                self.send_report(comm)?; // the master must know why all wait for its word
+                self.send_report(comm)?; // the master must know that all wait for its order
             }
             let before = self.cycle_cpu(comm);
             self.take_orders(comm, &agreed)?;
@@ -153,7 +154,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The worker that owns the element tells the master what is wrong with it.
+    /// Sends the cause of a failure to the master, if this worker owns the element.
     fn report_failure(&mut self, comm: &mut dyn Transport, elem: ElemId) -> Result<(), RankLost> {
         let e = &self.engine;
         let Some(why) = e.blocks.diagnose(&e.nodes, elem, e.settings.safety, e.clock.first_dt)
@@ -168,7 +169,7 @@ impl Worker {
         self.engine.contact.as_ref().map_or(0, |c| c.capped_pairs)
     }
 
-    /// Names own shells that were inverted and have failed for it.
+    /// Warns of own shells that were inverted and deleted.
     fn warn_of_inverted(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let inverted = std::mem::take(&mut self.engine.inverted);
         let clock = &self.engine.clock;
@@ -190,7 +191,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Says once that penalties are softer than the job asks; the summary says how many in the end.
+    /// Warns once that penalty stiffness was lowered. The summary has the final number of pairs.
     fn warn_of_caps(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let (pairs, clock) = (self.capped(), &self.engine.clock);
         let warning = format!(
@@ -202,7 +203,7 @@ impl Worker {
         post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
-    /// Says once that edges have gone through surfaces where this contact does not see it.
+    /// Warns once of edges that have crossed surfaces where this contact cannot detect it.
     fn warn_of_crossings(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let e = &self.engine;
         let found = e
@@ -225,7 +226,7 @@ impl Worker {
         post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
-    /// CPU time of the cycle so far, waiting left out.
+    /// Returns the CPU time of the cycle so far, without waiting.
     fn cycle_cpu(&self, comm: &dyn Transport) -> Duration {
         thread_cpu().saturating_sub(comm.wait_cpu()).saturating_sub(self.cpu_before)
     }
@@ -252,8 +253,9 @@ impl Worker {
         post(comm, 0, Tag::Report, &ToMaster::Report(report))
     }
 
-    /// Carries out the orders that all workers have agreed to have seen. When exterior copies no
-    /// longer cover the motion, nothing may move on before the master has renewed the boxes.
+    /// Carries out the orders that all workers have received, by the agreed number. If the ghosts
+    /// no longer cover the motion, it waits for the master's next order: no node may move before
+    /// it.
     fn take_orders(
         &mut self,
         comm: &mut dyn Transport,
@@ -276,7 +278,7 @@ impl Worker {
                 self.record(Event::Begun(number, kind(&action)));
                 self.execute(comm, action)?;
                 self.done = number;
-                self.report.urgency = 0.0; // what it told of is over
+                self.report.urgency = 0.0; // the reported motion is over
             }
         }
         self.engine.agreement.order = self.orders.back().map_or(self.done, |o| o.0);
@@ -290,12 +292,12 @@ impl Worker {
         }
     }
 
-    /// Records what happens now, if anything is recorded.
+    /// Records an event now, if a recorder is on.
     fn record(&mut self, event: Event) {
         self.engine.timer.recorder().iter_mut().for_each(|r| r.moment(event));
     }
 
-    /// Tells the master what was recorded, if anything was.
+    /// Sends the recording to the master, if there is one.
     fn send_recording(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         match self.engine.timer.recorder().take() {
             None => Ok(()),
@@ -318,7 +320,8 @@ impl Worker {
         Ok(())
     }
 
-    /// Answers the master's questions about the load until it names the new boxes.
+    /// Answers the master's requests for extents and histograms of the load until the new boxes
+    /// arrive.
     fn answer_requests(&mut self, comm: &mut dyn Transport) -> Result<CutTree, RankLost> {
         loop {
             match await_message(comm, 0, Tag::Order)? {
@@ -351,7 +354,7 @@ impl Worker {
         }
     }
 
-    /// Last outputs and the states of owned nodes.
+    /// Sends the last outputs, the final report and the states of owned nodes.
     ///
     /// # Errors
     /// Another rank is gone.
@@ -376,7 +379,8 @@ impl Worker {
             stopped: self.stopped,
             parts: output::part_records(e),
         };
-        self.engine.blocks = Blocks::default(); // states take for a moment what elements took, which nobody asks for any more
+        // The states need about the memory of the elements, which no code uses from here on.
+        self.engine.blocks = Blocks::default();
         let e = &self.engine;
         let states = (0..e.nodes.local_count)
             .filter(|&i| e.nodes.is_owned(i))
@@ -386,7 +390,7 @@ impl Worker {
     }
 }
 
-/// An order in a word.
+/// Returns the kind of an order, for the recording.
 fn kind(action: &Action) -> Kind {
     match action {
         Action::Renew(_) => Kind::High,

@@ -1,4 +1,4 @@
-//! THE TIME STEP. Start reading here.
+//! The time step: one cycle of the central-difference scheme. Start reading here.
 
 use crate::constraints::ties::ContactExclusions;
 use crate::energy::Work;
@@ -7,8 +7,9 @@ use crate::erosion;
 use crate::parallel::reduction::{Limits, StepContribution};
 use crumple_proto::transport::{RankLost, Transport};
 
-/// One central-difference step from t to t + dt; the same dt on every worker. Stops before anything
-/// moves if the workers agree that one is in trouble: the last good state is kept.
+/// Advances the model by one central-difference step from t to t + dt, with the same dt on every
+/// worker. Returns before positions change if any worker reports a failure; the last valid state
+/// is then kept.
 ///
 /// # Errors
 /// A worker is gone.
@@ -33,11 +34,13 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         ..
     } = engine;
 
-    let all = clock.starts_outer_step(settings); // else without slow elements
-    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, all, true); // elements at shared nodes first
+    // False in the cycles of an outer step that leave slow elements out.
+    let all = clock.starts_outer_step(settings);
+    // Elements at shared nodes come first. The other elements are computed while messages travel.
+    let mut totals = blocks.add_internal_forces(nodes, clock.last_dt, all, true);
     loads.add_pressures(blocks, nodes, clock.time, [all, true]);
     halo.send_element_forces(comm, blocks, all)?;
-    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, all, false)); // the others while the forces travel
+    totals.add(&blocks.add_internal_forces(nodes, clock.last_dt, all, false));
     loads.add_pressures(blocks, nodes, clock.time, [all, false]);
     ledger.book_elements(&totals);
     timer.lap(Phase::Elements);
@@ -55,18 +58,19 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     engine.agreement.begin(comm, blocks, nodes, &known, clock, settings)?;
     halo.recv_element_forces(comm, blocks, all)?;
     timer.lap(Phase::Halo);
-    blocks.assemble(nodes, all); // in ascending global element id: same bits for any worker count
+    blocks.assemble(nodes, all); // ascending element id: same bits on any number of workers
     loads.add_forces(nodes, clock.time, all);
     ties.distribute_forces(comm, nodes)?;
-    nodes.accelerate(steps.dt_velocity); // contact and walls not yet felt
+    nodes.accelerate(steps.dt_velocity); // without contact and walls
     loads.apply_damping(nodes, steps.dt_velocity);
-    prescribed.apply(nodes, clock.time, steps.dt); // no mass to push there: what follows leaves it as it is
+    prescribed.apply(nodes, clock.time, steps.dt); // inverse mass is zero there
     bodies.accelerate(comm, nodes, clock.time, steps)?;
     walls.start_step(clock.time, steps.dt);
     timer.lap(Phase::Assemble);
 
     if let Some(contact) = contact {
-        ties.update_slave_velocities(comm, nodes, steps.dt)?; // without contact: it looks at where they go
+        // The contact search needs velocities of slaves without contact.
+        ties.update_slave_velocities(comm, nodes, steps.dt)?;
         let spins = contact.has_couples(nodes);
         if spins {
             bodies.turn(nodes);
@@ -94,7 +98,8 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         timer.lap(Phase::Contact);
     }
     if let Some(contact) = contact {
-        ties.distribute_contact_forces(comm, nodes, contact, steps)?; // what carries them meets walls with it
+        // Masters reach walls with these forces.
+        ties.distribute_contact_forces(comm, nodes, contact, steps)?;
     }
     let mut on_walls = Work::default();
     if !walls.is_empty() {
@@ -108,11 +113,11 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     let on_bodies = bodies.finish(nodes, walls, clock.time, steps);
     ties.update_slave_velocities(comm, nodes, steps.dt)?;
     if nodes.me == 0 {
-        on_walls += walls.work_on_masses(); // all workers know it
+        on_walls += walls.work_on_masses(); // all workers know it: count it once
     }
     ledger.book_wall(on_walls + on_bodies.wall);
     if let Some(contact) = contact {
-        ledger.book_contact(contact.finish_step(nodes, steps)); // with the velocities that walls leave
+        ledger.book_contact(contact.finish_step(nodes, steps)); // velocities after walls
         timer.lap(Phase::Contact);
     }
 
@@ -120,13 +125,14 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     ledger.book_external(loads.work(nodes, steps, all) + led + on_bodies.external);
 
     let thinnest = contact.as_ref().map_or(f64::INFINITY, |c| c.surface.thinnest);
-    // In the first cycle nothing is known yet of what is near.
+    // In the first cycle the approach of near pairs is not known yet.
     let skin = settings.contact.as_ref().filter(|_| clock.cycle > 0).map_or(0.0, |c| c.skin);
     let agreed = engine.agreement.finish(comm, Limits { thinnest, skin })?;
     halo.track_approach(clock.last_dt * agreed.spread, agreed.sync_distant);
     timer.lap(Phase::Halo);
     if agreed.failure.is_none() {
-        engine.write_history(comm)?; // history, while velocities before and after are both known
+        // Here the velocities before and after the present time are both known.
+        engine.write_history(comm)?;
         engine.nodes.advance(steps.dt);
         if engine.settings.subcycles > 1 {
             engine.nodes.accumulate_outer_means(engine.settings.subcycles, all);
@@ -137,7 +143,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         engine.clock.select_dt(&engine.settings, agreed.stable_dt);
         engine.timer.lap(Phase::Advance);
         if agreed.eroded {
-            engine.erode(comm)?; // surfaces without what has failed
+            engine.erode(comm)?; // new surfaces without failed elements
         }
     }
     Ok(agreed)

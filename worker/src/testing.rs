@@ -1,10 +1,10 @@
-//! Small scenes for tests of this crate.
+//! Small models for the tests of this crate.
 
 use crate::nodes::Nodes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::{NodeRecord, Settings};
 
-/// Nodes of mass 1 at rest at these places [length], with ids from 1.
+/// Returns nodes of mass 1 at rest at `places` [length], with ids from 1.
 pub fn nodes_at(places: &[[f64; 3]]) -> Nodes {
     let record = |(&x, id): (&[f64; 3], u64)| NodeRecord {
         id: NodeId(id),
@@ -17,7 +17,7 @@ pub fn nodes_at(places: &[[f64; 3]]) -> Nodes {
     Nodes::new(&places.iter().zip(1..).map(record).collect::<Vec<_>>(), 0, true)
 }
 
-/// Settings without parts that run to time 1.
+/// Returns settings without parts that run to time 1.
 pub fn settings() -> Settings {
     Settings {
         end_time: 1.0,

@@ -1,54 +1,54 @@
-//! Time of a run: steps of the central difference scheme with mid-step velocities, and when what is
-//! due.
+//! Time of a run: step sizes of the central-difference scheme with mid-step velocities, and the
+//! times at which output is due.
 
 use crate::contact::enforce::StepSizes;
 use crumple_proto::partition::Settings;
 
-/// Simulated time, cycles and steps.
+/// Time, cycle and step sizes.
 #[derive(Clone, Debug)]
 pub struct Clock {
     /// Simulated time [time].
     pub time: f64,
     /// Cycles done.
     pub cycle: u64,
-    /// Step of the cycle at hand [time].
+    /// Step size of the present cycle [time].
     pub dt: f64,
-    /// The same, not cut short by the end of the run [time].
+    /// Step size of the present cycle, if the end of the run did not shorten it [time].
     pub whole_dt: f64,
-    /// Least step that would have been taken since it could become longer last [time].
+    /// Smallest step limit since the step could last increase [time].
     least_dt: f64,
-    /// Step of the cycle before, 0 in the first [time].
+    /// Step size of the previous cycle, 0 in the first [time].
     pub last_dt: f64,
-    /// By how much velocities were changed last: from the mid-step before the last one to that
-    /// [time].
+    /// Length of the previous velocity step, t(n-1/2) - t(n-3/2) [time].
     pub last_mid: f64,
-    /// First and smallest step so far [time].
+    /// Step size of the first cycle [time].
     pub first_dt: f64,
-    /// See `first_dt`.
+    /// Smallest step size so far [time].
     pub min_dt: f64,
-    /// Rows of history written.
+    /// Number of history rows written.
     pub rows: u64,
-    /// Field files written.
+    /// Number of field outputs written.
     pub fields: usize,
 }
 
-/// Cycles within round-off of a due time count as having reached it, and a whole number of steps as
-/// whole.
+/// Relative round-off: a time this close to a due time has reached it, and a number of steps this
+/// close to a whole number is whole.
 const SLACK: f64 = 1e-9;
-/// Steps before the end that are of equal length: while the stable step stays as it is none is
-/// shorter by more than a thousandth.
+/// Number of steps before the end that are of equal length. While the stable step is constant,
+/// none of them is shorter by more than a thousandth.
 const LAST_STEPS: f64 = 1000.0;
-/// Cycles after which the step may become longer, to the least of what would have been stable in
-/// them: far more than a period of what the step resolves coarsely.
+/// Number of outer steps after which the step may increase, to the smallest limit of these. This
+/// is much longer than a period of any motion that the step resolves coarsely.
 const HELD: u64 = 256;
 
 impl Clock {
-    /// Whether an outer step begins: slow elements are computed, and the step may change.
+    /// Returns true if an outer step begins: slow elements are computed, and the step may change.
     pub fn starts_outer_step(&self, settings: &Settings) -> bool {
         self.cycle.is_multiple_of(settings.subcycles)
     }
 
-    /// At time 0 with the first stable step, safety factor not yet applied.
+    /// Creates a clock at time 0. `stable_dt` is the first stable step, without the safety factor
+    /// [time].
     pub fn new(settings: &Settings, stable_dt: f64) -> Self {
         let mut c = Self {
             time: 0.0,
@@ -68,12 +68,15 @@ impl Clock {
         c
     }
 
-    /// Takes the global smallest stable step of the elements. It becomes shorter at once and longer
-    /// now and then: a step that goes with the lengths of vibrating elements gives them energy or
-    /// takes it (Skeel & Gear 1992). Within an outer step it stays. The run ends on time: the last
-    /// steps are equal parts of what is left, since a last step of next to nothing would make
-    /// enormous velocities of whatever gap is to be closed, and a jump of the step costs the
-    /// balance of energy as much of what swings.
+    /// Selects the next step size from the global stable step `stable_dt` of the elements [time].
+    ///
+    /// The step decreases at once and increases only every `HELD` outer steps: a step that
+    /// follows the lengths of vibrating elements adds energy to them or removes it (Skeel & Gear
+    /// 1992). The step is constant within an outer step.
+    ///
+    /// The run ends exactly on time: the last steps are equal parts of the remaining time. A very
+    /// short last step would give very large velocities where a gap must be closed. A jump of the
+    /// step changes the energy balance by an amount proportional to the oscillating energy.
     pub fn select_dt(&mut self, settings: &Settings, stable_dt: f64) {
         let largest = if settings.dt_max > 0.0 { settings.dt_max } else { f64::INFINITY };
         let limit = (settings.safety * stable_dt).min(largest);
@@ -84,7 +87,7 @@ impl Clock {
         let dt = if (self.cycle / settings.subcycles).is_multiple_of(HELD) {
             std::mem::replace(&mut self.least_dt, f64::INFINITY)
         } else {
-            // What was least within the outer step that is over counts too.
+            // The smallest limit within the finished outer step counts too.
             self.whole_dt.min(self.least_dt)
         };
         self.min_dt = self.min_dt.min(dt);
@@ -99,13 +102,13 @@ impl Clock {
         };
     }
 
-    /// From the last to the next mid-step [time].
+    /// Returns the time from the last to the next mid-step [time].
     pub fn mid(&self) -> f64 {
         0.5 * (self.last_dt + self.dt)
     }
 
-    /// The steps around the present time, with damping in proportion to mass [1/time]. Velocities
-    /// start at time 0, half a step before the first mid-step.
+    /// Returns the step sizes around the present time. `damping` is proportional to mass
+    /// [1/time]. Velocities start at time 0, half a step before the first mid-step.
     pub fn steps(&self, damping: f64) -> StepSizes {
         let mid = self.mid();
         StepSizes {
@@ -116,7 +119,7 @@ impl Clock {
         }
     }
 
-    /// Goes on to the next time.
+    /// Advances to the next time.
     pub fn advance(&mut self) {
         self.time += self.dt;
         self.last_mid = self.mid();
@@ -124,26 +127,26 @@ impl Clock {
         self.cycle += 1;
     }
 
-    /// Whether the run is over.
+    /// Returns true if the run is over.
     pub fn is_over(&self, settings: &Settings) -> bool {
         let out_of_cycles = settings.max_cycles > 0 && self.cycle >= settings.max_cycles;
         out_of_cycles || self.time >= settings.end_time * (1.0 - SLACK)
     }
 
-    /// Whether the step has collapsed.
+    /// Returns true if the step has collapsed.
     pub fn has_collapsed(&self, settings: &Settings, stable_dt: f64) -> bool {
         stable_dt.is_nan() || settings.safety * stable_dt < settings.dt_min_ratio * self.first_dt
     }
 
-    /// Whether a history row is due at the present time: when an outer step begins, since all
-    /// stresses are then known.
+    /// Returns true if a history row is due at the present time. Rows are due only when an outer
+    /// step begins, since all stresses are known then.
     pub fn is_history_due(&self, settings: &Settings) -> bool {
         self.starts_outer_step(settings)
             && self.time >= self.rows as f64 * settings.history_interval * (1.0 - SLACK)
     }
 
-    /// Whether field files are due at the present time: one cycle into an outer step, when no
-    /// stress is older than that.
+    /// Returns true if field files are due at the present time. Fields are due only one cycle
+    /// after the start of an outer step: then no stress is older than that.
     pub fn are_fields_due(&self, settings: &Settings) -> bool {
         let fresh = self.cycle == 0 || self.cycle % settings.subcycles == 1 % settings.subcycles;
         fresh
@@ -177,8 +180,8 @@ mod tests {
         assert!(c.has_collapsed(&settings, f64::NAN) && c.has_collapsed(&settings, 1e-9));
     }
 
-    /// With subcycles outer steps are whole, begin and end with the run, and the step stays as it
-    /// is in each of them.
+    /// With subcycles, outer steps are complete and begin and end with the run. The step is
+    /// constant in each of them.
     #[test]
     fn outer_steps_are_whole_and_of_one_step() {
         let settings = Settings { end_time: 310.1, subcycles: 4, ..crate::testing::settings() };
@@ -227,7 +230,7 @@ mod tests {
             c.select_dt(&settings, stable);
             c.dt / settings.safety
         };
-        // Elements swing by a thousandth in seven cycles.
+        // Elements oscillate by a thousandth with a period of seven cycles.
         let swing: Vec<f64> =
             (1..3 * HELD).map(|i| go(1.0 + 1e-3 * (i as f64 * 0.9).sin())).collect();
         let least = swing.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,12 +1,12 @@
-//! Records what a worker does when, for `crumple run --trace`. Without that there is no recorder
-//! and nothing to pay for.
+//! Records the time line of a worker for `crumple run --trace`. Other runs have no recorder and
+//! no cost.
 
 use crate::engine::Phase;
 use crumple_proto::trace::{Event, MAX_EVENTS, Moment, Recording, Span};
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, clock};
 use std::time::{Duration, Instant};
 
-/// Records until it has [`MOST_EVENTS`].
+/// Records up to [`MAX_EVENTS`] spans and moments.
 #[derive(Debug)]
 pub struct Recorder {
     origin: Instant,
@@ -15,11 +15,12 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Starts at a moment that is the same for all workers. All call this together.
+    /// Starts at the same moment on all workers. All workers call this together.
     ///
-    /// Nobody leaves a barrier before the last one has entered it, so that the end of a barrier
-    /// lies after that moment by no more than the worker's own stay there: that is by how much the
-    /// origin may be off. The first barrier brings all to the second one at nearly the same time.
+    /// No worker leaves a barrier before the last one has entered it. So the end of the barrier
+    /// is later than this moment by at most the time that this worker was in the barrier; this is
+    /// the uncertainty of the origin. The first barrier makes all workers enter the second at
+    /// nearly the same time.
     ///
     /// # Errors
     /// A worker is gone.
@@ -40,12 +41,12 @@ impl Recorder {
         Ok(Self { origin, cycle: 0, recording })
     }
 
-    /// What comes now belongs to the cycle after `cycle` others.
+    /// Sets the cycle to which the next records belong.
     pub fn set_cycle(&mut self, cycle: u64) {
         self.cycle = cycle;
     }
 
-    /// Records a stretch of time.
+    /// Records a span of time.
     pub fn span(&mut self, phase: Phase, from: Instant, to: Instant) {
         if self.has_room() {
             let (start, end) = (self.since_origin(from), self.since_origin(to));
@@ -54,7 +55,7 @@ impl Recorder {
         }
     }
 
-    /// Records that something happens now.
+    /// Records an event at the present moment.
     pub fn moment(&mut self, event: Event) {
         if self.has_room() {
             let moment = Moment { event, cycle: self.cycle, at: self.since_origin(Instant::now()) };
@@ -62,7 +63,7 @@ impl Recorder {
         }
     }
 
-    /// What has been recorded.
+    /// Returns the recording.
     pub fn into_recording(self) -> Recording {
         self.recording
     }

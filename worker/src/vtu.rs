@@ -1,10 +1,10 @@
-//! One worker's fields of one time step, as a `.vtu` file that ParaView reads
-//! (VTK XML, unstructured grid, raw appended data).
+//! The fields of one worker at one time, as a `.vtu` file for ParaView (VTK XML, unstructured
+//! grid, raw appended data).
 //!
-//! Names and types of the arrays are declared here once, in [`POINT_ARRAYS`] and [`CELL_ARRAYS`]: a
-//! piece that does not bring exactly these is refused, and the master writes its `.pvtu` files from
-//! the same tables. A file is written under another name and then renamed, so that a run that is
-//! killed leaves no torn file.
+//! Names and types of the arrays are declared once, in [`POINT_ARRAYS`] and [`CELL_ARRAYS`]. A
+//! piece with other arrays is refused. The master writes its `.pvtu` files from the same tables.
+//! A file is written under a temporary name and then renamed, so that a run that is killed leaves
+//! no incomplete file.
 
 use crumple_proto::mesh::Shape;
 use std::fs::{self, File};
@@ -25,7 +25,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// VTK's name of the type.
+    /// Returns the name of the type in VTK.
     pub fn vtk_name(self) -> &'static str {
         match self {
             Kind::F32 => "Float32",
@@ -36,10 +36,10 @@ impl Kind {
     }
 }
 
-/// Declaration of an array: what pieces write and what the master announces.
+/// Declaration of an array, for pieces and for the master's index files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Array {
-    /// Name, as ParaView lists it.
+    /// Name in ParaView.
     pub name: &'static str,
     /// Numbers per point or cell.
     pub components: usize,
@@ -48,7 +48,8 @@ pub struct Array {
 }
 
 impl Array {
-    /// This array with its values, point by point (or cell by cell), components side by side.
+    /// Returns this array with its values, point by point or cell by cell, with the components of
+    /// one point adjacent.
     pub fn with<'a>(&self, values: impl Into<Values<'a>>) -> Column<'a> {
         Column { array: *self, values: values.into() }
     }
@@ -80,18 +81,18 @@ pub const STRESS: Array = array("stress", 6, Kind::F32);
 pub const THICKNESS: Array = array("thickness", 1, Kind::F32);
 /// Id of the part.
 pub const PART: Array = array("part", 1, Kind::U32);
-/// The worker that wrote the piece, counted from 0.
+/// Number of the worker that wrote the piece, counted from 0.
 pub const WORKER: Array = array("worker", 1, Kind::U32);
 /// Class of the element on that worker: [`INTERIOR`], [`INTERFACE`] or [`EXTERIOR`].
 pub const CLASS: Array = array("class", 1, Kind::U8);
 /// Global element id.
 pub const ELEMENT_ID: Array = array("element_id", 1, Kind::I64);
 
-/// [`CLASS`] of an element wholly in the worker's internal box.
+/// [`CLASS`] of an own element that is wholly in the internal box.
 pub const INTERIOR: u8 = 0;
-/// [`CLASS`] of an element of the worker that touches the buffer.
+/// [`CLASS`] of an own element that touches the buffer.
 pub const INTERFACE: u8 = 1;
-/// [`CLASS`] of a copy of another worker's element.
+/// [`CLASS`] of a ghost element.
 pub const EXTERIOR: u8 = 2;
 
 /// Arrays on points, in the order of the file.
@@ -100,26 +101,26 @@ pub const POINT_ARRAYS: &[Array] = &[DISPLACEMENT, VELOCITY, ROTATIONAL_VELOCITY
 pub const CELL_ARRAYS: &[Array] =
     &[PLASTIC_STRAIN, VON_MISES, STRESS, THICKNESS, PART, WORKER, CLASS, ELEMENT_ID];
 
-/// Folder of an output step inside the fields folder.
+/// Returns the folder of an output time within the folder of the fields.
 pub fn step_folder(step: usize) -> String {
     format!("step_{step:06}")
 }
 
-/// File of a worker's own elements inside the step's folder.
+/// Returns the file of a worker's own elements within the folder of the output time.
 pub fn piece_name(worker: usize) -> String {
     format!("piece_{worker:03}.vtu")
 }
 
-/// File of a worker's exterior copies inside the step's folder.
+/// Returns the file of a worker's ghost elements within the folder of the output time.
 pub fn exterior_name(worker: usize) -> String {
     format!("exterior_{worker:03}.vtu")
 }
 
-/// Byte order of the numbers, in VTK's words.
+/// Byte order of the numbers, as VTK names it.
 pub const BYTE_ORDER: &str =
     if cfg!(target_endian = "little") { "LittleEndian" } else { "BigEndian" };
 
-/// Numbers of one column.
+/// Values of one column.
 #[derive(Clone, Copy, Debug)]
 pub enum Values<'a> {
     /// 32-bit floats.
@@ -188,14 +189,14 @@ impl<'a, const N: usize> From<&'a Vec<[f32; N]>> for Values<'a> {
     }
 }
 
-/// An array with its values; made by [`Array::with`].
+/// An array with its values, made by [`Array::with`].
 #[derive(Clone, Copy, Debug)]
 pub struct Column<'a> {
     array: Array,
     values: Values<'a>,
 }
 
-/// Cells as VTK numbers them: corners are indices into the points of the piece.
+/// Cells in VTK's layout: corners are indices into the points of the piece.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     connectivity: Vec<i64>,
@@ -204,7 +205,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Adds an element; corners beyond those of its shape are ignored (a triangle repeats its
+    /// Adds an element. Corners beyond those of its shape are ignored (a triangle repeats its
     /// third).
     pub fn push(&mut self, shape: Shape, corners: &[u32]) {
         self.connectivity
@@ -218,17 +219,17 @@ impl Cells {
         });
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn len(&self) -> usize {
         self.types.len()
     }
 
-    /// True without any cell.
+    /// Returns true if there are no cells.
     pub fn is_empty(&self) -> bool {
         self.types.is_empty()
     }
 
-    /// Forgets all cells and keeps the memory.
+    /// Removes all cells and keeps the memory.
     pub fn clear(&mut self) {
         self.connectivity.clear();
         self.offsets.clear();
@@ -236,7 +237,7 @@ impl Cells {
     }
 }
 
-/// What one worker shows of one time step.
+/// The fields of one worker at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
     /// Simulated time [time].
@@ -252,7 +253,7 @@ pub struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Writes the piece; makes the folder if it is not there.
+    /// Writes the piece and creates the folder if necessary.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         self.check().map_err(|why| {
             io::Error::new(io::ErrorKind::InvalidInput, format!("{}: {why}", path.display()))
@@ -343,7 +344,7 @@ fn check_columns(
     Ok(())
 }
 
-/// The blocks behind the XML: each is its length in bytes, then its numbers.
+/// The data blocks after the XML. Each is its length in bytes, then its values.
 #[derive(Default)]
 struct Appended<'a> {
     blocks: Vec<&'a [u8]>,
@@ -377,8 +378,8 @@ impl<'a> Appended<'a> {
     }
 }
 
-/// Writes a file under the name `PATH.partial` and renames it when it is whole. Makes the folder if
-/// it is not there. Errors name the file.
+/// Writes a file under the name `PATH.partial` and renames it when it is complete. Creates the
+/// folder if necessary. Errors name the file.
 pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -394,7 +395,7 @@ pub fn write_whole(
         fs::rename(&partial, path)
     };
     write().map_err(|error| {
-        let _ = fs::remove_file(&partial); // the first error is the one to tell
+        let _ = fs::remove_file(&partial); // report the first error
         io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
     })
 }
@@ -403,7 +404,7 @@ pub fn write_whole(
 mod tests {
     use super::*;
 
-    /// A quad and a triangle, with values that differ from place to place.
+    /// Writes a quad and a triangle, with different values at each point and cell.
     fn write_two_cells(path: &Path) -> io::Result<()> {
         let points: Vec<[f32; 3]> = vec![
             [0.0, 0.0, 0.0],
@@ -449,7 +450,7 @@ mod tests {
         element[start..].split('"').nth(1).unwrap()
     }
 
-    /// Type and bytes of the array of this name, by way of its offset.
+    /// Returns the type and the bytes of the array `name`, found by its offset.
     fn read_array(file: &[u8], name: &str) -> (String, Vec<u8>) {
         let marker = b"<AppendedData encoding=\"raw\">\n_";
         let end = file.windows(marker.len()).position(|window| window == marker).unwrap();

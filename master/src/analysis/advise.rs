@@ -1,8 +1,9 @@
-//! `crumple advise`: what a run did not need, part by part, and the settings that leave it out.
+//! `crumple advise`: features that a run did not need, part by part, and the settings that remove
+//! them.
 //!
-//! Everything here follows from `summary.json`, and holds for the run that wrote it: another load
-//! may need what this one did not. Times are shares of the CPU time of that run, elements of all
-//! parts taken as equally dear.
+//! All advice follows from `summary.json` and holds for the run that wrote it: another load may
+//! need features that this one did not. Times are shares of the CPU time of that run. Elements of
+//! all parts are assumed to be equally expensive.
 
 use crate::analysis::connectivity::Sets;
 use crate::results::summary::{Cpu, MeanMax, PartSummary};
@@ -11,22 +12,22 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Points that integrate linear bending exactly: two Gauss points are exact up to cubic
+/// Number of points that integrate linear bending exactly: two Gauss points are exact up to cubic
 /// polynomials.
 const ELASTIC_POINTS: usize = 2;
-/// Plastic strain below which a part is taken for one that might as well be rigid: that of the 0.2
-/// % proof stress.
+/// Plastic strain below which a part is a candidate for a rigid body: that of the 0.2 % proof
+/// stress.
 const PROOF_STRAIN: f64 = 0.002;
-/// Hourglass energy, as a fraction of the internal one, below which modes without stiffness of
-/// their own did not matter.
+/// Ratio of hourglass energy to internal energy below which modes without stiffness of their own
+/// have no influence.
 const NO_HOURGLASS: f64 = 0.001;
 /// Cost of `stabilised_quad` over that of `belytschko_tsay` (`cases/bench/RESULTS.md`).
 const STABILISED: f64 = 1.2;
-/// A mesh resolves a field of which neighbouring elements differ by no more than this fraction of
-/// its largest value.
+/// Largest difference between neighbouring elements, as a fraction of the largest value of a
+/// field, at which the mesh resolves the field.
 const RESOLVED: f64 = 0.1;
 
-/// What is read of `summary.json`.
+/// The part of `summary.json` that is read.
 #[derive(Debug, Deserialize)]
 struct Summary {
     status: String,
@@ -35,21 +36,21 @@ struct Summary {
     cpu_s: Cpu,
 }
 
-/// A suggestion.
+/// A piece of advice.
 #[derive(Clone, Debug, PartialEq)]
 struct Advice {
-    /// What was seen, and what follows from it.
+    /// Observation and conclusion.
     why: String,
-    /// Seconds of the run that it concerns; what is saved is at most that.
+    /// Upper bound of the time that the advice saves [s].
     at_most: f64,
-    /// Lines of the job.
+    /// Lines for the job file.
     settings: Vec<String>,
-    /// Parts that it would take out of what the elements cost: other advice on them saves nothing
-    /// more.
+    /// Parts whose elements would cost nothing any more. Other advice on these parts saves
+    /// nothing in addition.
     parts: Vec<u32>,
 }
 
-/// Prints advice on the run in `dir`; gives the exit code.
+/// Prints advice on the run in `dir` and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
     match read(dir) {
         Ok(summary) => {
@@ -132,8 +133,8 @@ fn called(p: &PartSummary) -> String {
     if p.name.is_empty() { p.id.to_string() } else { p.name.clone() }
 }
 
-/// CPU time of some phases [s]: their share of the wall time of all phases, waiting for others left
-/// out.
+/// Returns the CPU time of some phases [s]: their share of the wall time of all phases except
+/// waiting for other workers.
 fn seconds(s: &Summary, phases: &[&str]) -> f64 {
     let of = |wanted: &dyn Fn(&str) -> bool| -> f64 {
         s.phase_s.iter().filter(|(name, _)| wanted(name)).map(|(_, p)| p.mean).sum()
@@ -142,14 +143,15 @@ fn seconds(s: &Summary, phases: &[&str]) -> f64 {
     if all > 0.0 { s.cpu_s.total * of(&|name| phases.contains(&name)) / all } else { 0.0 }
 }
 
-/// Where a line about a part goes.
+/// Returns the line with a comment that names its place in the job file.
 fn in_part(p: &PartSummary, line: &str) -> [String; 2] {
     let entry =
         if p.name.is_empty() { format!("id = {}", p.id) } else { format!("name = \"{}\"", p.name) };
     [format!("# in the [[part]] with {entry}:"), line.to_string()]
 }
 
-/// Parts that hardly yielded, as far as they hang together: each group might be one rigid body.
+/// Finds groups of connected parts with little plastic strain. Each group could be one rigid
+/// body.
 fn rigid(s: &Summary) -> Vec<Advice> {
     let stiff =
         |p: &&PartSummary| p.elements > 0 && !p.rigid && p.plastic_strain_max <= PROOF_STRAIN;
@@ -168,12 +170,12 @@ fn rigid(s: &Summary) -> Vec<Advice> {
     for p in s.parts.iter().filter(stiff) {
         let mut roots: Vec<usize> = p.pieces.iter().map(|piece| sets.root(piece.number)).collect();
         roots.dedup();
-        // A part of pieces that nothing stiff holds together would be welded by a rigid body.
+        // A rigid body would weld a part whose pieces are not connected by stiff parts.
         if let [root] = roots[..] {
             groups.entry(root).or_default().push(p);
         }
     }
-    // A model of which nothing yielded is asked about its stresses, and rigid bodies have none.
+    // If no part yielded, the stresses of the model matter, and rigid bodies have none.
     if s.parts.iter().filter(|p| p.elements > 0).count()
         == groups.values().map(Vec::len).sum::<usize>()
     {
@@ -200,7 +202,7 @@ fn rigid(s: &Summary) -> Vec<Advice> {
     groups.into_values().map(advise).collect()
 }
 
-/// Parts whose mesh is finer than what it resolves.
+/// Finds parts whose mesh is finer than needed for their fields.
 fn mesh(s: &Summary) -> Option<Advice> {
     let fine = |p: &PartSummary| {
         let resolved = |jump: f64, largest: f64| jump <= RESOLVED * largest;
@@ -214,7 +216,7 @@ fn mesh(s: &Summary) -> Option<Advice> {
          most; elements twice as long might do. It may have been otherwise before",
         names(s, fine)
     );
-    // A quarter of the shells or less is left.
+    // At most a quarter of the shells is left.
     let at_most = 0.75 * seconds(s, &["elements", "assemble", "local", "advance"]) * share(s, fine);
     s.parts.iter().any(fine).then(|| Advice {
         why,
@@ -224,7 +226,7 @@ fn mesh(s: &Summary) -> Option<Advice> {
     })
 }
 
-/// Share of the elements that some parts have.
+/// Returns the share of some parts in the number of elements.
 fn share(s: &Summary, of: impl Fn(&PartSummary) -> bool) -> f64 {
     let count = |f: &dyn Fn(&PartSummary) -> bool| {
         s.parts.iter().filter(|p| f(p)).map(|p| p.elements).sum::<u64>()
@@ -236,7 +238,7 @@ fn names(s: &Summary, of: impl Fn(&PartSummary) -> bool) -> String {
     s.parts.iter().filter(|p| of(p)).map(called).collect::<Vec<_>>().join(", ")
 }
 
-/// Words for those of some parts whose time is counted with a rigid body.
+/// Returns a remark on parts whose saving is already counted for a rigid body.
 fn besides(s: &Summary, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> String {
     let also = names(s, |p| idle(p) && bodies.contains(&p.id));
     if also.is_empty() {
@@ -246,13 +248,13 @@ fn besides(s: &Summary, bodies: &[u32], idle: impl Fn(&PartSummary) -> bool) -> 
     }
 }
 
-/// Hourglass energy over internal energy; nought without either.
+/// Returns hourglass energy over internal energy, 0 if there is no internal energy.
 fn hourglass_share(p: &PartSummary) -> f64 {
     if p.internal > 0.0 { p.hourglass / p.internal } else { 0.0 }
 }
 
-/// Parts of stabilised quads whose hourglass modes were hardly strained: the cheaper form gives the
-/// same.
+/// Finds parts of stabilised quads with little hourglass strain. The cheaper formulation gives
+/// the same result for them.
 fn form(s: &Summary) -> Option<Advice> {
     let idle = |p: &PartSummary| {
         p.elements > 0
@@ -275,8 +277,8 @@ fn form(s: &Summary) -> Option<Advice> {
     (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
 }
 
-/// Parts that stayed elastic bend linearly: more points than two integrate the same. `bodies` might
-/// be rigid.
+/// Finds parts without plastic strain and with more than two points. They bend linearly, so two
+/// points integrate the same. Parts in `bodies` are candidates for rigid bodies.
 fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     let idle = |p: &PartSummary| {
         p.elements > 0 && !p.rigid && p.plastic_strain_max == 0.0 && p.points > ELASTIC_POINTS
@@ -294,12 +296,13 @@ fn points(s: &Summary, bodies: &[u32]) -> Option<Advice> {
         besides(s, bodies, idle)
     );
     let counted = |p: &PartSummary| idle(p) && !bodies.contains(&p.id);
-    // Membrane, shear, hourglass and gathering remain, whatever the points.
+    // Membrane, shear, hourglass and assembly costs do not depend on the number of points.
     let at_most = seconds(s, &["elements"]) * share(s, counted);
     (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
 }
 
-/// Materials none of whose parts yielded need no plasticity, no hardening and no rates.
+/// Finds materials none of whose parts yielded. They need no plasticity, hardening or strain
+/// rates.
 fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     let yielded =
         |name: &str| s.parts.iter().any(|p| p.material == name && p.plastic_strain_max > 0.0);
@@ -325,7 +328,7 @@ fn law(s: &Summary, bodies: &[u32]) -> Option<Advice> {
     (!settings.is_empty()).then(|| Advice { why, at_most, settings, parts: vec![] })
 }
 
-/// Parts that never came near to anything need no contact surface.
+/// Finds parts that were never near another surface. They need no contact.
 fn contact(s: &Summary) -> Option<Advice> {
     if s.parts.iter().all(|p| p.contact_near.is_none()) {
         return None;
@@ -408,8 +411,8 @@ mod tests {
         assert!(describe(&s).contains("every part needed what it was given"));
     }
 
-    /// Parts 2 and 3 hang together, part 4 has two pieces of which part 2 holds one only, part 1
-    /// yielded.
+    /// Parts 2 and 3 are connected, part 4 has two pieces of which part 2 holds only one, and
+    /// part 1 yielded.
     #[test]
     fn what_hangs_together_without_yield_may_be_rigid() {
         let mut parts =

@@ -1,4 +1,4 @@
-//! Connected pieces of parts, and which of them have nodes in common: what could move as one body.
+//! Connected pieces of parts, and the pieces that share nodes and could move as one body.
 
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Mesh;
@@ -10,12 +10,12 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub struct Piece {
     /// Number among the pieces of all parts, from 0.
     pub number: usize,
-    /// Pieces of other parts with which it has nodes in common, ascending.
+    /// Pieces of other parts that share nodes with it, ascending.
     pub joined: Vec<usize>,
 }
 
-/// The pieces of each part, by its id. Elements of a part that have a node in common belong to one
-/// piece.
+/// Returns the pieces of each part, by part id. Elements of a part that share a node belong to
+/// one piece.
 pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
     let mut places: HashMap<(u32, NodeId), usize> = HashMap::new();
     let mut sets = Sets::default();
@@ -33,7 +33,7 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
             .collect();
         corners.iter().for_each(|&c| sets.join(corners[0], c));
     }
-    // Numbers by part and lowest node, whatever the order of the table.
+    // Numbers in order of part and lowest node, independent of the order of the table.
     let mut ordered: Vec<((u32, NodeId), usize)> = places.into_iter().collect();
     ordered.sort_unstable();
     let mut numbers: HashMap<usize, usize> = HashMap::new();
@@ -59,15 +59,15 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<Piece>> {
     parts
 }
 
-/// Disjoint sets of numbers.
+/// Disjoint sets of numbers (union-find).
 #[derive(Default)]
 pub struct Sets {
-    /// For each number another of its set; itself for the one that stands for the set.
+    /// For each number another one of its set; the representative of a set is its own parent.
     pub parent: Vec<usize>,
 }
 
 impl Sets {
-    /// The number that stands for the set of `a`.
+    /// Returns the representative of the set that contains `a`.
     pub fn root(&mut self, mut a: usize) -> usize {
         while self.parent[a] != a {
             self.parent[a] = self.parent[self.parent[a]];
@@ -76,7 +76,7 @@ impl Sets {
         a
     }
 
-    /// Makes the sets of `a` and `b` one.
+    /// Merges the sets that contain `a` and `b`.
     pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
@@ -89,7 +89,7 @@ mod tests {
     use crumple_proto::ids::ElemId;
     use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
 
-    /// Two triangles of part 1 that touch nowhere, one of part 2 that touches both.
+    /// Two triangles of part 1 without a common node, and one of part 2 that touches both.
     #[test]
     fn pieces_are_joined_through_common_nodes() {
         let element = |id, part, nodes: [u64; 3]| MeshElement {

@@ -1,11 +1,10 @@
-//! What a scene costs: bytes and nanoseconds of elements, nodes and contact, by what is switched
-//! on.
+//! Cost of a scene: bytes and nanoseconds of elements, nodes and contact, by the features in use.
 //!
-//! Both are taken from engines that hold some hundred neighbouring elements of each part, some
-//! thousand for contact, set up from the job as a worker sets them up. Bytes are those of the
-//! columns that are then there. Times are the shortest of a few steps, of the mesh as it is given,
-//! with unstrained elements computed like all others: in motion, with a cold cache or on a busy
-//! machine a step takes longer.
+//! Both are measured on engines with some hundred neighbouring elements of each part, or some
+//! thousand for contact, set up from the job as on a worker. Bytes are those of the columns of
+//! these engines. Times are the shortest of a few steps of the initial mesh, with unstrained
+//! elements computed like all others. A step takes longer in motion, with a cold cache or on a
+//! busy machine.
 
 use crate::input::job::Model;
 use crumple_proto::boxes::CutTree;
@@ -20,35 +19,35 @@ use crumple_worker::step::step;
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// Elements of a part that are tried alone.
+/// Number of elements of a part in a sample.
 const SAMPLE: usize = 512;
-/// Elements of a part that are tried in contact, where a sample's own free edges are not to count
-/// for much.
+/// Number of elements of a part in a sample for contact, so large that the free edges of the
+/// sample have little influence.
 const TOUCHING: usize = 4096;
-/// Steps that are timed.
+/// Number of timed steps.
 const STEPS: usize = 20;
 
-/// A sample as an engine holds it.
+/// A sample in an engine.
 struct Sample {
     elements: usize,
-    /// Places in lanes that they take.
+    /// Number of lane slots that the elements take.
     lanes: usize,
     nodes: usize,
     blocks: BlockBytes,
-    /// Of moving and of turning.
+    /// Translational and rotational.
     columns: [usize; 2],
     contact: usize,
     /// Shortest time of each phase [s].
     elements_s: f64,
     assemble_s: f64,
     advance_s: f64,
-    /// Local search and enforcement, with the pairs that the mesh has at the start.
+    /// Local search and enforcement, with the pairs of the initial mesh [s].
     contact_s: f64,
     /// First global search [s].
     search_s: f64,
 }
 
-/// The tables that `crumple check` prints for `workers` workers.
+/// Returns the tables that `crumple check` prints for `workers` workers.
 pub fn describe(model: &Model, workers: usize) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -165,8 +164,8 @@ fn write(
     Ok(())
 }
 
-/// Time of the forces of an element of each part in a step; nought for rigid parts and for those
-/// without elements [s].
+/// Returns the time of the force computation of one element of each part in a step [s], zero for
+/// rigid parts and for parts without elements.
 ///
 /// # Errors
 /// A sample could not be set up.
@@ -183,7 +182,7 @@ pub fn element_seconds(model: &Model) -> Result<Vec<f64>, RankLost> {
     (0..model.settings.parts.len() as u32).map(of_part).collect()
 }
 
-/// A sample of a part: the elements that are nearest to its middle one by id, ascending.
+/// Selects a sample of a part: the elements nearest to the middle one by id, ascending.
 fn pick(
     elements: &[ElementRecord],
     part: u32,
@@ -211,7 +210,7 @@ fn is_idle(model: &Model, part: u32) -> bool {
         || model.settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
 
-/// The job without what acts on the model and without output.
+/// Returns the settings without loads, constraints and output.
 fn quiet(model: &Model, contact: bool) -> Settings {
     let mut settings = model.settings.clone();
     settings.walls.clear();
@@ -223,7 +222,7 @@ fn quiet(model: &Model, contact: bool) -> Settings {
     settings
 }
 
-/// Some steps of some elements.
+/// Runs some steps with some elements.
 fn try_out(
     settings: &Settings,
     elements: &[ElementRecord],
@@ -236,7 +235,7 @@ fn try_out(
         ..PartitionData::default()
     };
     let mut ends = threads::connect(2);
-    let (mut comm, _master) = (ends.remove(1), ends.remove(0)); // reports pile up unread
+    let (mut comm, _master) = (ends.remove(1), ends.remove(0)); // messages stay unread
     let mut engine = Engine::new(&mut comm, settings.clone(), CutTree::single(), share)?;
     engine.blocks.compute_all();
     let mut least = [f64::INFINITY; 4];

@@ -1,26 +1,26 @@
-//! `crumple check --step`: the largest stable step of the assembled system, from the engine's own
+//! `crumple check --step`: largest stable step of the assembled system, from the engine's own
 //! forces.
 //!
-//! The run takes a step that is known to be enough for each element alone, and for what shares its
-//! nodes. What all together bear follows from the highest frequency of the assembled system. It is
-//! found by pushing the nodes of an engine aside by next to nothing, d, and back, at the time at
-//! which the run stands: with the accelerations a of the two steps
+//! A run uses a step that is safe for each element alone and for everything that shares its
+//! nodes. The limit of the assembled system follows from its highest frequency. To find it, the
+//! nodes of an engine are displaced by a very small d and back, at the current time of the run.
+//! With the accelerations a of the two steps
 //! ```text
 //! a(x + d, rate d/dt) - a(x, rate -d/dt) = -(A + 2 C/dt) d = -B d
 //! ```
-//! whatever acts at rest. A is stiffness over mass and C damping over mass, which the engine takes
-//! from the mid-step before. `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`.
-//! With masses and inertias as weights B is symmetric, and Lanczos' vectors give its largest
-//! eigenvalue from below; all of them are kept orthogonal to each other, and the estimate is taken
-//! when its residual says that an eigenvalue lies within `CLOSE` of it (Parlett 1998, theorem
+//! for any loads. A is stiffness over mass and C damping over mass, which the engine takes from
+//! the preceding mid-step. `v+ = v- - dt (A x + C v-)` is stable up to `dt^2 largest(B) = 4`.
+//! With masses and inertias as weights B is symmetric, and Lanczos vectors give its largest
+//! eigenvalue from below. All vectors are kept orthogonal to each other. The estimate is accepted
+//! when its residual shows that an eigenvalue lies within `CLOSE` of it (Parlett 1998, theorem
 //! 4.5.1), or when it has stopped growing.
 //!
-//! Seen: elements with their present stress and shape, springs and dampers, ties, penalty and
-//! mortar contact of what is in touch, and the law's tangent on the way from the present state. Not
-//! seen: contact that is not there yet; members of rigid bodies, which count as held; dampers where
-//! there is such contact too, whose dashpots limit nothing. Bulk viscosity counts by half, as it
-//! acts in compression only. Constraints of the Lagrange and kinematic laws and of rigid walls add
-//! no frequency.
+//! Included: elements with their present stress and shape, springs and dampers, ties, penalty and
+//! mortar contact of present pairs, and the tangent of the material law from the present state.
+//! Not included: future contact; members of rigid bodies, which count as fixed; dampers if there
+//! is penalty or mortar contact, whose dashpots limit nothing. Bulk viscosity counts by half,
+//! because it acts in compression only. Constraints of the Lagrange and kinematic laws and of
+//! rigid walls add no frequency.
 
 use crate::input::job::Model;
 use crate::run::embedded::Alone;
@@ -30,36 +30,36 @@ use crumple_worker::step::step;
 use crumple_worker::time::Clock;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Largest part of the eigenvalue by which it may be off.
+/// Largest relative error of the eigenvalue.
 const CLOSE: f64 = 0.01;
-/// Vectors kept; then it begins anew with the best mode so far.
+/// Number of vectors kept. After that, the iteration restarts with the best mode so far.
 const VECTORS: usize = 40;
-/// How often it begins anew at most.
+/// Maximum number of restarts.
 const ROUNDS: usize = 8;
-/// A round that adds less than this part to the eigenvalue is the last.
+/// Relative growth of the eigenvalue in a round below which the iteration ends.
 const GROWTH: f64 = 1e-3;
-/// Largest displacement, in shortest sides.
+/// Largest displacement, over the shortest side.
 const PUSH: f64 = 1e-7;
 
-/// What was found.
+/// Result of the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
     /// Time at which it holds [time].
     pub time: f64,
-    /// Largest stable step of the assembled system, infinite where nothing resists [time].
+    /// Largest stable step of the assembled system, infinite if there is no stiffness [time].
     pub limit: f64,
-    /// Step that the run takes, safety included [time].
+    /// Step of the run, with the safety factor [time].
     pub taken: f64,
-    /// Node that moves most in the fastest mode.
+    /// Node with the largest displacement in the mode of highest frequency.
     pub node: NodeId,
-    /// How often the nodes were pushed.
+    /// Number of force evaluations with displaced nodes.
     pub pushes: usize,
-    /// Part of the eigenvalue by which it may be off.
+    /// Bound on the relative error of the eigenvalue.
     pub residual: f64,
 }
 
-/// A degree of freedom: local node, component (0 to 2 of moving, 3 to 5 of turning), root of its
-/// mass or inertia.
+/// A degree of freedom: local node, component (0 to 2 translations, 3 to 5 rotations), and square
+/// root of its mass or inertia.
 struct Free {
     node: usize,
     component: usize,
@@ -67,8 +67,8 @@ struct Free {
 }
 
 impl Free {
-    /// How far a weighted displacement moves it; turning counts as what it moves at a distance
-    /// `side` [length].
+    /// Returns the displacement for the weighted displacement `y` [length]. A rotation counts as
+    /// the displacement at the distance `side` [length].
     fn reach(&self, y: f64, side: f64) -> f64 {
         y.abs() / self.root * if self.component < 3 { 1.0 } else { side }
     }
@@ -77,20 +77,20 @@ impl Free {
 struct Probe {
     alone: Alone,
     clock: Clock,
-    /// Where nodes stand, and where they stood at the force evaluation before.
+    /// Positions of nodes, and their positions at the preceding force evaluation [length].
     place: Vec<Row>,
     before: Vec<Row>,
     angle: Vec<Row>,
     free: Vec<Free>,
     side: f64,
-    /// Whether contact has dashpots, which it takes at the end of the step: they limit nothing.
+    /// True if contact has dashpots. They act at the end of the step and limit nothing.
     dashpots: bool,
 }
 
-/// The largest stable step at time `at`, to which the job runs first on one engine.
+/// Estimates the largest stable step at time `at`. The job first runs to this time on one engine.
 ///
 /// # Errors
-/// The job cannot be run that far, or its step is not one that this looks at.
+/// The job cannot run to this time, or it has two step sizes (subcycling).
 pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
     if model.settings.subcycles > 1 {
         return Err(
@@ -136,7 +136,7 @@ pub fn assembled(model: &Model, at: f64) -> Result<Estimate, String> {
     })
 }
 
-/// What one set of vectors gives.
+/// Result of one set of vectors.
 struct Round {
     eigenvalue: f64,
     residual: f64,
@@ -158,13 +158,14 @@ impl Probe {
         }
         let engine = &mut alone.engine;
         engine.blocks.compute_all();
-        engine.loads.damping = 0.0; // it is taken in the middle of the step and limits nothing
+        engine.loads.damping = 0.0; // acts in the middle of the step and limits nothing
         let held = engine.nodes.local_count;
         let place = engine.nodes.x[..held].to_vec();
         let mut clock = engine.clock.clone();
         clock.dt = clock.whole_dt;
         (clock.last_dt, clock.last_mid) = (clock.dt, clock.dt);
-        // Forces of the present time, so that from here on only what is pushed strains elements.
+        // Forces of the present time, so that from here on only the displacements strain
+        // elements.
         alone.forward()?;
         let nodes = &alone.engine.nodes;
         let mut free = Vec::new();
@@ -197,8 +198,8 @@ impl Probe {
         Ok(Self { alone, clock, before: place.clone(), place, angle, free, side, dashpots })
     }
 
-    /// Accelerations with the nodes at `by` from their places, as they get there in a step from
-    /// where they were.
+    /// Returns the accelerations with the nodes displaced by `by` from their positions. Nodes
+    /// reach these positions in one step from their previous ones.
     fn accelerations(&mut self, by: Option<&[f64]>) -> Result<Vec<f64>, String> {
         let lost = |lost: crumple_proto::transport::RankLost| lost.to_string();
         let (dt, held) = (self.clock.dt, self.place.len());
@@ -244,7 +245,7 @@ impl Probe {
         Ok(self.free.iter().map(gained).collect())
     }
 
-    /// B on a vector that is weighted with the roots of the masses.
+    /// Returns B times a vector weighted with the square roots of the masses.
     fn push(&mut self, y: &[f64]) -> Result<Vec<f64>, String> {
         let apart = |(y, free): (&f64, &Free)| free.reach(*y, self.side);
         let scale = PUSH * self.side / y.iter().zip(&self.free).map(apart).fold(0.0, f64::max);
@@ -253,8 +254,8 @@ impl Probe {
         let there = self.accelerations(Some(&by))?;
         let mut back = self.accelerations(None)?;
         if self.dashpots {
-            // Rates there and back are opposite: without them it is twice that at rest, less the
-            // way back, less the way there.
+            // Rates there and back are opposite. Without them, the acceleration on the way back
+            // is twice that at rest minus the one with rates.
             let still = self.accelerations(None)?;
             back.iter_mut().zip(still).for_each(|(back, still)| *back = 2.0 * still - *back);
         }
@@ -262,7 +263,7 @@ impl Probe {
         Ok(there.iter().zip(&back).zip(&self.free).map(of).collect())
     }
 
-    /// Up to [`VECTORS`] vectors of Lanczos from `start`.
+    /// Runs Lanczos iterations from `start`, at most [`VECTORS`] vectors.
     fn lanczos(&mut self, start: &[f64]) -> Result<Round, String> {
         let mut vectors = vec![scaled(start, 1.0 / dot(start, start).sqrt())];
         let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -270,7 +271,7 @@ impl Probe {
             let last = vectors.last().expect("the first is there").clone();
             let mut next = self.push(&last)?;
             diagonal.push(dot(&next, &last));
-            // Twice is enough for round-off.
+            // Two passes remove round-off.
             for _ in 0..2 {
                 for vector in &vectors {
                     let along = dot(&next, vector);
@@ -282,8 +283,8 @@ impl Probe {
             let residual =
                 rest * weights.last().expect("as many as vectors").abs() / eigenvalue.abs();
             let pushes = diagonal.len();
-            // Without a rest, the vectors span all that resists; without an eigenvalue, nothing
-            // does.
+            // With zero remainder the vectors span all stiff modes. With zero eigenvalue there is
+            // no stiffness.
             let residual = if rest == 0.0 || eigenvalue == 0.0 { 0.0 } else { residual };
             if residual < CLOSE || pushes == VECTORS.min(self.free.len()) || !eigenvalue.is_finite()
             {
@@ -307,11 +308,11 @@ fn scaled(a: &[f64], by: f64) -> Vec<f64> {
     a.iter().map(|a| by * a).collect()
 }
 
-/// Most iterations of the eigenvalues of a small matrix.
+/// Maximum number of iterations for the eigenvalues of a small matrix.
 const ITERATIONS: usize = 1000;
 
-/// The largest eigenvalue of a symmetric tridiagonal matrix, and its vector of unit length; NaN if
-/// there is none.
+/// Returns the largest eigenvalue of a symmetric tridiagonal matrix and its unit eigenvector, NaN
+/// if there is none.
 fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
     let entry = |i: usize, j: usize| match i.abs_diff(j) {
         0 => diagonal[i],
@@ -332,7 +333,7 @@ fn largest(diagonal: &[f64], beside: &[f64]) -> (f64, Vec<f64>) {
 mod tests {
     use super::*;
 
-    /// A chain of n equal masses between walls: eigenvalues `2 - 2 cos(k pi/(n + 1))`.
+    /// A chain of n equal masses between walls has the eigenvalues `2 - 2 cos(k pi/(n + 1))`.
     #[test]
     fn a_chain_has_its_highest_frequency() {
         for n in [1, 2, 7, 40] {

@@ -1,4 +1,4 @@
-//! `crumple check`: what a job is, told without running it.
+//! `crumple check`: describes a job without running it.
 
 use crate::analysis::spectrum::Estimate;
 use crate::input::job::subcycles::{self, Classes};
@@ -8,7 +8,7 @@ use crumple_proto::mesh::Shape;
 use crumple_worker::contact::beams;
 use std::fmt::Write;
 
-/// What `crumple check` prints of a job without running any of it.
+/// Returns the description of a job that `crumple check` prints. Nothing is run.
 pub fn describe(model: &Model) -> String {
     let mut out = String::new();
     // Writing to a string cannot fail.
@@ -110,7 +110,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
         let mut line = String::new();
         for (c, cell) in row.iter().enumerate() {
             let gap = " ".repeat(width[c] - cell.chars().count());
-            // Numbers to the right, names to the left.
+            // Numbers are right-aligned, names left-aligned.
             if matches!(c, 0 | 4 | 5 | 6) {
                 write!(line, "{gap}{cell}  ")?
             } else {
@@ -122,7 +122,8 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
     writeln!(out)
 }
 
-/// What a deck asks for and what it gets, things with the same answer in one line.
+/// Returns the mapping of a deck: requests and settings used. Requests with the same result share
+/// a line.
 pub fn mapping(model: &Model) -> String {
     let mut rows: Vec<(String, &str, &str)> = Vec::new();
     for entry in &model.mapping {
@@ -292,7 +293,7 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
     )
 }
 
-/// What a contact or one of its interfaces says of parts and how they touch.
+/// Describes the parts and settings of a contact or of one of its interfaces.
 fn touching(c: &Contact) -> String {
     let list = |parts: &[u32]| match parts {
         [] => "all parts".to_string(),
@@ -331,7 +332,7 @@ fn touching(c: &Contact) -> String {
     words
 }
 
-/// Five digits, without an exponent where a person would write none.
+/// Formats a number with five digits, without an exponent for usual magnitudes.
 fn figure(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
@@ -344,8 +345,8 @@ fn figure(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
-/// Runs `crumple check`: prints to standard output, or everything that is wrong to standard error.
-/// Gives the exit code.
+/// Runs `crumple check`: prints the description to standard output, or all problems to standard
+/// error. Returns the exit code.
 pub fn run(args: &crate::cli::CheckArgs) -> u8 {
     let read = || -> Result<(Model, String), Report> {
         let model = crate::input::job::read(&args.job.job, &args.job.sets())?;
@@ -375,10 +376,10 @@ pub fn run(args: &crate::cli::CheckArgs) -> u8 {
     }
 }
 
-/// Exit code where the step is longer than what the assembled system bears.
+/// Exit code if the step is larger than the stable step of the assembled system.
 const UNSTABLE: u8 = 3;
 
-/// What the assembled system bears beside what the run takes.
+/// Compares the stable step of the assembled system with the step of the run.
 fn stability(found: &Estimate, safety: f64) -> String {
     let share = found.taken / found.limit;
     let mut text = format!(

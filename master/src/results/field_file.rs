@@ -1,6 +1,6 @@
-//! Field files read back: one worker's piece, and the series that names the pieces. Only what this
-//! program writes is read (`worker/src/vtu.rs`, `fields.rs`), and all of it is checked: a message
-//! names the file and what is wrong with it.
+//! Reads field files: the piece of one worker, and the series that names the pieces. Only files
+//! of this program are read (`worker/src/vtu.rs`, `fields.rs`), and all their content is checked.
+//! An error message names the file and the problem.
 
 use bytemuck::Pod;
 use crumple_worker::vtu::{self, Array, BYTE_ORDER, CELL_ARRAYS, Kind, POINT_ARRAYS};
@@ -8,12 +8,12 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
-/// Ends the XML of a piece; the numbers follow.
+/// End of the XML of a piece; the arrays follow.
 const MARK: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
-/// Before every array stands its length in bytes.
+/// Size of the length in bytes that precedes every array [bytes].
 const LENGTH: usize = size_of::<u64>();
 
-/// A step of a series as its collection names it.
+/// A step of a series in its collection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// Simulated time [time].
@@ -22,7 +22,7 @@ pub struct Step {
     pub file: PathBuf,
 }
 
-/// One worker's piece: its arrays by name.
+/// The piece of one worker: its arrays by name.
 pub struct Piece {
     /// Simulated time [time].
     pub time: f64,
@@ -35,16 +35,16 @@ pub struct Piece {
     bytes: Vec<u8>,
 }
 
-/// Where an array lies in the file.
+/// Type and position of an array in the file.
 struct Stored {
     kind: Kind,
     bytes: Range<usize>,
 }
 
-/// Steps of a collection (`.pvd`), in its order.
+/// Returns the steps of a collection (`.pvd`) in its order.
 ///
 /// # Errors
-/// The file is missing, or not as this program writes it.
+/// The file is missing, or not in the format of this program.
 pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
     let text = text(collection)?;
     let broken = |why: &str| format!("{}: {why}", collection.display());
@@ -62,10 +62,10 @@ pub fn steps(collection: &Path) -> Result<Vec<Step>, String> {
     lines.map(|line| step(line).ok_or_else(|| broken(&format!("cannot read `{line}`")))).collect()
 }
 
-/// Files of the pieces that a step (`.pvtu`) names.
+/// Returns the files of the pieces that a step (`.pvtu`) names.
 ///
 /// # Errors
-/// The file is missing, or not as this program writes it.
+/// The file is missing, or not in the format of this program.
 pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
     let text = text(step)?;
     let broken = |why: &str| format!("{}: {why}", step.display());
@@ -81,10 +81,10 @@ pub fn pieces(step: &Path) -> Result<Vec<PathBuf>, String> {
 }
 
 impl Piece {
-    /// Reads a piece and checks that all its arrays are there and whole.
+    /// Reads a piece and checks that all its arrays are complete.
     ///
     /// # Errors
-    /// The file is missing, torn, or not as this program writes it.
+    /// The file is missing, truncated, or not in the format of this program.
     pub fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Self::parse(path, bytes).map_err(|why| format!("{}: {why}", path.display()))
@@ -131,7 +131,7 @@ impl Piece {
         Ok(piece)
     }
 
-    /// Corners are points of the piece, and each cell has some.
+    /// Checks that corners are points of the piece, and that each cell has corners.
     fn check_cells(&self) -> Result<(), String> {
         let (corners, ends) =
             (self.raw::<i64>("connectivity", Kind::I64)?, self.raw::<i64>("offsets", Kind::I64)?);
@@ -145,15 +145,15 @@ impl Piece {
         }
     }
 
-    /// 32-bit floats of an array, all components of a point or cell side by side.
+    /// Returns an array of 32-bit floats, all components of a point or cell together.
     ///
     /// # Errors
-    /// The piece has no such array of that type; so for those below.
+    /// The piece has no such array of this type.
     pub fn f32(&self, name: &str) -> Result<Vec<f32>, String> {
         self.typed(name, Kind::F32)
     }
 
-    /// 32-bit unsigned integers of an array.
+    /// Returns an array of 32-bit unsigned integers.
     ///
     /// # Errors
     /// See [`Self::f32`].
@@ -161,7 +161,7 @@ impl Piece {
         self.typed(name, Kind::U32)
     }
 
-    /// 64-bit integers of an array.
+    /// Returns an array of 64-bit integers.
     ///
     /// # Errors
     /// See [`Self::f32`].
@@ -169,7 +169,7 @@ impl Piece {
         self.typed(name, Kind::I64)
     }
 
-    /// Bytes of an array.
+    /// Returns an array of bytes.
     ///
     /// # Errors
     /// See [`Self::f32`].
@@ -177,7 +177,7 @@ impl Piece {
         self.typed(name, Kind::U8)
     }
 
-    /// Numbers of an array of any type.
+    /// Returns an array of any type as f64.
     ///
     /// # Errors
     /// The piece has no such array.
@@ -202,8 +202,8 @@ impl Piece {
     }
 }
 
-/// Numbers that an array has to have, if their number is known: of `connectivity`, and arrays of
-/// later versions, it is not.
+/// Returns the required length of an array. The inner value is none if the length is not known:
+/// for `connectivity`, and for arrays of later versions.
 fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>> {
     let of = |arrays: &[Array], tuples: usize| {
         let array = arrays.iter().find(|a| a.name == name)?;
@@ -221,7 +221,8 @@ fn size_of_kind(kind: Kind) -> usize {
     }
 }
 
-/// Name and place of the array that a line declares, in the bytes behind the XML.
+/// Returns name and position of the array that a line declares. The position is in the bytes
+/// after the XML.
 fn stored(line: &str, bytes: &[u8]) -> Result<(String, Stored), String> {
     let unread = || format!("has an array that cannot be read: `{line}`");
     let name = attribute(line, "Name").ok_or_else(unread)?;
@@ -253,14 +254,15 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     rest.split_once('"').map(|(value, _)| value)
 }
 
-/// A file that is named relative to another one, in its folder or below: nothing else is ever read.
+/// Returns the path of a file that is named relative to another one. Only files in its folder or
+/// below are allowed.
 fn beside(file: &Path, name: &str) -> Option<PathBuf> {
     let inside = Path::new(name).components().all(|c| matches!(c, Component::Normal(_)));
     (inside && !name.is_empty()).then(|| file.with_file_name("").join(name))
 }
 
-/// Name of the piece of the first worker in a step's folder, and of the others in turn, as far as
-/// they are there.
+/// Returns the name of the first worker's piece in a step's folder, then those of the other
+/// workers, up to the first that is missing.
 pub fn pieces_of_folder(step: &Path) -> Vec<PathBuf> {
     (0..)
         .map(|worker| step.join(vtu::piece_name(worker)))
@@ -327,8 +329,8 @@ mod tests {
         assert!(piece.u32("class").unwrap_err().ends_with("has no array `class` of UInt32"));
     }
 
-    /// Cut anywhere, and with any one byte of its head changed, a file is read in full or refused
-    /// by name; never a panic.
+    /// A file that is cut anywhere, or that has any one byte of its head changed, is either read
+    /// completely or rejected with its name, without a panic.
     #[test]
     fn damage_is_told_with_the_name_of_the_file() {
         let dir = tempfile::tempdir().unwrap();
@@ -343,7 +345,7 @@ mod tests {
         for place in 0..end {
             let mut damaged = whole.clone();
             damaged[place] ^= 0x15;
-            let _ = Piece::parse(&path, damaged); // a number may be another one; nothing may panic
+            let _ = Piece::parse(&path, damaged); // another valid number may be read
         }
         fs::write(&path, &whole[..end - 1]).unwrap();
         let error = Piece::read(&path).err().unwrap();

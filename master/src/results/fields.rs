@@ -1,18 +1,18 @@
-//! The time series over the workers' field files, for ParaView.
+//! The time series of the workers' field files, for ParaView.
 //!
-//! Workers write `fields/step_000012/piece_003.vtu` (their own elements) and `exterior_003.vtu`
-//! (copies of others' elements); this writes what binds them together: a `.pvtu` per step, and the
-//! collections `fields.pvd` and `exterior.pvd` that a user opens. Exterior copies have a collection
-//! of their own, so that every element is once in the main one. Files are renamed into place: the
-//! collections are whole at any moment, also when the run is killed.
+//! Workers write `fields/step_000012/piece_003.vtu` (own elements) and `exterior_003.vtu` (ghost
+//! elements). This module writes the files that connect them: a `.pvtu` per step, and the
+//! collections `fields.pvd` and `exterior.pvd` that a user opens. Ghosts have a separate
+//! collection, so that every element appears once in the main one. Files are renamed into place,
+//! so that collections are complete at any moment, even if the run is killed.
 
 use crumple_worker::vtu::{self, Array};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The collection to open first.
+/// The main collection.
 pub const COLLECTION: &str = "fields.pvd";
-/// The collection of exterior copies; only written with more than one worker.
+/// The collection of ghosts; only written with more than one worker.
 pub const EXTERIOR_COLLECTION: &str = "exterior.pvd";
 
 const STEP_FILE: &str = "fields.pvtu";
@@ -22,23 +22,23 @@ const STEP_EXTERIOR_FILE: &str = "exterior.pvtu";
 #[derive(Debug)]
 pub struct Series {
     dir: PathBuf,
-    /// Index and time of the steps so far, in the order they came.
+    /// Index and time of the steps so far, in order of arrival.
     steps: Vec<(usize, f64)>,
 }
 
 impl Series {
-    /// An empty series in the folder `dir`; nothing is written before the first step.
+    /// Creates an empty series in the folder `dir`. Nothing is written before the first step.
     pub fn new(dir: &Path) -> Self {
         Self { dir: dir.to_owned(), steps: Vec::new() }
     }
 
-    /// Folder of the series.
+    /// Returns the folder of the series.
     pub fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// Adds a step, after all its `workers` have written their pieces. A step of the same index is
-    /// replaced.
+    /// Adds a step, after all its `workers` have written their pieces. Replaces a step of the
+    /// same index.
     pub fn add(&mut self, step_index: usize, time: f64, workers: usize) -> io::Result<()> {
         let folder = self.dir.join(vtu::step_folder(step_index));
         write_step(&folder.join(STEP_FILE), (0..workers).map(vtu::piece_name))?;
@@ -113,8 +113,8 @@ mod tests {
     use std::ops::Range;
     use std::process::Command;
 
-    /// Unit squares of a falling strip, those of the numbers in `squares`. Ids follow from the
-    /// place, so that neighbouring pieces share nodes.
+    /// Writes the unit squares `squares` of a falling strip. Ids follow from the position, so
+    /// that neighbouring pieces share nodes.
     fn write_strip(
         path: &Path,
         time: f64,
@@ -156,8 +156,8 @@ mod tests {
         .write(path)
     }
 
-    /// Three workers hold squares 0..2, 2..5 and none; the first two hold a copy of each other's
-    /// outermost.
+    /// Three workers hold squares 0..2, 2..5 and none. Each of the first two has a ghost of the
+    /// other's outermost square.
     fn write_series(dir: &Path) -> io::Result<()> {
         use vtu::{EXTERIOR, INTERFACE, INTERIOR};
         let mut series = Series::new(dir);
@@ -220,7 +220,7 @@ mod tests {
         assert!(!dir.path().join(EXTERIOR_COLLECTION).exists());
     }
 
-    /// VTK itself reads the series; `deploy/test.sh` names a Python that has it.
+    /// VTK itself reads the series. `deploy/test.sh` names a Python that has VTK.
     #[test]
     fn vtk_reads_the_series() {
         let Some(python) = std::env::var_os("CRUMPLE_PYTHON") else {
@@ -236,7 +236,7 @@ mod tests {
         assert!(report.status.success(), "{said}\n{}", String::from_utf8_lossy(&report.stderr));
         assert!(said.contains("0.125: 5 cells, 14 points"), "{said}");
 
-        // An element in two pieces has to be found.
+        // An element in two pieces must be detected.
         let twice = dir.path().join(vtu::step_folder(12)).join(vtu::piece_name(2));
         write_strip(&twice, 0.125, 2, &[vtu::INTERIOR], 4..5).unwrap();
         let report = read();

@@ -1,7 +1,7 @@
-//! Histories by kind beside `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and
-//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`. Each row is of one thing at
-//! one time, so that files of many parts stay readable and a program can pick. Rows come at the
-//! times of `history.csv`, and tell of the same moment.
+//! Histories by kind in addition to `history.csv`: `parts.csv`, `walls.csv`, `contacts.csv` and
+//! `contact_pairs.csv`, `nodes.csv`, `sections.csv`, `transducers.csv`. Each row holds one object
+//! at one time, so that files of many parts stay readable and programs can filter. Rows have the
+//! times of `history.csv` and refer to the same instants.
 
 use crate::input::job::Model;
 use crate::results::history::{self, Labels, Unwritten};
@@ -15,8 +15,8 @@ use std::path::Path;
 /// A file of one kind.
 type Table = csv::Writer<File>;
 
-/// The files of a run; those of kinds that the scene does not have, or the job does not want, are
-/// absent.
+/// The files of a run. Files of kinds that the scene does not have, or that the job does not
+/// request, are absent.
 pub struct Histories {
     /// Id and name per part of the settings.
     parts: Vec<(u32, String)>,
@@ -30,7 +30,7 @@ pub struct Histories {
     of_nodes: Option<Table>,
     of_sections: Option<Table>,
     of_transducers: Option<Table>,
-    /// Indices of the parts that take part in contact.
+    /// Indices of the parts in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
 }
@@ -47,11 +47,10 @@ const NAMES: [&str; 7] = [
 ];
 
 impl Histories {
-    /// Begins the files in `dir`; those of an older run that this one does not write are taken
-    /// away.
+    /// Creates the files in `dir`, and removes files of an older run.
     ///
     /// # Errors
-    /// One cannot be written or taken away.
+    /// A file cannot be written or removed.
     pub(crate) fn new(dir: &Path, model: &Model) -> Result<Self, Unwritten> {
         for path in NAMES.map(|name| dir.join(name)) {
             match std::fs::remove_file(&path) {
@@ -137,7 +136,7 @@ impl Histories {
         })
     }
 
-    /// Adds the rows of one time, from what is added up over workers.
+    /// Writes the rows of one time, from the sums over workers.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -223,7 +222,7 @@ impl Histories {
     }
 }
 
-/// Nodes in the order of the user's ids.
+/// Returns the nodes in the order of the user's ids.
 fn by_label(nodes: &[NodeId]) -> Vec<NodeId> {
     let mut nodes = nodes.to_vec();
     nodes.sort_unstable_by_key(|n| n.label());
@@ -234,7 +233,7 @@ fn number(a: f64) -> String {
     format!("{a:.9e}")
 }
 
-/// A row of words and then numbers.
+/// Writes a row of words and then numbers.
 fn put<const N: usize>(
     table: &mut Table,
     words: [String; N],

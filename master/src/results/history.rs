@@ -1,4 +1,4 @@
-//! `history.csv`: one row per history interval, added up from the workers' shares.
+//! `history.csv`: one row per history interval, summed over the workers' contributions.
 
 use crate::input::job::{Model, fastest_wave};
 use crate::results::histories::Histories;
@@ -7,40 +7,41 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Its name.
+/// Name of the file.
 const FILE: &str = "history.csv";
 
-/// A whole row, added up over workers.
+/// A complete row, summed over workers.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
-    /// The sums; penetration is the largest.
+    /// The sums; penetration is the maximum.
     pub sum: HistoryPart,
-    /// Unexplained energy as a fraction of what came in.
+    /// Energy error as a fraction of the energy supplied.
     pub error: f64,
-    /// Energy of what swings from step to step, as the same fraction: an unstable step keeps the
-    /// balance, but swings.
+    /// Energy of velocity oscillations from step to step, as a fraction of the energy supplied
+    /// or of the internal energy if that is larger. An unstable step keeps the energy balance, but
+    /// oscillates.
     pub swing: f64,
-    /// Energy that contact has created, as a fraction of the most that there has been. Contact
-    /// stores and dissipates; what its forces have done to the nodes so far, friction included, is
-    /// above nought only where it makes energy of nothing. The balance does not tell: it takes the
-    /// work of contact as it is.
+    /// Energy created by contact, as a fraction of the largest energy so far. Contact stores and
+    /// dissipates energy, so the work of its forces on the nodes so far, friction included, is
+    /// positive only if it creates energy. The energy balance does not show this, because it
+    /// includes the work of contact as it is.
     pub created: f64,
 }
 
-/// What the master knows besides when a row is complete.
+/// Data of the master for a complete row.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Extras {
     /// Wall time since the start [s].
     pub wall: f64,
-    /// Sum over cycles and workers of CPU seconds so far.
+    /// Sum over cycles and workers of the CPU time so far [s].
     pub cpu_total: f64,
-    /// Sum over cycles of the slowest worker's CPU seconds so far.
+    /// Sum over cycles of the slowest worker's CPU time so far [s].
     pub cpu_critical: f64,
-    /// CPU seconds of renewals so far, of the worker with most.
+    /// CPU time of redecompositions so far, maximum over workers [s].
     pub cpu_renewal: f64,
-    /// Low and high redecompositions so far.
+    /// Number of low redecompositions so far.
     pub low: u64,
-    /// See `low`.
+    /// Number of high redecompositions so far.
     pub high: u64,
 }
 
@@ -59,35 +60,35 @@ pub struct History {
     pub worst_error: f64,
     /// Largest penetration so far as a fraction of the contact thickness.
     pub penetration: f64,
-    /// Most pairs so far.
+    /// Largest number of pairs so far.
     pub pairs: u64,
-    /// Cycle of the first of the last rows that all have much of the energy in swings from step to
-    /// step.
+    /// Cycle of the first of the last consecutive rows with much energy in oscillations from step
+    /// to step.
     swings_from: Option<u64>,
-    /// Whether there are subcycles: energy then swings about its balance by a fraction of the most
-    /// that has come in, which may leave.
+    /// True with subcycles. The energy then oscillates about its balance by a fraction of the
+    /// largest energy supplied so far, even if part of that energy has left the model.
     subcycled: bool,
     most_came_in: f64,
-    /// Most energy so far, kinetic and internal [energy].
+    /// Largest sum of kinetic, internal and hourglass energy so far [energy].
     most: f64,
-    /// Work of contact that counts as none [energy].
+    /// Work of contact that counts as zero [energy].
     round_off: f64,
-    /// Largest fraction so far that contact has created.
+    /// Largest `created` so far.
     pub worst_created: f64,
 }
 
-/// Fraction of the energy in swings from step to step that a step above the stability limit soon
-/// has and keeps up. A stable one may have it too, for a few cycles where a coarse bar turns at a
-/// wall, for longer where next to nothing moves.
+/// Fraction of the energy in oscillations that a step above the stability limit soon reaches and
+/// keeps. A stable step may reach it too: for a few cycles when a coarse bar rebounds from a
+/// wall, or longer when the model hardly moves.
 const MUCH_SWING: f64 = 0.1;
-/// Cycles for which a stable motion at its turn may have it.
+/// Number of cycles for which a stable motion may exceed this fraction at a rebound.
 const TURNING: u64 = 50;
-/// Nodes at this fraction of the speed of sound are at rest as far as contact's work goes: forces
-/// that hold what lies still are good to about a millionth of the velocity of the waves that set
-/// them up.
+/// Fraction of the speed of sound below which a node is at rest for the work of contact. Forces
+/// on nodes at rest are accurate to about a millionth of the velocity of the waves that caused
+/// them.
 const STILL: f64 = 1e-6;
-/// The most that a stable vibration has of the energy stored at its turn, `2 s^2` with a fraction s
-/// of the stable step.
+/// Largest fraction of the stored energy that a stable vibration has in oscillations at its
+/// turning point: `2 s^2`, where s is the step over the stable step.
 const MOST_SWING: f64 = 2.0;
 
 /// Names of derived units for a header.
@@ -105,8 +106,8 @@ pub(crate) struct Labels {
 }
 
 impl Labels {
-    /// From the first three words of the job's units (length, time, mass), or dimensions if it does
-    /// not say.
+    /// Derives the names from the first three words of the job's units (length, time, mass), or
+    /// from dimensions if the job has none.
     pub(crate) fn from_units(units: &str) -> Self {
         let words: Vec<&str> =
             units.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
@@ -139,7 +140,7 @@ impl Labels {
     }
 }
 
-/// Names of walls: their own, or their numbers.
+/// Returns the names of walls, or their numbers if they have no names.
 pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
     let name = |(i, w): (usize, &crumple_proto::wall::Wall)| {
         if w.name.is_empty() { format!("wall {i}") } else { w.name.clone() }
@@ -147,15 +148,15 @@ pub(crate) fn wall_names(walls: &[crumple_proto::wall::Wall]) -> Vec<String> {
     walls.iter().enumerate().map(name).collect()
 }
 
-/// A file that cannot be written, and why.
+/// A file that cannot be written, and the reason.
 pub(crate) type Unwritten = (PathBuf, std::io::Error);
 
-/// A file that is to be written.
+/// Creates a file for writing.
 pub(crate) fn create_file(path: &Path) -> Result<csv::Writer<File>, Unwritten> {
     csv::Writer::from_path(path).map_err(|error| (path.to_owned(), error.into()))
 }
 
-/// Names of the columns of a job's `history.csv`, with their units.
+/// Returns the names of the columns of a job's `history.csv`, with their units.
 pub fn columns(model: &Model) -> Vec<String> {
     let (u, walls) = (Labels::from_units(&model.job.units), wall_names(&model.settings.walls));
     let mut header = vec![format!("time [{}]", u.time), "cycle".into(), format!("dt [{}]", u.time)];
@@ -195,10 +196,10 @@ pub fn columns(model: &Model) -> Vec<String> {
 }
 
 impl History {
-    /// Begins the file, and those of histories by kind beside it.
+    /// Creates the file and the histories by kind.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// A file cannot be written.
     pub fn new(dir: &Path, workers: usize, model: &Model) -> Result<Self, Unwritten> {
         let mut file = create_file(&dir.join(FILE))?;
         let (kinds, walls) = (Histories::new(dir, model)?, wall_names(&model.settings.walls));
@@ -223,15 +224,16 @@ impl History {
         })
     }
 
-    /// Whether more swings from step to step than stable motion can have; for steps `above_limit`
-    /// already when the last rows have had much for longer than any turn of it takes.
+    /// Returns true if velocities oscillate more than in a stable motion. For steps `above_limit`
+    /// it also returns true if the last rows have had much energy in oscillations for longer than
+    /// a rebound.
     pub fn swings_on(&self, above_limit: bool) -> bool {
         let Some(last) = &self.last else { return false };
         let long = self.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
         (above_limit && long) || last.swing > MOST_SWING
     }
 
-    /// Takes in a worker's share; writes the row when all have come.
+    /// Adds a worker's contribution, and writes the row when it is complete.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -244,8 +246,7 @@ impl History {
         }
         let parts = self.parts.remove(&number).unwrap_or_default();
         let sum = add_up(&parts);
-        // What the run starts with is known at its first row, less the work that has been done
-        // until then.
+        // The initial energy is that of the first row minus the work done until then.
         let initial = self.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         self.most_came_in = if self.subcycled { self.most_came_in.max(came_in) } else { came_in };
@@ -314,14 +315,14 @@ impl History {
     }
 }
 
-/// Fraction of the most energy so far that contact has created, when its forces have done `work`;
-/// what is below `round_off` is none.
+/// Returns the energy created by contact as a fraction of the largest energy so far. `work` is
+/// the work of contact forces; a value up to `round_off` counts as zero.
 fn created(work: f64, most: f64, round_off: f64) -> f64 {
     if work > round_off { work / most.max(work) } else { 0.0 }
 }
 
-/// Sums over workers; the controlling element is that of the worker with the smallest step, which
-/// all share.
+/// Sums over workers. The controlling element is that of the worker with the smallest step; all
+/// workers use this step.
 fn add_up(parts: &[HistoryPart]) -> HistoryPart {
     let mut sum = parts[0].clone();
     for p in &parts[1..] {

@@ -1,4 +1,4 @@
-//! `summary.json`: how a run went.
+//! `summary.json`: the outcome of a run.
 
 use crate::analysis::connectivity::{Piece, pieces};
 use crumple_proto::job::{Job, Part, Wall};
@@ -8,55 +8,55 @@ use crumple_proto::report::{FinalReport, PHASES, PartRecord};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// It reached its end.
+    /// The run reached its end.
     #[default]
     Completed,
-    /// The user stopped it; the state is kept.
+    /// The user stopped the run; the state is kept.
     Stopped,
-    /// It could not go on.
+    /// The run could not continue.
     Failed,
 }
 
-/// Mean and largest over workers [s].
+/// Mean and maximum over workers [s].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct MeanMax {
     /// Mean.
     pub mean: f64,
-    /// Largest.
+    /// Maximum.
     pub max: f64,
 }
 
 /// Energies at the end [energy].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Energy {
-    /// Kinetic.
+    /// Kinetic energy.
     pub kinetic: f64,
-    /// Internal.
+    /// Internal energy.
     pub internal: f64,
     /// Work of contact on the nodes, friction included.
     pub contact: f64,
-    /// Part of `contact` that friction did.
+    /// Part of `contact` that is work of friction.
     pub friction: f64,
-    /// Part of `contact` that pairs did that started inside each other's thickness, as long as they
-    /// had not come apart.
+    /// Part of `contact` from pairs that started inside the contact thickness, as long as they
+    /// have not separated.
     pub contact_starting: f64,
-    /// Work of rigid walls on the nodes, and of these on walls that have a mass, friction included.
+    /// Work of rigid walls on the nodes, and of nodes on walls with a mass, friction included.
     pub wall: f64,
-    /// Hourglass and drilling.
+    /// Hourglass and drilling energy.
     pub hourglass: f64,
     /// Work of external loads.
     pub external: f64,
-    /// Kinetic, internal and hourglass at the start.
+    /// Kinetic, internal and hourglass energy at the start.
     pub total_initial: f64,
-    /// Unexplained at the end, a fraction.
+    /// Energy error at the end, as a fraction.
     pub error: f64,
     /// Largest |error| of all history rows.
     pub error_max: f64,
-    /// Most energy that contact has created, as a fraction of the most that there was.
+    /// Largest energy that contact has created, as a fraction of the largest energy so far.
     pub contact_created: f64,
 }
 
@@ -71,7 +71,7 @@ pub struct Momentum {
     pub wall_impulse: [f64; 3],
 }
 
-/// Steps [time].
+/// Step sizes [time].
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Steps {
     /// First.
@@ -82,19 +82,19 @@ pub struct Steps {
     pub last: f64,
 }
 
-/// Redecompositions.
+/// Number of redecompositions.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Redecompositions {
-    /// Boxes recomputed.
+    /// Repartitions, with new boxes.
     pub low: u64,
-    /// Membership renewed.
+    /// Membership updates.
     pub high: u64,
 }
 
-/// Contact.
+/// Contact statistics.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct ContactSummary {
-    /// Most active pairs in a history row.
+    /// Largest number of active pairs in a history row.
     pub pairs_max: u64,
     /// Largest penetration as a fraction of the pair's contact thickness.
     pub penetration_max: f64,
@@ -102,22 +102,23 @@ pub struct ContactSummary {
     pub searches: f64,
     /// Sweeps per cycle, mean over workers.
     pub sweeps_per_cycle: f64,
-    /// Steps with accelerated sweeps.
+    /// Number of steps with accelerated sweeps.
     pub accelerated_steps: u64,
-    /// Steps that ended before the forces of all pairs were good enough.
+    /// Number of steps that ended before the forces of all pairs had converged.
     pub unsettled_steps: u64,
-    /// Pairs whose penalty stiffness was lowered so that the step stays stable, mean over cycles.
+    /// Number of pairs with a penalty stiffness lowered for stability, mean over cycles.
     pub capped_per_cycle: f64,
 }
 
-/// CPU accounting of the workers, waiting left out; renewals are in neither sum of cycles [s].
+/// CPU time of the workers without waiting [s]. Redecompositions are in neither sum over
+/// cycles.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Cpu {
-    /// Sum over workers.
+    /// Sum over cycles and workers.
     pub total: f64,
     /// Sum over cycles of the slowest worker.
     pub critical_path: f64,
-    /// Renewals of boxes and membership, the worker with most.
+    /// Redecompositions, maximum over workers.
     pub renewal: f64,
     /// Messages sent per worker and cycle.
     pub messages_per_cycle: f64,
@@ -125,7 +126,7 @@ pub struct Cpu {
     pub bytes_per_cycle: f64,
 }
 
-/// A part: what it was given, and what it needed.
+/// A part: its settings, and its results.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PartSummary {
     /// Id.
@@ -138,23 +139,23 @@ pub struct PartSummary {
     pub material: String,
     /// Integration points through the thickness.
     pub points: usize,
-    /// Elements, without those that have failed.
+    /// Number of elements without the failed ones.
     pub elements: u64,
-    /// Elements that have failed.
+    /// Number of failed elements.
     #[serde(default)]
     pub failed: u64,
-    /// Those of them that were shells that were inverted, which `inverted = "delete"` of the part
-    /// lets fail.
+    /// Number of failed elements that were inverted shells, which `inverted = "delete"` of the
+    /// part deletes.
     #[serde(default)]
     pub inverted: u64,
     /// Largest effective plastic strain at the end.
     pub plastic_strain_max: f64,
-    /// Largest von Mises stress at the end [force/length^2]; it may have been larger before.
+    /// Largest von Mises stress at the end [force/length^2]. It may have been larger before.
     pub von_mises_end: f64,
-    /// Largest difference of effective plastic strain between elements with a node in common, at
-    /// the end; elements of different workers are not compared.
+    /// Largest difference of effective plastic strain between elements that share a node, at the
+    /// end. Elements of different workers are not compared.
     pub strain_jump: f64,
-    /// The same of von Mises stress [force/length^2].
+    /// Largest difference of von Mises stress between such elements [force/length^2].
     pub stress_jump: f64,
     /// Formulation of its four-node shells or its solids, if the job names one.
     pub element: String,
@@ -164,16 +165,17 @@ pub struct PartSummary {
     pub hourglass: f64,
     /// Its connected pieces.
     pub pieces: Vec<Piece>,
-    /// Whether it belongs to a rigid body.
+    /// True if it belongs to a rigid body.
     pub rigid: bool,
-    /// Whether it ever came within contact reach and skin of anything; none without contact.
+    /// True if it was ever within contact reach and skin of another surface; none without
+    /// contact.
     pub contact_near: Option<bool>,
-    /// Whether it ever had a contact pair; none without contact.
+    /// True if it ever had a contact pair; none without contact.
     pub contact_pairs: Option<bool>,
 }
 
-/// What became of the parts, over all workers; `parts` are those of the settings, in whose order
-/// workers report.
+/// Returns the results of the parts over all workers. `parts` are those of the settings; workers
+/// report in their order.
 pub fn parts(
     job: &Job,
     outline: &Outline,
@@ -213,7 +215,7 @@ pub fn parts(
     parts.iter().enumerate().map(of).collect()
 }
 
-/// What the summary tells of a mesh.
+/// Data of a mesh for the summary.
 pub struct Outline {
     /// Number of nodes.
     pub nodes: usize,
@@ -224,7 +226,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of this mesh.
+    /// Collects the data of this mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         let mut elements = BTreeMap::new();
         for e in &mesh.elements {
@@ -237,17 +239,17 @@ impl Outline {
 /// The whole file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
-    /// What the scene is, as the job says.
+    /// Title of the job.
     pub title: String,
-    /// Units of the job, as it says.
+    /// Units of the job, as it states them.
     pub units: String,
-    /// How it ended.
+    /// End of the run.
     pub status: Status,
-    /// Why.
+    /// Reason of the end.
     pub reason: String,
     /// Simulated time reached [time].
     pub end_time: f64,
-    /// Cycles done.
+    /// Number of cycles.
     pub cycles: u64,
     /// Number of nodes.
     pub nodes: usize,
@@ -259,37 +261,38 @@ pub struct Summary {
     pub transport: String,
     /// Wall time of the run [s].
     pub wall_s: f64,
-    /// Nanoseconds of wall time x workers per element per cycle.
+    /// Wall time x workers per element and cycle [ns].
     pub grind_ns: f64,
     /// Wall time per phase [s].
     pub phase_s: BTreeMap<String, MeanMax>,
-    /// CPU accounting.
+    /// CPU time.
     pub cpu_s: Cpu,
     /// Energies.
     pub energy: Energy,
     /// Momentum.
     pub momentum: Momentum,
-    /// Steps.
+    /// Step sizes.
     pub dt: Steps,
     /// Redecompositions.
     pub redecompositions: Redecompositions,
-    /// max/mean step cost over workers.
+    /// Maximum over mean step cost of the workers.
     pub imbalance: MeanMax,
     /// Contact.
     pub contact: ContactSummary,
-    /// What the deck has and the run went on without, with file and line; see
+    /// Unsupported content of the deck that the run ignored, with file and line; see
     /// `--allow-unsupported`.
     pub unsupported: Vec<String>,
-    /// Parts, in ascending id.
+    /// Parts, by ascending id.
     pub parts: Vec<PartSummary>,
     /// Rigid walls of the job.
     pub walls: Vec<Wall>,
-    /// blake3 of the state; see [`state_digest`].
+    /// blake3 hash of the state; see [`state_digest`].
     pub state_digest: String,
 }
 
-/// blake3 (hex) of the little-endian f64 bits of, per node in ascending label, position, velocity
-/// and rotational velocity. A node without rotational inertia has no rotational velocity.
+/// Returns the blake3 hash (hex) of the little-endian f64 bits of position, velocity and
+/// rotational velocity of all nodes, by ascending label. A node without rotational inertia has no
+/// rotational velocity.
 pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
     nodes.sort_unstable_by_key(|n| n.id.label());
     let mut hasher = blake3::Hasher::new();
@@ -302,7 +305,7 @@ pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Seconds per phase over workers.
+/// Returns the wall time per phase over workers [s].
 pub fn phases(closings: &[FinalReport]) -> BTreeMap<String, MeanMax> {
     let of = |p: usize| {
         let seconds = closings.iter().map(|c| c.phases[p]);

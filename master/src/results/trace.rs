@@ -1,9 +1,9 @@
-//! `crumple run --trace`: what every worker did when, as Chrome trace events for chrome://tracing
+//! `crumple run --trace`: timeline of every worker as Chrome trace events for chrome://tracing
 //! and ui.perfetto.dev.
 //!
-//! The format is that of "Trace Event Format" (Google 2016): one process, a track for each worker,
-//! phases as complete events (`X`), orders and renewals as instant events (`i`). Times are
-//! microseconds since a common start.
+//! The format is that of "Trace Event Format" (Google 2016): one process, a track for each
+//! worker, phases as complete events (`X`), orders and redecompositions as instant events (`i`).
+//! Times are in microseconds since a common start.
 
 use crumple_proto::report::PHASES;
 use crumple_proto::trace::{Event, Kind, MAX_EVENTS, Recording};
@@ -11,20 +11,20 @@ use std::fs::File;
 use std::io::{BufWriter, Result, Write};
 use std::path::{Path, PathBuf};
 
-/// The file of a trace, and what has come from workers for it.
+/// The file of a trace, and the recordings of the workers.
 pub struct Trace {
-    /// Where it is written.
+    /// Path of the file.
     pub path: PathBuf,
     file: File,
     recordings: Vec<Option<Recording>>,
 }
 
 impl Trace {
-    /// A trace of so many workers. The file is made at once: a run should not end with one that
-    /// cannot be.
+    /// Creates a trace of `workers` workers. The file is created at once, so that a path that
+    /// cannot be written is found before the run.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn new(path: &Path, workers: usize) -> Result<Self> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
@@ -36,18 +36,18 @@ impl Trace {
         })
     }
 
-    /// Takes in a worker's recording.
+    /// Adds a worker's recording.
     pub fn add_recording(&mut self, worker: usize, recording: Recording) {
         self.recordings[worker] = Some(recording);
     }
 
-    /// Whether a worker's recording has come.
+    /// Returns true if a worker's recording has arrived.
     pub fn has(&self, worker: usize) -> bool {
         self.recordings[worker].is_some()
     }
 
-    /// Writes the file; `one_clock` says that all workers read the same clock. Returns what a user
-    /// should know of it.
+    /// Writes the file. `one_clock` is true if all workers read the same clock. Returns a message
+    /// for the user.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -96,7 +96,7 @@ impl Trace {
     }
 }
 
-/// The events of one worker, all times moved by `shift` [ns].
+/// Writes the events of one worker, with all times shifted by `shift` [ns].
 fn write_track(
     out: &mut impl Write,
     worker: usize,
@@ -160,8 +160,8 @@ mod tests {
     use super::*;
     use crumple_proto::trace::{Moment, Span};
 
-    /// Times are moved to the earliest origin if clocks are one; a worker that was lost is told of,
-    /// and so is a recording that was cut short.
+    /// Times are shifted to the earliest origin if all workers read the same clock. A lost worker
+    /// is reported, and also a truncated recording.
     #[test]
     fn the_file_is_json_with_all_events_on_one_time_line() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,19 +1,20 @@
-//! Measured cost in, redecompose or not out. Pure: it is tested without workers.
+//! Decides when to redecompose, from measured costs. Has no side effects, so it is tested without
+//! workers.
 
 use crumple_proto::report::StepReport;
 use std::collections::VecDeque;
 
-/// Redecomposition that is due.
+/// A redecomposition that is due.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Due {
-    /// Membership is renewed in boxes that drift; `why` is for people.
+    /// Membership update: boxes move with their content and get new members.
     High {
-        /// What called for it.
+        /// Reason, shown to the user.
         why: String,
     },
-    /// Boxes are recomputed.
+    /// Repartition: new boxes.
     Low {
-        /// What called for it.
+        /// Reason, shown to the user.
         why: String,
     },
 }
@@ -21,62 +22,65 @@ pub enum Due {
 /// Thresholds from the job.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Low when max/mean step cost stays above this.
+    /// Maximum over mean step cost above which a low redecomposition is due.
     pub imbalance: f64,
-    /// Least cycles between two lows.
+    /// Minimum number of cycles between two low redecompositions.
     pub low_every_at_least: u64,
-    /// Alternate both kinds whenever workers ask, for tests.
+    /// True to alternate both kinds whenever workers ask, for tests.
     pub forced: bool,
 }
 
-/// High is ordered when this fraction of the covered motion is used up; the rest covers the way of
-/// the order.
+/// Fraction of the ghost margin used at which a high redecomposition is ordered. The rest covers
+/// the motion until the order arrives.
 const URGENT: f64 = 0.7;
-/// Cycles that a judgement of the balance looks at, at least.
+/// Minimum number of cycles over which the balance is judged.
 const WINDOW: usize = 100;
-/// Share of an imbalance that a low must have cured for the next not to wait longer.
+/// Fraction of an imbalance that a low redecomposition must remove. If it removes less, the wait
+/// until the next one is doubled.
 const WORTHWHILE: f64 = 0.3;
-/// Seconds that a low redecomposition is thought to cost before one was measured.
+/// Assumed cost of a low redecomposition before one is measured [s].
 const LOW_COST: f64 = 0.02;
 
-/// What the master knows of the load.
+/// The master's data on the load of the workers.
 #[derive(Debug)]
 pub struct Balance {
     limits: Limits,
     /// Last report of each worker.
     pub last: Vec<StepReport>,
-    /// CPU seconds of cycles that not all workers have reported yet.
+    /// CPU time of cycles that not all workers have reported yet [s].
     waiting: Vec<VecDeque<f32>>,
-    /// Sums per worker since boxes were last renewed or judged, and cycles in them.
+    /// CPU time of each worker since the last redecomposition or judgement [s], and the number of
+    /// cycles in it.
     window: Vec<f64>,
     cycles: usize,
-    /// Seconds lost by waiting for the slowest since the last low.
+    /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
     last_low: u64,
     low_cost: f64,
-    /// Imbalance that called for the last low, until it is known what that low has brought.
+    /// Imbalance that caused the last low redecomposition, until its effect is known.
     unproven: Option<f64>,
     judged_imbalance: Option<f64>,
-    /// Factor on the patience between lows: doubled by each that brought little.
+    /// Factor on the minimum number of cycles between low redecompositions. Each one of little
+    /// effect doubles it.
     patience: u64,
     orders_due: u64,
-    /// Sum over cycles of the slowest worker's CPU seconds.
+    /// Sum over cycles of the slowest worker's CPU time [s].
     pub critical_s: f64,
-    /// Sum over cycles and workers of CPU seconds.
+    /// Sum over cycles and workers of the CPU time [s].
     pub total_s: f64,
-    /// CPU seconds of each worker's renewals.
+    /// CPU time of redecompositions, per worker [s].
     pub renewal_s: Vec<f64>,
-    /// Largest max/mean over a window, and the sum for its mean over all cycles.
+    /// Largest imbalance (maximum over mean step cost) of a window.
     pub worst: f64,
-    /// Low and high redecompositions done.
+    /// Number of low redecompositions.
     pub low: u64,
-    /// See `low`.
+    /// Number of high redecompositions.
     pub high: u64,
     flip: bool,
 }
 
 impl Balance {
-    /// Nothing known yet.
+    /// Creates the balance of a run without reports.
     pub fn new(workers: usize, limits: Limits) -> Self {
         Self {
             limits,
@@ -101,7 +105,7 @@ impl Balance {
         }
     }
 
-    /// Takes in a worker's report.
+    /// Adds a worker's report.
     pub fn add_report(&mut self, worker: usize, report: StepReport) {
         self.waiting[worker].extend(&report.cpu);
         self.renewal_s[worker] += report.renewal_s;
@@ -118,13 +122,13 @@ impl Balance {
         }
     }
 
-    /// max/mean step cost since the window began.
+    /// Returns the maximum over mean step cost since the window began.
     pub fn imbalance(&self) -> f64 {
         let mean = self.window.iter().sum::<f64>() / self.window.len() as f64;
         if mean > 0.0 { self.window.iter().copied().fold(0.0, f64::max) / mean } else { 1.0 }
     }
 
-    /// Mean over the run of max/mean step cost.
+    /// Returns the mean over the run of the maximum over mean step cost.
     pub fn mean_imbalance(&self) -> f64 {
         if self.total_s > 0.0 {
             self.critical_s * self.last.len() as f64 / self.total_s
@@ -133,12 +137,12 @@ impl Balance {
         }
     }
 
-    /// Active pairs of all workers at their last reports.
+    /// Returns the number of active pairs of all workers in their last reports.
     pub fn pairs(&self) -> u64 {
         self.last.iter().map(|r| r.pairs).sum()
     }
 
-    /// Cost of a contact pair in units of an element's, as measured; 0 without pairs.
+    /// Returns the measured cost of a contact pair over that of an element, 0 without pairs.
     pub fn pair_weight(&self) -> f64 {
         let sum = |f: fn(&StepReport) -> f64| self.last.iter().map(f).sum::<f64>();
         let (pairs, elements) = (self.pairs() as f64, sum(|r| r.elements as f64));
@@ -146,7 +150,8 @@ impl Balance {
         if pairs > 0.0 && element > 0.0 { (contact / pairs) / (element / elements) } else { 0.0 }
     }
 
-    /// What is due, if anything. An order under way must be done first.
+    /// Returns the redecomposition that is due, if any. Returns none until all workers have
+    /// carried out the last order.
     pub fn due(&mut self) -> Option<Due> {
         if self.last.iter().any(|r| r.order < self.orders_due) {
             return None;
@@ -190,7 +195,7 @@ impl Balance {
         (urgency >= URGENT).then(|| Due::High { why: why() })
     }
 
-    /// Notes an order that is on its way.
+    /// Records an order that was sent, and begins a new window.
     pub fn ordered(&mut self, number: u64, due: &Due) {
         self.orders_due = number;
         self.begin_window();
@@ -205,7 +210,7 @@ impl Balance {
         }
     }
 
-    /// Notes what a low redecomposition has cost [s].
+    /// Records the cost of a low redecomposition [s].
     pub fn low_took(&mut self, seconds: f64) {
         self.low_cost = seconds;
     }

@@ -1,4 +1,4 @@
-//! THE RUN, one page: deal out, listen, decide, write, stop.
+//! The run on one page: distribute the model, receive reports, decide, write results, stop.
 
 use crate::input::job::Model;
 use crate::results::fields::Series;
@@ -20,39 +20,40 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A master with nothing to do sleeps this long: it must not burn a core that workers want.
+/// Sleep of the master when there is nothing to do, so that it does not occupy a core that
+/// workers need.
 const NAP: Duration = Duration::from_micros(500);
 
-/// Why a run has no summary.
+/// Reason why a run has no summary.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A worker is gone.
+    /// A worker was lost.
     #[error("a worker was lost: {0}; the results so far are in the output folder")]
     Lost(#[from] RankLost),
     /// Results cannot be written.
     #[error("{path}: {error}; choose another folder with --out", path = .path.display())]
     Output {
-        /// What cannot be written.
+        /// File or folder that cannot be written.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// The trace cannot be written.
     #[error("{path}: {error}; choose another file with --trace", path = .path.display())]
     Trace {
-        /// Its file.
+        /// File of the trace.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: std::io::Error,
     },
 }
 
-/// A run as the master sees it.
+/// State of a run on the master.
 pub struct Control<'a> {
     began: Instant,
-    /// Without its mesh once the work is dealt out.
+    /// The model, without its mesh after the distribution.
     model: &'a mut Model,
-    /// What of the mesh the summary tells.
+    /// Numbers of the mesh that the summary contains.
     outline: Outline,
     comm: &'a mut dyn Transport,
     workers: usize,
@@ -64,36 +65,38 @@ pub struct Control<'a> {
     out: PathBuf,
     orders: u64,
     stop_ordered: bool,
-    /// Workers that have stopped for a low redecomposition, and when the first did.
+    /// Workers that have stopped for a low redecomposition, and the time at which the first one
+    /// stopped.
     ready: Vec<usize>,
     ready_since: Option<Instant>,
-    /// Field pieces written, per output index.
+    /// Number of field pieces written, per output index.
     pieces: BTreeMap<usize, usize>,
     trouble: Option<Failure>,
-    /// Whether a deep penetration has been told, and energy that contact creates.
+    /// True after the warning about a deep penetration, and after the one about energy that
+    /// contact creates.
     sunk_told: bool,
     created_told: bool,
-    /// Whether it has been told that contact shortens the step.
+    /// True after the warning that contact shortens the step.
     short_told: bool,
     closings: Vec<Option<FinalReport>>,
     trace: Option<Trace>,
     states: Vec<NodeRecord>,
 }
 
-/// Where the results of a run go.
+/// Output locations of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Results<'a> {
-    /// Folder for all that every run leaves.
+    /// Folder for the results of every run.
     pub out: &'a Path,
-    /// File for a time line of all workers, if it is wanted.
+    /// File for the timeline of all workers, if requested.
     pub trace: Option<&'a Path>,
 }
 
-/// Runs a job with the workers at the other ends of `wire`; the model loses its mesh once that is
-/// dealt out.
+/// Runs a job with the workers at the other ranks of `comm`. The model loses its mesh after the
+/// distribution.
 ///
 /// # Errors
-/// A worker is gone, or results cannot be written.
+/// A worker was lost, or results cannot be written.
 pub fn run(
     model: &mut Model,
     comm: &mut dyn Transport,
@@ -107,7 +110,7 @@ pub fn run(
     ended?;
     control.progress.finish();
     let summary = control.finish()?;
-    traced?; // after all that the run itself has to say
+    traced?; // after the messages of the run itself
     Ok(summary)
 }
 
@@ -127,7 +130,7 @@ impl<'a> Control<'a> {
         };
         std::fs::create_dir_all(out).map_err(failed(out))?;
         if fields.exists() {
-            std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // of an older run
+            std::fs::remove_dir_all(&fields).map_err(failed(&fields))?; // from an earlier run
         }
         let history = History::new(out, workers, model)
             .map_err(|(path, error)| RunError::Output { path, error })?;
@@ -168,7 +171,8 @@ impl<'a> Control<'a> {
         })
     }
 
-    /// Deals out the work and follows the run to its end.
+    /// Distributes the model and supervises the run until all workers have sent their final
+    /// reports.
     fn supervise(&mut self, stop: &StopFlag) -> Result<(), RunError> {
         self.deal_out()?;
         while self.closings.iter().any(Option::is_none) {
@@ -192,8 +196,8 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Writes the time line, if there is to be one. When a worker was lost the others end too, and
-    /// send what they have.
+    /// Writes the timeline, if requested. After the loss of a worker the others also end, and
+    /// send their recordings.
     fn write_trace(&mut self) -> Result<(), RunError> {
         let Some(mut trace) = self.trace.take() else { return Ok(()) };
         let began = Instant::now();
@@ -203,7 +207,7 @@ impl<'a> Control<'a> {
                     Ok(Some(ToMaster::Recording(recording))) => {
                         trace.add_recording(worker, *recording)
                     }
-                    Ok(Some(_)) => {} // of a run that has ended
+                    Ok(Some(_)) => {} // late messages of the run
                     Ok(None) => std::thread::sleep(NAP),
                     Err(_) => break,
                 }
@@ -216,7 +220,7 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Cuts space into boxes and sends every worker what lies in its own.
+    /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
     fn deal_out(&mut self) -> Result<(), RankLost> {
         let (elements, nodes) = self.model.records();
         let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
@@ -251,7 +255,7 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Takes in what has come from workers; false if nothing had.
+    /// Receives all messages that have arrived from workers. Returns true if there was one.
     fn listen(&mut self) -> Result<bool, RunError> {
         let mut heard = false;
         for worker in 0..self.workers {
@@ -327,7 +331,7 @@ impl<'a> Control<'a> {
         Ok(())
     }
 
-    /// Says once that contact does not hold what it should.
+    /// Warns once of deep penetration, and once if contact shortens the step much.
     fn watch_contact(&mut self) {
         let (depth, time) =
             (self.history.penetration, self.history.last.as_ref().map_or(0.0, |r| r.sum.time));
@@ -357,8 +361,9 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Plasticity can hold an unstable step in bounds; the balance of energy cannot, or velocities
-    /// swing from step to step and go on to. Stops a run of which either is true.
+    /// Stops the run if the energy balance is violated, or if velocities keep oscillating from
+    /// step to step. Plasticity can keep an unstable step bounded, but it then violates one
+    /// of the two criteria.
     fn watch_energy(&mut self) {
         let Some(row) = self.history.last.as_ref() else { return };
         let what = if row.error.abs() > MOST_ENERGY_ERROR {
@@ -384,7 +389,7 @@ impl<'a> Control<'a> {
         self.fail(Failure { elem: sum.controlling, cycle: sum.cycle, time: sum.time, why });
     }
 
-    /// Contact that makes energy of nothing is told once, and stops the run when it is much.
+    /// Warns once if contact creates energy, and stops the run if the energy exceeds a limit.
     fn watch_work(&mut self) {
         let Some(row) = self.history.last.as_ref().filter(|row| row.created > LITTLE_CREATED)
         else {
@@ -411,7 +416,7 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Stops the run as failed, unless it ends already.
+    /// Stops the run as failed, unless it is already ending.
     fn fail(&mut self, trouble: Failure) {
         if self.trouble.is_none() && !self.stop_ordered {
             self.trouble = Some(trouble);
@@ -423,7 +428,7 @@ impl<'a> Control<'a> {
     fn order(&mut self, action: Action) {
         self.orders += 1;
         for rank in 1..=self.workers {
-            // A worker that cannot be reached has just ended, or is lost; listening tells which.
+            // A worker that cannot be reached has ended or is lost. The next receive finds out.
             let _ = post(
                 self.comm,
                 rank,
@@ -458,7 +463,8 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// All workers wait: measure the load where it is, cut anew, let them migrate.
+    /// Repartitions while all workers wait: measures the load on the workers, computes new boxes,
+    /// and lets the workers migrate elements.
     fn recut(&mut self) -> Result<(), RunError> {
         let mut load =
             Workers { pair_weight: self.balance.pair_weight(), comm: self.comm, aside: Vec::new() };
@@ -469,7 +475,7 @@ impl<'a> Control<'a> {
         }
         self.ready.clear();
         if let Some(since) = self.ready_since.take() {
-            // Migration takes about as long again as asking and cutting.
+            // Migration takes about as long as the measurement and the new boxes.
             self.balance.low_took(2.0 * since.elapsed().as_secs_f64());
         }
         aside.into_iter().try_for_each(|(worker, message)| self.receive(worker, message))
@@ -489,7 +495,7 @@ impl<'a> Control<'a> {
         });
     }
 
-    /// Everything has come: the summary.
+    /// Writes the summary after all final reports have arrived.
     fn finish(mut self) -> Result<Summary, RunError> {
         let wall_s = self.began.elapsed().as_secs_f64();
         let closings: Vec<FinalReport> = self.closings.into_iter().flatten().collect();
@@ -589,18 +595,17 @@ impl<'a> Control<'a> {
     }
 }
 
-/// A penetration deeper than this fraction of the contact thickness is told.
+/// Penetration over contact thickness above which a warning is given.
 const SUNK: f64 = 0.5;
-/// A run whose energy balance is off by more than this fraction has failed; crash codes are
-/// accepted with 0.01.
+/// Relative energy error above which the run has failed. Crash codes are accepted with 0.01.
 const MOST_ENERGY_ERROR: f64 = 0.1;
-/// A step that contact makes shorter than this fraction of the elements' is told.
+/// Step of contact over step of the elements below which a warning is given.
 const MUCH_SHORTER: f64 = 0.5;
-/// Fractions of the most energy so far that contact may create before it is told, and before the
-/// run has failed.
+/// Energy created by contact, as a fraction of the largest energy so far: limit for a warning,
+/// and limit for the failure of the run.
 const LITTLE_CREATED: f64 = 0.01;
 const MOST_CREATED: f64 = 0.1;
-/// How long the master waits for what workers have recorded when one of them was lost.
+/// Time for which the master waits for recordings after the loss of a worker.
 const LAST_WORDS: Duration = Duration::from_secs(2);
-/// High redecompositions that are said aloud; all are in `log.jsonl`.
+/// Number of high redecompositions that are printed. All are in `log.jsonl`.
 const MOST_SAID: u64 = 10;

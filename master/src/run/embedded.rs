@@ -1,5 +1,5 @@
-//! Engines in this process without a master, watched step by step: verification,
-//! benchmarks, predictions of efficiency and tests share this.
+//! Engines in this process without a master, observed step by step. Verification, benchmarks,
+//! predictions of efficiency and tests use them.
 
 use crate::input::job::Model;
 use crate::results::summary::state_digest;
@@ -17,24 +17,24 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// Share of what exterior copies cover at which membership is renewed.
+/// Fraction of the ghost margin used at which membership is updated.
 const RENEW_AT: f64 = 0.7;
 
-/// A contact pair by its ids.
+/// Slave node and segment of a contact pair.
 pub type PairIds = (NodeId, SegmentId);
 
-/// How a run on one engine ended.
+/// End of a run on one engine.
 pub struct Ended {
-    /// The engine as it is then.
+    /// The engine at the end.
     pub engine: Engine,
-    /// Element in trouble, if the run had to end.
+    /// Failed element, if the run had to end.
     pub trouble: Option<ElemId>,
 }
 
-/// Runs a job on one engine in this thread. `look` is called at every time from 0 to the end: it
-/// sees coordinates at `clock.time`, velocities half a step before, and may set the velocities of
-/// fixed degrees of freedom, which then move the coming step of `clock.dt` with them; it may also
-/// end the run.
+/// Runs a job on one engine in this thread. `look` is called at every time from 0 to the end. It
+/// sees coordinates at `clock.time` and velocities half a step before. It may set velocities of
+/// fixed degrees of freedom, which then move with them in the next step of `clock.dt`. It may
+/// also end the run.
 ///
 /// # Errors
 /// The engine could not be set up.
@@ -53,18 +53,18 @@ pub fn run_alone(
     Ok(Ended { engine, trouble })
 }
 
-/// One engine with all of a job, and its connection to a master that does not listen.
+/// One engine with the whole job, and its connection to a master that does not read.
 pub struct Alone {
     /// The engine.
     pub engine: Engine,
-    /// Its end of the connection.
+    /// The engine's end of the connection.
     pub comm: threads::Threads,
-    /// What arrives at the other end, history rows among it, piles up unread.
+    /// The master's end. Messages, history rows among them, stay here unread.
     _master: threads::Threads,
 }
 
 impl Alone {
-    /// At time 0.
+    /// Sets up the engine at time 0.
     ///
     /// # Errors
     /// The engine could not be set up.
@@ -78,10 +78,10 @@ impl Alone {
         Ok(Self { engine, comm, _master })
     }
 
-    /// A step.
+    /// Advances by one step.
     ///
     /// # Errors
-    /// An element is in trouble.
+    /// An element has failed.
     pub fn forward(&mut self) -> Result<(), String> {
         let agreed = step(&mut self.engine, &mut self.comm).map_err(|lost| lost.to_string())?;
         match agreed.failure {
@@ -93,26 +93,26 @@ impl Alone {
     }
 }
 
-/// What a run of engines side by side gives.
+/// Result of a run with several engines.
 pub struct Trace {
-    /// Pairs of all workers per cycle, ascending; a pair that two workers own would be there twice.
+    /// Pairs of all workers per cycle, ascending. A pair that two workers own would appear twice.
     pub pairs: Vec<Vec<PairIds>>,
-    /// State at the end, all nodes.
+    /// State of all nodes at the end.
     pub nodes: Vec<NodeRecord>,
-    /// Renewals of boxes.
+    /// Number of redecompositions.
     pub renewals: u64,
-    /// Element in trouble, if the run had to end.
+    /// Failed element, if the run had to end.
     pub trouble: Option<ElemId>,
 }
 
 impl Trace {
-    /// Digest of the state.
+    /// Returns the digest of the state.
     pub fn digest(&self) -> String {
         state_digest(&mut self.nodes.clone())
     }
 }
 
-/// Element centres at the start.
+/// Returns the element centres at the start [length].
 pub(crate) fn centres(model: &Model) -> Vec<[f64; 3]> {
     let of_id: HashMap<_, _> = model.mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let centre = |e: &MeshElement| {
@@ -124,12 +124,12 @@ pub(crate) fn centres(model: &Model) -> Vec<[f64; 3]> {
     model.mesh.elements.iter().map(centre).collect()
 }
 
-/// Runs `cycles` cycles on `workers` engines. Boxes are renewed when exterior copies run out, and
-/// every `force_every` cycles (0 for never), in turn within the old boxes and with boxes cut in
-/// another direction.
+/// Runs `cycles` cycles on `workers` engines. Membership is updated when the ghost margin is used
+/// up, and every `force_every` cycles (0 for never), alternately within the old boxes and with
+/// boxes that are cut in another direction.
 ///
 /// # Panics
-/// When a worker is lost.
+/// Panics if a worker is lost.
 pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every: u64) -> Trace {
     let centres = centres(model);
     let cut = |stretch: [f64; 3]| {
@@ -143,7 +143,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
         }
         tree
     };
-    // Stretching an axis makes it the longest, so that cuts go across it.
+    // A stretched axis is the longest, so that cuts are made across it.
     let trees = [cut([1.0; 3]), cut([1.0, 50.0, 1.0]), cut([1.0, 1.0, 80.0])];
     let shares = deal(model, &centres, &trees[0], workers);
     let plan = Plan { cycles, force_every, trees };
@@ -163,7 +163,7 @@ pub fn run_side_by_side(model: &Model, workers: usize, cycles: u64, force_every:
     all
 }
 
-/// The share of each worker, by the boxes of `tree`.
+/// Returns the partition of each worker by the boxes of `tree`.
 pub(crate) fn deal(
     model: &Model,
     centres: &[[f64; 3]],
@@ -185,7 +185,7 @@ pub(crate) fn deal(
     shares
 }
 
-/// Runs one worker per share, each in a thread. What they tell the master piles up unread.
+/// Runs one worker per partition, each in a thread. Their messages to the master stay unread.
 pub(crate) fn on_threads<T: Send>(
     shares: Vec<PartitionData>,
     run: impl Fn(&mut dyn Transport, PartitionData) -> T + Sync,
@@ -200,26 +200,26 @@ pub(crate) fn on_threads<T: Send>(
     })
 }
 
-/// What a worker took for some cycles.
+/// Times of a worker for a number of cycles.
 pub struct Timing {
-    /// Cycles that were timed.
+    /// Number of timed cycles.
     pub cycles: u64,
-    /// CPU time, that of waiting for others left out [s].
+    /// CPU time without the time of waiting for others [s].
     pub cpu_s: f64,
-    /// Wall clock [s].
+    /// Wall time [s].
     pub wall_s: f64,
-    /// Wall clock by phase [s].
+    /// Wall time by phase [s].
     pub phases: PhaseSeconds,
     /// Messages and bytes sent to other workers.
     pub traffic: Traffic,
 }
 
-/// Times `cycles` cycles of workers side by side after the first `skip`. Boxes are those of the
-/// start; membership is renewed when exterior copies run out. Unstrained elements are computed like
-/// the others, since runs go on long after that.
+/// Times `cycles` cycles of several workers after the first `skip` cycles. The boxes are those of
+/// the start; membership is updated when the ghost margin is used up. Unstrained elements are
+/// computed like the others, because most of a run has strained elements.
 ///
 /// # Errors
-/// A worker was lost, or the run ended before.
+/// A worker was lost, or the run ended too early.
 pub fn time_side_by_side(
     model: &Model,
     workers: usize,

@@ -1,4 +1,5 @@
-//! `crumple run`: where the workers are, and with which code the process ends.
+//! `crumple run`: starts workers as threads or MPI processes, and sets the exit code of the
+//! process.
 
 use crate::cli::RunArgs;
 use crate::input::job::{self, Model, Report};
@@ -10,20 +11,21 @@ use crate::run::stop::StopFlag;
 use crumple_proto::transport::{Transport, threads};
 use std::path::Path;
 
-/// Exit codes, as README.md lists them.
+/// Exit codes as in README.md.
 const COMPLETED: u8 = 0;
 const FAILED: u8 = 3;
 const WORKER_LOST: u8 = 4;
 const STOPPED: u8 = 130;
 
-/// Whether a launcher of MPI processes has started this one: it tells them how many they are.
+/// Returns true if an MPI launcher has started this process. Launchers set these
+/// environment variables.
 fn launched_by_mpi() -> bool {
     ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"]
         .iter()
         .any(|name| std::env::var_os(name).is_some())
 }
 
-/// Runs a job; returns the exit code.
+/// Runs a job and returns the exit code.
 pub fn run(args: &RunArgs) -> u8 {
     if launched_by_mpi() { run_under_mpi(args) } else { run_threads(args) }
 }
@@ -56,7 +58,7 @@ fn run_threads(args: &RunArgs) -> u8 {
     let code = as_master(args, &mut model, &mut master);
     drop(master);
     for worker in workers.into_iter().flatten() {
-        // A panic has been printed by the worker and is reported as a lost worker.
+        // The worker has printed its panic, and the master reports it as a lost worker.
         let _ = worker.join();
     }
     code
@@ -83,8 +85,8 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
         return run_threads(args);
     }
     if comm.rank() > 0 {
-        // The master decides when to stop; a launcher's signal to all ranks must not end this one
-        // early.
+        // The master decides when to stop. A signal that the launcher sends to all ranks must not
+        // end this one early.
         let _patient = StopFlag::listen(true);
         return match crumple_worker::serve::serve(&mut comm) {
             Ok(()) => COMPLETED,
@@ -106,7 +108,7 @@ fn run_under_mpi(args: &RunArgs) -> u8 {
         }
         Err(report) => {
             for rank in 1..=ranks {
-                // A worker that is gone already needs no telling.
+                // A worker that has ended needs no message.
                 let _ = post(&mut comm, rank, Tag::Order, &ToWorker::Quit);
             }
             bad_input(&report)
@@ -129,7 +131,7 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
     }
     log_to(&out);
     model.warnings.iter().for_each(|warning| tracing::warn!(%warning, "job"));
-    report::forget(&out); // of an older run
+    report::forget(&out); // from an earlier run
     let stop = StopFlag::listen(false);
     let results = Results { out: &out, trace: args.trace.as_deref() };
     let ended = control::run(model, comm, results, args.quiet, &stop);
@@ -177,13 +179,13 @@ fn as_master(args: &RunArgs, model: &mut Model, comm: &mut dyn Transport) -> u8 
     code
 }
 
-/// Events of master and threads go to `log.jsonl`; a folder that cannot be written is found out by
-/// the run itself.
+/// Writes events of the master and of threads to `log.jsonl`. If the folder cannot be written,
+/// the run itself reports it.
 fn log_to(out: &Path) {
     let file =
         std::fs::create_dir_all(out).and_then(|()| std::fs::File::create(out.join("log.jsonl")));
     if let Ok(file) = file {
-        // A second run in one process goes on writing to the first log.
+        // A second run in the same process continues with the first log.
         let _ =
             tracing_subscriber::fmt().json().with_writer(std::sync::Mutex::new(file)).try_init();
     }

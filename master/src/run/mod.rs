@@ -1,4 +1,4 @@
-//! The run as the master sees it: start, control, balance, decomposition, progress and stop.
+//! The run on the master: start, control, balance, decomposition, progress and stop.
 
 pub mod balance;
 pub mod control;

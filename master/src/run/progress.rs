@@ -1,33 +1,33 @@
-//! What a user sees while a job runs: a bar on a terminal, plain lines elsewhere.
+//! Progress of a run on the terminal: a bar, or plain lines if the output is no terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Between plain lines, and between redraws of the bar.
+/// Interval between plain lines, and interval between updates of the bar.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 const DRAW_EVERY: Duration = Duration::from_millis(200);
-/// Ticks of the bar.
+/// Number of ticks of the bar.
 const TICKS: u64 = 10_000;
 
-/// State of a run for people.
+/// State of a run as it is displayed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
-    /// Cycles done.
+    /// Number of cycles done.
     pub cycle: u64,
     /// Simulated time [time].
     pub time: f64,
-    /// Step [time].
+    /// Step size [time].
     pub dt: f64,
-    /// Energy error, a fraction.
+    /// Energy error as a fraction.
     pub error: f64,
-    /// Active pairs.
+    /// Number of active pairs.
     pub pairs: u64,
-    /// max/mean step cost.
+    /// Maximum over mean step cost.
     pub imbalance: f64,
 }
 
-/// Shows progress on standard error.
+/// Progress display on standard error.
 pub struct Progress {
     end_time: f64,
     began: Instant,
@@ -37,7 +37,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress towards `end_time`; nothing is shown if `quiet`.
+    /// Creates the display for a run to `end_time`. Nothing is shown if `quiet` is true.
     pub fn new(end_time: f64, quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(TICKS);
@@ -48,7 +48,7 @@ impl Progress {
         Self { end_time, began: Instant::now(), last: Instant::now(), bar, quiet }
     }
 
-    /// Shows the state, if it is time to.
+    /// Shows the state, if the interval has passed.
     pub fn show(&mut self, s: &State) {
         let every = if self.bar.is_some() { DRAW_EVERY } else { LINE_EVERY };
         if self.quiet || self.last.elapsed() < every {
@@ -77,7 +77,7 @@ impl Progress {
         }
     }
 
-    /// Says something in between.
+    /// Prints a line without disturbing the bar.
     pub fn println(&self, line: &str) {
         match &self.bar {
             Some(bar) => bar.println(line),
@@ -86,13 +86,13 @@ impl Progress {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.iter().for_each(|b| b.finish_and_clear());
     }
 }
 
-/// Seconds as hours, minutes and seconds.
+/// Formats seconds as hours, minutes and seconds.
 fn clock(seconds: f64) -> String {
     let s = seconds.max(0.0).round() as u64;
     if s >= 3600 {

@@ -1,17 +1,18 @@
-//! Ctrl-C: the first asks all workers to stop with their state kept, the second ends the process at
-//! once.
+//! Ctrl-C: the first one asks all workers to stop and to keep their state, the second ends the
+//! process at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// A flag that an interrupt or a request to terminate raises.
+/// Flag that is raised by an interrupt or a request to terminate.
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag(Arc<AtomicBool>);
 
 impl StopFlag {
-    /// Listens for signals on a thread of its own. With `stubborn` further signals are let pass as
-    /// well: for ranks that wait for the master's word, whom a launcher signals together with it.
+    /// Listens for signals on its own thread. With `stubborn`, further signals do not end the
+    /// process: ranks that wait for the master's order receive signals of the launcher together
+    /// with it.
     pub fn listen(stubborn: bool) -> Self {
         let flag = Self::default();
         let raised = flag.clone();
@@ -34,7 +35,7 @@ impl StopFlag {
         flag
     }
 
-    /// Whether it is raised.
+    /// Returns true if the flag is raised.
     pub fn is_raised(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

@@ -1,5 +1,5 @@
-//! A01: two bars meet end-on. A bar is a strip of square shells with Poisson's ratio 0, which
-//! carries plane waves of speed `c = sqrt(E/rho)` and nothing else.
+//! A01: two bars collide end to end. A bar is a strip of square shells with Poisson's ratio 0.
+//! It carries only plane waves of speed `c = sqrt(E/rho)`.
 
 use super::bench::Finished;
 use super::contact::{UNDAMPED, is_spring};
@@ -8,22 +8,22 @@ use super::row::Row;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 
-/// Bars of nu = 0.
+/// Material of the bars: steel with nu = 0.
 pub const BAR: Elastic = Elastic { nu: 0.0, ..STEEL };
 const LENGTH: f64 = 1.0;
-/// Less than any side here: where a side is shorter than the shell is thick, the strip touches
-/// itself.
+/// Thickness of the shells [m], smaller than any side: a strip touches itself if a side is
+/// shorter than the shell is thick.
 const THICKNESS: f64 = 3e-3;
 const V: f64 = 10.0;
 
-/// Why the penalty law is off at bars.
+/// Reason why the penalty law deviates for bars.
 pub const SOFT: &str = "the penalty law at its default scale of 0.35 is a soft spring between the bars, of 0.13 of an \
                         element's stiffness: it delays the front and is pressed in by (v/2c) L_e/beta";
-/// What end nodes that stop lose, over the kinetic energy that they have: least and most. An impact
-/// inside a step stops them over two, and the bar behind them pushes meanwhile.
+/// Smallest and largest energy loss of end nodes that are stopped, over their kinetic energy. An
+/// impact within a step stops them in two steps, and the bar behind pushes them meanwhile.
 const STOPPED: [f64; 2] = [1.0, 1.405];
 
-/// Energy lost where end nodes with this share of the energy are stopped.
+/// Compares the energy lost where end nodes with this share of the energy are stopped.
 pub fn stopped(row: Row, share: f64) -> Row {
     let [least, most] = STOPPED;
     row.near(
@@ -33,34 +33,34 @@ pub fn stopped(row: Row, share: f64) -> Row {
     )
 }
 
-/// A01 on a matching mesh.
+/// Check of A01 on a matching mesh.
 pub const PAIR: Check = Check { name: "head-on, matching", quick: true, run: |b| pair(b, 1) };
-/// A01 with ends that do not match.
+/// Check of A01 with ends that do not match.
 pub const PAIR_UNEQUAL: Check =
     Check { name: "head-on, non-matching", quick: true, run: |b| pair(b, 3) };
-/// A01: how the loss and the restitution depend on the mesh.
+/// Check of A01: dependence of the loss and the restitution on the mesh.
 pub const PAIR_ORDER: Check = Check { name: "order in the mesh size", quick: true, run: order };
 
 struct Met {
-    /// First and last touch [s].
+    /// Times of the first and the last contact [s].
     span: (f64, f64),
-    /// Mean over the plateau [Pa].
+    /// Mean stress over the plateau [Pa].
     stress: f64,
     /// Velocities of the bars at the end [m/s].
     after: [f64; 2],
     /// Work of contact as a fraction of the energy.
     work: f64,
     run: Finished,
-    /// Momentum that there is to lose [kg m/s].
+    /// Reference momentum [kg m/s].
     scale: f64,
 }
 
-/// Bars of n squares; the second has `across` elements over its width.
+/// Collides two bars of `n` squares each; the second one has `across` elements over its width.
 fn collide(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Result<Met, String> {
     let c = BAR.c();
     let mut scene = Scene::new(3.2 * LENGTH / c);
     let width = LENGTH / n as f64;
-    // Surfaces meet at the mean thickness; a hair's breadth of air, 1e-7 s of flight.
+    // Surfaces touch at the mean thickness. The gap of 1e-6 m is 1e-7 s of flight.
     let from = LENGTH + THICKNESS + 1e-6;
     let one = scene.grid(1, [n, 1], |x, y| [LENGTH * x, width * y, 0.0]);
     let two = scene.grid(2, [n, across], |x, y| [from + LENGTH * x, width * y, 0.0]);
@@ -90,7 +90,7 @@ fn collide(bench: &Bench, law: &str, n: usize, across: usize, v: [f64; 2]) -> Re
     })
 }
 
-/// What is compared for any law and mesh.
+/// Returns the rows that are compared for every law and mesh.
 fn rows(m: &Met, variant: &str, v: [f64; 2]) -> Vec<Row> {
     const D: &str = "[D] one-dimensional wave theory";
     let us = 1e6;
@@ -134,14 +134,15 @@ fn pair(bench: &Bench, across: usize) -> Result<Vec<Row>, String> {
             if across > 1 {
                 continue;
             }
-            // The end nodes, 1/2N of a bar each, take a common velocity: 1/2 m_red v^2.
+            // The end nodes, 1/(2 N) of a bar each, take a common velocity: the loss is 1/2
+            // m_red v^2.
             let share = if v[1] == 0.0 { 0.25 } else { 0.5 } / N as f64;
             let lost = Row::new("energy lost in contact / E0", &variant, "", -met.work);
             all.push(match is_spring(law) {
                 true => lost
                     .within(0.0, 1e-3, "[D] a spring gives back what it takes; gate of part A")
                     .known(SOFT),
-                // 1/2N of E0 at +-v/2, 1/4N at v and 0.
+                // 1/(2 N) of E0 at +-v/2, 1/(4 N) at v and 0.
                 false => stopped(lost, share),
             });
             all.push(met.run.closing_row(&variant, 1e-3));

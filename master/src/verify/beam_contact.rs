@@ -1,4 +1,5 @@
-//! Beams that touch: each other, free edges and faces of shells, edges of solids (C20).
+//! Contact of beams with each other, with free edges and faces of shells, and with edges of
+//! solids (C20).
 
 use super::bench::Finished;
 use super::contact::Law;
@@ -9,37 +10,37 @@ use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 use crumple_worker::energy::momentum;
 
-/// C20, rigid beams.
+/// Check of C20: rigid beams.
 pub const RIGID: Check = Check { name: "rigid beams that cross", quick: true, run: rigid };
-/// C20, elastic beams.
+/// Check of C20: elastic beams.
 pub const ELASTIC: Check = Check { name: "elastic beams that cross", quick: true, run: elastic };
-/// C20, a free edge.
+/// Check of C20: a rigid beam on a free edge.
 pub const EDGE: Check =
     Check { name: "a beam on the free edge of a shell", quick: true, run: edge };
-/// C20, at rest.
+/// Check of C20: bodies at rest.
 pub const REST: Check =
     Check { name: "a beam on a sheet, a cube on three beams", quick: true, run: rest };
 
-/// Length of a beam and its radius, thickness of shells [m], and how fast elastic bodies come
-/// together [m/s].
+/// Length of a beam, its radius and the thickness of shells [m]; approach velocity of elastic
+/// bodies [m/s].
 const LENGTH: f64 = 0.1;
 const RADIUS: f64 = 2e-3;
 const THICKNESS: f64 = 1e-3;
 const V: f64 = 5.0;
-/// How fast rigid ones do [m/s].
+/// Approach velocity of rigid bodies [m/s].
 const FAST: f64 = 20.0;
-/// Beams of a bar that is rigid: no node where it is met.
+/// Number of beams of a rigid bar; no node is at the point of contact.
 const CELLS: usize = 11;
 /// Distance of the impact from the middle [m].
 const OFF: f64 = 0.02;
 
-/// Nodes of a bar of `n` beams.
+/// Adds the nodes of a bar of `n` beams.
 fn bar(scene: &mut Scene, n: usize, from: [f64; 3], to: [f64; 3]) -> Vec<u32> {
     let at = |i: usize| [0, 1, 2].map(|c| from[c] + (to[c] - from[c]) * i as f64 / n as f64);
     (0..=n).map(|i| scene.node(at(i))).collect()
 }
 
-/// Beams along bars, each with its part, once all other nodes are there.
+/// Adds beams along bars, each with its part. All other nodes must exist already.
 fn beams(scene: &mut Scene, bars: &[(u32, &[u32])]) {
     let third = scene.node([0.31, 0.47, 0.59]);
     for (part, nodes) in bars {
@@ -53,8 +54,9 @@ fn tube(scene: &mut Scene, part: u32) {
     ));
 }
 
-/// Fraction of the momentum that a free bar has at its middle and gives off when it is stopped
-/// `OFF` from there: `1/(1 + m d^2/I)`, the inertia that of the nodes, `m L^2/12 (1 + 2/n^2)`.
+/// Returns the fraction of its momentum that a free bar gives off if it is stopped at the
+/// distance `off` from its middle: `1/(1 + m d^2/I)`, with the inertia of the nodes, `m L^2/12
+/// (1 + 2/n^2)`.
 fn given_off(off: f64) -> f64 {
     let inertia = LENGTH * LENGTH / 12.0 * (1.0 + 2.0 / (CELLS * CELLS) as f64);
     1.0 / (1.0 + off * off / inertia)
@@ -65,8 +67,8 @@ const CLOSED: &str =
 const EXACT: &str = "exact; round-off of some thousand steps";
 const TURNED: &str = "exact; nodes of rigid bodies go along chords, by (w dt)^2 and so";
 
-/// Momentum and angular momentum that are lost or won, as fractions of `had` [kg m/s] and of that
-/// times the length; the latter bounded by `angular`.
+/// Returns the changes of momentum and angular momentum, as fractions of `had` [kg m/s] and of
+/// `had` times the length; `angular` bounds the second one.
 fn momentum_rows(variant: &str, run: &Finished, angular: (f64, &'static str)) -> [Row; 2] {
     let now: [[f64; 3]; 2] = momentum(&run.engine.nodes).into();
     let change =
@@ -86,8 +88,8 @@ fn crossings(variant: &str, run: &Finished) -> Row {
     Row::new("lines seen in surfaces", variant, "", seen as f64).at_most(0.0, "exact")
 }
 
-/// Two equal rigid bars at right angles: `m v (1 + e)/2` times what is given off passes, with the
-/// rebound e.
+/// Collides two equal rigid bars at right angles: the impulse is `m v (1 + e)/2` times the
+/// fraction that is given off, with the restitution e.
 fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -104,12 +106,12 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.time("dt_max = 2e-7");
             scene.start(&above, [0.0, 0.0, -FAST], [0.0; 3]);
             scene.add(&law.undamped());
-            // With the default tolerance of 1e-3 the forces on rigid bodies end up to 1.1 % off.
+            // With the default tolerance of 1e-3 the forces on rigid bodies are up to 1.1 % off.
             scene.add("tolerance = 1e-6\nsweeps = 200");
             let variant = format!("{}, rigid, {} mm off the middles", law.name, 1e3 * off);
             let run = bench.watch(&format!("C20 {variant}"), &scene, |_| {})?;
-            // Bars whose contact lets nothing give way stay together, those on a spring without
-            // damping part as fast as they came.
+            // Bars stay together under laws without compliance. On an undamped spring they
+            // separate with the velocity of approach.
             let rebound = if law.is_spring() { 1.0 } else { 0.0 };
             let expected = 0.5 * (1.0 + rebound) * given_off(off);
             let struck = -middle_velocity(&run, &below) / FAST;
@@ -124,12 +126,13 @@ fn rigid(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Velocity of the middle of a bar along z, the mean of its nodes by their masses [m/s].
+/// Returns the velocity of the middle of a bar along z, the mean over its nodes weighted by mass
+/// [m/s].
 fn middle_velocity(run: &Finished, nodes: &[u32]) -> f64 {
     mean_velocity(&run.engine, nodes, 2)
 }
 
-/// The strips of C04 as beams: against Timoshenko's theory.
+/// Collides the strips of C04, modelled as beams; the reference is Timoshenko's theory.
 fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 41;
     const DEEP: f64 = 0.01;
@@ -159,7 +162,7 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{law}, elastic, {} mm off the middles", 1e3 * off);
             let run = bench.watch(&format!("C20 {variant}"), &scene, |_| {})?;
             let hold = if law == "penalty" {
-                // Four nodes with the mass of a beam; the default scale and damping.
+                // Four nodes with the mass of a beam; default scale and damping.
                 let node = STEEL.rho * area * LENGTH / N as f64;
                 let s = (N as f64 * (0.5 + off / LENGTH)).fract();
                 let reduced = node / (2.0 * (s * s + (1.0 - s).powi(2)));
@@ -184,8 +187,8 @@ fn elastic(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A rigid bar comes down on the free edge of an upright sheet that is held, beside its middle, and
-/// turns about it.
+/// Drops a rigid bar on the free edge of an upright sheet that is held. The bar touches the edge
+/// off its middle and turns about it.
 fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -207,7 +210,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut nearest = f64::INFINITY;
         let run = bench.watch(&format!("C20 edge {}", law.name), &scene, |e| {
             let [[_, y0, z0], [_, y1, z1]] = [bar[0], bar[CELLS]].map(|n| position(e, n));
-            // Of the edge, the origin, from the line of the bar.
+            // Distance of the edge, which is the origin, from the line of the bar.
             nearest = nearest.min((y0 * z1 - y1 * z0).abs() / (y1 - y0).hypot(z1 - z0));
         })?;
         let rebound = if law.is_spring() { 1.0 } else { 0.0 };
@@ -228,9 +231,10 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// What comes to rest under gravity: a beam on a sheet at `r + t/2`, and a cube that stands on its
-/// corner between three beams, against its edges: its corner `(r - rho cos a)/sin a` from their
-/// plane, `rho` from the axis to a beam, `cos a = 1/sqrt(3)`.
+/// Compares bodies at rest under gravity. A beam rests on a sheet at the height `r + t/2`. A
+/// cube stands on its corner between three beams that touch its edges: the corner is `(r - rho
+/// cos a)/sin a` from the plane of the beams, with the distance `rho` from the axis to a beam
+/// and `cos a = 1/sqrt(3)`.
 fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
     const GRAVITY: &str = "[[gravity]]\nacceleration = [0.0, 0.0, -200.0]";
     let mut all = Vec::new();
@@ -269,7 +273,8 @@ fn rest(bench: &Bench) -> Result<Vec<Row>, String> {
             let end = |along: f64| [rho * c - along * s, rho * s + along * c, 0.0];
             bars.push(bar(&mut scene, 3, end(-0.024), end(0.024)));
         }
-        // Edges go up from the corner in the planes through the axis and the middles of the beams.
+        // Edges rise from the corner in the planes through the axis and the middles of the
+        // beams.
         let edges: [[f64; 3]; 3] =
             [0, 1, 2].map(turned).map(|(s, c)| [side * sin * c, side * sin * s, side * cos]);
         let cube = scene.block(2, [1; 3], |p| {

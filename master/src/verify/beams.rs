@@ -1,8 +1,8 @@
 //! Frequencies of beams and plates of shells (A15, A16), with added masses (A17), and spinning
 //! bodies (A19 c, d).
 //!
-//! A body starts with velocities in the shape of a mode; the frequency is read off where its
-//! amplitude, the displacement projected on that shape, passes through nought.
+//! A body starts with velocities in the shape of a mode. The frequency follows from the zero
+//! crossings of its amplitude, which is the displacement projected on that shape.
 
 use super::bars::BAR;
 use super::measure::{Crossings, amplitude, fields, mass, position};
@@ -11,22 +11,22 @@ use super::scene::{Elastic, Grid, STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::{PI, TAU};
 
-/// A15.
+/// Check of A15.
 pub const BEAMS: Check = Check { name: "beams", quick: true, run: beams };
-/// A15, free ends on finer meshes.
+/// Check of A15, free ends on finer meshes.
 pub const FREE_BEAM: Check = Check { name: "free beam, order", quick: false, run: free_beam };
-/// A16, simply supported.
+/// Check of A16, simply supported.
 pub const PLATE: Check = Check { name: "simply supported plate", quick: false, run: supported };
-/// A16, clamped and cantilevered.
+/// Check of A16, clamped and cantilevered.
 pub const CLAMPED_PLATE: Check =
     Check { name: "clamped plate, cantilever plate", quick: false, run: clamped_plate };
-/// A16, FV12.
+/// Check of A16, FV12.
 pub const FREE_PLATE: Check = Check { name: "free plate FV12", quick: false, run: free_plate };
-/// A17.
+/// Check of A17.
 pub const MASSES: Check = Check { name: "added masses", quick: true, run: masses };
-/// A19 (c).
+/// Check of A19 (c).
 pub const SPINNING_BAR: Check = Check { name: "spinning bar", quick: false, run: spinning_bar };
-/// A19 (d).
+/// Check of A19 (d).
 pub const SPINNING_SHELL: Check =
     Check { name: "spinning shell", quick: true, run: spinning_shell };
 
@@ -38,18 +38,18 @@ const INERTIA: &str = "the rotational inertia of a corner is raised to A/7 a mas
                        2.6 times its own inertia, free beams still lacked 1.0, 1.9 and 2.8 %, and coarse plates gained 4 to \
                        7 % of deflection (B08): left out";
 
-/// Small enough that nothing depends on it [m/s].
+/// Initial velocity, small enough that no result depends on it [m/s].
 const SPEED: f64 = 1e-3;
-/// Strip of A15 [m].
+/// Length of the strip of A15 [m].
 const LENGTH: f64 = 0.2;
 const WIDTH: f64 = 0.02;
 const DEPTH: f64 = 0.004;
 
-/// A mode over 0..1: deflection and its slope.
+/// Mode over 0..1: returns the deflection and its slope.
 pub type Mode = Box<dyn Fn(f64) -> (f64, f64)>;
 
-/// `cosh - cos - s (sinh - sin)` of a clamped beam, or with plus signs of a free one, with its wave
-/// number.
+/// Returns the mode `cosh - cos - s (sinh - sin)` of a clamped beam, or with plus signs of a
+/// free one, with its wave number.
 pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
     Box::new(move |x| {
         let z = k * x;
@@ -58,8 +58,8 @@ pub fn clamped(k: f64, s: f64, sign: f64) -> Mode {
     })
 }
 
-/// Gives a strip or plate in the xy plane a velocity along z in the shape of `w`, which returns the
-/// deflection and its slopes over x and y [1/m], and the spins that belong to it. Returns the
+/// Gives a strip or plate in the xy plane a velocity along z in the shape of `w`, and the spins
+/// that belong to it. `w` returns the deflection and its slopes over x and y [1/m]. Returns the
 /// shape.
 pub fn pluck(
     scene: &mut Scene,
@@ -75,7 +75,7 @@ pub fn pluck(
     shape
 }
 
-/// Frequency of a shape, displacement along an axis [Hz].
+/// Returns the frequency of a shape with displacement along one axis [Hz].
 pub fn frequency(
     bench: &Bench,
     name: &str,
@@ -97,7 +97,7 @@ fn strip(scene: &mut Scene, elements: usize) -> Grid {
 
 fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 20;
-    // Wave numbers k L of Euler-Bernoulli beams; s makes the far end fit.
+    // Wave numbers k L of Euler-Bernoulli beams; `s` fulfils the conditions at the far end.
     let cantilever = |k: f64| clamped(k, (k.cosh() + k.cos()) / (k.sinh() + k.sin()), 1.0);
     let ends = |k: f64, sign: f64| clamped(k, (k.cosh() - k.cos()) / (k.sinh() - k.sin()), sign);
     let sine =
@@ -159,8 +159,8 @@ fn beams(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// The first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and the order
-/// of their error.
+/// Compares the first frequencies of a free beam on meshes of 20, 40 and 80 shells along it, and
+/// the order of their error.
 fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for (k, f, number) in [(4.73004074, 531.7, 1), (7.85320462, 1465.5, 2)] {
@@ -183,8 +183,7 @@ fn free_beam(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             errors.push(ours - f);
         }
-        // Mesh error by differences, so that shear and rotary inertia of the beam itself do not
-        // count.
+        // The differences between meshes remove shear and rotary inertia of the beam itself.
         let order = ((errors[1] - errors[0]) / (errors[2] - errors[1])).log2();
         let quantity = format!("free-free, frequency {number}, order");
         all.push(Row::new(quantity, "20, 40, 80 shells", "", order).near(
@@ -206,7 +205,7 @@ fn supported(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = scene.grid(1, [N, N], |x, y| [side * x, side * y, 0.0]);
         scene.elastic("steel", STEEL);
         scene.part(1, "steel", 0.004, "");
-        // Hard support: the edge does not tilt along itself either.
+        // Hard support: the edge does not rotate about its normal either.
         for i in [0, N] {
             scene.fix(&grid.row(i), "z rx");
             let column: Vec<u32> = (0..=N).map(|j| grid.at(j, i)).collect();
@@ -243,7 +242,7 @@ fn clamped_plate(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.part(1, "steel", 0.004, "");
         let held = if what == "clamped" { grid.rim() } else { grid.row(0) };
         scene.fix(&held, "x y z rx ry rz");
-        // Near the modes; over many swings the zeros are the mode's own.
+        // These shapes are near the modes; over many periods the zeros are those of the mode.
         let shape = pluck(&mut scene, grid.all(), |x| {
             let ((a, of_a), (b, of_b)) = match what {
                 "clamped" => (both(x[0] / side), both(x[1] / side)),
@@ -264,8 +263,8 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 16;
     let material = Elastic { e: 200e9, nu: 0.3, rho: 8000.0 };
     type Shape = fn(f64, f64) -> (f64, [f64; 2]);
-    // Shapes near the modes, of the same symmetry; x and y from -1 to 1. Over many swings the zeros
-    // are the mode's own.
+    // These shapes are near the modes and have their symmetry; x and y run from -1 to 1. Over
+    // many periods the zeros are those of the mode.
     let modes: [(f64, Shape); 3] = [
         (1.622, |x, y| (x * y, [y, x])),
         (2.360, |x, y| (x * x - y * y, [2.0 * x, -2.0 * y])),
@@ -293,7 +292,7 @@ fn free_plate(bench: &Bench) -> Result<Vec<Row>, String> {
 
 fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // A bar of 1 m fixed at one end: x tan x = m/M.
+    // Bar of 1 m, fixed at one end: x tan x = m/M.
     const N: usize = 50;
     let (length, thickness) = (1.0, 0.01);
     let width = length / N as f64;
@@ -320,7 +319,7 @@ fn masses(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = strip(&mut scene, 20);
         scene.fix(&grid.row(0), "x y z rx ry rz");
         scene.mass(&grid.row(20), times * BAR.rho * LENGTH * WIDTH * DEPTH);
-        // Bent by a force at the tip: near the first mode with a mass there.
+        // Shape under a force at the tip: near the first mode if a mass is there.
         let shape = pluck(&mut scene, grid.all(), |x| {
             let z = x[0] / LENGTH;
             (0.5 * z * z * (3.0 - z), [(3.0 * z - 1.5 * z * z) / LENGTH, 0.0])
@@ -351,7 +350,7 @@ fn spinning_bar(bench: &Bench) -> Result<Vec<Row>, String> {
         if e.clock.cycle % 8 != 1 || e.clock.time > until {
             return;
         }
-        // At the middle two elements on either side of the centre, in the direction of the bar.
+        // In the middle: two elements on either side of the centre, in the direction of the bar.
         let (a, b) = (position(e, bar.at(0, 1)), position(e, bar.at(N, 1)));
         let long = (0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt();
         let t: [f64; 3] = std::array::from_fn(|c| (b[c] - a[c]) / long);
@@ -409,8 +408,8 @@ fn spinning_shell(bench: &Bench) -> Result<Vec<Row>, String> {
             };
             let diagonal = length(x(0, 0), x(1, 1)) / (side * 2f64.sqrt()) - 1.0;
             let turns = e.clock.time * spin / TAU;
-            // It swings about the stretch of its own rotation; a drift is a change of the mean from
-            // turn to turn.
+            // The stretch oscillates about that of the rotation. A drift is a change of the mean
+            // from turn to turn.
             let mean = if turns < 1.0 { &mut early } else { &mut late };
             if !(1.0..9.0).contains(&turns) {
                 *mean = [mean[0] + e.clock.last_dt * diagonal, mean[1] + e.clock.last_dt];

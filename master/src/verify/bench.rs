@@ -1,5 +1,5 @@
-//! Runs the jobs of checks in this process, on one engine each, and watches energy and momentum on
-//! the way.
+//! Runs the jobs of checks in this process, on one engine each, and observes energy and momentum
+//! during the run.
 
 use super::contact::Law;
 use super::row::Row;
@@ -13,46 +13,46 @@ use crumple_worker::engine::Engine;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-/// Where checks run.
+/// Environment in which checks run.
 pub struct Bench {
-    /// Folder for the job files, if they are to be kept.
+    /// Folder for the job files, if they are kept.
     jobs: Option<PathBuf>,
 }
 
-/// A run that is over.
+/// Result of a completed run.
 pub struct Finished {
-    /// The engine at the end.
+    /// Engine at the end.
     pub engine: Engine,
-    /// Energies at the end, but for the last step [J].
+    /// Energies at the start of the last step [J].
     pub energies: Energies,
     /// Kinetic energy at the start [J].
     pub initial: f64,
-    /// Largest external work so far [J].
+    /// Largest external work during the run [J].
     pub came_in: f64,
-    /// Largest energy that is not accounted for, as a fraction of that at the start and of external
+    /// Largest error of the energy balance, as a fraction of the initial energy and the external
     /// work.
     pub energy_error: f64,
-    /// Most that contact, friction and walls had given so far, each for itself and only where it is
-    /// above nought [J].
+    /// Largest energy that contact, friction and walls gave, each one counted only where it is
+    /// positive [J].
     pub given: f64,
     /// Largest hourglass energy and largest internal energy [J].
     pub stored: [f64; 2],
-    /// Whether there is contact or a wall, and whether contact is by springs.
+    /// Flags: there is contact or a wall, and contact uses springs.
     touches: bool,
     springs: bool,
     /// Linear and angular momentum at the start [kg m/s], [kg m^2/s].
     pub momentum: [[f64; 3]; 2],
-    /// Whether an element was in trouble.
+    /// True if an element failed.
     pub trouble: bool,
 }
 
 impl Bench {
-    /// A bench that keeps the jobs in a folder, if there is one.
+    /// Creates a bench; it keeps the job files in the folder `jobs`, if there is one.
     pub fn new(jobs: Option<PathBuf>) -> Self {
         Self { jobs }
     }
 
-    /// Names of the contact laws of nodes on segments.
+    /// Returns the names of the contact laws for nodes on segments.
     pub fn laws(&self) -> impl Iterator<Item = &'static str> {
         CONTACT_LAWS
             .iter()
@@ -60,7 +60,7 @@ impl Bench {
             .filter(|&name| Law::BY_SEGMENTS.iter().all(|law| !law.has_name(name)))
     }
 
-    /// Reads a scene as the job file that it is.
+    /// Reads a scene as a job file.
     ///
     /// # Errors
     /// The job is bad, or its file cannot be kept.
@@ -68,15 +68,16 @@ impl Bench {
         self.model_of(name, scene.text(name), &[])
     }
 
-    /// Reads the text of a job file, with changes `key=value`; the file that is kept names them at
-    /// its head.
+    /// Reads the text of a job file, with changes `key=value`. The file that is kept names the
+    /// changes at its start.
     ///
     /// # Errors
     /// The job is bad, or its file cannot be kept.
     pub fn model_of(&self, name: &str, text: String, sets: &[String]) -> Result<Model, String> {
         let file = format!("{}.toml", name.replace([' ', ',', '/'], "_").replace("__", "_"));
         if let Some(folder) = &self.jobs {
-            // Changes are not in the text: without them this would be another job.
+            // The text does not contain the changes; without this comment the file would be
+            // another job.
             let with: String = sets.iter().map(|set| format!("# --set '{set}'\n")).collect();
             std::fs::write(folder.join(&file), with + &text)
                 .map_err(|error| format!("{file}: {error}"))?;
@@ -97,10 +98,10 @@ impl Bench {
         run_watched(&self.model(name, scene)?, look)
     }
 
-    /// Runs a scene that must come to its end without trouble; `look` only looks.
+    /// Runs a scene that must reach its end without failed elements; `look` only observes.
     ///
     /// # Errors
-    /// The job is bad, cannot be run, or ends in trouble.
+    /// The job is bad, cannot be run, or ends with a failed element.
     pub fn watch(
         &self,
         name: &str,
@@ -119,7 +120,7 @@ impl Bench {
     }
 }
 
-/// Runs a model on one engine and keeps account of energy.
+/// Runs a model on one engine and records the energies.
 ///
 /// # Errors
 /// It cannot be run.
@@ -136,10 +137,10 @@ pub fn run_watched(
         // The ledger is at the time at which the last step began.
         if begun {
             last = e.ledger.energies(&e.nodes);
-            // Work that has come in may go out again: what there was at most is the measure.
+            // External work can be returned, so its largest value is the measure.
             came_in = came_in.max(last.external.abs());
-            // The normal part of contact, its friction, and walls: what one takes must not hide
-            // what another gives.
+            // Normal contact, friction and walls count separately: the loss of one must not hide
+            // the gain of another.
             given = given.max(
                 [last.contact - last.friction, last.friction, last.wall]
                     .map(|w| w.max(0.0))
@@ -177,30 +178,31 @@ pub fn run_watched(
 }
 
 impl Finished {
-    /// Change of linear momentum along axis `c`, as a fraction of `scale` [kg m/s].
+    /// Returns the change of linear momentum along axis `c`, as a fraction of `scale` [kg m/s].
     pub fn momentum_drift(&self, c: usize, scale: f64) -> f64 {
         (momentum(&self.engine.nodes).0[c] - self.momentum[0][c]).abs() / scale
     }
 
-    /// Rows, and after them those on energy.
+    /// Returns `rows`, followed by those on energy.
     pub fn with_energy(&self, variant: &str, limit: f64, mut rows: Vec<Row>) -> Vec<Row> {
         rows.extend(self.energy_rows(variant, limit));
         rows
     }
 
-    /// Energy that there was and that came in [J].
+    /// Returns the initial energy plus the external work [J].
     fn measure(&self) -> f64 {
         self.initial + self.came_in
     }
 
-    /// The gate of the catalogue on energy: on what contact, friction and walls give, or where
-    /// there are none on what is not accounted for, `limit`: 0.1 % for part A, 1 % for others.
+    /// Returns the energy criterion of the catalogue: the energy that contact, friction and
+    /// walls give, or without them the error of the balance. `limit` is 0.1 % for part A, 1 %
+    /// for others.
     pub fn energy_rows(&self, variant: &str, limit: f64) -> [Row; 1] {
         [if self.touches { self.given_row(variant) } else { self.closing_row(variant, limit) }]
     }
 
-    /// Contact, friction and walls only take: the ledger would close over what they give as it does
-    /// over what they take.
+    /// Returns the energy that contact, friction and walls give. They may only take energy. The
+    /// balance of the ledger does not show this, because it closes in both cases.
     pub fn given_row(&self, variant: &str) -> Row {
         let row = Row::new(
             "work given by contact, friction and walls, largest / energy",
@@ -208,21 +210,20 @@ impl Finished {
             "",
             self.given(),
         );
-        // Springs come on and go off inside a step; the catalogue lets them have half a per cent
-        // (A29).
+        // Springs start and end within a step; the catalogue allows them half a per cent (A29).
         match self.springs {
             true => row.at_most(5e-3, "gate of A29 for springs"),
             false => row.at_most(1e-3, "[D] they only take; gate of part A"),
         }
     }
 
-    /// The same as a number.
+    /// Returns the energy that contact, friction and walls give, as a fraction.
     pub fn given(&self) -> f64 {
         self.given / self.measure()
     }
 
-    /// Hourglass energy against internal energy, or against a hundredth of all energy where bodies
-    /// hardly deform.
+    /// Compares the hourglass energy with the internal energy, or with a hundredth of all energy
+    /// if bodies hardly deform.
     pub fn hourglass_row(&self, variant: &str) -> Row {
         let [hourglass, internal] = self.stored;
         let share = hourglass / internal.max(0.01 * self.measure());
@@ -230,8 +231,8 @@ impl Finished {
             .at_most(0.1, "gate of the catalogue, 5 to 10 %")
     }
 
-    /// What the ledger leaves open. With a constant step it closes by construction; it fails where
-    /// elements book other work than they do, or the step is unstable.
+    /// Returns the error of the energy balance. With a constant step it is zero by construction;
+    /// it is not if elements book other work than they do, or if the step is unstable.
     pub fn closing_row(&self, variant: &str, limit: f64) -> Row {
         Row::new("energy not accounted for, largest on the way", variant, "", self.energy_error)
             .at_most(limit, "gate of the catalogue")

@@ -1,4 +1,5 @@
-//! The catalogue: every entry in order, with its checks, and what of it is not covered yet and why.
+//! The catalogue: every entry in order, with its checks, and the parts that are not covered yet,
+//! with the reason.
 
 use super::{
     Entry, bars, beam_contact, beams, contact, crashes, crush, dynamic_relaxation, edges, elements,
@@ -283,7 +284,7 @@ pub const CATALOGUE: &[Entry] = &[
 mod tests {
     use super::*;
 
-    /// An entry is run or says why not, once, in order.
+    /// Each entry is run or gives a reason, once, in order.
     #[test]
     fn the_catalogue_is_whole() {
         assert!(CATALOGUE.windows(2).all(|e| e[0].id < e[1].id), "ids ascend");

@@ -1,7 +1,7 @@
-//! Scenes where contact is known to fail (part C), with shells.
+//! Scenes in which contact is known to fail (part C), with shells.
 //!
-//! A single node has no place in a mesh: it is the tip of a shell so light and soft that nothing is
-//! felt of it, with a lumped mass.
+//! A mesh cannot contain a single node. Such a node is therefore the tip of a very light and
+//! soft shell that has no noticeable effect, with a lumped mass.
 
 use super::bars::{BAR, SOFT};
 use super::measure::{mass, mean_velocity, position};
@@ -10,9 +10,9 @@ use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use std::ops::ControlFlow;
 
-/// A contact law with the settings that make it another method.
+/// A contact law with the settings that define a method.
 pub struct Law {
-    /// For people.
+    /// Name in the tables.
     pub name: &'static str,
     law: &'static str,
     more: &'static str,
@@ -41,71 +41,71 @@ impl Law {
         },
     ];
 
-    /// Every law and form.
+    /// Returns every law and form.
     pub fn all() -> impl Iterator<Item = &'static Self> {
         Self::ALL.iter().chain(Self::BY_SEGMENTS)
     }
 
-    /// Lagrange with masses split among pairs.
+    /// Lagrange law with masses split among pairs.
     pub const SPLIT: Self =
         Self { name: "lagrange split", law: "lagrange", more: "iteration = \"split\"\n" };
 
-    /// Whether it is a form of the law with this name in the job.
+    /// Returns true if this is a form of the law with this name in the job.
     pub fn has_name(&self, law: &str) -> bool {
         self.law == law
     }
 
-    /// The `[contact]` table.
+    /// Returns the `[contact]` table.
     pub fn table(&self) -> String {
         format!("[contact]\nlaw = \"{}\"\n{}", self.law, self.more)
     }
 
-    /// The `[contact]` table without contact damping, as the catalogue wants part A but for
-    /// sliding.
+    /// Returns the `[contact]` table without contact damping, as the catalogue requires for part
+    /// A except for sliding.
     pub fn undamped(&self) -> String {
         format!("{}{UNDAMPED}", self.table())
     }
 
-    /// Whether it is a penalty.
+    /// Returns true if the law is a penalty.
     pub fn is_spring(&self) -> bool {
         is_spring(self.law)
     }
 
-    /// Whether segments press on segments, which gives uniform pressure whatever the meshes.
+    /// Returns true if segments press on segments, which gives uniform pressure for all meshes.
     pub fn by_segments(&self) -> bool {
         self.law == "mortar"
     }
 
-    /// Whether it is much softer than the elements beside it.
+    /// Returns true if the law is much softer than the elements next to the contact.
     pub fn is_soft(&self) -> bool {
         ["penalty", "mortar"].contains(&self.name)
     }
 }
 
-/// Whether the law of this name is one of springs.
+/// Returns true if the law of this name uses springs.
 pub fn is_spring(law: &str) -> bool {
     ["penalty", "mortar"].contains(&law)
 }
 
-/// What leaves contact without damping.
+/// Setting that removes contact damping.
 pub const UNDAMPED: &str = "penalty_damping = 0.0\n";
 
-/// C01.
+/// Check of C01.
 pub const STIFF: Check = Check { name: "stiff penalty", quick: true, run: stiff_penalty };
-/// C02.
+/// Check of C02.
 pub const LIGHT: Check =
     Check { name: "light on heavy and the reverse", quick: true, run: light_on_heavy };
-/// C06.
+/// Check of C06.
 pub const SUNK: Check = Check { name: "initial penetration", quick: true, run: sunk };
-/// C07.
+/// Check of C07.
 pub const FAST: Check = Check { name: "fast node, thin shell", quick: true, run: fast_node };
-/// C15 (a).
+/// Check of C15 (a).
 pub const SANDWICH: Check =
     Check { name: "light plate between two heavy ones", quick: true, run: sandwich };
-/// C15 (e).
+/// Check of C15 (e).
 pub const CRADLE: Check = Check { name: "row of five bars", quick: true, run: cradle };
 
-/// Density of what only carries a mass [kg/m^3].
+/// Density of elements that only carry a mass [kg/m^3].
 const NEXT_TO_NOTHING: f64 = 1e-6;
 
 const INSIDE_A_STEP: &str = "the spring comes on and goes off inside a step and knows only its end: by where in the step that is, a node \
@@ -117,7 +117,8 @@ const SWEEPS: &str = "the default of 20 sweeps is too few for masses as 1 to 100
 const LEFT_OPEN: f64 = 1e-10;
 const AT_REST: &str = "0, but for 1e-10 of the thickness in a step, at which sweeps end";
 
-/// A material that gives an element with this smallest side a stable step of about `dt`.
+/// Returns a material for which an element with this smallest side has a stable step of about
+/// `dt`.
 pub fn carrier(side: f64, dt: f64) -> Elastic {
     Elastic { e: NEXT_TO_NOTHING * (side / dt).powi(2), nu: 0.0, rho: NEXT_TO_NOTHING }
 }
@@ -136,8 +137,8 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
         (1..=2).for_each(|part| scene.part(part, "steel", thickness, "points = 2"));
         scene.start(one.all(), [v, 0.0, 0.0], [0.0; 3]);
         scene.start(two.all(), [0.0; 3], [0.0; 3]);
-        // k = scale m_red/dt^2 of two end nodes, half an element each: beta = k L_e/(E A) = scale
-        // (L_e/c dt)^2/4.
+        // k = scale m_red/dt^2 of two end nodes, half an element each: beta = k L_e/(E A) =
+        // scale (L_e/c dt)^2/4.
         let dt = bench.model("C01", &scene)?.first_dt().0;
         let scale = 4.0 * beta * (BAR.c() * dt / width).powi(2);
         scene.add(&format!("[contact]\nlaw = \"penalty\"\npenalty_scale = {scale:?}\n{UNDAMPED}"));
@@ -155,9 +156,9 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
                 .at_most(0.01, "limit of the catalogue"),
         );
         all.push(run.given_row(&variant));
-        // The bound of a single node, v sqrt(m_n/k), leaves out that bars go on pressing with rho c
-        // v/2 A: at rest the spring is pressed in by (v/2c) L_e/beta. The cap is 2 (1 - safety^2)
-        // in terms of the scale; the front overshoots.
+        // The bound of a single node, v sqrt(m_n/k), ignores that the bars continue to press
+        // with rho c v/2 A: in equilibrium the spring is compressed by (v/2c) L_e/beta. The cap
+        // is 2 (1 - safety^2) in terms of the scale; the front overshoots.
         let capped = beta.min(beta / scale * 2.0 * (1.0 - 0.9f64.powi(2)));
         let rest = 0.5 * v / BAR.c() * width / capped;
         all.push(Row::new("penetration", &variant, "um", -1e6 * deepest).at_most(
@@ -168,8 +169,8 @@ fn stiff_penalty(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A triangle that hangs over the origin with its tip down at height `z`, and carries `mass` there.
-/// Side 0.1 m.
+/// Adds a triangle above the origin with its tip down at height `z`, where it carries `mass`.
+/// Its side is 0.1 m.
 pub fn tip(scene: &mut Scene, part: u32, x: [f64; 3], mass: f64) -> u32 {
     let tip = scene.node(x);
     let left = scene.node([x[0] - 0.05, x[1], x[2] + 0.09]);
@@ -201,13 +202,13 @@ fn light_on_heavy(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{law}, {what}");
             let pair = |rebound: f64| {
                 let common = node * v / (node + 4.0 * corners);
-                // Of the node, of the segment; a plastic impact, or an elastic one.
+                // Velocities of the node and the segment after a plastic or an elastic impact.
                 (common - rebound * (v - common), common + rebound * common)
             };
             let (of_node, of_segment) = pair(if is_spring(law) { 1.0 } else { 0.0 });
             let down = |nodes: &[u32]| -mean_velocity(&run.engine, nodes, 2);
-            // An elastic one is off by what a spring of this stiffness loses or gains in whole
-            // steps.
+            // The elastic impact deviates by the energy that a spring of this stiffness loses or
+            // gains in whole steps.
             const D: &str = "[D] plastic impact, or elastic for penalty";
             all.push(
                 Row::new("velocity of the node after", &variant, "m/s", down(&[n]))
@@ -284,8 +285,8 @@ fn fast_node(bench: &Bench) -> Result<Vec<Row>, String> {
                 scene.part(2, "carrier", thickness, "points = 2");
                 scene.start(&[n, n + 1, n + 2], [v * s, 0.0, -v * c], [0.0; 3]);
                 scene.add(&format!("[contact]\nlaw = \"{law}\""));
-                // The step is that of the carrier; the safety factor makes it 1 us, of which
-                // contact may take less.
+                // The step is that of the carrier. The safety factor makes it 1 us, which
+                // contact may reduce.
                 let unit = bench.model("C07", &scene)?.first_dt().0 / 0.9;
                 scene.time(&format!("safety = {:?}", (dt / unit).min(1.0)));
                 let run = bench
@@ -368,7 +369,7 @@ fn cradle(bench: &Bench) -> Result<Vec<Row>, String> {
     let width = length / N as f64;
     let mut all = Vec::new();
     for law in bench.laws() {
-        // Four passes of 2L/c and the flight after them.
+        // Four passes of 2L/c, then free flight.
         let mut scene = Scene::new(7.0 * 2.0 * length / BAR.c());
         scene.elastic("steel", BAR);
         let bars: Vec<_> = (0..5)
@@ -411,7 +412,7 @@ mod tests {
     use super::*;
     use crumple_proto::job::Contact;
 
-    /// A law that says what is the default anyway would repeat the rows of another one.
+    /// A law with only default settings would repeat the rows of another law.
     #[test]
     fn no_two_laws_are_the_same() {
         let settings = |law: &Law| {

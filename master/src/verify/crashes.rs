@@ -1,13 +1,13 @@
-//! What cars crush: an S-beam (B15), and from `cases/` a short tube (B19) and the jeep frame (B20),
-//! with every quad of the table.
+//! Crush of vehicle parts: an S-beam (B15), and from `cases/` a short tube (B19) and the jeep
+//! frame (B20), with every quad of the table.
 //!
 //! No source gives numbers for these. The reference is the fully integrated shell, which has no
-//! hourglass control, on finer meshes, computed apart and extrapolated
+//! hourglass control, on finer meshes, computed separately and extrapolated
 //! (`tests/references/README.md` has commands, numbers and orders).
 //!
-//! Each scene runs on two meshes. The first one resolves the folds, and is held to the reference.
-//! The second one is the coarse one that the scene comes with, because it is cheap: rows record how
-//! far off it is.
+//! Each scene runs on two meshes. The first one resolves the folds and is compared with the
+//! reference. The second one is the coarse mesh of the shipped scene, which is cheap: its rows
+//! record the deviation.
 
 use super::crush::shells;
 use super::measure::Push;
@@ -19,44 +19,45 @@ use crumple_worker::energy::momentum;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;
 
-/// B15.
+/// Check of B15.
 pub const S_BEAM: Check = Check { name: "S-beam", quick: false, run: s_beam };
-/// B19.
+/// Check of B19.
 pub const SHORT_TUBE: Check = Check { name: "short square tube", quick: false, run: short_tube };
-/// B20.
+/// Check of B20.
 pub const FRAME: Check =
     Check { name: "jeep frame", quick: false, run: |bench| frame(bench, |shell| shell != FULL) };
-/// The same with the shell that takes as long as the others together.
+/// Check of B20 with the shell that takes as long as the others together.
 pub const FRAME_FULL: Check = Check {
     name: "jeep frame, full integration",
     quick: false,
     run: |bench| frame(bench, |shell| shell == FULL),
 };
 
-/// The shell without hourglass modes.
+/// Shell without hourglass modes.
 const FULL: &str = "fully_integrated_quad";
 
-/// Hourglass energy over internal energy of a part, at most; of parts with a hundredth of all
-/// internal energy or more.
+/// Limit of hourglass energy over internal energy of a part, for parts with at least a hundredth
+/// of all internal energy.
 const HOURGLASS_OF_A_PART: f64 = 0.1;
 
-/// How a crash is watched, in units of its job.
+/// Quantities and times at which a crash is observed, in units of its job.
 struct Crash {
     /// Axis along which momentum grows.
     axis: usize,
     /// Window of the largest force [time].
     window: f64,
-    /// When the energy absorbed is read; the last one ends it [time].
+    /// Times at which the absorbed energy is read; the last one ends the run [time].
     stations: &'static [f64],
     /// Factors on forces and times for kN and ms.
     to_kn: f64,
     to_ms: f64,
 }
 
-/// What a crash shows, in units of its job.
+/// Results of a crash, in units of its job.
 #[derive(Clone)]
 struct Shown {
-    /// Mean force up to the last station, and the largest one over the window [force].
+    /// Mean force until the last station, and the largest force averaged over the window
+    /// [force].
     mean: f64,
     peak: f64,
     /// Energy in stresses and hourglass control at each station [energy].
@@ -65,16 +66,16 @@ struct Shown {
 
 /// A mesh that a crash runs on.
 struct Mesh {
-    /// What rows call it.
+    /// Name in the rows.
     name: &'static str,
-    /// What the scene's option is for it.
+    /// Value of the scene's option for the mesh.
     fineness: usize,
-    /// Whether it is held to the reference.
+    /// True if the results are compared with the reference.
     held: bool,
 }
 
 impl Crash {
-    /// Runs it; what it shows, and the rows that need no reference.
+    /// Runs the crash; returns its results and the rows that need no reference.
     fn run(&self, variant: &str, model: &Model) -> Result<(Shown, Vec<Row>), String> {
         let (mut push, mut absorbed, mut penetration) = (Push::default(), Vec::new(), 0.0f64);
         let mut start = None;
@@ -114,8 +115,8 @@ impl Crash {
         Ok((Shown { mean: push.mean_force(0.0, last), peak, absorbed }, rows))
     }
 
-    /// Runs it on every mesh with those quads of the table that `runs` says; `build` makes the
-    /// model of one on a mesh.
+    /// Runs the crash on every mesh with those quads of the table that `runs` selects; `build`
+    /// makes the model for a quad and a mesh.
     fn all(
         &self,
         runs: fn(&str) -> bool,
@@ -139,7 +140,7 @@ impl Crash {
         Ok(all)
     }
 
-    /// Rows against a reference.
+    /// Returns the rows that compare the results with a reference.
     fn against(
         &self,
         variant: &str,
@@ -172,14 +173,15 @@ impl Crash {
     }
 }
 
-/// Side of the S-beam, its straight ends, the radius of the two arcs of 45 degrees between them,
-/// its thickness [m].
+/// Side of the S-beam, length of its straight ends, radius of the two arcs of 45 degrees between
+/// them, and thickness [m].
 const SIDE: f64 = 0.08;
 const LEG: f64 = 0.16;
 const RADIUS: f64 = 0.2;
 const SHEET: f64 = 1.5e-3;
 
-/// Point of the axis of the S-beam, and the angle of its tangent, so far along it [m].
+/// Returns the point of the S-beam's axis at the arc length `s`, and the angle of its tangent
+/// [m].
 fn axis(s: f64) -> ([f64; 2], f64) {
     let arc = RADIUS * FRAC_PI_4;
     let turned = |from: f64| (s - from).clamp(0.0, arc) / RADIUS;
@@ -193,8 +195,8 @@ fn axis(s: f64) -> ([f64; 2], f64) {
     ([x + (s - LEG - 2.0 * arc).max(0.0), y], angle)
 }
 
-/// An S-beam as of the example RD-E 0300 of Radioss (section, sheet, steel; its curve is not given
-/// in numbers), one end held, the other one led towards it by 500 kg at 10 m/s.
+/// Returns an S-beam as in the example RD-E 0300 of Radioss (section, sheet, steel; its curve is
+/// not given in numbers). One end is held; 500 kg at 10 m/s push the other end towards it.
 fn s_beam_scene(shell: &str, quads: usize) -> Scene {
     let (around, rings) = (4 * quads, 8 * quads);
     let length = 2.0 * LEG + 2.0 * RADIUS * FRAC_PI_4;
@@ -288,8 +290,8 @@ fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<Row>, String> {
     let crash =
         Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
     let meshes = [
-        // The horns alone: with all of the frame so fine the fully integrated shell absorbs the
-        // same by 5 ms, within 0.04 %.
+        // Only the horns are refined: with the whole frame refined the fully integrated shell
+        // absorbs the same energy by 5 ms, within 0.04 %.
         Mesh { name: "horn_refine = 3", fineness: 3, held: true },
         Mesh { name: "refine = 1, coarse", fineness: 1, held: false },
     ];

@@ -1,9 +1,9 @@
-//! Shells that buckle and fold: tubes crushed along their axis (B11, B12, B13), and a beam bent by
-//! a blow (B04).
+//! Shells that buckle and fold: tubes crushed along their axis (B11, B12, B13), and an
+//! impulsively loaded beam (B04).
 //!
-//! Tubes run with every quad of the table. What is gated: the mean crush force, the hourglass
+//! Tubes run with every quad of the table. Criteria are the mean crush force, the hourglass
 //! energy, the penetration, the number of folds, and energy. Peaks and energies at stations are
-//! beside what the catalogue has.
+//! recorded in addition to what the catalogue asks for.
 
 use super::measure::{displacement, mean_velocity, position};
 use super::row::Row;
@@ -15,14 +15,14 @@ use crumple_worker::fem::elements::ELEMENTS;
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
-/// B04.
+/// Check of B04.
 pub const BEAM: Check = Check { name: "impulsively loaded beam", quick: false, run: beam };
-/// B11.
+/// Check of B11.
 pub const SQUARE: Check = Check { name: "square tube", quick: false, run: square };
-/// B12.
+/// Check of B12.
 pub const MEAN_FORCE: Check =
     Check { name: "square tube, mean force formula", quick: false, run: mean_force };
-/// B13.
+/// Check of B13.
 pub const ROUND: Check = Check { name: "circular tube", quick: false, run: round };
 
 fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -39,7 +39,7 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
     scene.fix(&axis, "y rx rz");
     for i in 0..=N {
         let x = half * i as f64 / N as f64;
-        // The row on the border carries the momentum of the half that is loaded.
+        // The row on the border carries the momentum of its loaded half.
         let share = if (x - loaded).abs() < 1e-9 { 0.5 } else { 1.0 };
         if x < loaded + 1e-9 {
             scene.start(&grid.row(i), [0.0, 0.0, -127.0 * share], [0.0; 3]);
@@ -81,11 +81,11 @@ fn beam(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Hourglass energy over internal energy in the one part that crushes: gate of the catalogue.
+/// Limit of the catalogue for hourglass energy over internal energy in the part that is crushed.
 const HOURGLASS_LIMIT: f64 = 0.05;
 /// Time over which the force on the head is averaged for its peak [s].
 const WINDOW: f64 = 1e-4;
-/// Shells that every tube is crushed with: all quads of the table.
+/// Returns the shells for every tube: all quads of the table.
 pub fn shells() -> impl Iterator<Item = &'static str> {
     ELEMENTS.iter().filter(|row| row.shape == Shape::Quad4).map(|row| row.name)
 }
@@ -93,8 +93,8 @@ pub fn shells() -> impl Iterator<Item = &'static str> {
 /// A tube that stands on a rigid wall and is crushed by a mass.
 #[derive(Clone, Copy)]
 struct Tube<'a> {
-    /// Section: from 0..1 around to x, y, and the outward normal, with the depth of the trigger
-    /// there [m].
+    /// Section: maps 0..1 around the tube to x, y, and to the outward normal times the depth of
+    /// the trigger [m].
     section: &'a dyn Fn(f64) -> ([f64; 2], [f64; 2]),
     around: usize,
     along: usize,
@@ -107,11 +107,11 @@ struct Tube<'a> {
     mass: f64,
     speed: f64,
     friction: f64,
-    /// Whether the thickness follows the strain.
+    /// True if the thickness follows the strain.
     thinning: bool,
 }
 
-/// What a crushed tube shows.
+/// Results of a crushed tube.
 struct Crushed {
     /// Energy that the head has lost at each station [J].
     absorbed: Vec<f64>,
@@ -119,20 +119,20 @@ struct Crushed {
     peak: f64,
     /// Hourglass energy over internal energy at the end.
     hourglass: f64,
-    /// Largest penetration on the way, as a fraction of the contact thickness.
+    /// Largest penetration during the run, as a fraction of the contact thickness.
     penetration: f64,
-    /// Folds: extremes, by turns inward and outward, of the displacement along the middle of the
-    /// first face.
+    /// Number of folds: extremes, alternately inward and outward, of the displacement along the
+    /// middle of the first face.
     folds: usize,
-    /// Largest difference of radial displacements within a ring over the largest mean one: 0 where
+    /// Largest difference of radial displacements within a ring over the largest mean one: 0 if
     /// the mode is axisymmetric.
     waviness: f64,
-    /// Largest energy that is not accounted for.
+    /// Largest error of the energy balance.
     error: f64,
 }
 
 impl Tube<'_> {
-    /// Crushes it with a shell up to the last of the stations `at` [m].
+    /// Crushes the tube with a shell until the last of the stations `at` [m].
     fn crush(
         &self,
         bench: &Bench,
@@ -210,14 +210,14 @@ impl Tube<'_> {
         })
     }
 
-    /// Distance of a node from the axis, at the start and now [m].
+    /// Returns the distance of a node from the axis, at the start and now [m].
     fn radii(e: &Engine, node: u32) -> [f64; 2] {
         let (x, u) = (position(e, node), displacement(e, node));
         [(x[0] - u[0]).hypot(x[1] - u[1]), x[0].hypot(x[1])]
     }
 
-    /// Turns of the displacement, along the middle of the first face, by more than two thicknesses
-    /// from the last extreme.
+    /// Counts the reversals of the displacement along the middle of the first face, by more than
+    /// two thicknesses from the last extreme.
     fn folds(&self, e: &Engine, nodes: &[u32]) -> usize {
         let line = (0..=self.along).map(|i| {
             let [then, now] = Self::radii(e, nodes[i * self.around + self.around / 8]);
@@ -256,8 +256,8 @@ impl Tube<'_> {
 }
 
 impl Crushed {
-    /// Rows that every tube has; `limits` are the mean force over the last station [N], its
-    /// tolerance and source.
+    /// Returns the rows that every tube has; `limits` are the mean force over the last station
+    /// [N], its tolerance and source.
     fn rows(
         &self,
         variant: &str,
@@ -283,8 +283,8 @@ impl Crushed {
     }
 }
 
-/// A square around the origin from 0..1, and the trigger of B11: inwards on the x faces, outwards
-/// on the y faces.
+/// Maps 0..1 to a square around the origin, with the trigger of B11: inwards on the x faces,
+/// outwards on the y faces.
 fn square_section(side: f64, depth: f64) -> impl Fn(f64) -> ([f64; 2], [f64; 2]) {
     move |s| {
         let h = 0.5 * side;
@@ -318,7 +318,7 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
         mass: 650.0,
         speed: 15.0,
         friction: 0.1,
-        // As in the run that the references are from; without it forces are 4 to 7 % lower.
+        // As in the reference run; without it forces are 4 to 7 % lower.
         thinning: true,
     };
     let fine = Tube { around: 72, along: 90, ..coarse };
@@ -341,7 +341,7 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
             0.15,
             (28.9e3, 0.08, "[C] OpenRadioss, QEPH 3.33 mm, its finest"),
         ));
-        // 150 mm of crush use up 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
+        // A crush of 150 mm consumes 150/0.73 mm of a tube that folds every 2 H = 34.4 mm.
         all.push(
             Row::new("folds along a face", &variant, "", crushed.folds as f64)
                 .beside(6.0, "[D] 150 mm/0.73 over 2 H, H = 0.983 (C^2 t)^(1/3), an estimate"),
@@ -352,7 +352,8 @@ fn square(bench: &Bench) -> Result<Vec<Row>, String> {
 
 fn mean_force(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // 52.22 M0 (C/t)^(1/3) with M0 = 300 MPa t^2/4; two fold lengths of the formula trigger.
+    // 52.22 M0 (C/t)^(1/3) with M0 = 300 MPa t^2/4. The trigger is two fold lengths of the
+    // formula.
     for (side, thickness, length, trigger, expected) in [
         (0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3),
         (0.04931, 1.63e-3, 0.266, [0.008, 0.039], 32.4e3),
@@ -390,7 +391,7 @@ fn round(bench: &Bench) -> Result<Vec<Row>, String> {
     let radius = 0.025;
     let section = |s: f64| {
         let (y, x) = (TAU * s).sin_cos();
-        // A ring bulge of a fifth of the thickness starts the first fold.
+        // A ring-shaped bulge of a fifth of the thickness starts the first fold.
         ([radius * x, radius * y], [2e-4 * x, 2e-4 * y])
     };
     let tube = Tube {

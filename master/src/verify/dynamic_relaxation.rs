@@ -1,8 +1,8 @@
 //! Shells at rest under loads, by damping in proportion to mass: large deflections (A30), curved
 //! and twisted shells (B09), a folded section (B10).
 //!
-//! A first run without damping finds half a period, from rest to the largest deflection; the second
-//! one is damped critically for that period and goes on until nothing moves any more.
+//! A first run without damping finds half a period, from rest to the largest deflection. The
+//! second run is damped critically for that period and continues until nothing moves.
 
 use super::bars::BAR;
 use super::bench::Finished;
@@ -15,36 +15,36 @@ use crumple_worker::engine::Engine;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
-/// A16, static.
+/// Check of A16, static.
 pub const SAGGED: Check = Check { name: "plate under its load, static", quick: true, run: sagged };
-/// A17, in gravity.
+/// Check of A17, in gravity.
 pub const HANGING: Check = Check { name: "bar with a mass, hanging", quick: true, run: hanging };
-/// A30 (a).
+/// Check of A30 (a).
 pub const STRIP: Check = Check { name: "cantilever under end shear", quick: true, run: strip };
-/// A30 (b).
+/// Check of A30 (b).
 pub const ROLL: Check = Check { name: "roll-up by an end moment", quick: true, run: roll };
-/// A30 (c).
+/// Check of A30 (c).
 pub const HEMISPHERE: Check =
     Check { name: "pinched hemisphere, large", quick: false, run: large_hemisphere };
-/// A30 (d).
+/// Check of A30 (d).
 pub const PULLED: Check = Check { name: "pull-out of a cylinder", quick: false, run: pulled };
-/// B09.
+/// Check of B09.
 pub const CURVED: Check = Check { name: "roof, cylinder, hemisphere", quick: false, run: curved };
-/// B09.
+/// Check of B09.
 pub const TWISTED: Check = Check { name: "thick twisted beam", quick: false, run: twisted };
-/// B09.
+/// Check of B09.
 pub const THIN: Check = Check { name: "thin twisted beam", quick: false, run: thin };
-/// B10.
+/// Check of B10.
 pub const FOLDED: Check = Check { name: "Z-section", quick: false, run: folded };
 
 const FORMULATIONS: [&str; 2] = ["belytschko_tsay", "stabilised_quad"];
-/// Longest way to rest, in radians of the lowest frequency.
+/// Upper limit of the time until rest, in radians of the lowest frequency.
 const LONGEST: f64 = 200.0;
 const SIDEWAYS: &str = "one shell across, nothing but the hourglass control resists part of the twist: at the default coefficient \
                         the strip escapes sideways just short of the circle, at 0.2 it does not";
 const CLAMPED: &str = "x y z rx ry rz";
 
-/// Runs a scene until it rests; returns the deflection there.
+/// Runs a scene until it is at rest; returns the deflection there and the run.
 fn rest(
     bench: &Bench,
     name: &str,
@@ -59,8 +59,9 @@ fn rest(
         }
         if now < 0.6 * most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
-    // Rest: over three of its radians in turn nothing has moved by more than 1e-5. A mode five
-    // times slower, then damped far above its own critical value, is left with ten times that.
+    // Criterion of rest: three times in succession the deflection changes by at most 1e-5 within
+    // one radian. A mode five times slower is then damped far above its own critical value and
+    // is still off by ten times that.
     let omega = PI / half;
     let mut damped = scene.clone().until(LONGEST / omega);
     damped.time(&format!("damping = {:?}", 2.0 * omega));
@@ -124,7 +125,7 @@ fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
         let grid = scene.grid(1, [N, N], |x, y| [side * x, side * y, 0.0]);
         scene.elastic("steel", STEEL);
         scene.part(1, "steel", thickness, &format!("points = 2\nelement = \"{element}\""));
-        // Hard support: the edge does not tilt along itself either.
+        // Hard support: the edge does not rotate about its normal either.
         for i in [0, N] {
             scene.fix(&grid.row(i), "z rx");
             let column: Vec<u32> = (0..=N).map(|j| grid.at(j, i)).collect();
@@ -145,8 +146,8 @@ fn sagged(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Cantilever of Sze et al.: 10 by 1 by 0.1, 16 by 1 shells, bending stiffness 100; without units.
-/// `keys` of the part.
+/// Returns the cantilever of Sze et al.: 10 by 1 by 0.1, 16 by 1 shells, bending stiffness 100;
+/// without units. `keys` are those of the part.
 fn cantilever(keys: &str) -> (Scene, Grid) {
     let mut scene = Scene::new(1e3);
     let grid = scene.grid(1, [16, 1], |x, y| [10.0 * x, y, 0.0]);
@@ -187,7 +188,7 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
             cantilever(&format!("element = \"{element}\"\nhourglass_coefficient = {hourglass:?}"));
         let mut scene = scene.until(end);
         let tip = scene.set(&grid.row(16));
-        // To half a circle and rest, to the whole and rest.
+        // The load rises to half a circle, rests, rises to the full circle and rests.
         scene.add(&format!(
             "[[curve]]\nname = \"steps\"\npoints = [[0.0, 0.0], [{:?}, 0.5], [{:?}, 0.5], [{:?}, 1.0]]",
             0.25 * end,
@@ -219,8 +220,8 @@ fn roll(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A quarter of a hemisphere with a hole of 18 degrees, `n` by `n`; returns the loaded corners, on
-/// the x and the y axis.
+/// Adds a quarter of a hemisphere with a hole of 18 degrees, `n` by `n`; returns the loaded
+/// corners on the x and the y axis.
 fn hemisphere(scene: &mut Scene, n: usize, section: &str) -> [u32; 2] {
     let grid = scene.grid(1, [n, n], |s, r| {
         let (sin, cos) = (s * FRAC_PI_2).sin_cos();
@@ -242,7 +243,7 @@ fn large_hemisphere(bench: &Bench) -> Result<Vec<Row>, String> {
     for element in FORMULATIONS {
         let mut scene = Scene::new(1e3);
         let [a, b] = hemisphere(&mut scene, N, &format!("points = 2\nelement = \"{element}\""));
-        // Half of P = 400 on a node of a plane of symmetry.
+        // A node on a plane of symmetry gets half of P = 400.
         load(&mut scene, &[a], [200.0, 0.0, 0.0]);
         load(&mut scene, &[b], [0.0, -200.0, 0.0]);
         let (inward, run) =
@@ -263,7 +264,7 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
     for element in FORMULATIONS {
         for (share, w) in [(0.1, 1.707), (0.5, 2.473), (1.0, 2.768)] {
             let mut scene = Scene::new(1e3);
-            // An eighth: the load at x = 0, on top.
+            // An eighth of the cylinder: the load is at x = 0, on top.
             let grid = scene.grid(1, MESH, |x, s| {
                 let (sin, cos) = (s * FRAC_PI_2).sin_cos();
                 [0.5 * length * x, radius * sin, radius * cos]
@@ -285,12 +286,12 @@ fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Loads are small: deflections stay far below the thickness.
+/// Factor of small loads: deflections stay far below the thickness.
 const SMALL: f64 = 1e-3;
 const TABLE: &str = "[C] exact linear solution of Belytschko-Tsay with r = 0.02, catalogue B09";
 const TARGET: &str = "target; limit of the catalogue at n = 16";
 
-/// Section of B09: hourglass coefficient 0.02.
+/// Returns the section of B09, with hourglass coefficient 0.02.
 fn section(element: &str, drilling: f64) -> String {
     format!(
         "points = 2\nelement = \"{element}\"\nhourglass_coefficient = 0.02\ndrilling = {drilling:?}"
@@ -325,7 +326,7 @@ fn cylinder(bench: &Bench, name: &str, n: usize, section: &str) -> Result<f64, S
         scene.symmetry([0.0; 3], std::array::from_fn(|k| f64::from(u8::from(k == c))))
     });
     scene.fix(&grid.row(n), "y z");
-    // Far below the thickness, far above round-off.
+    // The deflection is far below the thickness and far above round-off.
     let force = 1e3;
     load(&mut scene, &[grid.at(0, 0)], [0.0, 0.0, -0.25 * force]);
     Ok(rest(bench, name, &scene, |e| -displacement(e, grid.at(0, 0))[2])?.0 / (force * 1.82488e-5))
@@ -340,7 +341,7 @@ fn small_hemisphere(bench: &Bench, name: &str, n: usize, section: &str) -> Resul
 }
 
 fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
-    /// Builds, runs and divides by the target.
+    /// Function that builds and runs a scene and divides the result by the target.
     type Scenes = fn(&Bench, &str, usize, &str) -> Result<f64, String>;
     let scenes: [(&str, Scenes); 3] = [
         ("Scordelis-Lo roof", roof),
@@ -368,7 +369,7 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
                     "",
                     ours,
                 );
-                // The cylinder is known to need more; at n = 8 there is no bound.
+                // The cylinder is known to need a finer mesh; at n = 8 there is no bound.
                 all.push(match n == 16 && what != "pinched cylinder" {
                     true => row.near(1.0, 0.03, TARGET),
                     false => row.beside(1.0, "target"),
@@ -379,8 +380,9 @@ fn curved(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Strip of 12 by 1.1 that turns by a right angle, `n` shells along it and a sixth across:
-/// deflection of the tip under a load along its width there (z) or across it (y), over the target.
+/// Computes the deflection of the tip of a strip under a load along its width there (z) or
+/// across it (y), over the target. The strip of 12 by 1.1 is twisted by a right angle and has
+/// `n` shells along it and a sixth of that across.
 fn twist(
     bench: &Bench,
     element: &str,
@@ -412,7 +414,7 @@ fn twist(
 fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for (element, drilling, table) in [
-        // The same mesh, and the finest.
+        // Values of the table on the same mesh and on the finest one.
         ("belytschko_tsay", 0.01, [0.978, 1.017, 1.028]),
         ("belytschko_tsay", 0.1, [0.952, 0.989, 0.998]),
         ("stabilised_quad", 0.01, [f64::NAN; 3]),
@@ -421,9 +423,9 @@ fn twisted(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{element}, {n} by {}, drilling {drilling}", n / 6);
             let z = twist(bench, element, 0.32, n, drilling, true)?;
             if known.is_finite() {
-                // In the table's code the rigid rotation of warped shells excites hourglass rates,
-                // in ours it does not: coarse meshes are as far as its finest one, and what a
-                // direct solution with our kernels gives.
+                // In the table's code the rigid rotation of warped shells excites hourglass
+                // rates, here it does not. Results on coarse meshes therefore agree with its
+                // finest mesh and with a direct solution with our kernels.
                 let row = |of: &str| {
                     Row::new(
                         format!("thick, load along z, deflection / target{of}"),
@@ -473,8 +475,8 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for element in FORMULATIONS {
         for n in [2, 4] {
-            // Shells of 1/n m: flanges of 1 m at y = -1 and 1, in the directions -z and z, the web
-            // of 2 m between them.
+            // Shells of 1/n m: flanges of 1 m at y = -1 and 1, in the directions -z and z, and
+            // the web of 2 m between them.
             let along = 10 * n;
             let mut scene = Scene::new(1e3);
             let mut weld = Weld::new(1e-6);
@@ -487,7 +489,7 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.part(1, "steel", 0.1, &format!("points = 2\nelement = \"{element}\""));
             let root: Vec<u32> = (1..=scene.count()).filter(|&i| scene.at(i)[0] < 1e-9).collect();
             scene.fix(&root, "x y z");
-            // Uniform shear on the ends of the flanges: nodes at their corners carry half.
+            // Uniform shear on the ends of the flanges: nodes at the corners carry half.
             for (flange, sign) in [(&low, -1.0), (&high, 1.0)] {
                 let share = sign * SMALL * force / n as f64;
                 let end = flange.row(along);
@@ -498,7 +500,7 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("B10 {element} {n}");
             let (_, run) = rest(bench, &name, &scene, |e| displacement(e, tip)[2])?;
             // Axial stress at the free edge of a flange, 2.5 m from the root: the mean of the
-            // shells before and after, by the line through the two nearest to the edge.
+            // shells before and after, extrapolated linearly from the two nearest to the edge.
             let stresses = fields(&run.engine);
             let first = along * 3 * n;
             let at = |i: usize, j: usize| stresses[first + i * n + j].stress[0];
@@ -511,8 +513,8 @@ fn folded(bench: &Bench) -> Result<Vec<Row>, String> {
                 "MPa",
                 1e-6 * edge.abs() / SMALL,
             );
-            // Two shells over a flange: half the side halves the distance from the converged codes'
-            // 111.2 MPa and more.
+            // With two shells over a flange, half the side halves the distance from the 111.2
+            // MPa of converged codes, and more.
             const LE5: &str = "[V:S10] NAFEMS LE5; converged codes 111.2";
             all.push(if n > 2 { row.near(108.0, 0.05, LE5) } else { row.beside(108.0, LE5) });
         }

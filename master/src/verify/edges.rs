@@ -1,4 +1,4 @@
-//! Strips that meet with their edges, between nodes (C04).
+//! Strips whose edges collide between nodes (C04).
 
 use super::contact::is_spring;
 use super::measure::{mean_velocity, position};
@@ -8,25 +8,25 @@ use super::{Bench, Check};
 use crumple_worker::energy::momentum;
 use crumple_worker::engine::Engine;
 
-/// C04, upright strips.
+/// Check of C04: upright strips.
 pub const UPRIGHT: Check =
     Check { name: "strips that meet with their edges", quick: true, run: upright };
-/// C04, strips that lie flat on each other.
+/// Check of C04: strips that lie flat on each other.
 pub const FLAT: Check = Check { name: "flat strips that cross", quick: true, run: flat };
 
-/// Strips of 100 by 10 by 1 mm [m], and how fast they come together [m/s].
+/// Strips of 100 by 10 by 1 mm [m], and the approach velocity [m/s].
 const LENGTH: f64 = 0.1;
 const WIDTH: f64 = 0.01;
 const THICKNESS: f64 = 1e-3;
 const V: f64 = 5.0;
-/// Way to the first contact [m].
+/// Distance to the first contact [m].
 const AIR: f64 = 2e-4;
 
 const BEAM: &str =
     "[C] two beams, see `swapped` in edges.rs; tolerance of the catalogue for a full swap";
 
-/// The upper strip of two goes along x, the lower one at an angle; they cross `off` from the middle
-/// of both [m].
+/// Crossing of two strips: the upper one is along x, the lower one at an angle; they cross at
+/// the distance `off` from the middle of both [m].
 struct Crossing {
     name: &'static str,
     angle: f64,
@@ -38,23 +38,23 @@ const CROSSINGS: &[Crossing] = &[
     Crossing { name: "at 60 degrees, off the middle", angle: 60.0, off: 0.015 },
 ];
 
-/// What holds two beams apart: nothing that gives way, or a spring and a dashpot [N/m], [N s/m].
+/// Contact between two beams: rigid, or a spring and a dashpot [N/m], [N s/m].
 #[derive(Clone, Copy)]
 pub enum Hold {
-    /// Nothing that gives way.
+    /// Rigid contact.
     Stiff,
-    /// Stiffness and damping.
+    /// Stiffness [N/m] and damping [N s/m].
     Soft(f64, f64),
 }
 
-/// Velocity that the struck one of two equal free beams takes over, as a fraction of the other's
-/// before. By symmetry the point where they touch rests in the frame of both: each falls with half
-/// the velocity on what is there, at `off` from its middle, and may leave it again. Timoshenko's
-/// theory with 100 linear elements, one point each, lumped masses, central differences; with 40
-/// elements the result is the same within 0.003.
+/// Returns the velocity that the struck one of two equal free beams takes over, as a fraction of
+/// the other's initial velocity. By symmetry the point of contact rests in the frame of both.
+/// Each beam falls with half the velocity on this point, at `off` from its middle, and may
+/// separate from it. The model is Timoshenko's theory with 100 linear elements, one point each,
+/// lumped masses and central differences; with 40 elements the result is the same within 0.003.
 ///
-/// Beams bend and go on ringing, so that velocities are not swapped in full: 0.90 and not 1 in the
-/// middle.
+/// Beams bend and vibrate afterwards, so they do not exchange their velocities in full: the
+/// result is 0.90 and not 1 in the middle.
 pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
     const N: usize = 100;
     let (area, second) = (THICKNESS * WIDTH, THICKNESS * WIDTH.powi(3) / 12.0);
@@ -80,7 +80,7 @@ pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
         if let Hold::Soft(k, c) = hold
             && w[place] < 0.0
         {
-            // Half of what the two beams come together is on either side.
+            // Each side has half of the approach of the two beams.
             force[place] += (-2.0 * (k * w[place] + c * dw[place])).max(0.0);
         }
         for i in 0..=N {
@@ -99,7 +99,8 @@ pub fn swapped(off: f64, hold: Hold, until: f64) -> f64 {
     0.5 * (1.0 + mean)
 }
 
-/// Linear and angular momentum that a run has lost or won, as a fraction of what one strip had.
+/// Returns the changes of linear and angular momentum in a run, as fractions of those of one
+/// strip.
 fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
     const EXACT: &str = "exact; round-off of some thousand steps";
     let now: [[f64; 3]; 2] = momentum(&e.nodes).into();
@@ -112,9 +113,9 @@ fn momentum_rows(variant: &str, start: &[[f64; 3]; 2], e: &Engine) -> [Row; 2] {
     ]
 }
 
-/// Two strips upright, one above the other, edge towards edge.
+/// Collides two upright strips, one above the other, edge against edge.
 fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
-    let cells = [41, 4]; // no node where they cross
+    let cells = [41, 4]; // no node at the crossing
     let mut all = Vec::new();
     for law in bench.laws() {
         for crossing in CROSSINGS {
@@ -133,7 +134,7 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
             let run = bench.watch(&format!("C04 {law} {}", crossing.name), &scene, |_| {})?;
             let variant = format!("{law}, strips upright {}", crossing.name);
             let hold = if is_spring(law) {
-                // Four nodes with half the mass of an element; the default scale and damping.
+                // Four nodes with half the mass of an element; default scale and damping.
                 let node =
                     0.5 * STEEL.rho * THICKNESS * LENGTH * WIDTH / (cells[0] * cells[1]) as f64;
                 let s = (cells[0] as f64 * (0.5 + crossing.off / LENGTH)).fract();
@@ -165,7 +166,7 @@ fn upright(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Height of the middle of the patch, which has no node there [m].
+/// Returns the height of the middle of the patch, which has no node there [m].
 fn middle(e: &Engine, grid: &Grid) -> f64 {
     let k = grid.along() / 2;
     [(k, 0), (k + 1, 0), (k, 1), (k + 1, 1)]
@@ -175,8 +176,8 @@ fn middle(e: &Engine, grid: &Grid) -> f64 {
         / 4.0
 }
 
-/// Two strips flat, one above the other, each an element wide: where they cross no node lies on the
-/// other one.
+/// Collides two flat strips, one above the other, each one element wide: at the crossing no node
+/// is on the other strip.
 fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
     let cells = [5, 1];
     let mut all = Vec::new();

@@ -1,5 +1,5 @@
-//! Shell elements alone or few: patch tests (A21), stable step (A23), rotation and large strain
-//! (A19 a, b, A26, C16), hourglass mode (C10), warped elements (C11).
+//! Single shell elements and small patches: patch tests (A21), stable step (A23), rotation and
+//! large strain (A19 a, b, A26, C16), hourglass mode (C10), warped elements (C11).
 
 use super::bench::Finished;
 use super::measure::{Crossings, Pose, displacement, drive, fields, fields_before, lead};
@@ -11,22 +11,22 @@ use crumple_worker::fem::elements::ElementFields;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
-/// A21, membrane.
+/// Check of A21, membrane.
 pub const MEMBRANE: Check = Check { name: "membrane patch", quick: true, run: membrane };
-/// A21, bending.
+/// Check of A21, bending.
 pub const BENDING: Check = Check { name: "bending patch", quick: true, run: bending };
-/// A23 (c).
+/// Check of A23 (c).
 pub const STEP: Check = Check { name: "stable step of a square", quick: true, run: stable_step };
-/// A19 (a), (b).
+/// Check of A19 (a), (b).
 pub const TURNED: Check = Check { name: "prescribed rotation", quick: true, run: turned };
-/// A26 and C16.
+/// Check of A26 and C16.
 pub const LARGE: Check = Check { name: "large strain", quick: true, run: large_strain };
-/// C16.
+/// Check of C16.
 pub const NUMBERING: Check =
     Check { name: "four numberings in shear", quick: true, run: numbering };
-/// C10 (a) for shells.
+/// Check of C10 (a) for shells.
 pub const HOURGLASS: Check = Check { name: "hourglass mode", quick: true, run: hourglass };
-/// C11.
+/// Check of C11.
 pub const WARPED: Check =
     Check { name: "rigid rotation of a warped shell", quick: true, run: warped };
 
@@ -45,7 +45,7 @@ const PATCH: [[f64; 2]; 8] = [
 ];
 const QUADS: [[u32; 4]; 5] = [[1, 2, 6, 5], [2, 3, 7, 6], [3, 4, 8, 7], [4, 1, 5, 8], [5, 6, 7, 8]];
 
-/// The patch with quads or with each of them cut in two.
+/// Adds the patch, with quads or with each quad cut in two.
 fn patch(scene: &mut Scene, element: &str, places: &[[f64; 2]; 8]) {
     let triangles = element == "c0_triangle";
     places.iter().for_each(|p| _ = scene.node([p[0], p[1], 0.0]));
@@ -60,7 +60,7 @@ fn patch(scene: &mut Scene, element: &str, places: &[[f64; 2]; 8]) {
     soft(scene, element);
 }
 
-/// Material and section of the patch.
+/// Adds the material and the section of the patch.
 fn soft(scene: &mut Scene, element: &str) {
     scene.elastic("soft", Elastic { e: 1e6, nu: 0.25, rho: 1000.0 });
     // Triangles have one formulation, which a part does not name.
@@ -69,7 +69,8 @@ fn soft(scene: &mut Scene, element: &str) {
     scene.part(1, "soft", 0.001, &format!("points = 2{named}"));
 }
 
-/// Runs a scene whose nodes 1 to `nodes` are fixed and led: `pose` of node k at time t.
+/// Runs a scene whose nodes 1 to `nodes` are fixed and follow a prescribed motion: `pose` of
+/// node k at time t.
 fn led(
     bench: &Bench,
     name: &str,
@@ -79,7 +80,7 @@ fn led(
     mut look: impl FnMut(&Engine),
 ) -> Result<Finished, String> {
     bench.run(name, scene, |e| {
-        // Stress is still that of the time before.
+        // The stress is still that of the previous time.
         look(e);
         let (t, dt) = (e.clock.time, e.clock.last_dt);
         if dt > 0.0 {
@@ -107,7 +108,8 @@ fn membrane(bench: &Bench) -> Result<Vec<Row>, String> {
         };
         (5..=8).for_each(|n| scene.start(&[n], speed(PATCH[n as usize - 1]), [0.0; 3]));
         let name = format!("A21 membrane {shape}");
-        // Steady velocities: differences of places would round off what is compared.
+        // Steady velocities: differences of positions would add round-off to the compared
+        // values.
         let run = bench.run(&name, &scene, |e| {
             (1..=4).for_each(|n| drive(e, n, speed(PATCH[n as usize - 1]), [0.0; 3]));
             ControlFlow::Continue(())
@@ -174,17 +176,18 @@ fn bending(bench: &Bench) -> Result<Vec<Row>, String> {
 
 const SHEARS: &str = "Belytschko-Tsay has no shear projection: on quads that are no parallelograms the catalogue expects it to fail [C]";
 
-/// Bends a patch by its rim, which `build` returns, and lets it come to rest.
+/// Bends a patch by prescribed motion of its rim, which `build` returns, and waits until it is
+/// at rest.
 fn bent(
     bench: &Bench,
     variant: &str,
     build: impl Fn(&mut Scene) -> Vec<u32>,
 ) -> Result<Row, String> {
-    // What the slopes stretch grows with the square of the scale, what bends with the scale: at
-    // 1e-4 it is 1e-5 of that.
+    // The membrane strain due to slopes grows with the square of the scale, bending with the
+    // scale: at 1e-4 the former is 1e-5 of the latter.
     let scale = 1e-9;
-    // Driven for a while, then held. Frequencies from 0.6 Hz on: what lags behind then dies out by
-    // exp(-1.4 t) at least.
+    // The rim is driven, then held. The lowest frequency is 0.6 Hz, so any lag decays at least
+    // as exp(-1.4 t).
     let (driven, end) = (50.0, 80.0);
     let mut scene = Scene::new(end);
     let rim = build(&mut scene);
@@ -200,7 +203,7 @@ fn bent(
         let (v, w) = motion(scene.at(n));
         scene.start(&[n], v, w);
     }
-    // The step before the stop moves the rim, but elements see its velocity no more.
+    // The step before the stop moves the rim, but elements do not see its velocity.
     let mut unseen = None;
     let run = bench.run(&format!("A21 bending {variant}"), &scene, |e| {
         if e.clock.time >= driven {
@@ -213,7 +216,7 @@ fn bent(
         }
         ControlFlow::Continue(())
     })?;
-    // A corner that was moved says how far it all has come.
+    // The displacement of a moved corner gives the scale that was reached.
     let corner = 3;
     let reached = displacement(&run.engine, corner)[2] / (1e-3 * bend(scene.at(corner)))
         - unseen.unwrap_or(0.0);
@@ -259,7 +262,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             let name = format!("A23c {element} {ratio}");
             let (mut start, mut grown) = (0.0, false);
             let run = bench.run(&name, &scene(limit / unit), |e| {
-                let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
+                let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
                 if e.clock.cycle == 0 {
                     start = now;
                 }
@@ -286,7 +289,8 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// One square shell, all of it led, with its corners counted from number `first`.
+/// Returns a scene with one square shell, all nodes with prescribed motion. Its corners are
+/// counted from number `first`.
 fn square(side: f64, thickness: f64, lift: f64, first: usize, end: f64) -> Scene {
     let mut scene = Scene::new(end);
     let corners = [[0.0, 0.0, 0.0], [side, 0.0, 0.0], [side, side, lift], [0.0, side, 0.0]];
@@ -299,7 +303,7 @@ fn square(side: f64, thickness: f64, lift: f64, first: usize, end: f64) -> Scene
     scene
 }
 
-/// A point turned by an angle about an axis through the origin.
+/// Returns a point turned by an angle about an axis through the origin.
 fn turn(x: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     let (s, c) = angle.sin_cos();
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -308,7 +312,7 @@ fn turn(x: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     y
 }
 
-/// Spin of a turn: the angle, as a rotation vector.
+/// Returns the rotation vector of a turn by an angle.
 fn turned_by(axis: usize, angle: f64) -> [f64; 3] {
     let mut r = [0.0; 3];
     r[axis] = angle;
@@ -336,7 +340,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
             led(bench, &format!("A19a turn {how} {steps}"), &scene, place, 4, |e| {
                 let angle = TAU * (e.clock.time - e.clock.last_dt) / end;
                 let stress = largest(&fields(e)[0]) / STEEL.e;
-                // The worst until a quarter, a half and the whole turn.
+                // Largest errors until a quarter, a half and the whole turn.
                 for (w, until) in worst.iter_mut().zip([FRAC_PI_2, PI, TAU]) {
                     if angle <= until {
                         *w = w.max(stress);
@@ -380,7 +384,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Stress over E or G as a square is led to `place`.
+/// Computes the stress over E or G while a square moves along `path`.
 fn led_square(
     bench: &Bench,
     name: &str,
@@ -392,7 +396,7 @@ fn led_square(
     let side = 0.1;
     let mut scene = square(side, 0.01, 0.0, first, 1.0);
     let dt = bench.model(name, &scene)?.first_dt().0;
-    // The step shrinks with the element: there are some more of them.
+    // The step shrinks with the element, so there are a few more steps.
     let end = steps * dt;
     scene = square(side, 0.01, 0.0, first, end);
     let x0: Vec<[f64; 3]> = (1..=4).map(|n| scene.at(n)).collect();
@@ -407,7 +411,7 @@ fn led_square(
 
 fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // (a) for a shell, whose normal stress is nought.
+    // (a) for a shell, whose normal stress is zero.
     let plane = STEEL.e / (1.0 - STEEL.nu * STEEL.nu);
     let mut seen: Vec<(f64, f64)> = Vec::new();
     led_square(
@@ -419,7 +423,7 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
         |s, f| seen.push((1.0 - 0.91 * s, f.stress[0])),
     )?;
     for stretch in [0.9, 0.5, 0.1f64] {
-        // The stress at the stretch between two steps, by proportion.
+        // The stress at this stretch, interpolated linearly between two steps.
         let i = seen.partition_point(|p| p.0 > stretch).clamp(1, seen.len() - 1);
         let ((a, p), (b, q)) = (seen[i - 1], seen[i]);
         let ours = p + (q - p) * (stretch - a) / (b - a);
@@ -463,8 +467,8 @@ fn large_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// sigma12/G and sigma11/G in simple shear, hypoelastic in axes that turn by half of `atan gamma`:
-/// in them the stresses are `asinh gamma` and `1 - sqrt(1 + gamma^2)`.
+/// Returns sigma12/G and sigma11/G in simple shear, hypoelastic in axes that turn by half of
+/// `atan gamma`: in them the stresses are `asinh gamma` and `1 - sqrt(1 + gamma^2)`.
 fn bisector_shear(gamma: f64) -> [f64; 2] {
     let (t, n) = (gamma.asinh(), 1.0 - (1.0 + gamma * gamma).sqrt());
     let (s, c) = gamma.atan().sin_cos();
@@ -513,7 +517,7 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
         1e-3,
         &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {r:?}"),
     );
-    // The ledger is off by a quarter of the square of omega dt.
+    // The error of the ledger is a quarter of the square of omega dt.
     scene.time("safety = 0.1");
     let mode = [1.0, -1.0, 1.0, -1.0];
     let corners = [grid.at(0, 0), grid.at(1, 0), grid.at(1, 1), grid.at(0, 1)];

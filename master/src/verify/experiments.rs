@@ -1,20 +1,20 @@
-//! Validation: Taylor tests (B03) and clamped plates under impulses (B17) as they were measured.
-//! What a law's constants are taken from is said with each; none was fitted to these tests.
+//! Validation: Taylor tests (B03) and impulsively loaded clamped plates (B17) against
+//! measurements. Each law names the source of its constants; none was fitted to these tests.
 
 use super::measure::{displacement, position};
 use super::row::Row;
 use super::scene::{Elastic, Scene};
 use super::{Bench, Check};
 
-/// B03, copper.
+/// Check of B03, copper.
 pub const COPPER: Check = Check { name: "Taylor tests of copper", quick: false, run: copper };
-/// B03, steel.
+/// Check of B03, steel.
 pub const STEEL_4340: Check = Check { name: "Taylor test of 4340 steel", quick: false, run: steel };
-/// B17, plates.
+/// Check of B17, plates.
 pub const PLATES: Check =
     Check { name: "clamped square plates under an impulse", quick: false, run: plates };
 
-/// A bar that hits a rigid wall.
+/// Test in which a bar hits a rigid wall.
 struct Shot {
     length: f64,
     radius: f64,
@@ -24,7 +24,7 @@ struct Shot {
     material: &'static str,
 }
 
-/// Length over that at the start, largest radius over that at the start.
+/// Runs a test; returns the final length and the largest radius, each over its initial value.
 fn fired(bench: &Bench, name: &str, shot: &Shot) -> Result<[f64; 2], String> {
     const CELLS: usize = 6;
     let mut scene = Scene::new(shot.until);
@@ -64,7 +64,7 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
         ("M1", 34.5e-3, 7.8e-3, 167.0, [0.743, 1.772], false),
         ("M1", 34.5e-3, 7.8e-3, 225.0, [0.645, 2.056], false),
     ] {
-        // It has stopped after some L/v.
+        // The bar has stopped after about L/v.
         let until = 1.1 * length / velocity;
         let shot =
             Shot { length, radius: 0.5 * diameter, velocity, friction: 0.0, until, material: OFHC };
@@ -74,7 +74,7 @@ fn copper(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("length / that at the start", &variant, "", l),
             Row::new("largest radius / that at the start", &variant, "", r),
         );
-        // The catalogue has 3 to 5 % and 8 % for a law of the copper that was shot.
+        // The catalogue has 3 to 5 % and 8 % for a law of the tested copper.
         all.extend(match gated {
             true => [length.near(long, 0.05, WILKINS), radius.near(wide, 0.08, WILKINS)],
             false => [length.beside(long, M1), radius.beside(wide, M1)],
@@ -95,7 +95,7 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("4340 steel, 181 m/s, 6 cells on the radius, friction {friction}");
         all.push(Row::new("length / that at the start", &variant, "", l).near(0.908, 0.03, TEST));
         let foot = Row::new("largest diameter", &variant, "mm", 2e3 * r * radius);
-        // Radius is a measure of friction, length one of strength.
+        // The radius depends on friction, the length on strength.
         all.push(if friction > 0.0 {
             foot.near(9.5, 0.08, TEST)
         } else {
@@ -105,8 +105,8 @@ fn steel(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A quarter of a clamped square plate that starts with a uniform velocity; mean deflection of its
-/// centre after the first peak, over its thickness.
+/// Compares the mean deflection of the centre of a clamped square plate after the first peak,
+/// over its thickness. A quarter of the plate starts with a uniform velocity.
 fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
     const LINE: &str = "experiment: Nurick & Martin 1989, Int. J. Impact Engng 8, 171-186, line through tests of quadrangular plates as others cite it, 0.471 phi + 0.001; most are within one thickness of it";
     const N: usize = 24;
@@ -143,7 +143,7 @@ fn plates(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant =
                 format!("89 by 1.6 mm, {} by {} shells, impulse {phi}, {how}", 2 * N, 2 * N);
             let row = Row::new("deflection after the peak / thickness", &variant, "", ours);
-            // The line is drawn with the static yield stress, and the tests' steel stiffens with
+            // The line is for the static yield stress, but the steel of the tests hardens with
             // the rate.
             all.push(if rate.is_empty() {
                 row.beside(expected, LINE)

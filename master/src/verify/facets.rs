@@ -1,5 +1,5 @@
-//! What facets do to what meets them: a cube dropped on a corner at different places of a mesh
-//! (C03), blocks that slide over many facets, flat or around a drum (C18).
+//! Effect of facets in contact: a cube dropped on a corner at different places of a mesh (C03),
+//! blocks that slide over many facets, flat or around a drum (C18).
 
 use super::contact::{Law, carrier, tip};
 use super::measure::{Push, contact_force, mass, mean_velocity, position};
@@ -11,13 +11,13 @@ use super::{Bench, Check};
 use crumple_worker::energy::momentum;
 use std::f64::consts::{PI, TAU};
 
-/// C03.
+/// Check of C03.
 pub const DROPPED: Check = Check { name: "cube on a corner", quick: true, run: dropped };
-/// C18, flat.
+/// Check of C18, flat.
 pub const FLAT: Check = Check { name: "over 50 flat facets", quick: false, run: flat };
-/// C18, off the edge.
+/// Check of C18, off the edge.
 pub const EDGE: Check = Check { name: "off the last edge", quick: true, run: edge };
-/// C18, drum.
+/// Check of C18, drum.
 pub const DRUM: Check = Check { name: "inside a drum of 72 facets", quick: false, run: drum };
 
 const FIXED: &str = "x y z rx ry rz";
@@ -63,8 +63,8 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
             let variant = format!("{}, {where_to}", law.name);
             let [of_first, rebound_of_first] = *first.get_or_insert([impulse, rebound]);
             if where_to.ends_with("facet") {
-                // Between nothing and a full reversal; what an elastic cube keeps in swings is not
-                // known.
+                // Between zero and a full reversal; the energy that remains in vibrations of an
+                // elastic cube is unknown.
                 all.push(Row::new("impulse / m v", &variant, "", impulse / (whole * v)).near(
                     1.5,
                     1.0 / 3.0,
@@ -87,8 +87,7 @@ fn dropped(bench: &Bench) -> Result<Vec<Row>, String> {
                 all.push(row.within(0.0, 0.02, CATALOGUE));
             }
             all.push(run.given_row(&variant));
-            // A corner that hits one node excites the hourglass modes around it, and hardly
-            // anything else.
+            // A corner that hits one node excites mainly the hourglass modes around it.
             all.push(
                 run.hourglass_row(&variant).beside(0.1, "gate of the catalogue for structures"),
             );
@@ -110,7 +109,7 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for (friction, force) in [(0.0, 400.0), (0.3, 20.0)] {
             let mut scene = Scene::new(if friction > 0.0 { 1.2 } else { 1.0 } * way / v);
-            // A strip wide enough for a block that crosses its lines at 7 degrees.
+            // The strip is wide enough for a block that crosses its lines at 7 degrees.
             let base = scene.grid(1, [FACETS + 10, 6], |x, y| {
                 let [x, y] = [facet * ((FACETS + 10) as f64 * x - 5.0), 0.066 * (y - 0.7)];
                 [c * x - s * y, s * x + c * y, -0.5 * THICKNESS]
@@ -143,7 +142,8 @@ fn flat(bench: &Bench) -> Result<Vec<Row>, String> {
                 aside = aside.max(mean_velocity(e, block.all(), 1).abs());
             })?;
             let variant = format!("{}, friction {friction}", law.name);
-            // Means over an eighth of a facet's crossing: many swings of the block's own depth.
+            // Means over an eighth of the time to cross a facet: many oscillations over the
+            // block's depth.
             let window = facet / v / 8.0;
             let (from, end) = (5.0 * ramped, run.engine.clock.time);
             let count = ((end - from) / window) as usize;
@@ -193,7 +193,8 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let mut scene = Scene::new(1.2e-3);
         let plate =
             scene.grid(1, [4, 4], |x, y| [reach * (2.0 * x - 1.0), reach * (2.0 * y - 1.0), 0.0]);
-        // A node of 1 g, half a facet and some more before the edge, off the lines of the mesh.
+        // A node of 1 g, slightly more than half a facet before the edge, off the lines of the
+        // mesh.
         let node = tip(&mut scene, 2, [reach - 7e-3, 3e-3, THICKNESS], 1e-3);
         scene.elastic("steel", STEEL);
         scene.elastic("carrier", carrier(0.09, 1.2 * dt));
@@ -209,7 +210,7 @@ fn edge(bench: &Bench) -> Result<Vec<Row>, String> {
         let (mut aside, mut along) = (0.0f64, 0.0f64);
         let run = bench.watch(&format!("C18 edge {}", law.name), &scene, |e| {
             let at = position(e, node)[0];
-            // The force is that of the place a step ago.
+            // The force is that at the position of the previous step.
             if contact_force(e, &[node], 2) != 0.0 {
                 (last, step) = (at - v * e.clock.last_dt, e.clock.last_dt);
             }
@@ -258,14 +259,14 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::ALL {
         for friction in [0.0, 0.3] {
-            // With friction it slows down like exp(-mu angle).
+            // Friction reduces the velocity as exp(-mu angle).
             let time = if friction > 0.0 {
                 ((friction * half_turn).exp() - 1.0) / friction
             } else {
                 half_turn
             };
-            // The drum's facets are chords; the block's face is flat, and its front and rear edges
-            // run on them.
+            // The drum's facets are chords; the block's face is flat, and its front and rear
+            // edges slide on them.
             let inner = radius * (PI / FACETS as f64).cos() - 0.5 * THICKNESS;
             let low = (inner * inner - 0.25 * side * side).sqrt();
             let centre = low - 0.5 * side;
@@ -276,7 +277,7 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             });
             let block = scene.block(2, [1; 3], |p| {
                 let [x, y, z] = p.map(|q| side * (q - 0.5));
-                // Lines of the meshes differ by 7 degrees about the radius.
+                // The lines of the two meshes are at 7 degrees about the radius.
                 let (s, c) = 7f64.to_radians().sin_cos();
                 [c * x - s * y, s * x + c * y, z - centre + 2e-5]
             });
@@ -284,7 +285,7 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.part(1, "steel", THICKNESS, "points = 2");
             scene.solid_part(2, "steel", INVISCID);
             scene.fix(drum.all(), FIXED);
-            // It turns about the axis of the drum as a rigid body does.
+            // The block turns about the axis of the drum as a rigid body.
             let set = scene.set(block.all());
             let spin = -v / centre;
             scene.add(&format!(
@@ -312,8 +313,8 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
             let end = run.engine.ledger.energies(&run.engine.nodes);
             let kept = (end.kinetic + end.internal + end.hourglass) / start;
             if friction == 0.0 {
-                // A corner of the polygon turns the way by 5 degrees: no law that takes facets for
-                // what they are can keep all.
+                // A corner of the polygon turns the path by 5 degrees: no law that treats facets
+                // as flat can keep all of the energy.
                 let change = (kept - 1.0) / crossed;
                 all.push(
                     Row::new("energy lost per facet", &variant, "", -change)
@@ -328,7 +329,7 @@ fn drum(bench: &Bench) -> Result<Vec<Row>, String> {
                 let expected = (-2.0 * friction * angle.abs()).exp();
                 let row = Row::new("energy kept / exp(-2 mu angle)", &variant, "", kept / expected);
                 all.push(match law.is_spring() {
-                    // It is thrown off at corners, turns over and flies.
+                    // The block is thrown off at corners, turns over and flies.
                     true => row.beside(0.904, "[C] a rigid block, nearly round, tests/references/drum.py"),
                     false => row.within(0.8027, 0.1014, "[C] a rigid block, plastic: 0.7013 in this polygon, 0.9041 nearly round, tests/references/drum.py"),
                 });

@@ -9,7 +9,7 @@ use super::{Bench, Check};
 use crumple_cases::graded;
 use std::f64::consts::PI;
 
-/// A10 (b).
+/// Check of A10 (b).
 pub const CYLINDER: Check =
     Check { name: "cylinder on a rigid plane", quick: false, run: cylinder };
 
@@ -27,14 +27,14 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::all() {
         for cells in [4, 8] {
-            // Half of it by symmetry; twenty half widths of it are as good as all.
+            // Half of the cylinder by symmetry; twenty half widths of contact replace all of it.
             let (first, size) = (width / cells as f64, 20.0 * width);
             let along = graded(first, 3 * cells / 2, size);
             let up = graded(first, 1, size);
             let deep = 2.0 * first;
             let index =
                 |p: f64, places: &[f64]| places[(p * (places.len() - 1) as f64).round() as usize];
-            // Contact and modes of the block: a period of some 15 us.
+            // Contact and modes of the block: a period of about 15 us.
             let (ramp, end, omega) = (40e-6, 120e-6, 4.5e5);
             let mut scene = Scene::new(end);
             let block = scene.block(1, [along.len() - 1, 1, up.len() - 1], |[x, y, z]| {
@@ -42,8 +42,8 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
                 let low = RADIUS - (RADIUS * RADIUS - x * x).sqrt();
                 [x, deep * y, low + (size - low) * z]
             });
-            // Cells of the plane are a little larger, and none of its lines meets one of the
-            // block's.
+            // Cells of the plane are slightly larger, and none of its lines coincides with a
+            // line of the block.
             let coarse = 1.3 * first;
             let count = (2.5 * width / coarse).ceil() as usize;
             let base = scene.block(2, [count, 1, 1], |[x, y, z]| {
@@ -64,7 +64,7 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             ));
             scene.time(&format!("damping = {:?}", 2.0 * omega));
             scene.add(&law.table());
-            // Both nodes at a place along the contact.
+            // Both nodes at each position along the contact.
             let foot: Vec<[u32; 2]> =
                 (0..along.len()).map(|i| [block.at([i, 0, 0]), block.at([i, 1, 0])]).collect();
             let mut forces = vec![0.0; foot.len()];
@@ -80,8 +80,8 @@ fn cylinder(bench: &Bench) -> Result<Vec<Row>, String> {
             })?;
             forces.iter_mut().for_each(|f| *f /= samples * deep);
             let felt = 2.0 * forces.iter().sum::<f64>();
-            // Pressures at the nodes, and p^2 = p0^2 (1 - x^2/b^2) through those above a fifth of
-            // the largest.
+            // Pressures at the nodes, and p^2 = p0^2 (1 - x^2/b^2) fitted to those above a fifth
+            // of the largest.
             let places: Vec<f64> = foot.iter().map(|n| position(&run.engine, n[0])[0]).collect();
             let mut at = Vec::new();
             for i in 0..places.len() - 1 {

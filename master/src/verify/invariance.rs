@@ -1,5 +1,5 @@
-//! Conservation (A29) and independence of the number of workers (A31): bodies in collision, bodies
-//! in a box, scenes of other entries.
+//! Conservation (A29) and independence of the number of workers (A31): bodies in collision,
+//! bodies in a box, scenes of other entries.
 
 use super::bench::{Finished, run_watched};
 use super::contact::{Law, is_spring};
@@ -12,15 +12,15 @@ use crumple_worker::energy::momentum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
-/// A29.
+/// Check of A29.
 pub const CONSERVATION: Check =
     Check { name: "bodies in collision", quick: false, run: conservation };
-/// A29 in a box.
+/// Check of A29: bodies in a box.
 pub const BOX: Check =
     Check { name: "blocks and plates in a closed box", quick: false, run: closed_box };
-/// A31, scenes of other entries.
+/// Check of A31, scenes of other entries.
 pub const SCENES: Check = Check { name: "A01 and A07 on 1 to 8 workers", quick: true, run: scenes };
-/// A31.
+/// Check of A31.
 pub const WORKERS: Check = Check { name: "1, 2, 4 workers", quick: false, run: workers };
 
 const TUMBLE: &str = include_str!("../../../cases/tumble/job.toml");
@@ -62,8 +62,8 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
                 "",
                 run.energies.contact / run.initial,
             );
-            // Springs come on and go off inside a step, see C02: without damping they give a little
-            // energy in the mean.
+            // Springs start and end within a step, see C02: without damping they give some
+            // energy on average.
             all.push(match is_spring(law) {
                 true => work.at_most(5e-3, "gate of the catalogue: half a per cent for springs"),
                 false => work.at_most(0.0, "[D] contact gives no energy"),
@@ -81,8 +81,8 @@ fn conservation(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Changes of linear and angular momentum: the former against the sum of its sizes over nodes,
-/// which may cancel.
+/// Returns the changes of linear and angular momentum, the former over the sum of its absolute
+/// values at the nodes, since the sum itself may cancel.
 fn drifts(run: &Finished) -> [f64; 2] {
     let nodes = &run.engine.nodes;
     let now: [[f64; 3]; 2] = momentum(nodes).into();
@@ -159,19 +159,19 @@ fn scenes(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction, for 1e5
-/// steps.
+/// Moves ten cubes and ten plates of 10 mm in a box of 70 mm with rigid walls, without friction,
+/// for 1e5 steps.
 fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
     const EACH: usize = 10;
     let (room, side, thickness) = (0.07, 0.01, 1e-3);
     let mut all = Vec::new();
-    // Springs without dashpots have to keep the energy, with them they may not give any.
+    // Springs without dashpots have to keep the energy; with dashpots they may not give any.
     let damped =
         Law::ALL.iter().filter(|law| law.is_spring()).map(|law| (law, law.table(), " damped"));
     for (law, contact, how) in Law::ALL.iter().map(|law| (law, law.undamped(), "")).chain(damped) {
         let mut scene = Scene::new(1.0);
-        // Places on a lattice of 3 x 3 x 3, velocities by a linear congruential generator from -10
-        // to 10 m/s.
+        // Positions on a lattice of 3 x 3 x 3, velocities from -10 to 10 m/s by a linear
+        // congruential generator.
         let mut state = 1u64;
         let mut random = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -206,7 +206,7 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.wall([room; 3], unit(-1.0), 0.0);
         }
         scene.add(&contact);
-        // A shell alone is not stable at more (A23).
+        // A single shell is not stable at a larger step (A23).
         scene.time("max_cycles = 100000\nsafety = 0.8");
         let mut hit = 0;
         let run = bench.run(&format!("A29 box {}{how}", law.name), &scene, |e| {
@@ -229,7 +229,8 @@ fn closed_box(bench: &Bench) -> Result<Vec<Row>, String> {
         let row = Row::new("energy at the end / at the start", &variant, "", kept);
         let keeps = law.is_spring() && how.is_empty();
         all.push(match keeps {
-            // The walls take their share of nodes that hit them; that is booked.
+            // The walls take their share of the energy of nodes that hit them; the ledger books
+            // it.
             true => row.beside(1.0, "[D] but for what the walls take"),
             false => row.at_most(1.0, "gate of the catalogue: never grows"),
         });

@@ -1,4 +1,4 @@
-//! What joins: a wave through a tied joint, tied plates in free flight (A32), welds that break
+//! Joints: a wave through a tied joint, tied plates in free flight (A32), welds that break
 //! (A33).
 
 use super::bars::BAR;
@@ -9,16 +9,17 @@ use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 use crumple_worker::energy::momentum;
 
-/// A32.
+/// Check of A32.
 pub const WAVE: Check = Check { name: "wave through a tied joint", quick: true, run: wave };
-/// A32, offset.
+/// Check of A32, offset.
 pub const FLIGHT: Check = Check { name: "tied plates in free flight", quick: true, run: flight };
-/// A33.
+/// Check of A33.
 pub const WELD: Check =
     Check { name: "weld under tension, shear and both", quick: true, run: weld };
 
-/// Two bars of cubes end to end, 2 N cells along, the second with `across` cells each way, its end
-/// tied to the first one. A pulse of half a sine, a fifth of a bar long, runs through the joint.
+/// Sends a pulse of half a sine, a fifth of a bar long, through the joint of two bars. The bars
+/// are of cubes, end to end, 2 N cells along; the second bar has `across` cells each way, and
+/// its end is tied to the first one.
 fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 50;
     const D: &str = "[D] the same bar goes on behind the joint: nothing comes back";
@@ -27,8 +28,8 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     let (time, pulse) = (length / BAR.c(), 0.2 * length / BAR.c());
     let mut all = Vec::new();
     for (across, mesh) in [(1, "matching"), (3, "three cells each way on one")] {
-        // The pulse has gone through half of the second bar, and what came back would be in the
-        // first one.
+        // At the end the pulse has passed half of the second bar; a reflected pulse would be in
+        // the first bar.
         let mut scene = Scene::new(1.6 * time);
         let bar = |scene: &mut Scene, part: u32, across: usize, from: f64| {
             scene.block(part, [N, across, across], |p| {
@@ -55,7 +56,7 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
         let momentum_of =
             |nodes: &[u32]| mass(&run.engine, nodes) * mean_velocity(&run.engine, nodes, 0);
         let variant = format!("tied bars, {mesh}");
-        // The nodes of the joint carry the mass of those tied to them; the pulse is far from there.
+        // The masters carry the mass of the nodes tied to them; the pulse is far from there.
         let back = Row::new(
             "momentum that came back / impulse",
             &variant,
@@ -75,7 +76,7 @@ fn wave(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A small plate tied at a distance to a larger one, both thrown and turning.
+/// Throws and turns a small plate that is tied at a distance to a larger one.
 fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
     const EXACT: &str = "exact; round-off of some thousand steps";
     let mut all = Vec::new();
@@ -114,17 +115,17 @@ fn flight(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A weld between a node that is held and one that is led away with a constant velocity.
+/// Pulls a weld between a held node and one with a constant prescribed velocity.
 fn weld(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] elastic energy of the force that breaks it";
-    // A stud of 10 mm; slow against its waves, so that the force is the same all along.
+    // A stud of 10 mm; it is slow compared with its waves, so that the force is uniform.
     let (length, side, speed) = (0.01f64, 5e-3f64, 0.05);
     let (normal, shear) = (20e3, 12e3);
     let stiff = Elastic { e: 210e9, nu: 0.0, rho: 7850.0 };
     let area = side * side;
     let second = side.powi(4) / 12.0;
     let along = stiff.e * area / length;
-    // Both ends are held against turning: 12 E I/L^3.
+    // Both ends are held against rotation: 12 E I/L^3.
     let across = 12.0 * stiff.e * second / length.powi(3);
     let mut all = Vec::new();
     for (how, degrees) in [("tension", 0.0f64), ("shear", 90.0), ("tension and shear", 30.0)] {

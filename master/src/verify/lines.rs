@@ -1,4 +1,4 @@
-//! Lines: beams that swing and yield (A34), springs and dampers (A35).
+//! Line elements: beams that vibrate and yield (A34), springs and dampers (A35).
 
 use super::bars::BAR;
 use super::measure::{Crossings, displacement};
@@ -7,18 +7,19 @@ use super::scene::Scene;
 use super::{Bench, Check};
 use std::f64::consts::TAU;
 
-/// A34, elastic.
+/// Check of A34, elastic.
 pub const SWING: Check = Check { name: "cantilever of beams", quick: true, run: swing };
-/// A34, plastic.
+/// Check of A34, plastic.
 pub const HINGE: Check = Check { name: "plastic hinge", quick: false, run: hinge };
-/// A35.
+/// Check of A35.
 pub const OSCILLATOR: Check =
     Check { name: "mass on spring and damper", quick: true, run: oscillator };
 
 /// Cantilever of A15: length, width and depth [m].
 const SIZE: [f64; 3] = [0.2, 0.02, 0.004];
 
-/// `n` beams from the origin along x, the second axis of the section along z; returns their nodes.
+/// Adds `n` beams from the origin along x, the second axis of the section along z; returns their
+/// nodes.
 fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
     let [length, width, depth] = SIZE;
     let nodes: Vec<u32> =
@@ -34,8 +35,8 @@ fn cantilever(scene: &mut Scene, n: usize, keys: &str) -> Vec<u32> {
 
 fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // The static shape of a force at the tip is close to the first mode and orthogonal to no other:
-    // means over four swings.
+    // The static shape under a force at the tip is close to the first mode but not orthogonal to
+    // any other: means over four periods.
     for n in [10, 20] {
         let f = 83.55;
         let mut scene = Scene::new(4.3 / f);
@@ -56,7 +57,7 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
         })?;
         let variant = format!("{n} beams");
         let row = Row::new("cantilever, frequency 1", &variant, "Hz", crossings.frequency());
-        // Lumped masses: of second order in the mesh.
+        // Lumped masses: second order in the mesh.
         const D: &str = "[D] Euler-Bernoulli, catalogue A15";
         all.push(if n == 20 { row.near(f, 0.01, D) } else { row.beside(f, D) });
         all.push(run.closing_row(&variant, 1e-3));
@@ -64,21 +65,21 @@ fn swing(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// The tip is led down slowly: beyond the elastic limit the moment at the root is that of a plastic
-/// hinge.
+/// Prescribes a slow downward motion of the tip: beyond the elastic limit the moment at the root
+/// is that of a plastic hinge.
 fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 20;
     let [length, width, depth] = SIZE;
     let yield_stress = 250e6;
     let moment = yield_stress * width * depth * depth / 4.0;
-    // The elastic limit of the tip is 2 sigma L^2/(3 E h) = 8 mm; to 30 mm in 15 periods of the
-    // cantilever.
+    // The elastic limit of the tip is 2 sigma L^2/(3 E h) = 8 mm; it moves to 30 mm in 15
+    // periods of the cantilever.
     let (way, time) = (0.03, 15.0 / 83.55);
     let mut scene = Scene::new(time);
     scene.plastic("steel", BAR, yield_stress, 0.0);
     let nodes = cantilever(&mut scene, N, "");
     let tip = scene.set(&nodes[N..]);
-    // It starts without a blow.
+    // The motion starts smoothly.
     scene.add(&format!(
         "[[curve]]\nname = \"start\"\npoints = [[0.0, 0.0], [{:?}, 1.0]]",
         0.2 * time
@@ -97,11 +98,12 @@ fn hinge(bench: &Bench) -> Result<Vec<Row>, String> {
         last = at;
     })?;
     let (from, until) = (first.ok_or("A34 hinge ended early")?, last);
-    // Work is that of the time before the last step: the way of a step is far below the tolerance.
+    // The work is that of the time before the last step: the displacement of one step is far
+    // below the tolerance.
     let force = (until.1 - from.1) / (until.0 - from.0);
     let variant = format!("{N} beams, perfectly plastic, tip led to 0.15 L");
-    // The arm of the force is the length less what the bent cantilever shortens, 3/5 w^2/L; the
-    // hinge has the length of an element.
+    // The arm of the force is the length minus the shortening of the bent cantilever, 3/5 w^2/L;
+    // the hinge has the length of an element.
     let middle = 0.5 * (from.0 + until.0);
     let arm = length - 0.6 * middle * middle / length;
     let mut rows = vec![
@@ -133,7 +135,7 @@ fn oscillator(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.fix(&nodes[..1], "x y z");
         scene.mass(&nodes[1..], m);
         scene.start(&nodes[1..], [v, 0.0, 0.0], [0.0; 3]);
-        // The damper lags by half a step: of first order.
+        // The damper lags by half a step: first order.
         scene.time(&format!("dt_max = {:?}", 0.003 / w));
         let mut crossings = Crossings::default();
         let mut largest = (0.0f64, 0.0f64);

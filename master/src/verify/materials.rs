@@ -1,5 +1,4 @@
-//! A27, A26 (c): plasticity driven through a whole shell or cube along strain paths of known
-//! outcome.
+//! A27, A26 (c): plasticity of a single shell or cube along strain paths with a known result.
 
 use super::measure::{fields, lead};
 use super::row::Row;
@@ -10,17 +9,17 @@ use crumple_worker::fem::elements::ElementFields;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-/// A27, uniaxial.
+/// Check of A27, uniaxial.
 pub const UNIAXIAL: Check = Check { name: "uniaxial stress", quick: true, run: uniaxial };
-/// A27, paths led in both directions.
+/// Check of A27: paths prescribed in both directions.
 pub const PATHS: Check = Check { name: "led strain paths", quick: true, run: paths };
-/// A27, cyclic.
+/// Check of A27, cyclic.
 pub const CYCLIC: Check = Check { name: "cyclic loading", quick: true, run: cyclic };
-/// A27, Johnson and Cook.
+/// Check of A27: the law of Johnson and Cook.
 pub const JOHNSON_COOK: Check = Check { name: "johnson_cook", quick: true, run: johnson_cook };
-/// A27, laws with a rate.
+/// Check of A27, laws with a rate.
 pub const RATES: Check = Check { name: "strain rates", quick: true, run: rates };
-/// A26 (c).
+/// Check of A26 (c).
 pub const SQUASHED: Check =
     Check { name: "isochoric squash of a cube", quick: true, run: squashed };
 
@@ -28,7 +27,7 @@ const YIELD: f64 = 250e6;
 const MODULUS: f64 = 1e9;
 const SIDE: f64 = 0.01;
 
-/// What is driven.
+/// Body that is deformed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Body {
     Shell,
@@ -63,13 +62,13 @@ impl Body {
     }
 }
 
-/// Adds the material "metal" to a scene.
+/// Function that adds the material "metal" to a scene.
 type AddMetal<'a> = &'a dyn Fn(&mut Scene);
 
-/// One shell or cube whose logarithmic strains along x, y and z grow at the rates that `rates`
-/// gives, per run, from the time in runs, the step in runs and the stress of a step ago; a shell
-/// sees the first two. Calls `at` with the strains and the fields of the same time. Returns the
-/// time of the run [s].
+/// Deforms one shell or cube with prescribed logarithmic strains along x, y and z. `rates` gives
+/// their rates per run from the time in runs, the step in runs and the stress of the previous
+/// step; a shell uses the first two. Calls `at` with the strains and the fields of the same
+/// time. Returns the time of the run [s].
 fn led(
     bench: &Bench,
     (name, body, material): (&str, Body, AddMetal<'_>),
@@ -80,14 +79,14 @@ fn led(
     let dt = bench.model(name, &body.scene(1.0, material))?.first_dt().0;
     let end = steps * dt;
     let mut scene = body.scene(end, material);
-    // As fine as at the start, whatever becomes of its shape.
+    // The step stays that of the start, however the body deforms.
     scene.time(&format!("dt_max = {dt:?}"));
     let mut strain = [0.0; 3];
     let places: Vec<[f64; 3]> = (1..=scene.count()).map(|n| scene.at(n)).collect();
     let run = bench.run(name, &scene, |e| {
         let (t, dt) = (e.clock.time, e.clock.last_dt);
         if dt > 0.0 {
-            // Stress is still that of the time before, and so is the strain.
+            // The stress is still that of the previous time, and so is the strain.
             let before = fields(e)[0];
             at(strain, &before);
             let rate = rates((t - dt) / end, dt / end, &before);
@@ -103,13 +102,13 @@ fn led(
     if run.trouble { Err(format!("{name} ended in trouble")) } else { Ok(end) }
 }
 
-/// J2 plasticity of the catalogue.
+/// Returns the J2 plasticity of the catalogue.
 fn j2(modulus: f64) -> impl Fn(&mut Scene) {
     move |scene| scene.plastic("metal", STEEL, YIELD, modulus)
 }
 
-/// Rates of uniaxial stress: `along` the x axis per run, and sideways what keeps the stress there
-/// at nought.
+/// Rates of uniaxial stress: `along` the x axis per run, and lateral rates that keep the lateral
+/// stress at zero.
 struct Uniaxial {
     yielded: bool,
     ratio: f64,
@@ -120,13 +119,14 @@ impl Uniaxial {
         Self { yielded: false, ratio: -STEEL.nu }
     }
 
-    /// `flows` says whether the metal yields now.
+    /// Returns the rates; `flows` is true if the metal yields now.
     fn rates(&mut self, along: f64, flows: bool, dt: f64, f: &ElementFields) -> [f64; 3] {
         if flows != self.yielded {
-            // Where to begin: elastic, or without change of volume. The rest is corrected.
+            // Initial ratio: elastic, or without change of volume. The feedback below corrects
+            // the rest.
             (self.yielded, self.ratio) = (flows, if flows { -0.5 } else { -STEEL.nu });
         }
-        // A part of the stress sideways is taken back in each step, and a little of it for good.
+        // Each step removes a part of the lateral stress and changes the ratio slightly.
         let back = -f.stress[1] / (STEEL.e * dt);
         self.ratio += 0.02 * back / along;
         let across = self.ratio * along + 0.3 * back;
@@ -196,7 +196,7 @@ fn paths(bench: &Bench) -> Result<Vec<Row>, String> {
             1e-6,
             "[D] sigma_y / sqrt 3",
         ));
-        // A cube has to be let in sideways for plane stress; these two are of plane stress.
+        // A cube needs lateral contraction for plane stress; these two laws are of plane stress.
         if body == Body::Cube {
             continue;
         }
@@ -234,7 +234,7 @@ fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
     const SWING: f64 = 0.02;
     let mut all = Vec::new();
     for body in Body::ALL {
-        // To 2 %, to -2 %, to 2 % again: five quarters of a swing each way.
+        // To 2 %, to -2 %, to 2 % again: five quarters of a cycle each way.
         let turns = [0.2, 0.6];
         let (mut path, mut plastic, mut ends) = (Uniaxial::new(), 0.0, Vec::new());
         let here = Cell::new((0.0, ElementFields::default()));
@@ -258,7 +258,8 @@ fn cyclic(bench: &Bench) -> Result<Vec<Row>, String> {
         let variant = format!("isotropic j2, {}, 20000 steps", body.name());
         let (mut stress, mut plastic, mut from) = (0.0, 0.0, 0.0);
         for (number, (strain, f)) in (1..).zip(&ends) {
-            // From the stress at hand to that on the other side, elastic but for what flows.
+            // From the present stress to that on the other side: elastic except for the plastic
+            // part.
             let way: f64 = strain - from;
             let flow =
                 (STEEL.e * way.abs() - stress - (YIELD + MODULUS * plastic)) / (STEEL.e + MODULUS);
@@ -310,7 +311,7 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
                 if hot { &thermal } else { "" }
             ));
         };
-        // Isochoric all along: the deviatoric strain is the strain, and its rate is known.
+        // The path is isochoric: the deviatoric strain is the strain, and its rate is known.
         let (along, how) = (0.2, if hot { "with heat" } else { "without heat" });
         let mut last = ElementFields::default();
         let name = format!("A27 johnson_cook {how} {}", body.name());
@@ -358,8 +359,8 @@ fn johnson_cook(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Yield stress over the static one at two rates, a decade apart, in plane stress and in three
-/// dimensions.
+/// Compares the yield stress over the static one at two rates, a decade apart, in plane stress
+/// and in three dimensions.
 fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
     const SYMONDS: [f64; 2] = [40.0, 5.0];
     const ALONG: f64 = 0.1;
@@ -390,7 +391,7 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
         for steps in [2000.0, 20_000.0] {
             let mut last = ElementFields::default();
             let name = format!("A27 {law} shear {} {steps}", body.name());
-            // Without change of volume: the strain is its own deviator.
+            // Without change of volume the strain is its own deviator.
             let end = led(
                 bench,
                 (&name, body, metal),
@@ -411,8 +412,8 @@ fn rates(bench: &Bench) -> Result<Vec<Row>, String> {
                 path.rates(ALONG, f.plastic_strain > 0.0, dt, f)
             };
             let end = led(bench, (&name, body, metal), steps, pull, |_, f| last = *f)?;
-            // Flow without change of volume has the rate of the strain along; the elastic part of
-            // it falls with E_p/E.
+            // Flow without change of volume has the rate of the axial strain; the elastic part
+            // of the rate decreases with E_p/E.
             let variant = format!("{law}, {}, {:.0}/s", body.name(), ALONG / end);
             let row = Row::new("uniaxial stress", &variant, "MPa", 1e-6 * last.stress[0]);
             all.push(row.near(1e-6 * stress(last.plastic_strain, ALONG / end), 1e-4, source));

@@ -1,29 +1,29 @@
-//! What is read off a run: nodes, stresses, frequencies, forces from impulses.
+//! Quantities measured in a run: nodes, stresses, frequencies, forces from impulses.
 
 use crumple_worker::engine::Engine;
 use crumple_worker::fem::elements::ElementFields;
 use crumple_worker::nodes::{row, xyz};
 
-/// Place of a node in the columns: on one engine nodes are in ascending id, from 1.
+/// Returns the index of a node in the columns: on one engine nodes are in ascending id, from 1.
 fn place(node: u32) -> usize {
     node as usize - 1
 }
 
-/// Coordinates of a node [m].
+/// Returns the coordinates of a node [m].
 pub fn position(e: &Engine, node: u32) -> [f64; 3] {
     xyz(&e.nodes.x[place(node)])
 }
 
-/// Displacement of a node [m].
+/// Returns the displacement of a node [m].
 pub fn displacement(e: &Engine, node: u32) -> [f64; 3] {
     let (x, x0) = (e.nodes.x[place(node)], e.nodes.x0[place(node)]);
     [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]
 }
 
-/// A place and an angle of rotation [m], [1].
+/// Position [m] and rotation vector [1].
 pub type Pose = ([f64; 3], [f64; 3]);
 
-/// Makes the step just done one that led a fixed node from one pose to another.
+/// Makes the step just done one that moved a fixed node from one pose to another.
 pub fn lead(e: &mut Engine, node: u32, from: Pose, to: Pose) {
     let dt = e.clock.last_dt;
     let rate = |a: [f64; 3], b: [f64; 3]| row(std::array::from_fn(|c| (b[c] - a[c]) / dt));
@@ -35,7 +35,7 @@ pub fn lead(e: &mut Engine, node: u32, from: Pose, to: Pose) {
     }
 }
 
-/// Sets the velocities of a node [m/s], [1/s]: where it is fixed it goes on with them.
+/// Sets the velocities of a node [m/s], [1/s]; a fixed node keeps them.
 pub fn drive(e: &mut Engine, node: u32, velocity: [f64; 3], spin: [f64; 3]) {
     let n = place(node);
     e.nodes.v[n] = row(velocity);
@@ -44,23 +44,24 @@ pub fn drive(e: &mut Engine, node: u32, velocity: [f64; 3], spin: [f64; 3]) {
     }
 }
 
-/// Mass of nodes [kg].
+/// Returns the mass of nodes [kg].
 pub fn mass(e: &Engine, nodes: &[u32]) -> f64 {
     nodes.iter().map(|&n| e.nodes.mass[place(n)]).sum()
 }
 
-/// Velocity of the centre of mass of nodes along axis `c` at the last mid-step [m/s].
+/// Returns the velocity of the centre of mass of nodes along axis `c` at the last mid-step
+/// [m/s].
 pub fn mean_velocity(e: &Engine, nodes: &[u32], c: usize) -> f64 {
     nodes.iter().map(|&n| e.nodes.mass[place(n)] * e.nodes.v[place(n)][c]).sum::<f64>()
         / mass(e, nodes)
 }
 
-/// Contact force on nodes in the last step, along axis `c` [N].
+/// Returns the contact force on nodes in the last step, along axis `c` [N].
 pub fn contact_force(e: &Engine, nodes: &[u32], c: usize) -> f64 {
     e.contact.iter().flat_map(|contact| nodes.iter().map(|&n| contact.force_on(n - 1)[c])).sum()
 }
 
-/// Displacement projected on a shape, `sum m u_c phi / sum m phi^2`.
+/// Returns the displacement projected on a shape, `sum m u_c phi / sum m phi^2`.
 pub fn amplitude(e: &Engine, shape: &[(u32, f64)], c: usize) -> f64 {
     let (mut over, mut under) = (0.0, 0.0);
     for &(n, phi) in shape {
@@ -71,18 +72,20 @@ pub fn amplitude(e: &Engine, shape: &[(u32, f64)], c: usize) -> f64 {
     over / under
 }
 
-/// Fields of all elements, in ascending id. Stress is that of the time before; its axes are those
-/// of the present.
+/// Returns the fields of all elements, in ascending id. The stress is that of the previous time;
+/// its axes are those of the present time.
 pub fn fields(e: &Engine) -> Vec<ElementFields> {
     fields_at(e, 0.0)
 }
 
-/// The same with axes of the time before, to which the stress belongs.
+/// Returns the fields of all elements with the axes of the previous time, to which the stress
+/// belongs.
 pub fn fields_before(e: &Engine) -> Vec<ElementFields> {
     fields_at(e, e.clock.last_dt)
 }
 
-/// With the axes of so long ago, as long as nodes have moved with their present velocities.
+/// Returns the fields of all elements with the axes of the time `ago` before the present one
+/// [s]. The positions of that time follow from the present velocities.
 fn fields_at(e: &Engine, ago: f64) -> Vec<ElementFields> {
     let mut all = Vec::new();
     for b in &e.blocks.blocks {
@@ -98,7 +101,7 @@ fn fields_at(e: &Engine, ago: f64) -> Vec<ElementFields> {
     all.into_iter().map(|f| f.1).collect()
 }
 
-/// Where a signal passes through its middle.
+/// Zero crossings of a signal.
 #[derive(Debug, Default)]
 pub struct Crossings {
     last: Option<(f64, f64)>,
@@ -106,7 +109,7 @@ pub struct Crossings {
 }
 
 impl Crossings {
-    /// Takes the signal at a time.
+    /// Adds the value of the signal at a time.
     pub fn add_sample(&mut self, time: f64, value: f64) {
         if let Some((t, v)) = self.last
             && v * value < 0.0
@@ -116,7 +119,8 @@ impl Crossings {
         self.last = Some((time, value));
     }
 
-    /// Frequency from the first crossing to the last; not a number with less than three.
+    /// Returns the frequency from the first crossing to the last; NaN for fewer than three
+    /// crossings.
     pub fn frequency(&self) -> f64 {
         match self.times.as_slice() {
             [first, .., last] if self.times.len() > 2 => {
@@ -127,40 +131,41 @@ impl Crossings {
     }
 }
 
-/// A force known by the impulse that it has given so far.
+/// A force given by its accumulated impulse.
 #[derive(Debug, Default)]
 pub struct Push {
     samples: Vec<(f64, f64)>,
 }
 
 impl Push {
-    /// Takes the impulse so far at a time.
+    /// Adds the accumulated impulse at a time.
     pub fn add_sample(&mut self, time: f64, impulse: f64) {
         self.samples.push((time, impulse));
     }
 
-    /// Impulse at a time, between samples by proportion.
+    /// Returns the impulse at a time, interpolated linearly between samples.
     pub fn impulse(&self, time: f64) -> f64 {
         let i = self.samples.partition_point(|s| s.0 < time).clamp(1, self.samples.len() - 1);
         let ((t0, p0), (t1, p1)) = (self.samples[i - 1], self.samples[i]);
         p0 + (p1 - p0) * ((time - t0) / (t1 - t0)).clamp(0.0, 1.0)
     }
 
-    /// Mean force between two times.
+    /// Returns the mean force between two times.
     pub fn mean_force(&self, from: f64, to: f64) -> f64 {
         (self.impulse(to) - self.impulse(from)) / (to - from)
     }
 
-    /// All of it.
+    /// Returns the total impulse.
     pub fn total(&self) -> f64 {
         self.samples.last().map_or(0.0, |s| s.1)
     }
 
-    /// When the force, as a mean over `window`, first rises above and last falls below `half`: a
-    /// front that dispersion spreads out passes half its height where the sharp one would be.
+    /// Returns the times at which the force, as a mean over `window`, first rises above and last
+    /// falls below `half`. A front that is spread by dispersion passes half its height at the
+    /// time of the sharp one.
     pub fn span(&self, half: f64, window: f64) -> (f64, f64) {
         let force = |t: f64| self.mean_force(t - 0.5 * window, t + 0.5 * window) - half;
-        // Between two samples on either side of it, by proportion.
+        // Linear interpolation between the samples on either side.
         let crossing = |pair: &[(f64, f64)]| {
             let (a, b) = (force(pair[0].0), force(pair[1].0));
             ((a <= 0.0) != (b <= 0.0)).then(|| pair[0].0 + (pair[1].0 - pair[0].0) * a / (a - b))

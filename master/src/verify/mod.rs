@@ -1,16 +1,16 @@
 //! `crumple verify`: the catalogue of verification cases, each run in this process and compared
 //! with its reference.
 //!
-//! - `catalogue.rs`: every entry, in order: its checks, and what of it is not covered and why
-//! - `row.rs`: a quantity, ours against the reference; `report.rs`: the table
-//! - `scene.rs`: a job in the making; `solids.rs`: meshes of solids for it; `bench.rs`: runs it,
-//!   watched; `measure.rs`: what is read off a run
+//! - `catalogue.rs`: every entry, in order: its checks, the parts that are not covered and why
+//! - `row.rs`: one quantity compared with its reference; `report.rs`: the table
+//! - `scene.rs`: builds a job; `solids.rs`: builds meshes of solids for it; `bench.rs`: runs and
+//!   observes it; `measure.rs`: quantities measured in a run
 //! - one file per family of entries: `bars.rs`, `walls.rs`, `beams.rs`, ...
 //!
-//! A check builds its job as the text of a job file, so that all of it goes through the reader, and
-//! `DIR/jobs` holds every job that was run, for `crumple run`. Units are SI. Marks of the sources:
-//! [V] read in the cited source, [D] derived, [C] computed for comparison with an independent
-//! program, [U] not verified.
+//! A check builds its job as the text of a job file, so that all of it passes through the
+//! reader. `DIR/jobs` holds every job that was run, for `crumple run`. Units are SI. Marks of
+//! the sources: [V] read in the cited source, [D] derived, [C] computed for comparison with an
+//! independent program, [U] not verified.
 
 mod bars;
 mod beam_contact;
@@ -64,51 +64,51 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Exit codes, as README.md lists them.
+/// Exit codes of README.md.
 const PASSED: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const OUTSIDE: u8 = 3;
 
 /// An entry of the catalogue.
 pub struct Entry {
-    /// Its id, such as A01.
+    /// Id, such as A01.
     pub id: &'static str,
-    /// What it is.
+    /// Title.
     pub title: &'static str,
-    /// What is run for it; empty if nothing can be yet.
+    /// Checks of the entry; empty if none is possible yet.
     pub checks: &'static [Check],
-    /// What of it is not covered and why; empty if all is.
+    /// Parts of the entry that are not covered and why; empty if all are.
     pub open: &'static str,
 }
 
-/// One comparison that is run as a whole.
+/// A comparison that is run as a whole.
 pub struct Check {
-    /// What distinguishes it within its entry.
+    /// Name, unique within its entry.
     pub name: &'static str,
-    /// Takes a second or two at most: a test runs it too.
+    /// True if it takes at most a second or two: a test then runs it too.
     pub quick: bool,
-    /// Runs it; an error says why there is nothing to compare.
+    /// Function that runs the check; an error gives the reason why there is nothing to compare.
     pub run: fn(&Bench) -> Result<Vec<Row>, String>,
 }
 
-/// What a check gave.
+/// Result of a check.
 pub struct Outcome {
     /// Entry of the catalogue.
     pub id: &'static str,
     /// Name of the check.
     pub name: &'static str,
-    /// Its rows, or why there are none.
+    /// Rows, or the reason why there are none.
     pub rows: Result<Vec<Row>, String>,
 }
 
 impl Outcome {
-    /// Whether all of it is within its tolerances.
+    /// Returns true if all rows are within their tolerances.
     pub fn passes(&self) -> bool {
         self.rows.as_ref().is_ok_and(|rows| rows.iter().all(Row::passes))
     }
 }
 
-/// `crumple verify`; returns the exit code.
+/// Runs `crumple verify`; returns the exit code.
 pub fn run(args: &VerifyArgs) -> u8 {
     let named = |id: &str, e: &Entry| e.id.eq_ignore_ascii_case(id.trim());
     let unknown: Vec<&str> = args
@@ -159,7 +159,7 @@ pub fn run(args: &VerifyArgs) -> u8 {
     if outcomes.iter().all(Outcome::passes) { PASSED } else { OUTSIDE }
 }
 
-/// Rows of an entry that have the same name cannot be told apart: the later check fails.
+/// Fails the later check if rows of an entry have the same name.
 fn refuse_repeats(outcomes: &mut [Outcome]) {
     let mut seen = BTreeSet::new();
     for o in outcomes {
@@ -181,7 +181,7 @@ fn write(out: &Path, report: &report::Report<'_>) -> std::io::Result<()> {
     std::fs::write(out.join("verification.json"), report.json())
 }
 
-/// Runs checks, several at a time, and shows how far it is; outcomes in the order of the checks.
+/// Runs checks in parallel and shows the progress; returns outcomes in the order of the checks.
 fn run_all(checks: &[(&'static str, &'static Check)], bench: &Bench) -> Vec<Outcome> {
     let bar = std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(checks.len() as u64);

@@ -8,27 +8,27 @@ use super::solids::Weld;
 use super::{Bench, Check};
 use std::f64::consts::FRAC_PI_4;
 
-/// B08.
+/// Check of B08.
 pub const PLATE: Check = Check { name: "square plate", quick: true, run: plate };
-/// B08 on the finest mesh.
+/// Check of B08 on the finest mesh.
 pub const FINE_PLATE: Check =
     Check { name: "square plate, 16 by 16", quick: true, run: fine_plate };
-/// C10 (b).
+/// Check of C10 (b).
 pub const MODES: Check =
     Check { name: "plate with hourglass control off and on", quick: true, run: modes };
-/// B06.
+/// Check of B06.
 pub const CAP: Check = Check { name: "spherical cap", quick: true, run: cap };
 
 const FORMULATIONS: [&str; 2] = ["belytschko_tsay", "stabilised_quad"];
 
-/// Deflection over time, and the run.
+/// Deflection over time [s], [m], and the run.
 struct Swing {
     seen: Vec<(f64, f64)>,
     run: Finished,
 }
 
 impl Swing {
-    /// Time and value of the largest or smallest deflection between two times.
+    /// Returns the time and value of the largest or smallest deflection between two times.
     fn extremum(&self, [from, to]: [f64; 2], largest: bool) -> (f64, f64) {
         let inside = self.seen.iter().copied().filter(|s| s.0 >= from && s.0 <= to);
         let sign = if largest { 1.0 } else { -1.0 };
@@ -36,7 +36,7 @@ impl Swing {
     }
 }
 
-/// A quarter of the plate, `n` by `n`, to 1.4 ms.
+/// Runs a quarter of the plate, `n` by `n`, to 1.4 ms.
 fn loaded(bench: &Bench, element: &str, n: usize, plastic: bool) -> Result<Swing, String> {
     let (half, depth, pressure) = (0.127, 0.0127, 2.0684e6);
     let aluminium = Elastic { e: 68.95e9, nu: 0.3, rho: 2765.8 };
@@ -76,8 +76,8 @@ const MESH: &str = "the mesh: 5.0 % below the converged deflection with 8 by 8, 
                     shell and the fully integrated one agree to 0.02 %. The figure of Belytschko-Tsay on 16 by 16 that stood here is \
                     1.5 % above both";
 
-/// `elastic` and `plastic`: largest deflection [mm], its time [ms], and the least one after it
-/// [mm]; none where the source has none.
+/// Compares the plate on one mesh. `elastic` and `plastic` are the largest deflection [mm], its
+/// time [ms], and the smallest deflection after it [mm]; NaN if the source has none.
 fn of_mesh(
     bench: &Bench,
     n: usize,
@@ -86,8 +86,9 @@ fn of_mesh(
 ) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for element in FORMULATIONS {
-        // The numbers are those of Belytschko-Tsay on the same mesh. Another element is held to the
-        // finest of them, and where it yields to a converged mesh, from which that is 1.5 % off.
+        // The numbers are those of Belytschko-Tsay on the same mesh. Another element is compared
+        // with the finest of them, and if it yields with a converged mesh, from which that one
+        // is 1.5 % off.
         let own = element == "belytschko_tsay";
         let sources = if own { [SAME; 2] } else { ["[C] Belytschko-Tsay, 16 by 16", CONVERGED] };
         let [elastic, plastic] = if own {
@@ -169,7 +170,7 @@ fn modes(bench: &Bench) -> Result<Vec<Row>, String> {
             &format!("element = \"belytschko_tsay\"\nhourglass_coefficient = {coefficient:?}"),
         );
         if support == "corners held" {
-            // Nothing but the control keeps the w mode away.
+            // Only the hourglass control prevents the w mode.
             scene.fix(&[grid.at(0, 0), grid.at(N, N)], "x y z");
             scene.fix(&[grid.at(0, N), grid.at(N, 0)], "z");
         } else {
@@ -219,14 +220,14 @@ fn cap(bench: &Bench) -> Result<Vec<Row>, String> {
     for element in FORMULATIONS {
         const N: usize = 16;
         let mut scene = Scene::new(0.9e-3);
-        // From the unit quarter disc onto the cap, lengths along meridians kept.
+        // Maps the unit quarter disc to the cap; lengths along meridians are kept.
         let onto = |[x, y]: [f64; 2]| {
             let r = x.hypot(y).max(f64::MIN_POSITIVE);
             let (s, c) = (angle * r).sin_cos();
             [radius * s * x / r, radius * s * y / r, radius * c]
         };
         let mut weld = Weld::new(1e-6 * radius);
-        // A square at the apex whose sides bulge, and the two sectors around it.
+        // A square at the apex with curved sides, and the two sectors around it.
         let bulge = |t: f64| 1.0 - 0.15 * t * t;
         let square = |x: f64, y: f64| [0.5 * x * bulge(y), 0.5 * y * bulge(x)];
         let sector = |r: f64, t: f64| {

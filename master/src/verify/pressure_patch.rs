@@ -1,5 +1,5 @@
-//! A22: two blocks pressed together. Uniform pressure on a free block is uniform stress in both,
-//! whatever their meshes.
+//! A22: two blocks pressed together. Uniform pressure on a free block gives uniform stress in
+//! both, for any meshes.
 
 use super::contact::Law;
 use super::measure::fields;
@@ -8,7 +8,7 @@ use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 
-/// A22.
+/// Check of A22.
 pub const PATCH: Check = Check { name: "two stacked blocks of cubes", quick: true, run: patch };
 
 const PRESSURE: f64 = 1e6;
@@ -24,8 +24,8 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
     for law in Law::all() {
         for (below, above) in [(4, 4), (3, 4), (4, 3)] {
-            // A bar of 1 m swings at c/4L; damped near that the slowest mode is gone in a few
-            // periods.
+            // A bar of 1 m oscillates at c/4L; with damping near that frequency the slowest mode
+            // decays within a few periods.
             let period = 4.0 / STEEL.c();
             let mut scene = Scene::new(16.0 * period);
             let mut block = |part: u32, n: usize, from: f64| {
@@ -48,8 +48,8 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
             ));
             scene.add(&law.table());
             scene.time(&format!("damping = {:?}", 2.0 * std::f64::consts::TAU / period));
-            // The last step is cut short, and forces that follow from the step are not what they
-            // were: stop before it.
+            // The last step is cut short, which changes forces that depend on the step: stop
+            // before it.
             let mut stresses = Vec::new();
             let run =
                 bench.watch(&format!("A22 {} {below} under {above}", law.name), &scene, |e| {
@@ -57,8 +57,8 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
                         stresses = fields(e).iter().map(|f| f.stress[2]).collect();
                     }
                 })?;
-            // Elements are in columns of two; those at the interface are the upper ones below and
-            // the lower ones above.
+            // Elements are in columns of two. At the interface are the upper elements of the
+            // lower block and the lower elements of the upper block.
             let (lower, upper): (&[f64], &[f64]) = stresses.split_at(below * below * LAYERS);
             let near = [&lower[LAYERS - 1..], upper]
                 .map(|s| s.iter().copied().step_by(LAYERS).collect::<Vec<f64>>());

@@ -5,13 +5,13 @@ use super::{Entry, Outcome};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What was run and what came out.
+/// Entries that were run, and their results.
 pub struct Report<'a> {
-    /// The entries that were asked for.
+    /// Selected entries.
     pub entries: &'a [&'a Entry],
     /// Outcomes of their checks, in order.
     pub outcomes: &'a [Outcome],
-    /// Whether slow checks were left out.
+    /// True if slow checks were left out.
     pub quick: bool,
 }
 
@@ -23,7 +23,7 @@ run; its variant names contact law, element and mesh. Marks of the sources: [V] 
 ";
 
 impl Report<'_> {
-    /// The table for people.
+    /// Returns the table as Markdown.
     pub fn markdown(&self) -> String {
         let mut text = String::from(HEAD);
         let rows = || self.outcomes.iter().filter_map(|o| o.rows.as_ref().ok()).flatten();
@@ -60,7 +60,7 @@ impl Report<'_> {
         let known = || rows().filter(|r| !r.known.is_empty());
         if known().next().is_some() {
             text.push_str("\n## Known shortcomings\n\n");
-            // What explains rows of several entries is said once.
+            // An explanation of rows of several entries is written once.
             let mut said: Vec<(&str, Vec<String>)> = Vec::new();
             for outcome in self.outcomes {
                 for row in
@@ -91,7 +91,7 @@ impl Report<'_> {
         text
     }
 
-    /// The same for programs.
+    /// Returns the table as JSON.
     pub fn json(&self) -> String {
         let entry = |e: &&Entry| {
             let checks: Vec<Value> = self.of(e).map(check).collect();

@@ -1,4 +1,4 @@
-//! Folds that meet with their ridges, between nodes (C04).
+//! Folds whose ridges collide between nodes (C04).
 
 use super::measure::position;
 use super::row::Row;
@@ -7,23 +7,24 @@ use super::{Bench, Check};
 use crumple_worker::contact::geometry::{V3, nearest};
 use crumple_worker::engine::Engine;
 
-/// C04, roofs ridge on ridge.
+/// Check of C04: roofs ridge on ridge.
 pub const ROOFS: Check = Check { name: "roofs ridge on ridge", quick: true, run: roofs };
-/// C04, edges of three shells, rims, cages, and edges of solids.
+/// Check of C04: edges of three shells, rims, cages, and edges of solids.
 pub const JOINTS: Check =
     Check { name: "joints, cages, a fold on a solid's edge", quick: true, run: joints };
 
-/// Length of a body, its shells along it, and how thick they are [m].
+/// Length of a body, its shells along it, and their thickness [m].
 const LENGTH: f64 = 0.1;
 const CELLS: usize = 5;
 const THICKNESS: f64 = 1e-3;
-/// How fast bodies come together [m/s], and the air between them at first [m].
+/// Approach velocity [m/s] and initial gap [m].
 const V: f64 = 5.0;
 const AIR: f64 = 2e-4;
-/// How long they have for that [s].
+/// Duration of a run [s].
 const END: f64 = 4e-3;
 
-/// A sheet that is bent along its length, ridge up or down, with a post under the ridge or not.
+/// A sheet that is bent along its length, ridge up or down, with or without a post under the
+/// ridge.
 struct Roof {
     part: u32,
     /// Middle of the ridge [m].
@@ -37,7 +38,7 @@ struct Roof {
     cells: usize,
 }
 
-/// What a roof has on its rims, to be held.
+/// Nodes on the rims of a roof, to be held.
 struct Feet(Vec<u32>);
 
 impl Roof {
@@ -79,18 +80,18 @@ impl Roof {
     }
 }
 
-/// A sheet of a body as faces and edges.
+/// Surface of a body as faces and edges.
 #[derive(Default)]
 struct Skin {
     nodes: Vec<u32>,
-    /// Corners, a triangle's third repeated.
+    /// Corners; a triangle repeats its third.
     faces: Vec<[u32; 4]>,
     edges: Vec<[u32; 2]>,
 }
 
-/// The bilinear surface between four corners as triangles. Cut along a diagonal, a quad that is
-/// warped by twice its thickness, as under a load on roofs, would show an edge in it that lies
-/// clear of the surface.
+/// Splits the bilinear surface between four corners into triangles. Two triangles would give a
+/// warped quad an edge along its diagonal that is off the surface; loaded roofs warp by twice
+/// the thickness.
 fn facets(corners: [V3; 4]) -> impl Iterator<Item = [V3; 3]> {
     const CUTS: usize = 4;
     let [a, b, c, d] = corners;
@@ -106,7 +107,8 @@ fn facets(corners: [V3; 4]) -> impl Iterator<Item = [V3; 3]> {
 }
 
 impl Skin {
-    /// Of the elements of some parts, by the engine's numbers of parts and nodes.
+    /// Collects the faces, edges and nodes of the elements of some parts, by the engine's
+    /// numbers of parts and nodes.
     fn new(e: &Engine, parts: impl Fn(u32) -> bool) -> Self {
         let mut skin = Self::default();
         for element in e.blocks.elements.iter().filter(|el| parts(el.record.part)) {
@@ -130,7 +132,7 @@ impl Skin {
         V3::from(position(e, n + 1))
     }
 
-    /// How often edges of this one go through faces of the other.
+    /// Counts the points at which edges of `self` go through faces of `other`.
     fn pierces(&self, other: &Self, e: &Engine) -> usize {
         let volume = |a: &V3, b: &V3, c: &V3, d: &V3| (b - a).cross(&(c - a)).dot(&(d - a));
         let through = |p: &V3, q: &V3, [a, b, c]: &[V3; 3]| {
@@ -144,7 +146,7 @@ impl Skin {
         ends.map(|[p, q]| facets.iter().filter(|t| through(&p, &q, t)).count()).sum()
     }
 
-    /// Least distance of the two [m].
+    /// Returns the smallest distance of the two [m].
     fn distance(&self, other: &Self, e: &Engine) -> f64 {
         let mut least = f64::INFINITY;
         for [i, j] in &self.edges {
@@ -166,7 +168,8 @@ impl Skin {
     }
 }
 
-/// Distance of two lines between their ends: Ericson, Real-Time Collision Detection (2005), 5.1.9.
+/// Returns the distance of two line segments: Ericson, Real-Time Collision Detection (2005),
+/// 5.1.9.
 fn between(p: V3, q: V3, r: V3, s: V3) -> f64 {
     let (u, v, w) = (q - p, s - r, p - r);
     let (a, e, f, c, b) = (u.dot(&u), v.dot(&v), v.dot(&w), u.dot(&w), u.dot(&v));
@@ -181,8 +184,8 @@ fn between(p: V3, q: V3, r: V3, s: V3) -> f64 {
     (w + u * first - v * second).norm()
 }
 
-/// Runs a scene in which parts up to `last` come down on the others, with every law, and says how
-/// near they came.
+/// Runs a scene in which parts up to `last` fall on the others, with every law, and compares
+/// their smallest distance.
 fn compare(
     bench: &Bench,
     name: &str,
@@ -234,11 +237,11 @@ fn compare(
     Ok(all)
 }
 
-/// Two roofs, the upper one upside down and free, the lower one on its feet. The ridges cross
-/// between nodes.
+/// Collides two roofs, the upper one upside down and free, the lower one on its feet. The ridges
+/// cross between nodes.
 fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all = Vec::new();
-    // Under the heavy ones the ridges flatten.
+    // Heavy loads flatten the ridges.
     for (angle, slope, load) in
         [(90.0, 45.0, 0.0), (30.0, 45.0, 0.0), (90.0, 15.0, 3.0), (30.0, 15.0, 3.0)]
     {
@@ -267,8 +270,8 @@ fn roofs(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A narrow plate on the rims of a T, a ridge on one with a post, a cage of angles, a ridge on a
-/// solid's edge.
+/// Collides joints of shells and solids: a narrow plate on the rims of a T, a ridge on a ridge
+/// with a post, a cage of angles, a ridge on the edge of a solid.
 fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
     let z = 0.5 * (THICKNESS + AIR);
     let roof = |part, at, angle, ridge_up| Roof {
@@ -286,7 +289,8 @@ fn joints(bench: &Bench) -> Result<Vec<Row>, String> {
     let mut all =
         compare(bench, "a plate on the stem and the flange of a T", 1, THICKNESS, |scene| {
             let plate = scene.grid(1, [5, 1], |x, y| [0.012 * (y - 0.5), LENGTH * (x - 0.5), z]);
-            // On its side, so that the rims of the stem and of half the flange are up.
+            // The T lies on its side, so that the rims of the stem and of half the flange are
+            // up.
             const ARM: f64 = 0.025;
             let tip = ARM / 2f64.sqrt();
             let joint: Vec<u32> = (0..=CELLS)

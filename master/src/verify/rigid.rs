@@ -7,13 +7,13 @@ use super::row::Row;
 use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 
-/// A13.
+/// Check of A13.
 pub const FALL: Check = Check { name: "cube from 0.1 m", quick: true, run: fall };
-/// A14.
+/// Check of A14.
 pub const OBLIQUE: Check =
     Check { name: "a ball's inertia on one point", quick: true, run: oblique };
 
-/// A fixed plate of one cell, its top at z = 0.
+/// Adds a fixed plate of one cell with its top at z = 0.
 fn plate(scene: &mut Scene, reach: f64) {
     let plate = scene.block(2, [1; 3], |p| {
         [reach * (2.0 * p[0] - 1.0), reach * (2.0 * p[1] - 1.0), reach * (p[2] - 1.0)]
@@ -53,7 +53,7 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
         let run = bench.watch(&format!("A13 {name}"), &scene, |e| {
             let v = mean_velocity(e, cube.all(), 2);
             fastest = fastest.min(v);
-            // It falls by g dt in a step until it is met.
+            // It falls by g dt in a step until contact.
             if touch.is_nan() && v > before - 0.5 * g * e.clock.last_dt && before < 0.0 {
                 touch = e.clock.time - e.clock.last_dt;
             }
@@ -93,12 +93,12 @@ fn fall(bench: &Bench) -> Result<Vec<Row>, String> {
 const FIRST: &str = "the slip of a new touch starts at nought after the force of its first step: that step has no friction, and \
                      how much of the impulse is in it depends on where in the step the ball lands";
 
-/// Restitution 1 on springs with k_t = k_n, at v_t = 0.7 v_n: velocity along the plane and spin
-/// times radius after (`tests/references/balls.txt`).
+/// Velocity along the plane and spin times radius after an impact with restitution 1 on springs
+/// with k_t = k_n, at v_t = 0.7 v_n (`tests/references/balls.txt`).
 const ON_SPRINGS: [f64; 2] = [0.42728, 0.68180];
 
-/// A ball thrown at a plate: velocities after along it, about its centre times the radius, and from
-/// it [m/s], and the run.
+/// Result of a ball thrown at a plate: final velocity along it, final spin times the radius,
+/// final velocity away from it [m/s], and the run.
 struct Thrown {
     along: f64,
     turning: f64,
@@ -111,12 +111,12 @@ const MU: f64 = 0.2;
 const NORMAL: f64 = 1.0;
 const CUBE: f64 = 0.02;
 
-/// A cube on its vertex touches in one point, R below its centre, and has the inertia of a ball of
-/// that radius.
+/// Throws a ball at a plate. A cube on its vertex touches in one point, R below its centre, and
+/// has the inertia of a ball of that radius.
 fn thrown(bench: &Bench, name: &str, law: &Law, vt: f64, air: f64) -> Result<Thrown, String> {
     let radius = 0.75f64.sqrt() * CUBE;
     let inertia = 0.4 * STEEL.rho * CUBE.powi(3) * radius * radius;
-    // Some touches long, and over before it has turned far.
+    // The run lasts several contact times and ends before the ball has turned far.
     let mut scene = Scene::new(3e-4);
     // Axes of the cube, its diagonal along z.
     let (a, b, c) = ((2f64 / 3.0).sqrt(), 0.5f64.sqrt(), 3f64.sqrt().recip());
@@ -173,7 +173,7 @@ fn oblique(bench: &Bench) -> Result<Vec<Row>, String> {
             ));
             all.push(ball.run.given_row(&variant));
         }
-        // It slides throughout, wherever in a step it lands.
+        // The ball slides throughout, at any time of impact within a step.
         let step = thrown(bench, &format!("A14 {} step", law.name), law, 3.0, 1e-5)?
             .run
             .engine

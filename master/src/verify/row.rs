@@ -1,46 +1,46 @@
-//! A row of the table: a quantity, ours against the reference.
+//! A row of the table: a computed quantity and its reference.
 
 use serde::Serialize;
 
-/// What ours may be.
+/// Allowed deviation of the computed value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tolerance {
-    /// Off by at most this fraction of the reference.
+    /// Largest deviation as a fraction of the reference.
     Relative(f64),
-    /// Off by at most this, in the unit of the quantity.
+    /// Largest deviation in the unit of the quantity.
     Absolute(f64),
-    /// No more than the reference.
+    /// At most the reference.
     AtMost,
-    /// No less than the reference.
+    /// At least the reference.
     AtLeast,
-    /// Anything: shown for orientation, there is no bound in the source.
+    /// No bound: the source has none, and the row is for orientation.
     Recorded,
 }
 
 /// One quantity of a case.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// What is compared.
+    /// Name of the quantity.
     pub quantity: String,
     /// Contact law, element, mesh.
     pub variant: String,
     /// Unit, empty for a ratio.
     pub unit: &'static str,
-    /// What the source says.
+    /// Value of the source.
     pub reference: f64,
-    /// What we get.
+    /// Computed value.
     pub ours: f64,
-    /// What ours may be.
+    /// Allowed deviation.
     pub tolerance: Tolerance,
     /// Mark and key of the source, or the formula.
     pub source: &'static str,
-    /// Why a failure is expected; empty where it is not.
+    /// Reason of an expected failure, or empty.
     pub known: &'static str,
 }
 
 impl Row {
-    /// A quantity with no bound yet.
+    /// Creates a row without a bound.
     pub fn new(
         quantity: impl Into<String>,
         variant: impl Into<String>,
@@ -63,43 +63,43 @@ impl Row {
         Self { reference, tolerance, source, ..self }
     }
 
-    /// Within this fraction of the reference.
+    /// Requires a value within this fraction of the reference.
     pub fn near(self, reference: f64, fraction: f64, source: &'static str) -> Self {
         self.bound(reference, Tolerance::Relative(fraction), source)
     }
 
-    /// Within this distance of the reference.
+    /// Requires a value within this distance of the reference.
     pub fn within(self, reference: f64, distance: f64, source: &'static str) -> Self {
         self.bound(reference, Tolerance::Absolute(distance), source)
     }
 
-    /// At most this.
+    /// Requires at most this value.
     pub fn at_most(self, limit: f64, source: &'static str) -> Self {
         self.bound(limit, Tolerance::AtMost, source)
     }
 
-    /// At least this.
+    /// Requires at least this value.
     pub fn at_least(self, limit: f64, source: &'static str) -> Self {
         self.bound(limit, Tolerance::AtLeast, source)
     }
 
-    /// Beside this value, without a bound.
+    /// Sets a reference without a bound.
     pub fn beside(self, reference: f64, source: &'static str) -> Self {
         self.bound(reference, Tolerance::Recorded, source)
     }
 
-    /// Without its bound, but beside what that was about.
+    /// Removes the bound and keeps the reference.
     pub fn recorded(self) -> Self {
         Self { tolerance: Tolerance::Recorded, ..self }
     }
 
-    /// A failure that is known, and why.
+    /// Marks a known failure and gives its reason.
     pub fn known(self, why: &'static str) -> Self {
         Self { known: why, ..self }
     }
 
-    /// Ours less the reference, as a fraction of it unless the tolerance is in the quantity's own
-    /// unit.
+    /// Returns the deviation from the reference, as a fraction of it unless the tolerance is in
+    /// the quantity's own unit.
     pub fn error(&self) -> f64 {
         match self.tolerance {
             Tolerance::Absolute(_) => self.ours - self.reference,
@@ -107,7 +107,7 @@ impl Row {
         }
     }
 
-    /// Whether ours is what it may be; a number that is none never is.
+    /// Returns true if the value is within its tolerance; NaN never is.
     pub fn passes(&self) -> bool {
         match self.tolerance {
             Tolerance::Relative(f) => self.error().abs() <= f,
@@ -118,7 +118,7 @@ impl Row {
         }
     }
 
-    /// The verdict in a word.
+    /// Returns the verdict in a word.
     pub fn verdict(&self) -> &'static str {
         match (self.passes(), self.tolerance) {
             (true, Tolerance::Recorded) => "recorded",
@@ -127,7 +127,7 @@ impl Row {
         }
     }
 
-    /// The tolerance in words, with its class.
+    /// Returns the tolerance in words, with its class.
     pub fn tolerance_text(&self) -> String {
         let class = |f: f64| match f {
             f if f <= 1e-8 => "exact",
@@ -146,7 +146,7 @@ impl Row {
         }
     }
 
-    /// The error in words.
+    /// Returns the deviation in words.
     pub fn error_text(&self) -> String {
         match self.tolerance {
             _ if !self.error().is_finite() => "-".into(),
@@ -159,7 +159,7 @@ impl Row {
     }
 }
 
-/// A number with the digits that a reader wants.
+/// Formats a number with the digits that a reader needs.
 pub fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),

@@ -1,4 +1,4 @@
-//! A job in the making: mesh rows by code, the rest as the text of a job file. SI units.
+//! Builder of a job: mesh rows by code, the rest as the text of a job file. SI units.
 
 use std::fmt::Write;
 
@@ -17,23 +17,23 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// The same with another Poisson's ratio.
+    /// Returns the material with another Poisson's ratio.
     pub fn with_nu(self, nu: f64) -> Self {
         Self { nu, ..self }
     }
 
-    /// Speed of waves in a bar, `sqrt(E/rho)` [m/s].
+    /// Returns the speed of waves in a bar, `sqrt(E/rho)` [m/s].
     pub fn c(&self) -> f64 {
         (self.e / self.rho).sqrt()
     }
 
-    /// Speed of waves in a plate, `sqrt(E/rho/(1-nu^2))` [m/s].
+    /// Returns the speed of waves in a plate, `sqrt(E/rho/(1-nu^2))` [m/s].
     pub fn c_plate(&self) -> f64 {
         self.c() / (1.0 - self.nu * self.nu).sqrt()
     }
 }
 
-/// A job in the making; ids of nodes and elements count from 1.
+/// Builder of a job; ids of nodes and elements count from 1.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     end_time: f64,
@@ -42,15 +42,15 @@ pub struct Scene {
     solids: Vec<Vec<u32>>,
     beams: Vec<Vec<u32>>,
     springs: Vec<Vec<u32>>,
-    /// Shells with thicknesses of their own.
+    /// Shells with their own thickness [m].
     thicknesses: Vec<(u32, f64)>,
     sets: Vec<(String, Vec<u32>)>,
     keys: String,
-    /// Top-level tables that must be one: lines of `[time]`.
+    /// Lines of `[time]`, a top-level table that may occur only once.
     time: String,
 }
 
-/// A regular patch of nodes.
+/// Regular grid of nodes.
 #[derive(Clone, Debug)]
 pub struct Grid {
     nodes: Vec<u32>,
@@ -58,27 +58,27 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Node at step i along, j across.
+    /// Returns the node at step i along, j across.
     pub fn at(&self, i: usize, j: usize) -> u32 {
         self.nodes[i * (self.across + 1) + j]
     }
 
-    /// All of them.
+    /// Returns all nodes.
     pub fn all(&self) -> &[u32] {
         &self.nodes
     }
 
-    /// Nodes at step i along.
+    /// Returns the nodes at step i along.
     pub fn row(&self, i: usize) -> Vec<u32> {
         (0..=self.across).map(|j| self.at(i, j)).collect()
     }
 
-    /// Steps along.
+    /// Returns the number of steps along.
     pub fn along(&self) -> usize {
         self.nodes.len() / (self.across + 1) - 1
     }
 
-    /// Nodes on the rim.
+    /// Returns the nodes on the rim.
     pub fn rim(&self) -> Vec<u32> {
         let (n, m) = (self.along(), self.across);
         let on_rim = |i: usize, j: usize| i == 0 || j == 0 || i == n || j == m;
@@ -91,57 +91,57 @@ impl Grid {
 }
 
 impl Scene {
-    /// An empty scene that runs to `end_time` [s].
+    /// Creates an empty scene that runs to `end_time` [s].
     pub fn new(end_time: f64) -> Self {
         Self { end_time, ..Self::default() }
     }
 
-    /// When it ends [s].
+    /// Returns the end time [s].
     pub fn end(&self) -> f64 {
         self.end_time
     }
 
-    /// The same to another end [s].
+    /// Returns the scene with another end time [s].
     pub fn until(mut self, end_time: f64) -> Self {
         self.end_time = end_time;
         self
     }
 
-    /// Adds a node [m].
+    /// Adds a node at the position `x` [m] and returns its id.
     pub fn node(&mut self, x: [f64; 3]) -> u32 {
         self.nodes.push(x);
         self.nodes.len() as u32
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn count(&self) -> u32 {
         self.nodes.len() as u32
     }
 
-    /// Where a node is at the start [m].
+    /// Returns the initial position of a node [m].
     pub fn at(&self, node: u32) -> [f64; 3] {
         self.nodes[node as usize - 1]
     }
 
-    /// Adds a shell of a part.
+    /// Adds a shell of a part and returns its id.
     pub fn shell(&mut self, part: u32, corners: &[u32]) -> u32 {
         self.shells.push(std::iter::once(part).chain(corners.iter().copied()).collect());
         self.shells.len() as u32
     }
 
-    /// Gives a shell a thickness of its own [m].
+    /// Gives a shell its own thickness [m].
     pub fn thicken(&mut self, shell: u32, thickness: f64) {
         self.thicknesses.push((shell, thickness));
     }
 
-    /// Adds a solid of a part: a face whose normal points into it, then the nodes opposite. Their
-    /// ids follow those of the shells.
+    /// Adds a solid of a part: a face whose normal points into it, then the opposite nodes. Ids
+    /// follow those of the shells.
     pub fn solid(&mut self, part: u32, corners: [u32; 8]) {
         self.solids.push(std::iter::once(part).chain(corners).collect());
     }
 
-    /// Adds a beam of a part between two nodes; the second axis of its section points towards a
-    /// third one, which is to be among the last nodes if it belongs to nothing else. Ids follow
+    /// Adds a beam of a part between two nodes. The second axis of its section points towards
+    /// the third node, which must be among the last nodes if no other element has it. Ids follow
     /// those of the solids.
     pub fn beam(&mut self, part: u32, nodes: [u32; 3]) {
         self.beams.push(std::iter::once(part).chain(nodes).collect());
@@ -152,12 +152,12 @@ impl Scene {
         self.springs.push(std::iter::once(part).chain(nodes).collect());
     }
 
-    /// Adds a patch of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
+    /// Adds a grid of n by m quads; `place` maps (0..1, 0..1) to coordinates [m].
     pub fn grid(&mut self, part: u32, n: [usize; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Grid {
         self.grid_of(part, n, place, Self::node)
     }
 
-    /// The same; `node` adds a node, or finds one.
+    /// Adds a grid of n by m quads; `node` adds or finds a node.
     pub fn grid_of(
         &mut self,
         part: u32,
@@ -181,7 +181,7 @@ impl Scene {
         grid
     }
 
-    /// Names a set of nodes.
+    /// Adds a set of nodes and returns its name.
     pub fn set(&mut self, nodes: &[u32]) -> String {
         let name = format!("set{}", self.sets.len() + 1);
         self.sets.push((name.clone(), nodes.to_vec()));
@@ -241,7 +241,7 @@ impl Scene {
         self.add(&format!("[[fix]]\nnodes = \"{set}\"\ndofs = {dofs:?}"));
     }
 
-    /// Gives nodes a velocity [m/s] and, each about itself, a spin [1/s].
+    /// Gives each node a velocity [m/s] and a spin about itself [1/s].
     pub fn start(&mut self, nodes: &[u32], velocity: [f64; 3], spin: [f64; 3]) {
         let set = self.set(nodes);
         if spin == [0.0; 3] {
@@ -256,7 +256,7 @@ impl Scene {
         }
     }
 
-    /// Adds mass to nodes, `mass` [kg] in all.
+    /// Adds mass to nodes, `mass` [kg] in total.
     pub fn mass(&mut self, nodes: &[u32], mass: f64) {
         let set = self.set(nodes);
         self.add(&format!("[[mass]]\nnodes = \"{set}\"\nmass = {mass:?}"));
@@ -269,7 +269,7 @@ impl Scene {
         ));
     }
 
-    /// The job file.
+    /// Returns the text of the job file.
     pub fn text(&self, title: &str) -> String {
         let mut text = format!(
             "title = \"{title}\"\nunits = \"m, s, kg\"\nend_time = {:?}\n[mesh]\nnodes = [\n",

@@ -1,4 +1,5 @@
-//! Sections of shells: thicknesses of single ones (A41), middles beside the nodes (A42).
+//! Sections of shells: thicknesses of single shells (A41), middle surfaces offset from the nodes
+//! (A42).
 
 use super::measure::{Crossings, displacement};
 use super::row::Row;
@@ -6,22 +7,23 @@ use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::TAU;
 
-/// A41.
+/// Check of A41.
 pub const STEPPED: Check = Check { name: "bar of two thicknesses", quick: true, run: stepped };
-/// A42.
+/// Check of A42.
 pub const PULLED: Check =
     Check { name: "strip pulled beside its middle", quick: true, run: pulled };
 
 const FORMULATIONS: [&str; 3] = ["stabilised_quad", "belytschko_tsay", "fully_integrated_quad"];
 
-/// Steel without a transverse strain.
+/// Returns steel without transverse strain.
 fn plain() -> Elastic {
     STEEL.with_nu(0.0)
 }
 
-/// A bar, held at one end, whose half at the other end is twice as thick as that at its root, in
-/// its first axial mode. With areas A1 at the root and A2, halves of length a and b = w/c: `tan^2(b
-/// a) = A1/A2` (Graff 1975, ch. 2, by continuity of displacement and force).
+/// Computes the first axial frequency of a bar that is held at one end. The half at the free end
+/// is twice as thick as the half at the root. With areas A1 at the root and A2, halves of length
+/// a and b = w/c: `tan^2(b a) = A1/A2` (Graff 1975, ch. 2, by continuity of displacement and
+/// force).
 fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 40;
     let (half, thin) = (0.1, 1e-3);
@@ -40,7 +42,7 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
         for i in 1..=N {
             let x = 2.0 * half * i as f64 / N as f64;
             let b = angle / half;
-            // The other half goes on from the middle: sin(b a) cos(b (2 a - x))/cos(b a).
+            // The other half continues from the middle: sin(b a) cos(b (2 a - x))/cos(b a).
             let shape =
                 if x <= half { (b * x).sin() } else { angle.tan() * (b * (2.0 * half - x)).cos() };
             scene.start(&grid.row(i), [0.01 * shape, 0.0, 0.0], [0.0; 3]);
@@ -60,16 +62,16 @@ fn stepped(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A strip that is pulled along its nodes, e beside its middle, at rest: its tip rises by `e (1 -
-/// 1/cosh k L)`, `k^2 = F/EI`, and turns by `e k tanh k L`, as a beam under bending and tension
-/// (Timoshenko & Gere 1961, ch. 1).
+/// Pulls a strip along its nodes, at the offset e from its middle, until it is at rest. Its tip
+/// rises by `e (1 - 1/cosh k L)`, `k^2 = F/EI`, and turns by `e k tanh k L`, as a beam under
+/// bending and tension (Timoshenko & Gere 1961, ch. 1).
 fn pulled(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 10;
     let (length, width, thickness, force) = (0.1, 0.01, 2e-3, 400.0);
     let stiffness = plain().e * width * thickness * thickness * thickness / 12.0;
     let k = (force / stiffness).sqrt();
     let (kl, c) = (k * length, plain().c());
-    // Of the first mode without tension.
+    // Frequency of the first mode without tension.
     let omega = 3.516 * thickness / 12f64.sqrt() * c / (length * length);
     let mut all = Vec::new();
     for (element, offset) in

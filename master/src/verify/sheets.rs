@@ -7,11 +7,11 @@ use super::scene::{STEEL, Scene};
 use super::{Bench, Check};
 use std::f64::consts::PI;
 
-/// A36.
+/// Check of A36.
 pub const THINNING: Check = Check { name: "stretched sheet", quick: true, run: thinning };
-/// A37.
+/// Check of A37.
 pub const EROSION: Check = Check { name: "sheet pulled until it fails", quick: true, run: erosion };
-/// A38.
+/// Check of A38.
 pub const TRIANGLES: Check = Check { name: "plate of triangles", quick: true, run: triangles };
 
 const YIELD: f64 = 250e6;
@@ -19,9 +19,9 @@ const THICKNESS: f64 = 1e-3;
 const SIDE: f64 = 0.01;
 const QUADS: [&str; 3] = ["belytschko_tsay", "stabilised_quad", "fully_integrated_quad"];
 
-/// A square shell, alone so that no neck can form, led apart evenly, along x by `stretch` and along
-/// y by `across` (free if `None`); `more` of the material. Starts and ends at rest, so that no
-/// waves are left.
+/// Returns a scene with one square shell, so that no neck can form. It is stretched uniformly by
+/// prescribed motion, along x by `stretch` and along y by `across` (free if `None`); `more` are
+/// further keys of the material. The motion starts and ends at rest, so that no waves remain.
 fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     let time = 2e-3;
     let mut scene = Scene::new(time);
@@ -31,7 +31,7 @@ fn led(stretch: f64, across: Option<f64>, more: &str, part: &str) -> Scene {
     scene.part(1, "sheet", THICKNESS, part);
     scene.fix(&grid.row(0), "x z rx ry rz");
     scene.fix(&[grid.at(0, 0), grid.at(1, 0)], "y");
-    // A ramp up and down to a velocity whose integral is the way.
+    // A velocity that rises and falls linearly; its integral is the displacement.
     scene.add(&format!(
         "[[curve]]\nname = \"way\"\npoints = [[0.0, 0.0], [{:?}, 1.0], [{:?}, 1.0], [{time:?}, 0.0]]",
         0.2 * time,
@@ -139,14 +139,15 @@ fn triangles(bench: &Bench) -> Result<Vec<Row>, String> {
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let [a, b, c, d] =
                     [nodes[i][j], nodes[i + 1][j], nodes[i + 1][j + 1], nodes[i][j + 1]];
-                // Diagonals in turn either way, so that the mesh has no grain.
+                // The directions of diagonals alternate, so that the mesh has no preferred
+                // direction.
                 let two =
                     if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
                 two.iter().for_each(|t| _ = scene.shell(1, t));
             }
             scene.elastic("steel", STEEL);
             scene.part(1, "steel", 0.004, "");
-            // Hard support: the edge does not tilt along itself either.
+            // Hard support: the edge does not rotate about its normal either.
             for i in [0, n] {
                 scene.fix(&nodes[i], "z rx");
                 let column: Vec<u32> = nodes.iter().map(|row| row[i]).collect();

@@ -12,22 +12,22 @@ use super::{Bench, Check};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A07.
+/// Check of A07.
 pub const STOP: Check = Check {
     name: "stops by friction",
     quick: true,
     run: |b| stop(b, &Law::ALL.iter().collect::<Vec<_>>()),
 };
-/// A07 with masses split among pairs.
+/// Check of A07 with masses split among pairs.
 pub const ITERATIONS: Check =
     Check { name: "stops by friction, split", quick: true, run: |b| stop(b, &[&Law::SPLIT]) };
-/// A07, in gravity.
+/// Check of A07, in gravity.
 pub const HEAVY: Check = Check { name: "stops by friction, in gravity", quick: true, run: heavy };
-/// A08.
+/// Check of A08.
 pub const SHAKEN: Check = Check { name: "stick-slip", quick: false, run: shaken };
-/// A09.
+/// Check of A09.
 pub const INCLINE: Check = Check { name: "on an incline", quick: false, run: incline };
-/// C09.
+/// Check of C09.
 pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: reversal };
 
 const MU: f64 = 0.3;
@@ -37,14 +37,14 @@ pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under
                        (cases/slide: 2.672 ms for 2.667), whatever the bulk viscosity, the tolerance of the sweeps, or half the step";
 const PASSES: &str = "the kinematic law creeps where it should stick; not for want of passes, ten times as many at a tolerance of 1e-7 change it \
                       by 3 %; why has not been found yet";
-/// Hourglass controls of the block's bricks: the one that does not flutter under friction, and the
-/// default.
+/// Hourglass controls of the block's bricks: the one that does not flutter under friction, and
+/// the default.
 const STIFF: &str = "stiffness";
 const DEFAULT: &str = "assumed_strain";
-/// Block 20 x 20 x 10 mm of steel.
+/// Block of steel, 20 x 20 x 10 mm [m].
 const SIZE: [f64; 3] = [0.02, 0.02, 0.01];
 
-/// What the block slides on.
+/// Base on which the block slides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Base {
     /// Solids, top at z = 0.
@@ -53,9 +53,9 @@ enum Base {
     Shells,
 }
 
-/// A block at rest on a base 80 x 40 mm in facets of 10 mm, turned so that no lines match. Returns
-/// the nodes of the base. References are of a rigid block: bricks of another hourglass control than
-/// stiffness flutter, see [`FLUTTER`].
+/// Adds a block at rest on a base of 80 x 40 mm with facets of 10 mm, rotated so that no mesh
+/// lines coincide. Returns the nodes of the base and the block. References are for a rigid
+/// block: bricks flutter with any hourglass control except stiffness, see [`FLUTTER`].
 fn on_base(scene: &mut Scene, kind: Base, control: &str) -> (Vec<u32>, Block) {
     let (s, c) = 7f64.to_radians().sin_cos();
     let place = |x: f64, y: f64, z: f64| {
@@ -104,7 +104,7 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
     const D: &str = "[D] t = v/a, s = v^2/2a, a = mu N/m; half a ramp of 0.1 ms later";
     let (force, v, ramped) = (400.0, 10.0, 1e-4);
     let a = MU * force / mass();
-    // In the ramp it loses a ramped/2 on the way v ramped - a ramped^2/6.
+    // During the ramp the block loses a ramped/2 over the distance v ramped - a ramped^2/6.
     let left = v - 0.5 * a * ramped;
     let (time, way) =
         (ramped + left / a, v * ramped - a * ramped * ramped / 6.0 + left * left / (2.0 * a));
@@ -178,7 +178,7 @@ fn stop(bench: &Bench, laws: &[&Law]) -> Result<Vec<Row>, String> {
 fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str =
         "[D] v/(mu g), v^2/(2 mu g), scaled from 9.81 m/s2 and 1 m/s: 0.33979 s, 0.16989 m";
-    // A thousandfold gravity and five times the speed; it is there all the time.
+    // Gravity is a thousandfold and the speed five times as high; gravity acts from the start.
     let (g, v) = (9810.0, 5.0);
     let (time, way) = (v / (MU * g), v * v / (2.0 * MU * g));
     let mut all = Vec::new();
@@ -208,7 +208,7 @@ fn heavy(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// What a rigid block does in a cycle, where slip counts above [`SEEN`]:
+/// Motion of a rigid block in a cycle, in which slip counts above [`SEEN`]:
 /// `tests/references/slip.txt`.
 struct Cycle {
     r: f64,
@@ -217,7 +217,7 @@ struct Cycle {
     slid: f64,
 }
 
-/// Relative speed, over mu g/w, above which a block counts as slipping: one that sticks still
+/// Relative speed, over mu g/w, above which a block counts as slipping; a sticking block still
 /// vibrates.
 const SEEN: f64 = 0.01;
 
@@ -232,10 +232,10 @@ const CYCLES: [Cycle; 5] = [
 fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str =
         "[D] catalogue A08, Code_Aster SDND104 [V:S8], measured alike in tests/references/slip.py";
-    // Straight lines between fewer points bear the steps of the base's acceleration.
+    // Fewer points would make the steps in the base's acceleration noticeable.
     const POINTS: usize = 1000;
-    // So slow that a spring of penalty is stiff: at 2 ms, r = 1.8 slips for 0.06 of the cycle more
-    // with it, 0.004 at 8 ms.
+    // So slow that the penalty spring is stiff: with it, r = 1.8 slips longer by 0.06 of the
+    // cycle at 2 ms, by 0.004 at 8 ms.
     let (g, period) = (2.5e3, 8e-3);
     let omega = TAU / period;
     let unit = MU * g / omega;
@@ -245,8 +245,8 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
         for Cycle { r, slips, fastest, slid } in CYCLES {
             let mut scene = Scene::new(settle + cycles * period);
             let (base, block) = on_base(&mut scene, Base::Shells, STIFF);
-            // As that of the reference. Bending of a block of bricks flutters (see [`FLUTTER`]),
-            // which counts as slip.
+            // Rigid like the block of the reference. A block of bricks bends and flutters (see
+            // [`FLUTTER`]), which counts as slip.
             scene.add("[[rigid]]\nname = \"block\"\nparts = [2]");
             ramp(&mut scene, 0.5 * settle);
             let shake = |t: f64| (omega * t).sin();
@@ -262,10 +262,10 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
                 -g
             ));
             let set = scene.set(&base);
-            // The base is rigid: friction on its surface bends nothing.
+            // The base is rigid: friction on its surface does not bend it.
             scene.fix(&base, "rx ry rz");
-            // Velocity of the base: its amplitude is a0/omega = r unit. Nought until the block has
-            // settled.
+            // Velocity of the base, with the amplitude a0/omega = r unit. It is zero until the
+            // block is at rest.
             scene.add(&format!(
                 "[[motion]]\nnodes = \"{set}\"\nvelocity = [{:?}, 0.0, 0.0]\ncurve = \"shake\"",
                 r * unit
@@ -294,7 +294,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
             );
             all.push(run.given_row(&variant));
             if r < 1.0 {
-                // Stick springs give way and come back; their vibration is no way.
+                // Stick springs are elastic, so their vibration does not count as slip.
                 let row = Row::new(
                     "left behind after a cycle / amplitude",
                     &variant,
@@ -330,7 +330,7 @@ fn shaken(bench: &Bench) -> Result<Vec<Row>, String> {
 }
 
 fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
-    // A thousandfold gravity makes milliseconds of seconds.
+    // A thousandfold gravity turns seconds into milliseconds.
     let g = 9810.0;
     let (ramped, time) = (0.5e-3, 4e-3);
     let mut all = Vec::new();
@@ -375,7 +375,7 @@ fn incline(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Why a block that should stick creeps.
+/// Returns the reason why a block that should stick creeps.
 fn creep(law: &Law) -> &'static str {
     if law.is_spring() { CREEP } else { PASSES }
 }
@@ -414,11 +414,11 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
                 slid += mean_velocity(e, &block.layer(2, 0), 0).abs() * e.clock.last_dt;
                 let cycle = (since as usize).min(CYCLES - 1);
                 means[cycle] = (means[cycle].0 + x, means[cycle].1 + 1);
-                // |T| is below mu N until sin = 2/3.
+                // T| is below mu N until sin = 2/3.
                 if since < (2.0f64 / 3.0).asin() / TAU {
                     early = early.max(x.abs());
                     let now = contact_force(e, block.all(), 0);
-                    // What the ramp has left, 3e-8 of mu N on springs, has a sign of its own.
+                    // The rest of the ramp, 3e-8 of mu N on springs, can have either sign.
                     if now.abs() > 1e-6 * MU * force {
                         turns += u32::from(now * held < 0.0);
                         held = now;
@@ -463,8 +463,8 @@ fn reversal(bench: &Bench) -> Result<Vec<Row>, String> {
             .near(1.0, 0.005, "limit of the catalogue"),
         );
         let given = Row::new("friction work given back / all of it", &variant, "", back / heat);
-        // A stick spring gives back (mu N)^2/2k at a turn; with F/k a thousandth of the amplitude,
-        // as above, that is a 160th of a thousandth of the work of 20 cycles.
+        // A stick spring returns (mu N)^2/2k at a reversal. With F/k a thousandth of the
+        // amplitude, as above, that is a 160th of a thousandth of the work of 20 cycles.
         all.push(match law.is_spring() {
             true => given.at_most(
                 1e-3 / 160.0,

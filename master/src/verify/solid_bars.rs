@@ -1,5 +1,5 @@
-//! Bars of eight-node solids: head-on (A01), at a wall in uniaxial strain (A03 b), under a step
-//! traction (A05). Bulk viscosity is off.
+//! Bars of eight-node solids: impact end to end (A01), impact on a wall in uniaxial strain (A03
+//! b), step traction (A05). Bulk viscosity is off.
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
@@ -10,39 +10,39 @@ use super::scene::{Elastic, Scene};
 use super::solids::Block;
 use super::{Bench, Check};
 
-/// A01 with cubes.
+/// Check of A01 with cubes.
 pub const PAIR: Check =
     Check { name: "head-on, cubes, matching", quick: true, run: |b| pair(b, 1, Law::ALL) };
-/// A01 with cubes, masses split among pairs.
+/// Check of A01 with cubes, masses split among pairs.
 pub const PAIR_SPLIT: Check = Check {
     name: "head-on, cubes, matching, split",
     quick: true,
     run: |b| pair(b, 1, &[Law::SPLIT]),
 };
-/// A01 with cubes that do not match.
+/// Check of A01 with cubes that do not match.
 pub const PAIR_UNEQUAL: Check =
     Check { name: "head-on, cubes, non-matching", quick: false, run: |b| pair(b, 3, Law::ALL) };
-/// A01 with cubes that do not match, segments on segments.
+/// Check of A01 with cubes that do not match, segments on segments.
 pub const PAIR_SEGMENTS: Check = Check {
     name: "head-on, cubes, non-matching, by segments",
     quick: false,
     run: |b| pair(b, 3, Law::BY_SEGMENTS),
 };
-/// A01 with cubes: order in the mesh size.
+/// Check of A01 with cubes: order in the mesh size.
 pub const PAIR_ORDER: Check =
     Check { name: "order in the mesh size, cubes", quick: false, run: order };
-/// A03 (b).
+/// Check of A03 (b).
 pub const STRAIN: Check =
     Check { name: "bar in uniaxial strain", quick: false, run: uniaxial_strain };
-/// A05.
+/// Check of A05.
 pub const STEP: Check = Check { name: "step traction, cubes", quick: true, run: step_wave };
 
-/// No bulk viscosity.
+/// Setting without bulk viscosity.
 pub const INVISCID: &str = "bulk_viscosity = [0.0, 0.0]";
 const CHAIN: &str = "[C] chains of masses and springs, tests/references/bars.py: between what they lose by where in a step they meet, and 5 % (good)";
 const LENGTH: f64 = 1.0;
 const V: f64 = 10.0;
-/// Air between the bars [m]: 1e-5 s of flight, so that force is nought before.
+/// Gap between the bars [m]: 1e-5 s of flight, so that the force is zero before.
 const AIR: f64 = 1e-4;
 
 struct Met {
@@ -54,7 +54,8 @@ struct Met {
     scale: f64,
 }
 
-/// Two bars of `n` cubes, the second with `across` cells each way over its section; see `bars.rs`.
+/// Collides two bars of `n` cubes; the second one has `across` cells each way over its section;
+/// see `bars.rs`.
 fn collide(
     bench: &Bench,
     law: &Law,
@@ -134,10 +135,11 @@ fn pair(bench: &Bench, across: usize, laws: &[Law]) -> Result<Vec<Row>, String> 
     Ok(all)
 }
 
-/// Least and largest restitution of two chains of [`SIZES`] masses and springs at 0.9 and 0.998 of
-/// the stable limit, and at a third of 0.9 and 0.999, where the cells of the other bar are a third
-/// as wide (`tests/references/bars.txt`). With a safety of 0.999 the step is 0.998 of the limit of
-/// the cells as they were: it follows the cell that is compressed by v/2c, a thousandth.
+/// Smallest and largest restitution of two chains of [`SIZES`] masses and springs at 0.9 and
+/// 0.998 of the stable limit, and at a third of 0.9 and 0.999 if the cells of the other bar are
+/// a third as wide (`tests/references/bars.txt`). With a safety of 0.999 the step is 0.998 of
+/// the limit of the undeformed cells: it follows the cell that is compressed by v/2c, a
+/// thousandth.
 const CHAINS: [[[[f64; 2]; 3]; 2]; 2] = [
     [
         [[0.96721, 0.97188], [0.98433, 0.98652], [0.99133, 0.99155]],
@@ -155,9 +157,9 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in Law::ALL {
         for (across, chains) in [1, 3].into_iter().zip(CHAINS) {
             let mesh = if across == 1 { "matching" } else { "non-matching" };
-            // At the stable limit a bar of cubes carries a front unchanged, and all that is lost is
-            // lost in contact; below it the front disperses, and the ripple that is left in the
-            // bars goes with N^(-2/3). Springs need room for themselves below that limit.
+            // At the stable limit a bar of cubes carries a front unchanged, and all losses are
+            // those of contact. Below it the front disperses, and the remaining oscillation
+            // decreases with N^(-2/3). Springs need a margin below that limit.
             for (safety, chains) in
                 [0.9, 0.999].into_iter().zip(chains).take(if law.is_spring() { 1 } else { 2 })
             {
@@ -184,8 +186,8 @@ fn order(bench: &Bench) -> Result<Vec<Row>, String> {
                 let order = (off[0] / off[2]).ln() / 5f64.ln();
                 let variant = format!("{}, {mesh}, {SIZES:?} cubes, safety {safety}", law.name);
                 let row = Row::new("order of 1 - restitution", variant, "", order);
-                // The front disperses below the limit, and the ripple that stays goes with
-                // N^(-2/3): two chains say how much.
+                // The front disperses below the limit, and the remaining oscillation decreases
+                // with N^(-2/3): two chains give the amount.
                 let between = |a: f64, b: f64| ((1.0 - a) / (1.0 - b)).ln() / 5f64.ln();
                 let [least, most] =
                     [between(chains[0][1], chains[2][0]), between(chains[0][0], chains[2][1])];
@@ -246,8 +248,8 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
             duration("contact duration, 2L/c_d").beside(68.95, LINEAR),
             force_row("mean force").near(1.8644, 0.01, D),
             force_row("mean force, rho c_d v a^2").beside(1.856, LINEAR),
-            // 1 as the mesh is refined; on a hundred cells the front of the wave keeps some energy
-            // as ripple.
+            // The value tends to 1 as the mesh is refined; on a hundred cells the front of the
+            // wave keeps some energy as oscillation.
             Row::new("rebound velocity / v", variant, "", mean_velocity(&run.engine, bar.all(), 0) / v).within(
                 0.98865,
                 0.002,
@@ -257,7 +259,7 @@ fn uniaxial_strain(bench: &Bench) -> Result<Vec<Row>, String> {
     ))
 }
 
-/// Mean over the section of the stress along x in the last cells [Pa].
+/// Returns the mean stress along x over the section in the last cells [Pa].
 fn end_stress(e: &crumple_worker::engine::Engine) -> f64 {
     fields(e).last().map_or(f64::NAN, |f| f.stress[0])
 }
@@ -269,7 +271,8 @@ fn step_wave(bench: &Bench) -> Result<Vec<Row>, String> {
     let (side, time) = (LENGTH / N as f64, LENGTH / BAR.c());
     let mut all = Vec::new();
     for safety in [1.0, 0.9] {
-        // Ended by cycles: steps that are cut to end on time would be below the limit by as much.
+        // A number of cycles ends the run. An end time would shorten the last steps, which would
+        // then be below the limit.
         let mut scene = Scene::new(20.0 * time);
         let bar: Block = scene.block(1, [N, 1, 1], |p| [LENGTH * p[0], side * p[1], side * p[2]]);
         scene.elastic("steel", BAR);

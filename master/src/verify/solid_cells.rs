@@ -1,5 +1,5 @@
-//! Single solids and small meshes of them: stable step (A23 b), hourglass (C10 a), crushed to
-//! nothing (A26 a, C13, C14), beams (A15, A25), a thick cylinder (C12).
+//! Single solids and small meshes of them: stable step (A23 b), hourglass (C10 a), crush to zero
+//! height (A26 a, C13, C14), beams (A15, A25), a thick cylinder (C12).
 
 use super::bars::BAR;
 use super::beams::{clamped, frequency};
@@ -12,21 +12,21 @@ use super::{Bench, Check};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::ops::ControlFlow;
 
-/// A15 with one-point solids.
+/// Check of A15 with one-point solids.
 pub const BEAMS: Check = Check { name: "cantilevers of cubes", quick: false, run: cantilevers };
-/// A23 (b).
+/// Check of A23 (b).
 pub const STEP: Check = Check { name: "stable step of a cube", quick: true, run: stable_step };
-/// A25.
+/// Check of A25.
 pub const PINNED: Check = Check { name: "step pressure", quick: false, run: pinned };
-/// C10 (a).
+/// Check of C10 (a).
 pub const HOURGLASS: Check =
     Check { name: "hourglass mode of a cube", quick: true, run: hourglass };
-/// C12.
+/// Check of C12.
 pub const CYLINDER: Check = Check { name: "thick cylinder", quick: false, run: cylinder };
-/// C12, elastic-plastic.
+/// Check of C12, elastic-plastic.
 pub const FRONT: Check =
     Check { name: "plastic front in a thick cylinder", quick: false, run: plastic_front };
-/// A26 (a), C13, C14.
+/// Check of A26 (a), C13, C14.
 pub const CRUSHED: Check = Check { name: "cube pushed through itself", quick: true, run: crushed };
 
 fn cantilevers(bench: &Bench) -> Result<Vec<Row>, String> {
@@ -82,7 +82,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
             scene.elastic("steel", steel);
             scene.solid_part(1, "steel", INVISCID);
             scene.time(&format!("safety = {safety:?}\nmax_cycles = 1000"));
-            // Breathing, and a little of the other modes.
+            // Breathing, and a small amount of the other modes.
             for (i, &n) in cube.all().iter().enumerate() {
                 let at = scene.at(n);
                 scene.start(
@@ -106,7 +106,7 @@ fn stable_step(bench: &Bench) -> Result<Vec<Row>, String> {
                 &format!("A23b cube {nu} {share}"),
                 &scene(share * limit / unit),
                 |e| {
-                    let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
+                    let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
                     if e.clock.cycle == 0 {
                         start = now;
                     }
@@ -260,8 +260,8 @@ fn hourglass(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A quarter of a ring between the radii a and b in plane strain, `n` cells over the wall, under a
-/// pressure inside that rises until `ramp` [s]; of one part, "steel".
+/// Adds a quarter of a ring between the radii a and b in plane strain, `n` cells over the wall,
+/// under an internal pressure that rises until `ramp` [s]. It has one part, "steel".
 fn ring(scene: &mut Scene, [a, b]: [f64; 2], n: usize, pressure: f64, ramp: f64) -> Block {
     let ring = scene.block(1, [n, 3 * n, 1], |p| {
         let (r, angle) = (a + (b - a) * p[0], FRAC_PI_2 * p[1]);
@@ -287,14 +287,14 @@ fn plastic_front(bench: &Bench) -> Result<Vec<Row>, String> {
     for (share, expected) in [(1.10, 26.31), (1.35, 30.19), (1.60, 35.60)] {
         let mut scene = Scene::new(600e-6);
         let ring = ring(&mut scene, [a, b], N, share * k * (1.0 - a * a / (b * b)), 300e-6);
-        // As good as incompressible, which the formula takes it to be.
+        // Nearly incompressible, as the formula assumes.
         scene.plastic("steel", STEEL.with_nu(0.49), yields, 0.0);
         scene.solid_part(1, "steel", INVISCID);
         // The breathing mode has about 1.4e5 1/s.
         scene.time("damping = 1.6e5");
         let run = bench.watch(&format!("C12 front {share}"), &scene, |_| {})?;
-        // Where the ring is elastic, (hoop - radial stress)/2 is k c^2/r^2. The first row of cells
-        // is one along the radius.
+        // In the elastic region (hoop - radial stress)/2 is k c^2/r^2. The first row of cells is
+        // one along the radius.
         let cells = fields(&run.engine);
         let (mut sum, mut count) = (0.0, 0.0);
         for i in 0..N {
@@ -357,7 +357,7 @@ fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
     let (mut first, mut end, mut wrong) = (0.0, f64::NAN, false);
     let run = bench.run("C13", &scene, |e| {
         let height = 1.0 + displacement(e, cube.at([0, 0, 1]))[2] / side;
-        // Stress is that at the end of the step before.
+        // The stress is that at the end of the previous step.
         let stressed = height + v * e.clock.last_dt / side;
         let stress = fields(e)[0].stress[2];
         wrong |= !stress.is_finite() || e.nodes.x.iter().flatten().any(|x| !x.is_finite());
@@ -382,8 +382,8 @@ fn crushed(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new(name, variant, "", *seen).near(1.0, 1e-3, "[D] A26 (a)")
         })
         .collect();
-    // Mass is kept: c_d falls as the root of the height. A free cube bears 0.734 L/c_d, a flat one
-    // L/c_d.
+    // Mass is conserved: c_d decreases as the root of the height. The stable step of a free cube
+    // is 0.734 L/c_d, that of a flat one L/c_d.
     let ratio = Row::new("step at a tenth of the height / at the start", variant, "", end / first);
     all.push(ratio.near(
         0.1f64.sqrt() / 0.734,

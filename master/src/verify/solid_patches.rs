@@ -1,6 +1,6 @@
-//! Solids, alone or few: patch test (A21), prescribed rotation (A19 a, b), blocks at their step
-//! (A23 a, b), an elastic-plastic wave (A06), a thick cylinder that yields (C12), a block sunk into
-//! another (C06).
+//! Solids, single or few: patch test (A21), prescribed rotation (A19 a, b), blocks at their
+//! stable step (A23 a, b), an elastic-plastic wave (A06), a thick cylinder that yields (C12), a
+//! block sunk into another one (C06).
 
 use super::bars::BAR;
 use super::contact::Law;
@@ -14,24 +14,24 @@ use crumple_worker::fem::elements::ElementFields;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::ControlFlow;
 
-/// A21 with solids.
+/// Check of A21 with solids.
 pub const PATCH: Check = Check { name: "patch of seven solids", quick: true, run: patch };
-/// A19 (a), (b) with solids.
+/// Check of A19 (a), (b) with solids.
 pub const TURNED: Check = Check { name: "prescribed rotation of a cube", quick: true, run: turned };
-/// A23 (a), (b) blocks.
+/// Check of A23 (a), (b): blocks.
 pub const ROD: Check =
     Check { name: "rods and blocks of cubes at their step", quick: true, run: rod };
-/// A06 with solids.
+/// Check of A06 with solids.
 pub const PLASTIC: Check = Check { name: "elastic-plastic wave, cubes", quick: true, run: plastic };
-/// C06 with solids.
+/// Check of C06 with solids.
 pub const SUNK: Check = Check { name: "block sunk into a base", quick: true, run: sunk };
 
-/// A cube alone is stable up to what its own bound says, but for the drift of a run that is led:
-/// below it.
+/// Safety below 1: a single cube is stable up to its own bound, but a run with prescribed motion
+/// drifts.
 const SAFE: &str = "safety = 0.8";
 
 /// Inner nodes in the unit cube, near those of MacNeal & Harder; the stress does not depend on
-/// where they are [m].
+/// their positions [m].
 const INNER: [[f64; 3]; 8] = [
     [0.249, 0.342, 0.192],
     [0.826, 0.288, 0.288],
@@ -105,7 +105,7 @@ fn patch(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// Turned by an angle about an axis.
+/// Returns a point turned by an angle about an axis.
 fn turn(x: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     let (s, c) = angle.sin_cos();
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -114,8 +114,8 @@ fn turn(x: [f64; 3], axis: usize, angle: f64) -> [f64; 3] {
     y
 }
 
-/// Leads a cube of 0.1 m along `place`, from its corner and the time over that of the run; `at`
-/// sees the time and the fields.
+/// Moves a cube of 0.1 m along `place`, a function of the corner and the time over that of the
+/// run; `at` receives the time and the fields.
 fn led_cube(
     bench: &Bench,
     name: &str,
@@ -140,7 +140,7 @@ fn led_cube(
     let run = bench.run(name, &scene, |e| {
         let (t, dt) = (e.clock.time, e.clock.last_dt);
         if dt > 0.0 {
-            // Stress is still that of the time before.
+            // The stress is still that of the previous time.
             at((t - dt) / end, &fields(e)[0]);
             for (n, &x) in (1..).zip(&corners) {
                 let pose = |t: f64| (place(x, t / end), [0.0; 3]);
@@ -163,7 +163,7 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
             steps,
             |x, t| turn(x, 2, TAU * t),
             |t, f| {
-                // The worst until a quarter, a half and the whole turn.
+                // Largest errors until a quarter, a half and the whole turn.
                 for (w, until) in worst.iter_mut().zip([FRAC_PI_2, PI, TAU]) {
                     if TAU * t <= until {
                         *w = w.max(largest(f) / STEEL.e);
@@ -201,8 +201,8 @@ fn turned(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A block of n cells each way, their sides given in units of L = 10 mm, all of its modes in
-/// motion, at a step of `limit` L/c_d: whether it grows.
+/// Returns true if the energy of a block grows at a step of `limit` L/c_d. The block has n cells
+/// each way, their sides are in units of L = 10 mm, and all of its modes are excited.
 fn grows(
     bench: &Bench,
     name: &str,
@@ -233,12 +233,12 @@ fn grows(
     let unit = bench.model(name, &scene(1.0))?.first_dt().0 * fast / side;
     let (mut start, mut grown) = (0.0, false);
     let run = bench.run(name, &scene(limit / unit), |e| {
-        let now = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
+        let now = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
         if e.clock.cycle == 0 {
             start = now;
         }
-        // Near the limit a mode swings up to 1/(1 - (w dt/2)^2) times its energy before it comes
-        // back.
+        // Near the limit the energy of a mode rises up to 1/(1 - (w dt/2)^2) times its value
+        // before it falls again.
         grown |= now.is_nan() || now > 1e6 * start;
         if grown { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
@@ -248,7 +248,7 @@ fn grows(
 fn rod(bench: &Bench) -> Result<Vec<Row>, String> {
     const CUBES: &str = "[D] eigenvalues, catalogue A23";
     let mut all = Vec::new();
-    /// What it is, cells each way, their sides, material, limit, shares of it below and above,
+    /// Name, cells each way, their sides, material, limit, fractions of it below and above,
     /// source.
     type Case = (&'static str, [usize; 3], [f64; 3], Elastic, f64, [f64; 2], &'static str);
     const CUBE: [f64; 3] = [1.0; 3];
@@ -308,8 +308,8 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     let variant = format!("wall, {N} cubes, j2");
     let (finite_stress, finite_strain) =
         plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
-    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small
-    // strains.
+    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue
+    // assumes small strains.
     Ok(run.with_energy(
         &variant,
         1e-3,

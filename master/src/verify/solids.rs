@@ -1,10 +1,10 @@
-//! Meshes of eight-node solids for scenes: boxes, round bars, balls; and patches that share their
-//! nodes.
+//! Meshes of eight-node solids for scenes: boxes, round bars, balls, and patches that share
+//! their nodes.
 
 use super::scene::{Grid, Scene};
 use std::collections::HashMap;
 
-/// A box of nodes, n + 1 each way.
+/// Box of nodes, n + 1 each way.
 #[derive(Clone, Debug)]
 pub struct Block {
     nodes: Vec<u32>,
@@ -12,47 +12,47 @@ pub struct Block {
 }
 
 impl Block {
-    /// Node at step (i, j, k).
+    /// Returns the node at step (i, j, k).
     pub fn at(&self, [i, j, k]: [usize; 3]) -> u32 {
         self.nodes[(i * (self.n[1] + 1) + j) * (self.n[2] + 1) + k]
     }
 
-    /// All of them.
+    /// Returns all nodes.
     pub fn all(&self) -> &[u32] {
         &self.nodes
     }
 
-    /// Nodes at step `at` along axis `c`.
+    /// Returns the nodes at step `at` along axis `c`.
     pub fn layer(&self, c: usize, at: usize) -> Vec<u32> {
         steps(self.n).filter(|s| s[c] == at).map(|s| self.at(s)).collect()
     }
 
-    /// Nodes of the last layer along axis `c`.
+    /// Returns the nodes of the last layer along axis `c`.
     pub fn last(&self, c: usize) -> Vec<u32> {
         self.layer(c, self.n[c])
     }
 }
 
-/// (0, 0, 0) to n, the last axis fastest.
+/// Returns the steps from (0, 0, 0) to n, the last axis fastest.
 fn steps(n: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..=n[0]).flat_map(move |i| (0..=n[1]).flat_map(move |j| (0..=n[2]).map(move |k| [i, j, k])))
 }
 
-/// Nodes by place, so that blocks that touch share them.
+/// Nodes by position, so that adjacent blocks share them.
 #[derive(Debug)]
 pub struct Weld {
-    /// Places nearer than this are one [m].
+    /// Distance below which two positions are the same node [m].
     grain: f64,
     nodes: HashMap<[i64; 3], u32>,
 }
 
 impl Weld {
-    /// `grain` is far below any side [m].
+    /// Creates an empty map; `grain` is far below any side [m].
     pub fn new(grain: f64) -> Self {
         Self { grain, nodes: HashMap::new() }
     }
 
-    /// The node at a place [m], a new one if there is none.
+    /// Returns the node at a position [m]; adds it if there is none.
     fn node(&mut self, scene: &mut Scene, x: [f64; 3]) -> u32 {
         let key = x.map(|c| (c / self.grain).round() as i64);
         *self.nodes.entry(key).or_insert_with(|| scene.node(x))
@@ -60,7 +60,7 @@ impl Weld {
 }
 
 impl Scene {
-    /// Adds a patch of n by m quads; nodes that are there already are used again.
+    /// Adds a grid of n by m quads; it reuses existing nodes.
     pub fn welded_grid(
         &mut self,
         part: u32,
@@ -72,8 +72,8 @@ impl Scene {
         self.grid_of(part, n, place, node)
     }
 
-    /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and keeps the
-    /// hand.
+    /// Adds a block of n cells each way; `place` maps (0..1)^3 to coordinates [m] and preserves
+    /// the orientation.
     pub fn block(
         &mut self,
         part: u32,
@@ -83,7 +83,7 @@ impl Scene {
         self.welded(part, n, None, place)
     }
 
-    /// The same; nodes that are there already are used again.
+    /// Adds a block like [`Scene::block`]; it reuses existing nodes.
     pub fn welded(
         &mut self,
         part: u32,
@@ -111,9 +111,9 @@ impl Scene {
         block
     }
 
-    /// Adds a quarter of a round bar along z, its planes of symmetry x = 0 and y = 0: `core` cells
-    /// each way in the square at the axis and as many around it up to the radius, `n` along;
-    /// returns its nodes.
+    /// Adds a quarter of a round bar along z, with the planes of symmetry x = 0 and y = 0. It
+    /// has `core` cells each way in the square at the axis and as many around it up to the
+    /// radius, and `n` along. Returns its nodes.
     pub fn quarter_bar(
         &mut self,
         part: u32,
@@ -124,7 +124,7 @@ impl Scene {
     ) -> Vec<u32> {
         let side = 0.55 * radius;
         let mut weld = Weld::new(1e-6 * radius);
-        // Sides of the core bulge, so that the cells beside it are no wedges.
+        // The sides of the core are curved, so that the adjacent cells are not wedges.
         let inside = |x: f64, y: f64| {
             let bulge = |t: f64| 1.0 - 0.15 * t * t;
             [side * x * bulge(y), side * y * bulge(x)]
@@ -137,7 +137,7 @@ impl Scene {
         nodes.extend(square.all());
         for flip in [false, true] {
             let ring = self.welded(part, [core, core, n], Some(&mut weld), |[r, t, z]| {
-                // t along the side of the core, towards its corner, or back from it.
+                // `t` runs along the side of the core, towards its corner or back from it.
                 let t = if flip { 1.0 - t } else { t };
                 let [x, y] = inside(1.0, t);
                 let angle = t * std::f64::consts::FRAC_PI_4;
@@ -152,11 +152,11 @@ impl Scene {
         nodes
     }
 
-    /// Adds a quarter of a ball around `centre`, its planes of symmetry x and y, whole along z:
-    /// `core` cells each way in each eighth of the cube in the middle and `rings` around it;
-    /// returns its nodes. `shift`, below 1, makes cells at the lower pole smaller by
-    /// `(1+shift)/(1-shift)` and those at the upper one larger: a conformal map of the ball onto
-    /// itself.
+    /// Adds a quarter of a ball around `centre`, with the planes of symmetry x and y, whole
+    /// along z. It has `core` cells each way in each eighth of the cube in the middle and
+    /// `rings` around it. Returns its nodes. `shift`, below 1, makes cells at the lower pole
+    /// smaller by `(1+shift)/(1-shift)` and those at the upper pole larger: a conformal map of
+    /// the ball onto itself.
     pub fn quarter_ball(
         &mut self,
         part: u32,
@@ -172,7 +172,7 @@ impl Scene {
             let p = shifted([p[0] / radius, p[1] / radius, z / radius], -shift);
             std::array::from_fn(|c| centre[c] + radius * p[c])
         };
-        // The core is bent half way to a ball.
+        // The core is half way between a cube and a ball.
         let inside = |p: [f64; 3]| {
             let most = p.iter().copied().fold(0.0f64, f64::max);
             let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
@@ -180,8 +180,8 @@ impl Scene {
             p.map(|x| side * x * onto)
         };
         for up in [true, false] {
-            // An eighth below the middle is the mirror of the one above: two axes change places to
-            // keep the hand.
+            // An eighth below the middle is the mirror image of the one above: two axes are
+            // exchanged to keep the orientation.
             let turn = |p: [f64; 3]| if up { p } else { [p[1], p[0], p[2]] };
             let cube =
                 self.welded(part, [core; 3], Some(&mut weld), |p| place(inside(turn(p)), up));
@@ -209,8 +209,8 @@ impl Scene {
     }
 }
 
-/// Moebius addition of (0, 0, a) to a point of the unit ball: maps the ball onto itself and keeps
-/// angles.
+/// Adds (0, 0, a) to a point of the unit ball by Moebius addition: a map of the ball onto itself
+/// that preserves angles.
 fn shifted(x: [f64; 3], a: f64) -> [f64; 3] {
     let (dot, square) = (a * x[2], x.iter().map(|c| c * c).sum::<f64>());
     let (of_a, of_x) = (1.0 + 2.0 * dot + square, 1.0 - a * a);

@@ -1,4 +1,4 @@
-//! What limits the step beside the elements: a penalty spring of known stiffness (A24), a sliver
+//! Limits of the step other than elements: a penalty spring of known stiffness (A24), a sliver
 //! (C14).
 
 use super::bars::BAR;
@@ -11,9 +11,9 @@ use super::solids::Block;
 use super::{Bench, Check};
 use std::ops::ControlFlow;
 
-/// A24.
+/// Check of A24.
 pub const SPRING: Check = Check { name: "rods on a penalty spring", quick: true, run: spring };
-/// C14.
+/// Check of C14.
 pub const SLIVER: Check = Check { name: "plate with a sliver", quick: true, run: sliver };
 
 /// Side of the cubes [m].
@@ -21,26 +21,28 @@ const SIDE: f64 = 0.01;
 /// Axial stress that keeps the contact closed, as a fraction of Young's modulus.
 const PRESSED: f64 = 1e-4;
 
-/// What a rod of cubes stands on.
+/// Support of a rod of cubes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum On {
     /// A fixed block.
     Block,
-    /// A rod like itself, fixed at its other end.
+    /// An equal rod, fixed at its other end.
     Rod,
 }
 
-/// A rod of `n` cubes pressed on its support with a spring of `beta` E A/L between them.
+/// A rod of `n` cubes, pressed on its support with a spring of `beta` E A/L between them.
 struct Sprung {
     scene: Scene,
     rod: Block,
     support: Block,
 }
 
-/// The support has three times the width and a ninth of modulus and density: as stiff and heavy
-/// along the axis, and none of its nodes meets the rod.
+/// Builds the rod and its support. The support has three times the width and a ninth of modulus
+/// and density: its axial stiffness and mass are those of the rod, and none of its nodes touches
+/// the rod.
 fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
-    // The ramp is slow: five hundred transits of a cube, and twice as many for what grows.
+    // The ramp is slow: five hundred transit times of a cube, and twice as many for
+    // instabilities to grow.
     let transit = SIDE / BAR.c();
     let mut scene = Scene::new(1500.0 * transit);
     let rod = scene.block(1, [1, 1, n], |p| {
@@ -68,8 +70,8 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
         "[[pressure]]\nnodes = \"{top}\"\npressure = {:?}\ncurve = \"ramp\"",
         PRESSED * BAR.e
     ));
-    // Four nodes on a face with E A/d = (E/9) 9 L^2/d, d the depth of the cell behind it: 3 L for
-    // the block, L for the rod.
+    // Four nodes on a face with E A/d = (E/9) 9 L^2/d, with the depth d of the cell behind it: 3
+    // L for the block, L for the rod.
     let scale = 0.25 * beta * deep / (layers as f64 * SIDE);
     scene.add(&format!(
         "[contact]\nlaw = \"penalty\"\npenalty_form = \"stiffness\"\npenalty_scale = {scale:?}\npenalty_cap = {capped}\n{UNDAMPED}"
@@ -77,8 +79,7 @@ fn sprung(n: usize, on: On, beta: f64, capped: bool) -> Sprung {
     Sprung { scene, rod, support }
 }
 
-/// What came of a run: whether it grew, the spring as it was, whether the penalty was said to be
-/// lowered.
+/// Result of a run: whether it grew, the measured spring, and whether the penalty was capped.
 struct Came {
     grew: bool,
     beta: f64,
@@ -93,12 +94,12 @@ fn press(bench: &Bench, name: &str, sprung: &Sprung) -> Result<Came, String> {
     let volume = SIDE * SIDE * SIDE * (rod.all().len() / 4 - 1) as f64;
     let stored = 0.5 * PRESSED * PRESSED * BAR.e * volume;
     let run = bench.run(name, scene, |e| {
-        let kinetic = e.ledger.energies(&e.nodes).kinetic.abs(); // of an unstable mode it is negative
-        // The ramp leaves some 1e-4 of this in motion.
+        let kinetic = e.ledger.energies(&e.nodes).kinetic.abs(); // negative if unstable
+        // The ramp leaves about 1e-4 of this in motion.
         grew |= kinetic.is_nan() || kinetic > 0.1 * stored;
         if e.clock.time > 2.0 / 3.0 * scene.end() {
             forces += contact_force(e, &foot, 2);
-            // Forces are those of the time before.
+            // Forces are those of the previous time.
             depths += before;
         }
         before = position(e, head)[2] - position(e, foot[0])[2];
@@ -178,9 +179,9 @@ fn spring(bench: &Bench) -> Result<Vec<Row>, String> {
 const BREATHES: &str =
     "[D] highest mode of a lone rectangle; the catalogue's 0.877 L/c_p is that of squares";
 
-/// Largest stable step of a lone rectangle of sides a and b with lumped masses [s]: it stretches
-/// along both sides, with the stiffness `E' [1 nu; nu 1]` and the masses `rho/4 [a^2, b^2]` per
-/// volume.
+/// Returns the largest stable step of a single rectangle of sides a and b with lumped masses
+/// [s]. It stretches along both sides, with the stiffness `E' [1 nu; nu 1]` and the masses
+/// `rho/4 [a^2, b^2]` per volume.
 fn breathing_step(a: f64, b: f64) -> f64 {
     let [p, q] = [a, b].map(|side| (2.0 * STEEL.c_plate() / side).powi(2));
     let highest = 0.5 * (p + q) + (0.25 * (p - q).powi(2) + STEEL.nu.powi(2) * p * q).sqrt();
@@ -197,7 +198,7 @@ fn sliver(bench: &Bench) -> Result<Vec<Row>, String> {
         scene.shell(1, &[grid.at(N, 4), out[0], out[1], grid.at(N, 5)]);
         scene.elastic("steel", STEEL);
         scene.part(1, "steel", thickness, "");
-        // A swing, so that there is something to go wrong.
+        // An initial velocity, which an instability would amplify.
         scene.start(&grid.row(0), [0.0, 0.0, 1.0], [0.0; 3]);
         if scaled {
             scene.time(&format!("mass_scaling_dt = {wanted:?}\nmass_scaling_limit = 1.0"));

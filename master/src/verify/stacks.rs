@@ -1,5 +1,5 @@
-//! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of blocks,
-//! a block in a corner of walls (C15 b, c).
+//! Bodies on each other: two plates pressed together (C08), foam on steel (C02), a stack of
+//! blocks, a block in a corner of walls (C15 b, c).
 
 use super::contact::Law;
 use super::measure::{contact_force, mass, mean_velocity, position};
@@ -10,27 +10,28 @@ use super::solids::Block;
 use super::{Bench, Check};
 use std::ops::ControlFlow;
 
-/// C08.
+/// Check of C08.
 pub const PLATES: Check = Check { name: "two plates pressed together", quick: false, run: plates };
-/// C08, undamped.
+/// Check of C08: undamped.
 pub const LONG: Check = Check { name: "two plates, 1e5 steps", quick: false, run: long };
-/// C02, foam on steel.
+/// Check of C02, foam on steel.
 pub const FOAM: Check = Check { name: "foam on steel", quick: true, run: foam };
-/// C15 (b).
+/// Check of C15 (b).
 pub const STACK: Check = Check { name: "stack of blocks", quick: true, run: stack };
-/// C15 (c).
+/// Check of C15 (c).
 pub const CORNER: Check = Check { name: "corner of three walls", quick: true, run: corner };
 
 const SWINGS: &str = "the forces of a contact at rest go on swinging from step to step";
-/// Contact forces at rest come out smaller by half of this in a step, here by a few thousandths:
-/// contact is not damped, what it holds against is [1/s].
+/// Damping rate [1/s]. Contact forces at rest are too small by half of this in a step, here by a
+/// few thousandths, because damping acts on the bodies but not on contact.
 const DAMPING: f64 = 2e3;
-/// Plates of C08 [m], [Pa].
+/// Side, thickness and pressure of the plates of C08 [m], [Pa].
 const SIDE: f64 = 0.1;
 const THICKNESS: f64 = 2e-3;
 const PRESSURE: f64 = 1e6;
 
-/// Two plates of `n` by `n` shells, pressed from outside after a ramp; lower, then upper one.
+/// Returns two plates of `n` by `n` shells, pressed from outside after a ramp; first the lower,
+/// then the upper one.
 fn pressed(law: &Law, [below, above]: [usize; 2], more: &str, end: f64) -> (Scene, [Grid; 2]) {
     let mut scene = Scene::new(end);
     let mut plate =
@@ -134,7 +135,7 @@ fn long(bench: &Bench) -> Result<Vec<Row>, String> {
                 .at_most(1e-3, "limit of the catalogue"),
         );
         all.push(run.given_row(&variant));
-        // The speed at which half of the plate's pressure throws it in the time of the ramp.
+        // Scale: the speed that the full pressure gives a plate in the time of the ramp.
         let scale = PRESSURE * SIDE * SIDE / mass(&run.engine, grids[1].all()) * 0.3e-3;
         all.push(
             Row::new("largest speed of a plate afterwards / p A t/m", &variant, "", most / scale)
@@ -168,7 +169,7 @@ fn foam(bench: &Bench) -> Result<Vec<Row>, String> {
         let foot = block.layer(2, 0);
         let mut deepest = 0.0f64;
         let run = bench.watch(&format!("C02 foam {}", law.name), &scene, |e| {
-            // The steel hardly moves: its upper side stays at nought.
+            // The steel hardly moves: its upper side stays at zero.
             deepest = foot.iter().fold(deepest, |d, &n| d.max(-position(e, n)[2]));
         })?;
         let variant = format!("{}, foam of 1 MPa and 50 kg/m3 at 5 m/s on steel", law.name);
@@ -193,7 +194,7 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
     const BLOCKS: usize = 5;
     let (side, g) = (0.01, 1e4);
     let height = BLOCKS as f64 * side;
-    // A column of this height, fixed below, swings with a period of 4 h/c.
+    // A column of this height, fixed below, has a period of 4 h/c.
     let period = 4.0 * height / STEEL.c();
     let mut all = Vec::new();
     for law in Law::ALL {
@@ -201,7 +202,7 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         let base = scene.block(1, [1; 3], |p| {
             [3.0 * side * (p[0] - 0.5), 3.0 * side * (p[1] - 0.5), side * (p[2] - 1.0)]
         });
-        // From the top.
+        // From top to bottom.
         let blocks: Vec<Block> = (0..BLOCKS)
             .map(|i| {
                 let from = height - (i + 1) as f64 * side;
@@ -253,7 +254,7 @@ fn stack(bench: &Bench) -> Result<Vec<Row>, String> {
         );
         all.push(swing.at_most(0.01, "limit of the catalogue").known(SWINGS));
         all.push(run.given_row(law.name));
-        // What gravity gives in the period of the column.
+        // Velocity that gravity gives in the period of the column.
         let row =
             Row::new("largest speed of a block / (g period)", law.name, "", fastest / (g * period));
         all.push(row.at_most(1e-3, "[D] at rest"));

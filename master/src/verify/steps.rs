@@ -1,4 +1,4 @@
-//! Larger steps: mass scaling where bodies meet (A39), subcycles (A40).
+//! Larger steps: mass scaling of colliding bodies (A39), subcycles (A40).
 
 use super::bars::BAR;
 use super::contact::UNDAMPED;
@@ -7,16 +7,17 @@ use super::row::Row;
 use super::scene::{Grid, Scene};
 use super::{Bench, Check};
 
-/// A39.
+/// Check of A39.
 pub const SCALED: Check = Check { name: "bars with added mass, head-on", quick: true, run: scaled };
-/// A40.
+/// Check of A40.
 pub const SUBCYCLES: Check =
     Check { name: "bar with short shells, 1 and 4 subcycles", quick: true, run: subcycles };
 
 const LENGTH: f64 = 1.0;
 const THICKNESS: f64 = 1e-3;
 
-/// A strip of `n` cells along x from `from`; those in `short` are a fifth as long as the others.
+/// Adds a strip of `n` cells along x from `from`; the cells in `short` are a fifth as long as
+/// the others.
 fn strip(
     scene: &mut Scene,
     part: u32,
@@ -46,8 +47,8 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
     for law in bench.laws() {
         let build = |scaling: Option<f64>| {
             let mut scene = Scene::new(3.2 * LENGTH / BAR.c());
-            // Short cells near the ends that meet, where added mass is felt most: the second bar is
-            // the first one's image.
+            // The short cells are near the colliding ends, where added mass has the largest
+            // effect. The second bar is the mirror image of the first one.
             let one = strip(&mut scene, 1, N, N - 6..N - 2, 0.0, width);
             let two = strip(&mut scene, 2, N, 2..6, LENGTH + THICKNESS + 1e-6, width);
             scene.elastic("steel", BAR);
@@ -96,7 +97,8 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
                 .at_most(1e-10, "exact"),
         );
         let after = [0, 1].map(|b| mean_velocity(&run.engine, bars[b].all(), 0));
-        // What the ripple of 40 cells keeps, as at 50 cubes in A01, and the springs of the penalty.
+        // The tolerance covers the oscillation of 40 cells, as for 50 cubes in A01, and the
+        // springs of the penalty.
         all.push(Row::new("velocity of bar 1 after", &variant, "m/s", after[0]).within(
             0.0,
             0.03 * v,
@@ -112,8 +114,8 @@ fn scaled(bench: &Bench) -> Result<Vec<Row>, String> {
     Ok(all)
 }
 
-/// A bar whose middle cells are a fifth as long, held at one end, under a step traction at the
-/// other: as in A05, `subcycles` 1 and 4.
+/// Compares `subcycles` 1 and 4 for a bar whose middle cells are a fifth as long. It is held at
+/// one end, under a step traction at the other, as in A05.
 fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
     const N: usize = 60;
     const D: &str = "[D] one-dimensional wave theory; 1 % is what the front disperses on 60 cells, of which the return sees twice as much";
@@ -161,8 +163,8 @@ fn subcycles(bench: &Bench) -> Result<Vec<Row>, String> {
             Row::new("return after a period / (2 sigma L/E)", &variant, "", near / peak)
                 .within(0.0, 0.02, D),
         );
-        // On the way it is large where hardly any work has come in yet, and slow elements have not
-        // answered.
+        // At the end only: earlier the fraction is large while there is hardly any work and the
+        // slow elements have not reacted.
         let open = run.energies.balance(run.initial).abs() / run.came_in;
         all.push(
             Row::new("energy not accounted for at the end", &variant, "", open)

@@ -1,9 +1,9 @@
-//! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that bounces
-//! (A11).
+//! Taylor bars: B01 with linear hardening, B02 after Johnson and Cook; and a soft ball that
+//! rebounds (A11).
 //!
-//! The references hold the foot to the wall, u_z = 0 on the whole face (the read-me of [V:S2], the
-//! manual of [V:S3]). A wall that only pushes lets the rim of the foot rise by 0.2 mm of 32, and
-//! the foot becomes 2 % wider: those runs are recorded beside them.
+//! The references hold the foot to the wall, u_z = 0 on the whole face (the read-me of [V:S2],
+//! the manual of [V:S3]). A wall that only pushes lets the rim of the foot rise by 0.2 mm of 32,
+//! and the foot becomes 2 % wider: those runs are recorded in addition.
 
 use super::bench::Finished;
 use super::contact::Law;
@@ -14,35 +14,35 @@ use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 use std::f64::consts::PI;
 
-/// B01 on a coarse mesh.
+/// Check of B01 on a coarse mesh.
 pub const COARSE: Check = Check {
     name: "copper, 4 cells on the radius",
     quick: false,
     run: |b| copper(b, 4, Foot::Held),
 };
-/// B01.
+/// Check of B01.
 pub const FINE: Check = Check {
     name: "copper, 8 cells on the radius",
     quick: false,
     run: |b| copper(b, 8, Foot::Held),
 };
-/// B01 with a wall that only pushes.
+/// Check of B01 with a wall that only pushes.
 pub const WALL: Check =
     Check { name: "copper into a rigid wall", quick: false, run: |b| copper(b, 8, Foot::Pushed) };
-/// B02.
+/// Check of B02.
 pub const JOHNSON_COOK: Check = Check { name: "42CrMo4", quick: false, run: johnson_cook };
-/// A11.
+/// Check of A11.
 pub const BALL: Check = Check { name: "soft ball", quick: false, run: ball };
 
 const RADIUS: f64 = 3.2e-3;
 const LENGTH: f64 = 32.4e-3;
 
-/// What stops the bar.
+/// Boundary condition at the foot of the bar.
 #[derive(Clone, Copy, PartialEq)]
 enum Foot {
     /// No motion along the axis.
     Held,
-    /// A rigid wall.
+    /// Contact with a rigid wall.
     Pushed,
 }
 
@@ -53,7 +53,7 @@ impl Foot {
     }
 }
 
-/// Radius of the foot and length [m] at times, largest plastic strain at the end.
+/// Radius of the foot and length over time [s], [m], [m]; largest plastic strain at the end.
 struct Mushroom {
     seen: Vec<[f64; 3]>,
     strain: f64,
@@ -66,14 +66,14 @@ impl Mushroom {
         [self.seen[i][1], self.seen[i][2]]
     }
 
-    /// Rows, and after them those on energy.
+    /// Returns `rows`, followed by those on energy.
     fn with_energy(self, variant: &str, mut rows: Vec<Row>) -> Vec<Row> {
         let share = self.run.energies.hourglass / self.run.energies.internal;
         let row = Row::new("hourglass energy / internal energy", variant, "", share);
         rows.push(row.at_most(0.05, "gate of the catalogue, 5 to 10 %"));
         rows.extend(self.run.energy_rows(variant, 1e-2));
         let closing = self.run.closing_row(variant, 1e-2);
-        // Without a wall it is that gate already.
+        // Without a wall this row is among them already.
         if rows.last().is_some_and(|row| row.quantity != closing.quantity) {
             rows.push(closing);
         }
@@ -81,7 +81,8 @@ impl Mushroom {
     }
 }
 
-/// A quarter of a bar at 80 us, `n` cells on the radius; `material` is called "metal".
+/// Runs a quarter of a bar to 80 us, `n` cells on the radius; `material` adds the material
+/// "metal".
 fn hit(
     bench: &Bench,
     name: &str,
@@ -208,8 +209,8 @@ const FORCE: f64 = 344.8;
 
 fn ball(bench: &Bench) -> Result<Vec<Row>, String> {
     const D: &str = "[D] Hertz, a half space";
-    // Hertz leaves out what a finite sphere yields as a whole, of first order in the contact radius
-    // over its own, a fifth here.
+    // Hertz neglects that a finite sphere deforms as a whole, an effect of first order in the
+    // contact radius over its own radius, here a fifth.
     const C: &str = "[C] axisymmetric dynamics with logarithmic strain, tests/references/sphere.py";
     let (radius, v, air) = (0.05f64, 1.0, 2e-5);
     let rubber = Elastic { e: 10e6, nu: 0.3, rho: 1000.0 };

@@ -1,5 +1,5 @@
-//! Bars against rigid walls, elastic (A03) and elastic-plastic (A06). See `bars.rs` for what a bar
-//! is.
+//! Impact of bars on rigid walls, elastic (A03) and elastic-plastic (A06). See `bars.rs` for the
+//! bars.
 
 use super::bars::{BAR, SOFT, stopped};
 use super::bench::Finished;
@@ -9,13 +9,13 @@ use super::row::Row;
 use super::scene::{Elastic, Grid, Scene};
 use super::{Bench, Check};
 
-/// A03 (a).
+/// Check of A03 (a).
 pub const TRUSS: Check = Check { name: "truss impact", quick: true, run: truss };
-/// A03 (c).
+/// Check of A03 (c).
 pub const ROD: Check = Check { name: "rod at a wall", quick: true, run: rod };
-/// A03: wall and contact laws.
+/// Check of A03: wall and contact laws.
 pub const TARGETS: Check = Check { name: "wall and contact laws agree", quick: true, run: targets };
-/// A06.
+/// Check of A06.
 pub const PLASTIC: Check = Check { name: "elastic-plastic wave", quick: true, run: plastic };
 
 /// A bar that flies along -x.
@@ -23,35 +23,35 @@ pub const PLASTIC: Check = Check { name: "elastic-plastic wave", quick: true, ru
 struct Flight {
     material: Elastic,
     length: f64,
-    /// Area that forces are given for [m^2].
+    /// Area to which forces refer [m^2].
     area: f64,
     velocity: f64,
     gap: f64,
 }
 
-/// What stands in its way.
+/// Obstacle in its path.
 #[derive(Clone, Copy)]
 enum Target<'a> {
     Wall,
-    /// A fixed shell, met by this contact law.
+    /// A fixed shell with this contact law.
     Shell(&'a str),
 }
 
 struct Struck {
-    /// First and last push [s].
+    /// Times of the first and the last push [s].
     span: (f64, f64),
-    /// Mean over the plateau, for the whole area [N].
+    /// Mean force over the plateau, for the whole area [N].
     force: f64,
-    /// Given by the target, for the whole area [N s].
+    /// Impulse from the target, for the whole area [N s].
     impulse: f64,
-    /// Of the bar at the end [m/s].
+    /// Velocity of the bar at the end [m/s].
     rebound: f64,
     /// Energy taken by the target, as a fraction.
     lost: f64,
     run: Finished,
 }
 
-/// Less than any side here, see `bars.rs`.
+/// Thickness of the shells [m], smaller than any side, see `bars.rs`.
 const THICKNESS: f64 = 1e-3;
 
 impl Flight {
@@ -78,7 +78,7 @@ impl Flight {
         let touch = self.gap / self.velocity;
         let mut scene = Scene::new(touch + 1.6 * self.duration());
         let width = self.length / n as f64;
-        // Shells meet shells at the mean thickness, walls at their nodes.
+        // Shells touch shells at the mean thickness, walls at their nodes.
         let air = if let Target::Shell(_) = target { THICKNESS } else { 0.0 };
         let bar = self.strip(&mut scene, n, air + self.gap);
         scene.elastic("bar", self.material);
@@ -119,8 +119,8 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
     for n in [5, 10, 100] {
         let s = flight.run(bench, &format!("A03a wall {n}"), n, Target::Wall)?;
         let variant = format!("wall, {n} shells");
-        // Five or ten elements do not resolve a front: duration and force have their bounds on the
-        // fine mesh.
+        // Five or ten elements do not resolve a front: duration and force have bounds on the
+        // fine mesh only.
         let fine = |row: Row, reference| {
             if n == 100 { row.near(reference, 0.01, D) } else { row.beside(reference, D) }
         };
@@ -132,7 +132,7 @@ fn truss(bench: &Bench) -> Result<Vec<Row>, String> {
         all.push(fine(Row::new("mean force", &variant, "MN", 1e-6 * s.force), 11.85));
         all.push(fine(Row::new("rebound velocity", &variant, "m/s", s.rebound), 1.5));
         all.push(fine(Row::new("impulse 2 rho L A v", &variant, "N s", s.impulse), 9360.0));
-        // The manual of [V:S5] has 1/2N: 10 % with 5, 5 % with 10.
+        // The manual of [V:S5] gives the loss 1/2N: 10 % with 5 elements, 5 % with 10.
         all.push(stopped(
             Row::new("energy lost at the wall / E0", &variant, "", s.lost),
             0.5 / n as f64,
@@ -212,8 +212,8 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     let variant = "wall, 200 shells, j2";
     let (finite_stress, finite_strain) =
         plastic_shock(yield_stress, tangent, v - yield_stress / (BAR.rho * BAR.c()));
-    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue has small
-    // strains.
+    // At 3 % compression stiffens the nominal tangent E_t by 2 sigma_y/E_t: the catalogue
+    // assumes small strains.
     Ok(run.with_energy(
         variant,
         1e-3,
@@ -238,10 +238,10 @@ fn plastic(bench: &Bench) -> Result<Vec<Row>, String> {
     ))
 }
 
-/// Nominal stress [Pa] and strain behind a plastic shock that changes the velocity by `jump` [m/s],
-/// where true stress is `sigma_y + E_t (e - sigma_y/E)` over logarithmic strain e and plastic flow
-/// keeps the volume: the area grows by `exp(e - sigma/E)`. Across a shock `rho jump^2 = (P - P_y)
-/// (eps - eps_y)`.
+/// Returns the nominal stress [Pa] and strain behind a plastic shock that changes the velocity
+/// by `jump` [m/s]. The true stress is `sigma_y + E_t (e - sigma_y/E)` over the logarithmic
+/// strain e, and plastic flow conserves volume: the area grows by `exp(e - sigma/E)`. Across a
+/// shock `rho jump^2 = (P - P_y) (eps - eps_y)`.
 pub fn plastic_shock(yield_stress: f64, tangent: f64, jump: f64) -> (f64, f64) {
     let at_yield = yield_stress / BAR.e;
     let nominal = |strain: f64| {

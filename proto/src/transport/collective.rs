@@ -1,9 +1,9 @@
-//! What workers do together over any transport. The master takes no part.
+//! Collective operations of the workers over any transport. The master takes no part.
 
 use super::{RankLost, Tag, Transport};
 
-/// Sends `parcels[w]` to every other worker w and returns what each of them sent here.
-/// Worker w is rank w + 1; the entry of this worker is handed back as it is.
+/// Sends `parcels[w]` to every other worker w and returns the words that each of them sent
+/// here. Worker w is rank w + 1; the entry of this worker is returned unchanged.
 ///
 /// # Errors
 /// A worker is gone.
@@ -22,9 +22,9 @@ pub fn exchange_all(
     Ok(parcels)
 }
 
-/// A maximum over all workers that is begun early and finished late, so that it overlaps work. By
-/// dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds; a maximum may count a value
-/// twice.
+/// Maximum over all workers that begins early and finishes late, so that it overlaps
+/// computation. It uses dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds, in
+/// which a value may count twice.
 #[derive(Debug)]
 pub struct MaxReduction {
     tag: Tag,
@@ -33,18 +33,19 @@ pub struct MaxReduction {
 }
 
 impl MaxReduction {
-    /// A reduction of `width` numbers. No other exchange with this tag may be under way at the same
-    /// time.
+    /// Builds a reduction of `width` numbers. No other exchange with this tag may be in
+    /// progress at the same time.
     pub fn new(width: usize, tag: Tag) -> Self {
         Self { tag, values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
     }
 
-    /// Rounds among so many workers; each sends one message in each.
+    /// Returns the number of rounds for `workers` workers; each worker sends one message per
+    /// round.
     pub fn hops(workers: usize) -> u32 {
         workers.next_power_of_two().ilog2()
     }
 
-    /// Puts in this worker's values and sends the first round.
+    /// Sets this worker's values and sends the first round.
     ///
     /// # Errors
     /// A worker is gone.
@@ -53,7 +54,7 @@ impl MaxReduction {
         if comm.size() > 2 { self.send(comm, 1) } else { Ok(()) }
     }
 
-    /// Completes the rounds and gives the maxima, the same on every worker.
+    /// Completes the rounds and returns the maxima, equal on every worker.
     ///
     /// # Errors
     /// A worker is gone.
@@ -79,16 +80,16 @@ impl MaxReduction {
     }
 }
 
-/// Adds the integers of all workers, place by place; every worker has the sums in `values` then. Up
-/// a binomial tree and down again: twice ceil(log2 P) rounds. Sums wrap around. No other exchange
-/// with this tag may be under way.
+/// Adds the integers of all workers, element by element; `values` contains the sums on every
+/// worker afterwards. The sums go up a binomial tree and down again: twice ceil(log2 P) rounds.
+/// Sums wrap around. No other exchange with this tag may be in progress.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn sum_all(comm: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), RankLost> {
     let (workers, me) = (comm.size() - 1, comm.rank() - 1);
     let mut buffer = Vec::new();
-    // The lowest bit of a worker's number is the round in which it hands its sum to the worker
+    // The lowest bit of a worker's number is the round in which it sends its sum to the worker
     // without this bit.
     let levels = (0..MaxReduction::hops(workers)).map(|level| 1 << level);
     let up: Vec<usize> = levels.take_while(|bit| me & (bit - 1) == 0).collect();
@@ -116,7 +117,7 @@ mod tests {
     use super::super::threads::{Threads, connect};
     use super::*;
 
-    /// What each of so many workers gets from `run`.
+    /// Returns the result of `run` on each of `workers` workers.
     fn on_all<T: Send + 'static>(workers: usize, run: fn(&mut Threads) -> T) -> Vec<T> {
         let mut ends = connect(workers + 1);
         let _master = ends.remove(0);

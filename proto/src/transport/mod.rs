@@ -1,8 +1,8 @@
-//! How messages travel between ranks: threads of one process, or MPI behind the feature `mpi`.
+//! Transport of messages between ranks: threads of one process, or MPI with the feature `mpi`.
 //!
-//! A message is a sequence of 64-bit words, so that columns of numbers travel without being copied
-//! twice. Messages of one sender and tag arrive in the order they were sent. Sending never waits
-//! for the receiver.
+//! A message is a sequence of 64-bit words, so that columns of numbers are sent without a
+//! second copy. Messages with the same sender and tag arrive in the order in which they were
+//! sent. Sending never waits for the receiver.
 
 mod collective;
 #[cfg(feature = "mpi")]
@@ -12,45 +12,45 @@ pub mod threads;
 pub use collective::{MaxReduction, exchange_all, sum_all};
 use std::time::Duration;
 
-/// The partner of a message is gone: it panicked, was killed or left early.
+/// The other rank of a message is gone: it panicked, was killed or exited early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("rank {rank} was lost")]
 pub struct RankLost {
-    /// The rank that does not answer.
+    /// Rank that does not answer.
     pub rank: usize,
 }
 
-/// What a message is for; messages of different kinds do not mix.
+/// Kind of a message; messages of different kinds are received independently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Tag {
-    /// Master to worker.
+    /// Messages from the master to a worker.
     Order = 1,
-    /// Worker to master.
+    /// Messages from a worker to the master.
     Report,
-    /// Corner forces of elements at shared nodes.
+    /// Element nodal forces at shared nodes.
     Corners,
-    /// State of exterior nodes.
+    /// States of ghost nodes.
     Exterior,
     /// Contact pairs of this step.
     Pairs,
     /// Contact forces of one sweep.
     Sweep,
-    /// What acts on rigid bodies.
+    /// Forces and moments on rigid bodies.
     Bodies,
-    /// What acts on tied nodes, and how those move that carry them.
+    /// Forces and moments on tied nodes, and velocities of their masters.
     Ties,
-    /// What acts on walls that have a mass.
+    /// Nodes that may touch walls with a mass.
     Walls,
     /// Global maximum.
     Maximum,
     /// Set-up and migration.
     Renewal,
-    /// Whether contact sweeps have settled, and what accelerates them.
+    /// Convergence of contact sweeps, and sums for their acceleration.
     Settled,
 }
 
-/// Messages and words sent so far.
+/// Messages and bytes sent so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Messages sent.
@@ -59,45 +59,45 @@ pub struct Traffic {
     pub bytes: u64,
 }
 
-/// A rank's end of the wires. Rank 0 is the master, ranks 1.. are workers.
+/// Communication of one rank. Rank 0 is the master, ranks 1.. are workers.
 pub trait Transport {
-    /// This rank.
+    /// Returns this rank.
     fn rank(&self) -> usize;
-    /// Number of ranks, master included.
+    /// Returns the number of ranks, master included.
     fn size(&self) -> usize;
     /// Sends words; returns before they have arrived.
     ///
     /// # Errors
     /// The receiver is gone.
     fn send(&mut self, to: usize, tag: Tag, words: &[u64]) -> Result<(), RankLost>;
-    /// Takes the next message of this sender and tag, if it has arrived, into `words` (old content
-    /// is dropped).
+    /// Receives the next message of this sender and tag into `words` (old content is dropped),
+    /// if it has arrived. Returns true if a message was received.
     ///
     /// # Errors
-    /// The sender is gone and nothing is left of it.
+    /// The sender is gone and none of its messages is left.
     fn try_recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<bool, RankLost>;
     /// Waits for the next message of this sender and tag.
     ///
     /// # Errors
-    /// The sender is gone and nothing is left of it.
+    /// The sender is gone and none of its messages is left.
     fn recv(&mut self, from: usize, tag: Tag, words: &mut Vec<u64>) -> Result<(), RankLost>;
-    /// CPU time that this rank burnt while waiting in [`Transport::recv`].
+    /// Returns the CPU time that this rank has used while it waited in [`Transport::recv`].
     fn wait_cpu(&self) -> Duration;
-    /// What this rank has sent.
+    /// Returns the messages and bytes that this rank has sent.
     fn traffic(&self) -> Traffic;
-    /// Whether all ranks read the same monotonic clock.
+    /// Returns true if all ranks read the same monotonic clock.
     fn one_clock(&self) -> bool;
-    /// Name for summaries.
+    /// Returns the name for summaries.
     fn name(&self) -> &'static str;
 }
 
-/// The monotonic clock of this machine; all its processes read the same.
+/// Returns the time of this machine's monotonic clock, the same for all its processes.
 pub fn clock() -> Duration {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)
 }
 
-/// CPU time of the calling thread so far.
+/// Returns the CPU time of the calling thread so far.
 pub fn thread_cpu() -> Duration {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(t.tv_sec as u64, t.tv_nsec as u32)

@@ -1,4 +1,4 @@
-//! Ranks as MPI processes. All calls come from the thread that started MPI.
+//! Ranks as MPI processes. All calls come from the thread that initialised MPI.
 
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use ::mpi::environment::Universe;
@@ -7,13 +7,13 @@ use ::mpi::topology::SimpleCommunicator;
 use ::mpi::traits::*;
 use std::time::Duration;
 
-/// A message on its way: MPI reads the buffer until the request is complete.
+/// Message in transit: MPI reads the buffer until the request is complete.
 struct Flying {
     request: Request<'static, [u64], StaticScope>,
     buffer: *mut [u64],
 }
 
-/// This process's end of MPI_COMM_WORLD.
+/// Communication of this process over MPI_COMM_WORLD.
 pub struct Mpi {
     world: SimpleCommunicator,
     _universe: Universe,
@@ -22,12 +22,12 @@ pub struct Mpi {
     traffic: Traffic,
 }
 
-/// Tries before a waiting rank begins to yield its core.
+/// Number of tries after which a waiting rank begins to yield its core.
 const SPINS: u32 = 100;
 
 impl Mpi {
-    /// Starts MPI, or `None` when it was started already. From here on a panic ends all ranks:
-    /// MPI would otherwise leave the others waiting for ever.
+    /// Initialises MPI; returns `None` if it is initialised already. From here on a panic ends
+    /// all ranks: MPI would otherwise leave the others waiting for ever.
     pub fn start() -> Option<Self> {
         let (universe, _) = ::mpi::initialize_with_threading(::mpi::Threading::Funneled)?;
         let world = universe.world();
@@ -47,7 +47,7 @@ impl Mpi {
         })
     }
 
-    /// Ends every rank of the job at once.
+    /// Ends all ranks of the job at once.
     pub fn abort(&self, code: i32) -> ! {
         self.world.abort(code)
     }

@@ -1,4 +1,4 @@
-//! Ranks as threads of one process: a channel for every ordered pair of ranks.
+//! Ranks as threads of one process, with a channel for every ordered pair of ranks.
 
 use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
 use std::collections::VecDeque;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 type Parcel = (Tag, Vec<u64>);
 
-/// One rank's end. Buffers of received messages are used again for sending.
+/// Communication of one rank. Buffers of received messages are reused for sending.
 pub struct Threads {
     rank: usize,
     to: Vec<Sender<Parcel>>,
@@ -16,18 +16,18 @@ pub struct Threads {
     pool: Vec<Vec<u64>>,
     wait_cpu: Duration,
     traffic: Traffic,
-    /// How long a waiting rank looks at an empty channel before it goes to sleep.
+    /// Time for which a waiting rank polls an empty channel before it sleeps.
     patience: Duration,
 }
 
-/// How long a rank looks before it sleeps where every worker has a core, and how often it looks
-/// between two looks at the clock.
+/// Polling time of a rank if every worker has a core, and the number of polls between two
+/// readings of the clock.
 const PATIENCE: Duration = Duration::from_millis(1);
 const LOOKS: u32 = 64;
-/// Most buffers kept for further use.
+/// Largest number of buffers kept for reuse.
 const POOL: usize = 64;
 
-/// Connected ends for `size` ranks.
+/// Returns connected communications for `size` ranks.
 pub fn connect(size: usize) -> Vec<Threads> {
     let mut senders: Vec<Vec<Sender<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
     let mut receivers: Vec<Vec<Receiver<Parcel>>> = (0..size).map(|_| Vec::new()).collect();
@@ -38,8 +38,8 @@ pub fn connect(size: usize) -> Vec<Threads> {
             receiver.push(rx);
         }
     }
-    // Waking a sleeper costs more than a short wait; but where workers share cores, the sender
-    // needs this one.
+    // Waking a sleeping thread costs more than a short wait. Where workers share cores,
+    // however, the sender needs this core.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let patience = if size <= cores + 1 { PATIENCE } else { Duration::ZERO };
     let ends = senders.into_iter().zip(receivers).enumerate();

@@ -1,9 +1,9 @@
-//! Prescribed motion: nodes that go where the job says, whatever meets them.
+//! Prescribed motion: nodes that follow the job's curves, independent of all forces.
 //!
-//! Their records have the prescribed degrees of freedom as not free, so that loads, contact and
-//! walls find no mass to push there. Velocities are those that take a node to its place at the end
-//! of the step, which follows from its initial place and the curve's exact integral: nothing
-//! drifts.
+//! Their records have the prescribed degrees of freedom as constrained, so that loads, contact
+//! and walls use zero inverse mass there. Velocities are those that move a node to its position
+//! at the end of the step. This position follows from its initial position and the exact
+//! integral of the curve, so that no error accumulates.
 
 use crate::constraints::ties::Ties;
 use crate::contact::Contact;
@@ -14,29 +14,29 @@ use crate::nodes::{Nodes, xyz};
 use crumple_proto::loads::{Loads as LoadJob, Motion as MotionJob, MotionForm};
 use nalgebra::{Rotation3, Vector3};
 
-/// All prescribed motions, by local numbers.
+/// All prescribed motions, by local indices.
 #[derive(Debug, Default)]
 pub struct Prescribed {
     motions: Vec<Motion>,
 }
 
-/// How far a motion has gone.
+/// Displacement or rotation of a motion as a function of time.
 #[derive(Debug)]
 pub struct MotionCurve {
-    /// How it is given.
+    /// Prescribed quantity.
     pub form: MotionForm,
     amount: Vector3<f64>,
     curve: Curve,
 }
 
 impl MotionCurve {
-    /// Of a motion; `curves` are those of the job.
+    /// Builds it from a motion; `curves` are those of the job.
     pub fn new(job: &MotionJob, curves: &[Vec<[f64; 2]>]) -> Self {
         let curve = job.curve.map_or_else(Curve::one, |c| Curve::new(&curves[c]));
         Self { form: job.form, amount: Vector3::from(job.amount), curve }
     }
 
-    /// Displacement, or rotation vector, from time 0 to `time`.
+    /// Returns the displacement [length] or the rotation vector [rad] from time 0 to `time`.
     pub fn amount(&self, time: f64) -> Vector3<f64> {
         let factor = match self.form {
             MotionForm::Displacement => self.curve.value(time),
@@ -55,7 +55,7 @@ struct Motion {
 }
 
 impl Prescribed {
-    /// From the job; nothing moves before [`Prescribed::settle`].
+    /// Builds all motions of the job; none has nodes before [`Prescribed::bind_local`].
     pub fn new(job: &LoadJob) -> Self {
         let course = |m: &MotionJob| MotionCurve::new(m, &job.curves);
         let motion =
@@ -63,14 +63,14 @@ impl Prescribed {
         Self { motions: job.motions.iter().map(motion).collect() }
     }
 
-    /// Finds the nodes that are here.
+    /// Finds the nodes that are present here.
     pub fn bind_local(&mut self, nodes: &Nodes) {
         for m in &mut self.motions {
             m.nodes = m.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
         }
     }
 
-    /// Sets the velocities with which held nodes reach their places at the end of the step.
+    /// Sets the velocities with which local nodes reach their positions at the end of the step.
     pub fn apply(&self, nodes: &mut Nodes, time: f64, dt: f64) {
         for m in &self.motions {
             let (now, next) = (m.course.amount(time), m.course.amount(time + dt));
@@ -98,8 +98,9 @@ impl Prescribed {
         }
     }
 
-    /// Work of the constraint on owned nodes in the step: what the prescribed velocities take
-    /// beyond all other forces, those of contact included [energy].
+    /// Returns the work of the constraint on owned nodes in the step [energy]. The constraint
+    /// exerts the forces that the prescribed velocities need in addition to all others, contact
+    /// included.
     pub fn work(
         &self,
         nodes: &Nodes,
@@ -176,8 +177,8 @@ mod tests {
         (nodes, work)
     }
 
-    /// Each form ends where its integral says, to round-off; the work is the kinetic energy at the
-    /// last mid-step, since nothing else acts.
+    /// Each form of motion ends at its integral, to round-off. The work equals the kinetic
+    /// energy at the last mid-step, because no other force acts.
     #[test]
     fn nodes_go_where_they_have_to_and_the_work_is_their_kinetic_energy() {
         let ramp = [[0.0, 0.0], [2.0, 1.0]];
@@ -203,7 +204,8 @@ mod tests {
         }
     }
 
-    /// Ten turns about a slanted axis in 95 steps end where they began, to round-off of the angle.
+    /// Ten revolutions about an inclined axis in 95 steps end at the start, to round-off of the
+    /// angle.
     #[test]
     fn rotation_is_exact() {
         let centre = [1.0, -1.0, 0.0];

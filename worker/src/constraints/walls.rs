@@ -1,9 +1,10 @@
-//! Rigid walls: a node may not end a step behind one. Coulomb friction on the wall.
+//! Rigid walls: a node may not end a step behind a wall. Coulomb friction on the wall.
 //!
-//! Walls stand still, are led, or have a mass and give way along their normal (`wall/push.rs`).
-//! Every worker has all walls and moves them alike. While contact iterates, a wall with a mass goes
-//! on as it came; what nodes give it is found once contact is known. Those with a mass take their
-//! turn first, so that none moves what another has held.
+//! Walls are at rest, have a prescribed motion, or have a mass and recoil along their normal
+//! (`walls/push.rs`). Every worker has all walls and moves them identically. During the contact
+//! iteration a wall with a mass keeps its velocity of the last step; the impulses of nodes on
+//! it are computed after contact. Walls with a mass are processed first, so that none of them
+//! changes the velocity of a node that another wall has stopped.
 
 mod push;
 mod shape;
@@ -25,7 +26,7 @@ pub use shape::Surface;
 #[derive(Debug)]
 pub struct Wall {
     job: WallJob,
-    /// Where it is now.
+    /// Surface at the present time.
     pub surface: Surface,
     /// Coulomb friction coefficient.
     pub friction: f64,
@@ -33,36 +34,36 @@ pub struct Wall {
     /// Velocities at the last and the next mid-step [length/time].
     last: V3,
     next: V3,
-    /// Whether local nodes meet it; empty if all do.
+    /// True for each node here that the wall acts on; empty if it acts on all.
     meets: Vec<bool>,
 }
 
-/// What moves a wall.
+/// Motion of a wall.
 #[derive(Debug)]
 enum Drive {
     Still,
-    /// Its mass [mass].
+    /// Mass of the wall [mass].
     Pushed(f64),
-    /// How far it goes, and where it is at the end of the step [length].
+    /// Prescribed motion, and the position at the end of the step [length].
     Led(Box<MotionCurve>, V3),
 }
 
-/// All walls of the scene.
+/// All walls of the model.
 #[derive(Debug, Default)]
 pub struct Walls {
     walls: Vec<Wall>,
-    /// Those with a mass, then the others.
+    /// Walls with a mass, followed by the others.
     order: Vec<usize>,
-    /// How many have a mass.
+    /// Number of walls with a mass.
     pushed: usize,
-    /// Impulse that each wall has given to owned nodes so far [force time].
+    /// Impulse of each wall on owned nodes so far [force time].
     pub impulse: Vec<[f64; 3]>,
     near: Vec<RecoilCandidate>,
     words: Vec<u64>,
 }
 
 impl Walls {
-    /// From the job, at time 0; `curves` are those of its loads.
+    /// Builds the walls of a job at time 0; `curves` are those of its loads.
     pub fn new(jobs: &[WallJob], curves: &[Vec<[f64; 2]>]) -> Self {
         let walls: Vec<Wall> = jobs.iter().map(|job| Wall::new(job, curves)).collect();
         let (mut order, others): (Vec<usize>, Vec<usize>) =
@@ -79,7 +80,7 @@ impl Walls {
         }
     }
 
-    /// Finds the nodes that are here.
+    /// Finds the nodes that each wall acts on, among those present here.
     pub fn bind_local(&mut self, nodes: &Nodes) {
         for w in &mut self.walls {
             w.meets.clear();
@@ -89,22 +90,24 @@ impl Walls {
         }
     }
 
-    /// Whether the scene has none.
+    /// Returns true if the model has no walls.
     pub fn is_empty(&self) -> bool {
         self.walls.is_empty()
     }
 
-    /// The walls, in the order of the job.
+    /// Returns the walls, in the order of the job.
     pub fn each(&self) -> &[Wall] {
         &self.walls
     }
 
-    /// How many have a mass: of each of them workers tell all others.
+    /// Returns the number of walls with a mass; each of them needs a message to all other
+    /// workers per step.
     pub fn pushed(&self) -> usize {
         self.pushed
     }
 
-    /// Prepares a step: where walls go that are led, and how the others came.
+    /// Prepares a step: sets the velocities of walls with prescribed motion and stores the last
+    /// velocities of all.
     pub fn start_step(&mut self, time: f64, dt: f64) {
         for w in &mut self.walls {
             w.last = w.next;
@@ -115,9 +118,9 @@ impl Walls {
         }
     }
 
-    /// The velocity with which local node `i` that wants to move with `v` ends the step outside of
-    /// all walls. Depends on nothing but the node's state and the walls', so every holder of a node
-    /// computes the same.
+    /// Returns the velocity with which local node `i`, of velocity `v` without walls, ends the
+    /// step in front of all walls [length/time]. It depends only on the states of the node and
+    /// the walls, so all workers that hold the node compute the same.
     #[inline]
     pub fn stop(&self, nodes: &Nodes, i: usize, v: Row, dt: f64) -> Row {
         self.stop_at(&self.order, nodes, i, v, dt)
@@ -135,9 +138,9 @@ impl Walls {
         v
     }
 
-    /// Keeps all held nodes out, starting from their velocities in `next_v`, or from those in
-    /// `pushed` for nodes that contact pairs touch (ascending). Returns the work done on owned
-    /// nodes [energy].
+    /// Keeps all local nodes in front of the walls, starting from their velocities in `v_next`,
+    /// or from those in `pushed` for nodes of contact pairs (ascending). Returns the work on
+    /// owned nodes [energy].
     ///
     /// # Errors
     /// A worker is gone.
@@ -165,16 +168,16 @@ impl Walls {
                 work += self.book(nodes, i, free, steps);
             }
         }
-        // Exterior copies too, where walls go on otherwise than contact took them to: it remembers
-        // how far pairs have slipped.
+        // Ghosts too, if a wall with a mass has changed its velocity since contact: contact
+        // stores the slip of pairs.
         for &(i, free) in pushed.filter(|_| self.pushed > 0) {
             nodes.v_next[i as usize] = self.stop(nodes, i as usize, free, dt);
         }
         Ok(work)
     }
 
-    /// Velocity of the `k`-th wall with a mass after it has met the nodes of all workers, as the
-    /// walls before it leave them.
+    /// Computes the velocity of the `k`-th wall with a mass from the nodes of all workers,
+    /// after the walls before it have acted on them.
     fn wall_contact(
         &mut self,
         k: usize,
@@ -208,8 +211,8 @@ impl Walls {
         Ok(())
     }
 
-    /// Books the impulses that bring owned node `i` from velocity `v` to its next one. Returns the
-    /// work [energy].
+    /// Records the impulses that change the velocity of owned node `i` from `v` to its next
+    /// one. Returns the work [energy].
     fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: StepSizes) -> Work {
         let mut work = Work::default();
         for &w in &self.order {
@@ -224,13 +227,13 @@ impl Walls {
         work
     }
 
-    /// Lets a wall feel the impulse that it has given to a rigid body.
+    /// Applies the reaction to the impulse that a wall has exerted on a rigid body.
     pub fn give_way(&mut self, wall: usize, impulse: &V3) {
         let w = &mut self.walls[wall];
         w.next -= w.recoil(impulse);
     }
 
-    /// Work in the step of what nodes and bodies gave to walls that have a mass [energy].
+    /// Returns the work of nodes and bodies on walls with a mass in the step [energy].
     pub fn work_on_masses(&self) -> Work {
         let on = |w: &Wall, mass: f64| {
             let impulse = row(((w.next - w.last) * mass).into());
@@ -239,8 +242,8 @@ impl Walls {
         self.masses().map(|(w, mass)| on(w, mass)).sum()
     }
 
-    /// Kinetic energy of walls that have a mass, and their momentum, at the present time; at the
-    /// last mid-step if the run has `ended`.
+    /// Returns the kinetic energy of walls with a mass and their momentum at the present time;
+    /// the momentum is that of the last mid-step if the run has `ended`.
     pub fn carried(&self, ended: bool) -> (f64, V3) {
         let kinetic = self.masses().map(|(w, mass)| 0.5 * mass * w.last.dot(&w.next)).sum();
         let velocity = |w: &Wall| if ended { w.next } else { (w.last + w.next) * 0.5 };
@@ -254,7 +257,7 @@ impl Walls {
         })
     }
 
-    /// Ends the step: walls are at their new places.
+    /// Ends the step: moves the walls to their new positions.
     pub fn advance(&mut self, dt: f64) {
         for w in &mut self.walls {
             let to = match &w.drive {
@@ -292,38 +295,41 @@ impl Wall {
         }
     }
 
-    /// How far it has gone since the start [length].
+    /// Returns the displacement since the start [length].
     pub fn displacement(&self) -> V3 {
         self.surface.position() - V3::from(self.job.point)
     }
 
-    /// Velocity at the next mid-step as far as it is known [length/time].
+    /// Returns the velocity at the next mid-step, as far as it is known [length/time].
     pub fn velocity(&self) -> V3 {
         self.next
     }
 
-    /// Change of its velocity along its normal per unit impulse [1/mass].
+    /// Returns the inverse mass: change of velocity along the normal per unit impulse [1/mass].
     pub fn softness(&self) -> f64 {
         if let Drive::Pushed(mass) = self.drive { 1.0 / mass } else { 0.0 }
     }
 
-    /// Change of its velocity by the impulse that it gives, but for the sign [length/time].
+    /// Returns the change of the wall's velocity due to an impulse that it exerts, with
+    /// opposite sign [length/time].
     pub fn recoil(&self, impulse: &V3) -> V3 {
         self.surface.direction * (self.surface.direction.dot(impulse) * self.softness())
     }
 
-    /// Whether a node meets it at all.
+    /// Returns true if the wall acts on the node.
     pub fn admits(&self, node: NodeId) -> bool {
         self.job.allows(node)
     }
 
-    /// Whether a node at `x` with velocity `v` does not meet the wall in the step, as most do not.
+    /// Returns true if a node at `x` with velocity `v` stays clear of the wall in the step, as
+    /// most nodes do.
     #[inline(always)]
     fn misses(&self, x: &Row, v: &Row, dt: f64) -> bool {
         self.surface.cannot_reach(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
     }
 
-    /// Change of the velocity `v` that keeps local node `i` out, friction included.
+    /// Returns the change of the velocity `v` that keeps local node `i` in front of the wall,
+    /// friction included [length/time].
     #[inline]
     fn change(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<V3> {
         if self.meets.get(i) == Some(&false) || self.misses(&nodes.x[i], v, dt) {
@@ -340,8 +346,8 @@ impl Wall {
         Some(along * normal - sliding * held)
     }
 
-    /// Own node `i` with velocity `v` as a wall with a mass sees it, if it may touch the wall in
-    /// this step.
+    /// Returns owned node `i` with velocity `v` as a candidate for a wall with a mass, if it
+    /// may touch the wall in this step.
     fn near(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<RecoilCandidate> {
         if self.meets.get(i) == Some(&false) {
             return None;
@@ -352,7 +358,8 @@ impl Wall {
             .map(|c| normal[c] * normal[c])
             .sum::<f64>();
         let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));
-        // Nodes only slow a wall down: what it would not reach as it came it does not reach at all.
+        // Nodes only slow down the wall: nodes beyond its reach at its last velocity remain
+        // beyond.
         let against = v - self.last;
         self.surface.contact_point(&x, &against, &against, dt).filter(|_| free > 0.0)?;
         let touching = self.surface.distance(&x) / dt + normal.dot(&v);

@@ -1,17 +1,19 @@
-//! Anderson acceleration of sweeps that converge slowly (Anderson 1965; Walker & Ni 2011, eq. 2.1).
+//! Anderson acceleration of sweeps that converge slowly (Anderson 1965; Walker & Ni 2011, eq.
+//! 2.1).
 //!
-//! A sweep takes the forces x to G(x). Where masses differ much it converges slowly: with a light
-//! layer of mass m between heavy ones of mass M a Gauss-Seidel sweep leaves `1 / (1 + m/M)^2` of an
-//! error. The residuals f = G(x) - x of the last sweeps tell what the next ones would do: with the
+//! A sweep maps the forces x to G(x). If masses differ much it converges slowly: for a light
+//! layer of mass m between heavy layers of mass M, a Gauss-Seidel sweep leaves `1 / (1 + m/M)^2`
+//! of an error. The residuals f = G(x) - x of the last sweeps predict the next sweeps. With the
 //! coefficients that minimise `|f_k - sum_j c_j (f_{j+1} - f_j)|` the next forces are `G(x_k) -
-//! sum_j c_j (G(x_{j+1}) - G(x_j))`, then put back into their friction cones. On the pairs that
-//! touch, where G is linear, this is GMRES (Walker & Ni, theorem 2.2): it ends in as many steps as
-//! there are different rates of convergence, whatever these are.
+//! sum_j c_j (G(x_{j+1}) - G(x_j))`. These are then projected onto their friction cones. For
+//! pairs that stay in contact, where G is linear, the method is GMRES (Walker & Ni, theorem
+//! 2.2): the number of its steps is the number of different rates of convergence, for any values
+//! of these rates.
 //!
-//! The norm is that of the energy which a force makes in the pair's own compliance, `c |f|^2`. Its
-//! sums are exact and so the same on any number of workers (`exact_sum.rs`). If pairs begin or
-//! cease to press, or a residual grows, G is not the function that it was: history is dropped, and
-//! the next forces are those of the sweep itself.
+//! The norm is that of the energy of a force in the pair's own compliance, `c |f|^2`. Its sums
+//! are exact, so they are equal for any number of workers (`exact_sum.rs`). If pairs close or
+//! open, or if a residual grows, the function G has changed: the history is dropped, and the
+//! next forces are those of the sweep itself.
 
 use crate::contact::enforce::within_cone;
 use crate::contact::geometry::V3;
@@ -21,44 +23,46 @@ use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
-/// Most earlier sweeps that one is combined with. For five light layers, 1 to 10,000, with split
-/// masses: 69 sweeps with 2, 27 with 5 and with 8
+/// Largest number of earlier sweeps that are combined with one sweep. For five light layers,
+/// mass ratio 1 to 10,000, with split masses: 69 sweeps with 2, 27 with 5 and with 8
 /// (`accelerated_sweeps_settle_whatever_the_masses`).
 const DEPTH: usize = 5;
-/// Directions whose squared sine to the others is below this are dropped: round-off of the sums,
-/// 1e-16, is felt in them.
+/// Smallest squared sine of a direction to the other directions. Below it the direction is
+/// dropped, because the round-off of the sums, 1e-16, would affect the result.
 const PARALLEL: f64 = 1e-12;
 
-/// Sweeps are of another system if pairs have begun or ceased to press by more than this fraction
-/// of the residual.
+/// Largest squared norm of the force changes of pairs that have closed or opened, as a fraction
+/// of the squared norm of the residual. Above it the earlier sweeps belong to another system.
 const SWITCHED: f64 = 0.01;
 
 /// Forces of own pairs, one after the other [force].
 pub type Forces = Vec<V3>;
 
-/// What is remembered of the sweeps of a step.
+/// History of the sweeps of a step.
 #[derive(Debug, Default)]
 pub struct Acceleration {
-    /// Residual and end of the last sweep, with the squared norm of the residual.
+    /// Residual and final forces of the last sweep, with the squared norm of the residual.
     last: Option<(Forces, Forces, f64)>,
-    /// Differences of residuals and of ends between neighbouring sweeps, the newest last.
+    /// Differences of residuals and of final forces between consecutive sweeps, the newest last.
     differences: VecDeque<(Forces, Forces)>,
-    /// Products of the differences of residuals with each other, in their order.
+    /// Products of the differences of residuals with each other, in the order of `differences`.
     products: DMatrix<f64>,
 }
 
-/// What all workers know after a sweep.
+/// Result of a sweep that all workers know.
 #[derive(Debug)]
 pub struct AccelerationStep {
-    /// Whether a force has changed, on any worker.
+    /// True if a force has changed, on any worker.
     pub changed: bool,
-    /// Forces to go on from; none where those of the sweep are as good.
+    /// Extrapolated forces for the next sweep; `None` if the forces of the sweep itself are
+    /// used.
     pub forces: Option<Forces>,
 }
 
 impl Acceleration {
-    /// Takes note of a sweep of the own pairs among `pairs` that began with the forces `before` and
-    /// has `changed` one of them. All workers call it after each sweep.
+    /// Adds a sweep to the history. `pairs` includes the own pairs with their final forces,
+    /// `before` holds their forces before the sweep, and `changed` is true if the sweep has
+    /// changed one of them. All workers must call it after each sweep.
     ///
     /// # Errors
     /// A worker is gone.
@@ -88,7 +92,8 @@ impl Acceleration {
             }
         }
         let n = self.differences.len();
-        // The newest difference by all differences, the residual by all differences and by itself.
+        // Products of the newest difference with all differences, and of the residual with all
+        // differences and with itself.
         let newest = self.differences.back();
         let of_newest = self.differences.iter().map(|d| newest.map(|(r, _)| (r, &d.0)));
         let of_residual = self.differences.iter().map(|d| Some((&residual, &d.0)));
@@ -133,9 +138,10 @@ impl Acceleration {
     }
 }
 
-/// The part of the way from the forces `ends` that is gone: up to where the first of the pairs that
-/// press would begin to pull, but no less than half of it. Those that would pull beyond are cut to
-/// 0, which leaves what they press on out of balance.
+/// Returns the fraction of the way `way` from the forces `ends` that is used: up to the point
+/// where the first closed pair would get a tensile force, but at least one half. Forces that are
+/// tensile beyond this point are set to 0, so the forces on the other side of these pairs are
+/// not balanced.
 ///
 /// # Errors
 /// A worker is gone.
@@ -155,14 +161,14 @@ fn local_product(
     Ok((-all.finish(comm)?[0]).max(0.5))
 }
 
-/// The force of a pair held in its friction cone, nought if it pulls.
+/// Returns the force of a pair projected onto its friction cone, zero if it is tensile.
 fn within(pair: &Pair, force: V3) -> V3 {
     let pressed = force.dot(&pair.normal).max(0.0);
     let sheared = force - pair.normal * force.dot(&pair.normal);
     pair.normal * pressed + within_cone(sheared, pressed, pair)
 }
 
-/// Whether the own pair bears something under a force.
+/// Returns true if the own pair has a compressive force.
 fn is_pressed(pair: &Pair, force: &V3) -> bool {
     force.dot(&pair.normal) > 0.0
 }
@@ -171,7 +177,7 @@ fn minus(a: &[V3], b: &[V3]) -> Forces {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Product of two sets of forces, each weighted by how softly its pair answers along it.
+/// Returns the product of two sets of forces, weighted by the compliance of each pair.
 fn product(own: &[&Pair], a: &[V3], b: &[V3]) -> ExactSum {
     let mut sum = ExactSum::ZERO;
     for ((p, a), b) in own.iter().zip(a).zip(b) {
@@ -180,14 +186,16 @@ fn product(own: &[&Pair], a: &[V3], b: &[V3]) -> ExactSum {
     sum
 }
 
-/// Product of two forces of a pair, weighted by how softly it answers along them.
+/// Returns the product of two forces of a pair, weighted by its normal and tangential
+/// compliance.
 fn weighted(pair: &Pair, a: &V3, b: &V3) -> f64 {
     let along = a.dot(&pair.normal) * b.dot(&pair.normal);
     pair.compliance[0] * along + pair.compliance[1] * (a.dot(b) - along)
 }
 
-/// Coefficients c that minimise `c' P c - 2 c' b`, for directions with the products `P`. Newer
-/// directions go before older ones, and those that are nearly combinations of them get 0.
+/// Returns coefficients c that minimise `c' P c - 2 c' b`, for directions with the products `P`.
+/// Newer directions are included before older ones. A direction that is nearly a combination of
+/// those included gets 0.
 fn least_squares(products: &DMatrix<f64>, b: &[f64]) -> Vec<f64> {
     let n = b.len();
     let scale: Vec<f64> = (0..n).map(|i| products[(i, i)].sqrt()).collect();

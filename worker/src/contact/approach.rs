@@ -1,27 +1,28 @@
-//! How fast what is near passes what it could meet. A pair is looked at from [`REACH`] of its
-//! scales on: while it does not move by more than these in a step, it is seen before it is through.
-//! What is farther away does not count, however fast it flies and however thin a foil there is
-//! elsewhere.
+//! Rate at which near slaves and segments pass each other. A pair is examined if its distance is
+//! below [`REACH`] of its scales. If it moves by at most these scales in a step, it is found
+//! before the slave has passed through. Slaves that are farther away do not count, for any
+//! velocity and for any thin foil elsewhere in the model.
 //!
-//! A rate that is found in a step is agreed on in the next one and holds for the step after that:
-//! what can be near by then counts. It is decided by places and velocities alone, so that neither
-//! search nor workers show; a search has to know all that is so near ([`STEPS`]).
+//! A rate that is computed in a step is reduced over all workers in the next step and limits the
+//! step after that. So everything that can be near by then counts. The rate depends on positions
+//! and velocities only, not on the search or on the number of workers. The candidates of a
+//! search must include everything within this distance ([`STEPS`]).
 
 use crate::contact::geometry::V3;
 use crate::contact::local_search::REACH;
 use crate::contact::surface::Segment;
 use crate::nodes::{Nodes, Row, xyz};
 
-/// Steps within which what comes near has to be known: until the one that a rate holds for is over,
-/// and one more for what becomes faster meanwhile.
+/// Number of steps for which approaching slaves must be known: until the end of the step that a
+/// rate limits, and one more for velocities that grow in that time.
 pub const STEPS: f64 = 4.0;
 
 fn v3(row: &Row) -> V3 {
     V3::from(xyz(row))
 }
 
-/// Largest relative velocity of a node of one side and one of the other, contact not yet felt
-/// [length/time].
+/// Returns the largest relative velocity of a node of one side and a node of the other, without
+/// contact [length/time].
 pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
     let square = |a: &u32, b: &u32| {
         (v3(&nodes.v_next[*a as usize]) - v3(&nodes.v_next[*b as usize])).norm_squared()
@@ -29,8 +30,9 @@ pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
     ahead.iter().flat_map(|a| behind.iter().map(move |b| square(a, b))).fold(0.0, f64::max).sqrt()
 }
 
-/// How often a slave passes the scales of a segment in a unit of time, 0 if it is too far away to
-/// count [1/time]. `scale` is theirs together [length].
+/// Returns the relative velocity of a slave and a segment over their scales, 0 if the slave is
+/// too far away to count [1/time]. `scale` is the sum of both scales [length], `dt` the step
+/// size [time].
 pub fn rate(nodes: &Nodes, slave: u32, segment: &Segment, scale: f64, dt: f64) -> f64 {
     let speed = speed(nodes, &[slave], &segment.nodes);
     let at = v3(&nodes.x[slave as usize]);
@@ -45,8 +47,8 @@ mod tests {
     use crate::testing::nodes_at;
     use crumple_proto::ids::SegmentId;
 
-    /// A slave that comes down on a thin square counts when it can be there in four steps, and with
-    /// its own scale and speed.
+    /// A slave that moves towards a thin square counts if it can reach it in four steps; the
+    /// rate uses the scale and the speed of this pair.
     #[test]
     fn what_can_be_near_in_four_steps_counts() {
         let rate_from = |height: f64| {

@@ -1,22 +1,22 @@
-//! Beams as lines in contact: each element is a round bar about the line between its nodes, rounded
-//! off at its ends, so that nothing catches where one beam ends and the next begins.
+//! Beams in contact: each element is a round bar about the line between its nodes, with rounded
+//! ends, so that nothing catches between two consecutive beams.
 //!
-//! A beam takes part by its nodes and by its line, which is both a segment that nodes meet
-//! (`local.rs`) and an edge that edges meet (`edges.rs`). Lines that have a node in common do not
-//! meet, nor does a node meet the lines next to its own.
+//! A beam is in contact by its nodes and by its line. The line is both a segment for nodes
+//! (`local_search.rs`) and an edge for edges (`edges.rs`). Lines with a common node do not touch
+//! each other, and a node does not touch the lines next to its own.
 //!
-//! The radius is the outer one of a tube; else that of the circle of the section's area, which
-//! keeps the volume, and for an I that of the rectangle around it, since nothing gets between its
-//! flanges. (LS-DYNA takes for the diameter the first dimension of the section, or the square root
-//! of the area where that is all it has.) A beam is no thicker than it is long, as far as
-//! `thickness_limit` says so.
+//! The radius of a tube is its outer radius. For other sections it is the radius of the circle
+//! with the same area, which keeps the volume. For an I it is that of the rectangle around the
+//! section, because nothing fits between its flanges. (LS-DYNA uses as the diameter the first
+//! dimension of the section, or the square root of the area if only the area is given.) The
+//! diameter of a beam is limited to its length where `thickness_limit` requires this.
 
 use crumple_proto::job::{Beam, BeamSection, Contact, Part};
 use crumple_proto::partition::Settings;
 use std::f64::consts::PI;
 
-/// Radius with which beams of a section are met [length]; `None` for welds without one of their
-/// own, which lie between what they join.
+/// Returns the contact radius of beams with a section [length]. Returns `None` for welds without
+/// a contact radius, which are between the parts that they join.
 pub fn radius(beam: &Beam) -> Option<f64> {
     let of_area = |area: f64| (area / PI).sqrt();
     let of_section = || match beam.section {
@@ -27,14 +27,14 @@ pub fn radius(beam: &Beam) -> Option<f64> {
     beam.contact_radius.or_else(|| beam.weld.is_none().then(of_section))
 }
 
-/// Radius of a part of beams in contact, by any of its interfaces; `None` if they take no part
-/// [length].
+/// Returns the contact radius of a beam part in any of its interfaces, or `None` if the part is
+/// not in contact [length].
 pub fn half(contact: &Contact, part: &Part) -> Option<f64> {
     let touches = |c: Contact| c.has_beams() && c.takes_part(part.id);
     part.beam.as_ref().and_then(radius).filter(|_| contact.each().any(touches))
 }
 
-/// Whether edges are to be known: all of them may meet, or those that beams do.
+/// Returns true if edges are needed: either all edges can touch, or those of beams can.
 pub fn with_edges(settings: &Settings) -> bool {
     settings
         .contact

@@ -1,4 +1,4 @@
-//! A slave and a segment near to it, and several such side by side.
+//! Candidate pairs, one by one and in batches.
 
 use crate::contact::kernels::Vector;
 use crate::contact::surface::{Segment, Surface};
@@ -8,19 +8,19 @@ use crate::nodes::Row;
 /// A slave and a segment that it may touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CandidatePair {
-    /// Place of the slave in the surface's slaves.
+    /// Index of the slave in the surface's slaves.
     pub slave_index: u32,
-    /// Place of the segment in the surface's segments.
+    /// Index of the segment in the surface's segments.
     pub segment: u32,
-    /// The segment's nodes that a segment has on which the slave lies, bit by bit: of a shell next
-    /// but one to the slave.
+    /// Bit mask of the segment's nodes that also belong to a segment around the slave. It is set
+    /// for shell segments that are separated from the slave by one segment.
     pub shared_node_mask: u8,
-    /// Whether the slave remembered nothing when it was given the segment; what one with memories
-    /// may meet is then left out.
+    /// True if the slave had no pair history when the near list was made. Then segments that
+    /// only a slave with history can touch are left out.
     pub has_no_history: bool,
 }
 
-/// Slaves and segments side by side.
+/// Batch of [`LANES`] slaves and segments.
 pub struct PairBatch<'a> {
     /// Nodes of the slaves.
     pub slave: [u32; LANES],
@@ -29,7 +29,8 @@ pub struct PairBatch<'a> {
 }
 
 impl<'a> PairBatch<'a> {
-    /// Those of a few neighbours, the last repeated; `of` tells which.
+    /// Returns the batch of up to [`LANES`] items, with the last item repeated; `of` returns the
+    /// candidate pair of an item.
     pub fn of<T>(surface: &'a Surface, some: &[T], of: impl Fn(&T) -> CandidatePair) -> Self {
         let lane = |lane: usize| of(&some[lane.min(some.len() - 1)]);
         Self {
@@ -38,19 +39,19 @@ impl<'a> PairBatch<'a> {
         }
     }
 
-    /// Vectors at the slaves.
+    /// Returns the vectors at the slaves.
     pub fn slaves(&self, of: &[Row]) -> Vector<Lane> {
         Vector(Lane::from_rows(self.slave.map(|n| Lane::new(of[n as usize]))))
     }
 
-    /// Vectors at the segments' corners.
+    /// Returns the vectors at the segments' corners.
     pub fn corners(&self, of: &[Row]) -> [Vector<Lane>; 4] {
         [0, 1, 2, 3].map(|k| {
             Vector(Lane::from_rows(self.segment.map(|s| Lane::new(of[s.nodes[k] as usize]))))
         })
     }
 
-    /// Which segments are triangles.
+    /// Returns the mask of segments that are triangles.
     pub fn triangles(&self) -> Lane {
         Lane::new(self.segment.map(|s| f64::from(u8::from(s.is_triangle())))).gt(Lane::splat(0.5))
     }

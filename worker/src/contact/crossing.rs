@@ -1,7 +1,7 @@
-//! Edges that have gone through a surface without any node meeting it. Nodes meet segments, and
-//! edges that stand out (`edges.rs`) each other; an edge that cuts into a curved face between its
-//! nodes, or comes through where no fold is sharp enough, still gets through. That is looked for
-//! now and then, for all edges of the surface, and told.
+//! Detection of edges that have gone through a surface without a contact. Nodes touch segments,
+//! and exposed edges touch each other (`edges.rs`). An edge can still pass if it cuts into a
+//! curved face between its nodes, or comes through where no fold is sharp enough. All edges of
+//! the surface are checked for this from time to time, and crossings are reported.
 
 use crate::contact::folds::{Edge, EdgeTable};
 use crate::contact::geometry::{V3, project_edges};
@@ -11,11 +11,11 @@ use crate::nodes::{Nodes, Row};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::ElemId;
 
-/// How far both ends of an edge must be from a face where it goes through, along the normal there,
-/// as a fraction of the segment's scale.
+/// Distance of both ends of an edge from the face where it goes through, along the normal there,
+/// above which it is a crossing, as a fraction of the segment's scale.
 const THROUGH: f64 = 0.1;
 
-/// An edge in a segment that it did not go through at the start.
+/// An edge that goes through a segment and did not at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Crossing {
     /// Element of the edge.
@@ -24,9 +24,10 @@ pub struct Crossing {
     pub surface: ElemId,
 }
 
-/// Crossings of own edges, by the nodes with the lower id: of all that shells have, and of those
-/// between two faces of solids. In ascending order, each once. To be called where all nodes of the
-/// surface are at the same time, but for a step.
+/// Returns the crossings of own edges in ascending order, each once. An edge is own if its node
+/// with the lower id is. All edges of shells are checked, and the edges between two faces of
+/// solids. The call is valid only when all nodes of the surface are at the same time, up to one
+/// step.
 pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> Vec<Crossing> {
     let lines = EdgeTable::new(surface, nodes);
     let edges: Vec<&Edge> =
@@ -38,7 +39,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     let boxes: Vec<Aabb> = surface.segments.iter().map(|s| s.bounds(&nodes.x, longest)).collect();
     let through = |s: &Segment, e: &Edge, x: &[Row]| {
         let ([p, q], [a, b, c, d]) = (e.ends(x), s.corners(x));
-        // What lies on a face, or sinks in as contact lets it, is not through.
+        // An edge that lies on a face, or sinks in as far as contact permits, is no crossing.
         let deep = |(at, normal): (V3, V3)| {
             let [above, below] = [p - at, q - at].map(|end| end.dot(&normal).abs());
             above.min(below) > THROUGH * s.scale
@@ -48,8 +49,8 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         }
         pierces_patch(&p, &q, [&a, &b, &c, &d]).into_iter().flatten().any(deep)
     };
-    // Edges that meet sink in as nodes do: one that is held by an edge of the segment is not
-    // through.
+    // Edges in contact sink in as nodes do. An edge that touches an edge of the segment is no
+    // crossing.
     let meets = |e: &Edge| lines.is_exposed(e, surface, &nodes.x);
     let held = |s: &Segment, e: &Edge| {
         let sides = (0..4).map(|k| [s.nodes[k], s.nodes[(k + 1) % 4]]);
@@ -85,8 +86,8 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
     found
 }
 
-/// Where the line from `p` to `q` goes through the inside of a triangle, with the unit normal there
-/// (Moller & Trumbore 1997).
+/// Computes the point where the line from `p` to `q` goes through the inside of a triangle, with
+/// the unit normal there (Moller & Trumbore 1997).
 fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> Option<(V3, V3)> {
     let (along, e1, e2) = (q - p, b - a, c - a);
     let h = along.cross(&e2);
@@ -102,12 +103,12 @@ fn pierces(p: &V3, q: &V3, [a, b, c]: [&V3; 3]) -> Option<(V3, V3)> {
     inside.then(|| (p + along * t, e1.cross(&e2).normalize()))
 }
 
-/// Where the line from `p` to `q` goes through the inside of the bilinear patch that a quad is in
-/// contact, with the unit normals there. In each of two planes that hold the line, `S(u, v) = a + u
-/// (b - a) + v (d - a) + u v (a - b + c - d)` gives an equation `k_0 + k_1 u + k_2 v + k_3 u v =
-/// 0`; without v they are one of the second degree for u (Ramsey, Potter & Hansen 2004). Two
-/// triangles are the same where the quad is flat; where its corners lie h off their plane they are
-/// up to h off it.
+/// Computes the points where the line from `p` to `q` goes through the inside of the bilinear
+/// patch that a quad is in contact, with the unit normals there. In each of two planes that
+/// contain the line, `S(u, v) = a + u (b - a) + v (d - a) + u v (a - b + c - d)` gives an
+/// equation `k_0 + k_1 u + k_2 v + k_3 u v = 0`. Elimination of v gives a quadratic equation for
+/// u (Ramsey, Potter & Hansen 2004). Two triangles would be the same where the quad is flat.
+/// Where its corners lie h off its plane, two triangles are up to h off the patch.
 fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2] {
     let (along, by_u, by_v, by_uv) = (q - p, b - a, d - a, a - b + c - d);
     let across = along.cross(&V3::ith(along.iamin(), 1.0));
@@ -117,7 +118,7 @@ fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2
     let roots = roots(minor(1, 3), minor(0, 3) + minor(1, 2), minor(0, 2));
     roots.map(|root| {
         let u = root?;
-        // From the plane that says more of v.
+        // Use the plane whose equation determines v better.
         let [(k_over, k_under), (l_over, l_under)] =
             [k, l].map(|m| (m[0] + m[1] * u, m[2] + m[3] * u));
         let v = if k_under.abs() > l_under.abs() { -k_over / k_under } else { -l_over / l_under };
@@ -128,7 +129,7 @@ fn pierces_patch(p: &V3, q: &V3, [a, b, c, d]: [&V3; 4]) -> [Option<(V3, V3)>; 2
     })
 }
 
-/// Real roots of `a x^2 + b x + c`.
+/// Returns the real roots of `a x^2 + b x + c`.
 fn roots(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {
     let under = b * b - 4.0 * a * c;
     if under < 0.0 {
@@ -152,8 +153,8 @@ mod tests {
         assert!(!hits(V3::new(0.2, 0.2, 0.0), V3::new(0.4, 0.2, 0.0)), "within its plane");
     }
 
-    /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals are
-    /// on it, no triangle is.
+    /// A quad with two opposite corners up and two down is the saddle `z = x y`: its diagonals
+    /// are on it, no triangle is.
     #[test]
     fn a_line_goes_through_a_warped_quad_where_that_is() {
         let corner = |x: f64, y: f64| V3::new(x, y, x * y);

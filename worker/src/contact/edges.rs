@@ -1,28 +1,29 @@
-//! Edges against edges: what passes between the nodes that the local search looks at. Beams are
-//! edges too.
+//! Contact of edges with edges. It covers contact between the nodes, which the local search of
+//! nodes does not see. Beams are edges too.
 //!
-//! The edges that matter are those that stand out (`ridges.rs`). A pair is a point of one edge, the
-//! slave, on a point of another, wherever the two edges are nearest to each other between their
-//! ends; ends are nodes, which the local search has. Of two edges the one with the lower nodes is
-//! the slave, so that no pair is there twice.
+//! Only exposed edges take part (`folds.rs`). A pair is a point of one edge, the slave, on a
+//! point of another edge. The points are where the two edges are nearest to each other, between
+//! their ends. The ends are nodes and belong to the local search of nodes. The edge with the
+//! lower nodes is the slave, so that no pair exists twice.
 //!
-//! Which edges those are changes as surfaces fold, and is found out every so many cycles. A contact
-//! that is there lasts as long as it touches, however flat a fold becomes under it.
+//! The set of exposed edges changes as surfaces fold. It is updated after a fixed number of
+//! cycles. An existing contact lasts as long as it touches, however flat its fold becomes.
 //!
-//! A worker owns the edges whose lowest segment is its own. It then holds their nodes, and its
-//! exterior copies are made to reach as far around them as around its slaves ([`outline`]): it has
-//! all segments that contain an edge it could meet, and with these knows what kind of edge that is.
+//! A worker owns the edges whose lowest segment is its own. Its ghosts reach as far around the
+//! nodes of these edges as around its slaves ([`contact_edges`]). Therefore it has all segments
+//! that contain an edge which an own edge could touch, and it can find the kind of that edge.
 //!
-//! The normal is the cross product of the edges. Its sign for shells is that of the side at which
-//! the edges were when they first came near: the step is short enough for that to be seen before
-//! they are through (`agreement.rs`). A fold is met from where it stands out: seen from it the
-//! other edge lies behind none of its segments; unless the edges are then only just as near as they
-//! may come. A solid's edge is met from where its two faces look: the normal lies between theirs,
-//! as on a polyhedron's Gauss image.
+//! The normal is the cross product of the edges. For shells its sign is the side on which the
+//! edges were when they first came near each other. The step is short enough to see this before
+//! they pass through each other (`reduction.rs`). A fold is touched from its outside: seen from
+//! the fold, the other edge lies behind none of its segments. Edges that are only just in
+//! contact are accepted from either side. A solid's edge is touched from where its two faces
+//! look: the normal lies between their normals, as on the Gauss image of a polyhedron.
 //!
-//! An edge that slides along a row of edges keeps what the pair with the last one had. That may
-//! have belonged to another worker, so pairs that are known here are remembered, not only own ones.
-//! A pair that is lost while it is deep is remembered for some steps more ([`Memory::lost`]).
+//! An edge that slides along a row of edges keeps the history of its pair with the last one.
+//! This pair may have belonged to another worker. Therefore the history of all pairs that are
+//! known here is stored, not only of own pairs. A pair that is lost while it is deep keeps its
+//! history for some more steps ([`PairHistory::after_loss`]).
 
 use crate::constraints::ties::ContactExclusions;
 use crate::contact::approach;
@@ -36,75 +37,77 @@ use crate::nodes::{Nodes, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// How far the normal of a contact may leave the angle between the normals of a solid's two faces,
-/// in cosines against their middle; for solids that lie flat on each other it is one of these
-/// normals. So for folds: the sine of the angle by which the other edge may lie behind a segment.
+/// Tolerance of the normal of a contact. Solids: how far it may leave the angle between the
+/// normals of the two faces, as a difference of cosines against their mean; for solids that lie
+/// flat on each other it is one of these normals. Folds: sine of the angle by which the other
+/// edge may lie behind a segment.
 const CONE: f64 = 0.1;
-/// How near to an end of an edge, as a fraction of the scale, a new contact of shells is left to
-/// the node there, which keeps the other edge off to `sqrt(1 - END^2)` of the thickness.
+/// Distance from the end of an edge, as a fraction of the scale, within which a new contact of
+/// shells is left to the node there. The node keeps the other edge at a distance of at least
+/// `sqrt(1 - END^2)` of the thickness.
 const END: f64 = 0.1;
-/// Memories of edges that follow each other are of the same contact if their normals have a product
-/// above this.
+/// Product of normals above which the histories of successive edges belong to the same contact.
 const ALIKE: f64 = 0.7;
-/// Two edges that come to stand out while each is this near behind the other, as a fraction of the
-/// thickness, and in front of it by the way both are folded, have sunk in before: that far a fold
-/// that does not stand out lets them.
+/// Depth of two edges behind each other, as a fraction of the thickness, up to which they count
+/// as sunk in before they became exposed. This applies if each is in front of the other by the
+/// direction in which both are folded. A fold that is not exposed lets edges sink in that far.
 const SUNK: f64 = 0.5;
 
-/// Edges that are folded by this fraction of the angle at which they stand out are searched for
-/// beside those that do: else each new one would ask for a search.
+/// Fraction of the angle of an exposed fold from which on edges are included in the search.
+/// Without it each edge that becomes exposed would request a new search.
 const NEARLY: f64 = 0.7;
 
-/// All nodes of own segments, possibly several times: the edges between them may come to stand out,
-/// whatever others have beside them, and the segments themselves may meet others. `surface` has own
-/// segments only.
+/// Returns all nodes of own segments, possibly several times. The edges between them may become
+/// exposed, whatever segments of other workers adjoin them, and the segments themselves may
+/// touch others. `surface` has own segments only.
 pub fn contact_edges(surface: &Surface) -> Vec<u32> {
     surface.segments.iter().flat_map(|s| s.nodes).collect()
 }
 
-/// What is remembered of a pair.
+/// History of a pair of edges.
 #[derive(Clone, Copy, Debug)]
 struct EdgePairHistory {
     memory: PairHistory,
     /// Local nodes by role, or [`NOT_LOCAL`].
     nodes: [u32; 4],
-    /// Whether the slave edge is this worker's own.
+    /// True if the slave edge is this worker's own.
     own: bool,
 }
 
-/// The edges that a worker knows, and what its own have met.
+/// Edges known to a worker, and the pair histories of its own edges.
 #[derive(Debug, Default)]
 pub struct Edges {
     lines: EdgeTable,
-    /// Which of them stand out.
+    /// For each edge, true if it is exposed.
     out: Vec<bool>,
-    /// Which of them do, or are near to it.
+    /// For each edge, true if it is exposed or nearly exposed.
     nearly: Vec<bool>,
-    /// Which of them were searched for: those that stood out then, and those that were near to it.
+    /// For each edge, true if it was included in the last search: it was exposed or nearly
+    /// exposed then, or it had a history.
     searched: Vec<bool>,
-    /// Whether some stand out that were not searched for.
+    /// True if an edge is exposed that the last search did not include.
     stale: bool,
     /// Indices of own edges.
     own: Vec<u32>,
-    /// Slave and other edge of all pairs that could touch before the next search, in ascending
-    /// order of their names.
+    /// Slave edge and other edge of all pairs that could touch before the next search, in
+    /// ascending order of their keys.
     found: Vec<[u32; 2]>,
-    /// Those of them that are near.
+    /// Those of `found` that are near.
     candidates: Vec<[u32; 2]>,
-    /// In ascending order of names.
+    /// Histories in ascending order of their keys.
     memories: Vec<EdgePairHistory>,
-    /// Nodes of the memories, ascending, with the places of these.
+    /// Nodes of the histories, ascending, with the indices of the histories.
     by_node: Vec<(NodeId, u32)>,
-    /// Whether they are as they were gathered, alike on all workers that have them: no step has
-    /// gone by since.
+    /// True if the histories are as they were collected, with no step since then. They are then
+    /// equal on all workers that have them.
     gathered: bool,
-    /// Whether none but beams meet others.
+    /// True if only beams touch other edges.
     of_beams: bool,
 }
 
 impl Edges {
-    /// The edges of a new surface, and what is remembered at their nodes. With `of_beams` none meet
-    /// but those of beams and others.
+    /// Builds the edges of a new surface and collects the histories at their nodes. With
+    /// `of_beams` each pair has at least one beam.
     pub fn new(
         surface: &Surface,
         nodes: &Nodes,
@@ -144,13 +147,13 @@ impl Edges {
         edges
     }
 
-    /// Lowest segment that has the edge between these local nodes, in the order in which edges have
-    /// them.
+    /// Returns the lowest segment that has the edge between these local nodes; `nodes` are in
+    /// the order of [`Edge::nodes`].
     pub fn segment_of(&self, nodes: [u32; 2]) -> Option<u32> {
         self.lines.place(nodes).map(|i| self.lines.segments(&self.lines.all[i])[0])
     }
 
-    /// Bytes in use.
+    /// Returns the number of bytes in use.
     pub fn bytes(&self) -> usize {
         self.lines.bytes()
             + size_of_val(&self.own[..])
@@ -158,7 +161,7 @@ impl Edges {
             + size_of_val(&self.candidates[..])
     }
 
-    /// Finds out which edges stand out where nodes were last seen.
+    /// Updates the set of exposed edges, with the nodes at [`Nodes::seen`].
     pub fn update_folds(&mut self, surface: &Surface, nodes: &Nodes) {
         self.out.clear();
         self.nearly.clear();
@@ -173,13 +176,13 @@ impl Edges {
         self.stale |= self.out.iter().enumerate().any(is_new);
     }
 
-    /// Whether candidates are to be searched for anew though nodes have not moved.
+    /// Returns true if a new search is necessary although nodes have not moved.
     pub fn is_stale(&self) -> bool {
         self.stale
     }
 
-    /// Which edges could meet others: those that stand out or nearly do, and those that are
-    /// remembered.
+    /// Returns for each edge true if it could touch others: it is exposed or nearly exposed, or
+    /// it has a history.
     fn ready(&self) -> Vec<bool> {
         let mut ready = self.nearly.clone();
         for [i, j, k, l] in self.memories.iter().map(|r| r.nodes) {
@@ -189,8 +192,8 @@ impl Edges {
         ready
     }
 
-    /// Which own edges could meet which others before nodes have moved by more than `skin` against
-    /// each other [length]. [`Self::pick`] comes after it.
+    /// Finds the pairs of an own edge and another edge that could touch before nodes have moved
+    /// by more than `skin` against each other [length]. [`Self::pick`] must follow.
     pub fn search(
         &mut self,
         surface: &Surface,
@@ -245,8 +248,9 @@ impl Edges {
         self.found.sort_unstable_by_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
-    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than
-    /// `step` against each other, before they have moved by more than `skin` [length].
+    /// Selects from the pairs found those that could touch in a step. In such a step nodes move
+    /// by at most `step` against each other [length]. The selection is valid until they have
+    /// moved by more than `skin` [length].
     pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
         let is_near = |pair: &&[u32; 2]| {
             let [a, b] = pair.map(|i| &self.lines.all[i as usize]);
@@ -263,7 +267,7 @@ impl Edges {
         self.candidates.extend(self.found.iter().filter(is_near));
     }
 
-    /// As [`approach::rate`] of all that was found [1/time].
+    /// Returns the largest approach rate, as [`approach::rate`], of all pairs found [1/time].
     pub fn approach_rate(&self, nodes: &Nodes, surface: &Surface, (time, dt): (f64, f64)) -> f64 {
         let rate = |[a, b]: [&Edge; 2]| {
             let interface = self
@@ -279,14 +283,15 @@ impl Edges {
         self.found.iter().map(|c| rate(c.map(|i| &self.lines.all[i as usize]))).fold(0.0, f64::max)
     }
 
-    /// A node of the slave and a segment that has the other edge, for each candidate.
+    /// Returns for each candidate a node of the slave edge and a segment that has the other
+    /// edge.
     pub fn near(&self) -> impl Iterator<Item = (u32, u32)> {
         let edges = self.candidates.iter().map(|c| c.map(|i| &self.lines.all[i as usize]));
         edges.map(|[a, b]| (a.nodes[0], self.lines.segments(b)[0]))
     }
 
-    /// Active pairs of own edges in this step, appended in ascending order of their names.
-    /// `stiffness` is per segment, or empty; a pair is as stiff as the softer side.
+    /// Appends the active pairs of own edges in this step to `out`, in ascending order of their
+    /// keys. `stiffness` is per segment, or empty; a pair has the stiffness of its softer side.
     pub fn find_pairs(
         &self,
         nodes: &Nodes,
@@ -328,12 +333,13 @@ impl Edges {
         let [one, other] = edges;
         let (thickness, scale) = sizes(surface, interface, edges);
         let near = thickness + ACTIVE * scale;
-        // Shells that are through by more than the thickness are lost; solids have no other side.
+        // Shells that are through by more than the thickness are lost. Solids have no other
+        // side.
         let solid = edges.iter().any(|e| e.kind == Kind::Solid);
         let deepest = if solid { REACH * scale } else { near };
         let ([i, j], [k, l]) = (edges[0].nodes, edges[1].nodes);
         let [s, t] = met.along;
-        // Most are too far away on whatever side they belong.
+        // Most candidates are too far away on either side.
         let velocity = |n: u32| V3::from(xyz(&nodes.v_next[n as usize]));
         let slave = velocity(i) * (1.0 - s) + velocity(j) * s;
         let opening = (slave - velocity(k) * (1.0 - t) - velocity(l) * t).dot(&met.normal);
@@ -364,7 +370,7 @@ impl Edges {
             is_owned: true,
             ..Pair::new(name, two.id, [i, j, k, l])
         };
-        // What is tolerated is no gap: it can only make the pair less near.
+        // The tolerated gap is at most 0: without it the pair is at its nearest.
         if met.height * side + dt * opening * side >= near || met.height * side < -deepest {
             return None;
         }
@@ -373,12 +379,12 @@ impl Edges {
         }
         let folds = if old.is_none() { self.folds(nodes, edges)? } else { Folds { of: [None; 2] } };
         if old.is_none() && !folds.are_met_from(&(met.normal * side)) {
-            // Edges that have just come as near as they may are on the sides where they belong,
-            // whatever else holds them off. Left to nodes until the fold has turned, they would
-            // have sunk in by then.
+            // Edges that are only just in contact are on their correct sides, whatever else
+            // keeps them apart. If nodes had to keep them apart until the fold turns, they would
+            // sink in before that.
             let touches = met.height * side - thickness >= -ACTIVE * scale;
             if !touches || lines.are_neighbours(edges, surface) {
-                // They may have met before they stood out.
+                // They may have touched before they became exposed.
                 let sunk =
                     met.height.abs() < SUNK * thickness && folds.are_before(&(met.normal * -side));
                 side = if sunk { -side } else { return None };
@@ -390,8 +396,8 @@ impl Edges {
                 let [p, q] = edges[k].ends(&nodes.x);
                 met.along[k].min(1.0 - met.along[k]) * (q - p).norm()
             };
-            // An upright edge that stands on a face a little deep is as deep beside the face's
-            // edges as that is from them, and does not meet those.
+            // An upright edge that stands a little deep in a face has the same depth and
+            // distance at the face's edges. It must not touch these edges.
             let margin = if solid { (BESIDE * scale).max(-gap) } else { END * scale };
             if solid && gap < -BEHIND * scale || to_end(0).min(to_end(1)) < margin {
                 return None;
@@ -404,7 +410,8 @@ impl Edges {
         (predicted < ACTIVE * scale).then_some(pair)
     }
 
-    /// The wedges of what of two edges are folds. `None` if one of them has no outside any more.
+    /// Returns the wedges of those of the two edges that are folds. Returns `None` if a fold has
+    /// no outside any more.
     fn folds(&self, nodes: &Nodes, edges: [&Edge; 2]) -> Option<Folds> {
         let mut folds = Folds { of: [None; 2] };
         for (edge, fold) in
@@ -415,8 +422,8 @@ impl Edges {
         Some(folds)
     }
 
-    /// What is remembered of a pair, or of one that it follows on, without its slip; `normal` is
-    /// along the cross product of the edges.
+    /// Returns the history of a pair. If it has none, returns the history of a pair that it
+    /// continues, without the slip. `normal` is along the cross product of the edges.
     fn recall_history(&self, name: &PairKey, normal: &V3) -> Option<PairHistory> {
         if let Ok(i) = self.memories.binary_search_by_key(name, |r| r.memory.name) {
             return Some(self.memories[i].memory);
@@ -437,14 +444,14 @@ impl Edges {
             let of = along.then_some(m).or_else(|| across.then(turned)).filter(alike);
             of.map(|m| (m.age, place, PairHistory { slip: V3::zeros(), ..m }))
         };
-        // What is touched before what was lost, then by name.
+        // Existing contact comes before lost contact, then the order of the keys decides.
         let before =
             at(a).chain(at(b)).filter_map(follows).min_by_key(|&(age, place, _)| (age, place));
         before.map(|(_, _, m)| m)
     }
 
-    /// Remembers the pairs of a step, all that are known here, and for some steps those that are
-    /// lost.
+    /// Stores the history of all pairs of a step that are known here, and keeps the history of
+    /// lost pairs for some steps.
     pub fn store_history<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         let before = std::mem::take(&mut self.memories);
         self.gathered = false;
@@ -460,7 +467,7 @@ impl Edges {
             let found =
                 self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
             if let (Err(_), Some(memory)) = (found, r.memory.after_loss()) {
-                // What others have told has no side, and needs none.
+                // Pairs from other workers have no side, and lost pairs need none.
                 self.memories
                     .push(EdgePairHistory { memory: PairHistory { side: 0.0, ..memory }, ..r });
             }
@@ -479,16 +486,16 @@ impl Edges {
         self.by_node.sort_unstable();
     }
 
-    /// What own edges remember, under each of the four nodes of a pair that is known here; of pairs
-    /// that are lost, and before a step has gone by since the last time, also what is left of edges
-    /// that nobody has any more.
+    /// Returns the histories of own edges, once for each local node of the pair. It also returns
+    /// the histories of other workers' edges if the pair is lost or if no step has passed since
+    /// they were collected: such an edge may have no owner any more.
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
     }
 }
 
-/// An edge as a sphere around it.
+/// Sphere around an edge.
 struct EdgeBar {
     middle: V3,
     half: f64,
@@ -500,26 +507,27 @@ impl EdgeBar {
         Self { middle: (p + q) * 0.5, half: 0.5 * (q - p).norm() }
     }
 
-    /// Whether another one is farther than `reach` for certain [length].
+    /// Returns true if another edge is certainly farther away than `reach` [length].
     fn is_farther(&self, other: &Self, reach: f64) -> bool {
         let reach = self.half + other.half + reach;
         (self.middle - other.middle).norm_squared() > reach * reach
     }
 }
 
-/// Whether two edges are no farther apart than `reach` [length].
+/// Returns true if the distance of two edges is at most `reach` [length].
 fn are_within(a: &Edge, b: &Edge, nodes: &Nodes, reach: f64) -> bool {
     separation(&a.ends(&nodes.x), &b.ends(&nodes.x)) <= reach * reach
 }
 
-/// Half thicknesses of two edges together in an interface, and their scales [length].
+/// Returns the sum of the half thicknesses of two edges in an interface, and the sum of their
+/// scales [length].
 fn sizes(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> (f64, f64) {
     let [a, b] = edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)));
     (a.0 + b.0, a.1 + b.1)
 }
 
-/// Lever arms of friction on two edges, as they are to each other: their half thicknesses; nought
-/// without friction [length].
+/// Returns the lever arms of friction on two edges, in proportion to each other: their half
+/// thicknesses, or zero without friction [length].
 fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
     if !surface.interfaces.has_friction(interface) {
         return [0.0; 2];
@@ -527,26 +535,26 @@ fn levers(surface: &Surface, interface: u16, edges: [&Edge; 2]) -> [f64; 2] {
     edges.map(|e| surface.interfaces.measure(interface, (e.half, e.scale)).0)
 }
 
-/// Wedges of the slave edge and of the other one, of folds only.
+/// Wedges of the slave edge and of the other edge; `None` for an edge that is no fold.
 struct Folds {
     of: [Option<FoldWedge>; 2],
 }
 
 impl Folds {
-    /// Wedges, with the directions in which the other edge lies if `normal` points to the slave's
-    /// side.
+    /// Returns each wedge with the direction to the other edge, if `normal` points to the
+    /// slave's side.
     fn each(&self, normal: &V3) -> impl Iterator<Item = (&FoldWedge, V3)> {
         self.of.iter().zip([-normal, *normal]).filter_map(|(w, d)| Some((w.as_ref()?, d)))
     }
 
-    /// Whether, for each fold, the other edge lies behind none of its segments.
+    /// Returns true if, for each fold, the other edge lies behind none of its segments.
     fn are_met_from(&self, normal: &V3) -> bool {
         self.each(normal).all(|(wedge, to)| wedge.arms.iter().all(|arm| to.dot(arm) <= CONE))
     }
 
-    /// Whether two folds stand out towards each other.
+    /// Returns true if both edges are folds and their outsides face each other.
     fn are_before(&self, normal: &V3) -> bool {
-        /// Cosine between the direction of the other edge and that in which a fold stands out.
+        /// Cosine between the direction of the other edge and the outward direction of a fold.
         const TOWARDS: f64 = 0.7;
         let out = |w: &FoldWedge| (w.arms[0] + w.arms[1]).try_normalize(0.0).map(|m| -m);
         self.of.iter().all(|w| w.is_some())
@@ -555,8 +563,9 @@ impl Folds {
     }
 }
 
-/// Sign with which `normal`, at right angles to both edges, points out of the other one's solid and
-/// into the first one's, as far as they are edges of solids. `None` where neither sign does.
+/// Returns the sign with which `normal`, perpendicular to both edges, points out of the solid of
+/// the second edge and into the solid of the first edge. Edges of shells are ignored. Returns
+/// `None` if neither sign does.
 fn facing(
     lines: &EdgeTable,
     surface: &Surface,

@@ -1,20 +1,22 @@
-//! Segments against segments, for laws that want them: what quarters of two segments have over each
-//! other (`overlap.rs`).
+//! Contact of segments with segments, for laws that need it. A pair is the overlap of a quarter
+//! of one segment with a quarter of another (`overlap.rs`).
 //!
-//! Two segments face each other where the product of their normals, each on the side where the
-//! other one is, is below `-FACING`. They are laid on the plane across the mean of these normals,
-//! so that neither comes before the other. Of two segments the one with the lower number is the
-//! slave, so that no pair is there twice, and its worker owns the pairs: its exterior copies are
-//! made to reach as far around all nodes of own segments as around slaves (`membership.rs`).
+//! Two segments face each other if the product of their normals is below `-FACING`; each normal
+//! is taken on the side where the other segment is. Both are projected onto the plane
+//! perpendicular to the mean of these normals, so that neither is preferred. The segment with
+//! the lower number is the slave, so that no pair exists twice. The worker of the slave owns the
+//! pairs. Its ghosts reach as far around all nodes of own segments as around slaves
+//! (`parallel/partition.rs`).
 //!
-//! This misses nodes and edges of shells that stand on a face or meet another rim: there nodes meet
-//! segments ([`Facets::covers`]), and edges meet edges.
+//! This does not find nodes and edges of shells that stand on a face or touch another rim. There
+//! nodes touch segments ([`Facets::covers`]), and edges touch edges.
 //!
-//! What is new in a place goes on from what was beside it, so that nothing begins anew where a
-//! surface slides over the next segment: another pair of the same quarter, or of the same slave,
-//! with its stick point; or, without that, one of a neighbour of the slave on the same segment. The
-//! latter may belong to another worker, so pairs that are known here are remembered, not only own
-//! ones, as with edges.
+//! A new pair continues the history of a neighbouring pair, so that contact is not interrupted
+//! where a surface slides over to the next segment. It takes the history of another pair of the
+//! same quarter, or of the same slave, with the stick point. If there is none, it takes the
+//! history of a neighbour of the slave on the same segment, without the stick point. This
+//! neighbour may belong to another worker. Therefore the history of all pairs that are known
+//! here is stored, not only of own pairs, as for edges.
 
 use crate::constraints::ties::ContactExclusions;
 use crate::contact::geometry::{Sphere, V3};
@@ -27,56 +29,58 @@ use crate::nodes::{Nodes, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};
 
-/// See above: some 70 degrees.
+/// Limit of the product of normals of facing segments, see above; an angle of about 70 degrees.
 const FACING: f64 = 0.3;
-/// Memories of pairs beside each other are of the same contact if their normals have a product
-/// above this.
+/// Product of normals above which the histories of neighbouring pairs belong to the same
+/// contact.
 const ALIKE: f64 = 0.7;
 
-/// What is remembered of a pair.
+/// History of a pair of segments.
 #[derive(Clone, Copy, Debug)]
 struct FacetPairHistory {
     memory: PairHistory,
     /// Local nodes of the slave, or [`NOT_LOCAL`].
     nodes: [u32; 4],
-    /// Whether the slave is this worker's own.
+    /// True if the slave is this worker's own.
     own: bool,
 }
 
-/// Pairs of segments that could touch, and what own ones remember.
+/// Pairs of segments that could touch, and the pair histories of own segments.
 #[derive(Debug, Default)]
 pub struct Facets {
-    /// By interface, whether segments meet segments there.
+    /// For each interface, true if segments touch segments there.
     wanted: Vec<bool>,
-    /// Per segment the stiffness that contact with it has for its area at the start, or empty
-    /// [force/length^3].
+    /// Contact stiffness of each segment over its initial area [force/length^3]; empty if not
+    /// needed.
     stiffness: Vec<f64>,
-    /// Slave and other segment of all pairs that could touch before the next search, ascending.
+    /// Slave segment and other segment of all pairs that could touch before the next search,
+    /// ascending.
     found: Vec<[u32; 2]>,
-    /// Those of them that are near.
+    /// Those of `found` that are near.
     near: Vec<[u32; 2]>,
-    /// In ascending order of names.
+    /// Histories in ascending order of their keys.
     memories: Vec<FacetPairHistory>,
-    /// The segments that they met, ascending, with their places.
+    /// Target segments of the histories, ascending, with the indices of the histories.
     by_met: Vec<(SegmentId, u32)>,
-    /// Whether they are as they were gathered, alike on all workers that have them: no step has
-    /// gone by since.
+    /// True if the histories are as they were collected, with no step since then. They are then
+    /// equal on all workers that have them.
     gathered: bool,
 }
 
 impl Facets {
-    /// Nothing found yet; `wanted` tells of each interface whether segments meet segments there.
+    /// Returns an empty set of pairs. `wanted` states for each interface if segments touch
+    /// segments there.
     pub fn new(wanted: Vec<bool>) -> Self {
         Self { wanted, ..Self::default() }
     }
 
-    /// Whether there are such interfaces.
+    /// Returns true if there is an interface where segments touch segments.
     pub fn are_wanted(&self) -> bool {
         self.wanted.contains(&true)
     }
 
-    /// Takes a new surface and what is remembered at its nodes. `stiffness` is per segment, or
-    /// empty [force/length].
+    /// Takes a new surface and collects the histories at its nodes. `stiffness` is per segment,
+    /// or empty [force/length].
     pub fn renew(
         &mut self,
         surface: &Surface,
@@ -114,15 +118,15 @@ impl Facets {
         self.index();
     }
 
-    /// Bytes in use.
+    /// Returns the number of bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.stiffness[..])
             + size_of_val(&self.found[..])
             + size_of_val(&self.near[..])
     }
 
-    /// Which own segments could meet which others before nodes have moved by more than `skin`
-    /// against each other [length]. [`Self::pick`] comes after it.
+    /// Finds the pairs of an own segment and another segment that could touch before nodes have
+    /// moved by more than `skin` against each other [length]. [`Self::pick`] must follow.
     pub fn search(
         &mut self,
         (surface, spheres): (&Surface, &[Sphere]),
@@ -158,8 +162,9 @@ impl Facets {
         self.found.sort_unstable();
     }
 
-    /// Takes those of the pairs found that could touch in a step that moves nodes by no more than
-    /// `step` against each other, before they have moved by more than `skin` [length].
+    /// Selects from the pairs found those that could touch in a step. In such a step nodes move
+    /// by at most `step` against each other [length]. The selection is valid until they have
+    /// moved by more than `skin` [length].
     pub fn pick(&mut self, nodes: &Nodes, surface: &Surface, skin: f64, step: f64) {
         let is_near = |pair: &&[u32; 2]| {
             let segments = pair.map(|i| &surface.segments[i as usize]);
@@ -176,7 +181,7 @@ impl Facets {
         self.near.extend(self.found.iter().filter(is_near));
     }
 
-    /// A node of the slave and the other segment of each pair that is near.
+    /// Returns a node of the slave and the other segment for each pair that is near.
     pub fn near<'a>(&'a self, surface: &'a Surface) -> impl Iterator<Item = (u32, &'a Segment)> {
         self.near
             .iter()
@@ -188,8 +193,8 @@ impl Facets {
         surface.interfaces.for_pair(of(slave), of(met)).filter(|&i| self.wanted[i as usize])
     }
 
-    /// The interface in which two segments may meet as segments, the first one with the lower id;
-    /// `None` if they may not.
+    /// Returns the interface in which two segments may touch as segments, the first one with the
+    /// lower id. Returns `None` if they may not.
     fn may_meet(
         &self,
         surface: &Surface,
@@ -206,8 +211,8 @@ impl Facets {
         self.interface(surface, [slave, met]).filter(|_| is_free)
     }
 
-    /// Whether what a node meets is met by a segment around it too: the pair of the node is then
-    /// left out. `alive` tells which interfaces are there.
+    /// Returns true if a segment around the node of a pair touches the pair's segment too. The
+    /// pair of the node is then left out. `alive` states for each interface if it is active.
     pub fn covers(
         &self,
         nodes: &Nodes,
@@ -242,8 +247,8 @@ impl Facets {
         })
     }
 
-    /// Active pairs of own segments in this step, appended; `alive` tells which interfaces are
-    /// there.
+    /// Appends the active pairs of own segments in this step to `out`. `alive` states for each
+    /// interface if it is active.
     pub fn find_pairs(
         &self,
         nodes: &Nodes,
@@ -261,7 +266,7 @@ impl Facets {
         }
     }
 
-    /// How two segments lie to each other; `None` if they cannot touch.
+    /// Computes the relative position of two segments; `None` if they cannot touch.
     fn evaluate_pair<'a>(
         &self,
         nodes: &'a Nodes,
@@ -280,7 +285,8 @@ impl Facets {
             return None;
         }
         let (of_slave, of_met) = (slave.middle_normal(&nodes.x)?, met.middle_normal(&nodes.x)?);
-        // The side of the other segment on which the slave is, along that one's normal.
+        // Side of the other segment on which the slave is, along the normal of the other
+        // segment.
         let side = match (slave.is_solid(), met.is_solid()) {
             (_, true) => 1.0,
             (true, false) => -of_slave.dot(&of_met).signum(),
@@ -313,8 +319,8 @@ impl Facets {
         })
     }
 
-    /// Product of the normal of what a slave remembers of a segment, or of one beside it, with its
-    /// normal, if they look alike.
+    /// Returns the product of `normal` with the normal in the history of a slave with a segment
+    /// or with its neighbour. Returns `None` if there is no history with a similar normal.
     fn side(
         &self,
         slave: SegmentId,
@@ -333,8 +339,8 @@ impl Facets {
         &self.memories[from..to]
     }
 
-    /// What is remembered of a pair of these segments with this normal, or of one beside it, which
-    /// it follows on.
+    /// Returns the history of a pair of these segments with this normal. If it has none, returns
+    /// the history of a neighbouring pair that it continues.
     fn recall_history(
         &self,
         name: &PairKey,
@@ -344,7 +350,8 @@ impl Facets {
     ) -> Option<PairHistory> {
         let alike = |m: &PairHistory| m.normal.dot(normal) > ALIKE && is_of(m, surface, met);
         let own = self.of_slave(slave.id).iter().map(|r| r.memory).filter(alike);
-        // What is touched before what was lost, what is nearest, then by name.
+        // Existing contact comes before lost contact, then the nearest pair, then the order of
+        // the keys.
         let rank = |m: &PairHistory| {
             let other = m.name.slave_quarter() != name.slave_quarter();
             (m.age > 0, m.name != *name, other, m.name.target[0] != name.target[0], m.age, m.name)
@@ -357,13 +364,13 @@ impl Facets {
                 let before = m.name.slave_quarter().0;
                 before != slave.id && alike(m) && surface.is_beside(before, slave)
             });
-            // Others are not told where it sticks.
+            // Other workers do not know the stick point.
             beside.min_by_key(|m| (m.age, m.name)).map(|m| PairHistory { slip: V3::zeros(), ..m })
         })
     }
 
-    /// Remembers the pairs of a step, all that are known here, and for some steps those that are
-    /// lost.
+    /// Stores the history of all pairs of a step that are known here, and keeps the history of
+    /// lost pairs for some steps.
     pub fn store_history<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>) {
         if !self.are_wanted() {
             return;
@@ -380,7 +387,7 @@ impl Facets {
             let found =
                 self.memories[..touched].binary_search_by_key(&r.memory.name, |n| n.memory.name);
             if let (Err(_), Some(memory)) = (found, r.memory.after_loss()) {
-                // What others have told has no side, and needs none.
+                // Pairs from other workers have no side, and lost pairs need none.
                 self.memories
                     .push(FacetPairHistory { memory: PairHistory { side: 0.0, ..memory }, ..r });
             }
@@ -397,8 +404,8 @@ impl Facets {
         self.by_met.sort_unstable();
     }
 
-    /// What own segments remember, under each of their nodes; see
-    /// [`Edges::memories`](super::edges::Edges::memories).
+    /// Returns the histories of own segments, once for each of their nodes; see
+    /// [`Edges::pair_histories`](super::edges::Edges::pair_histories).
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &PairHistory)> {
         let told = self.memories.iter().filter(|r| r.own || self.gathered || r.memory.age > 0);
         told.flat_map(|r| r.nodes.map(|n| (n, &r.memory))).filter(|(n, _)| *n != NOT_LOCAL)
@@ -417,32 +424,32 @@ fn place(surface: &Surface, id: SegmentId) -> Option<usize> {
 struct FacetPairGeometry<'a> {
     nodes: &'a Nodes,
     surface: &'a Surface,
-    /// The slave, and what it meets.
+    /// The slave segment and the other segment.
     segments: [&'a Segment; 2],
     interface: u16,
     /// Distance at which they touch [length].
     thickness: f64,
-    /// Half thicknesses of both; nought without friction [length].
+    /// Half thicknesses of both segments; zero without friction [length].
     arm: [f64; 2],
-    /// Length that gaps are judged by [length].
+    /// Contact thickness [length].
     scale: f64,
     corners: [[V3; 4]; 2],
-    /// From the other segment to the slave.
+    /// Unit vector from the other segment to the slave.
     normal: V3,
     side: f64,
-    /// Stiffness for their areas [force/length^3].
+    /// Contact stiffness over area of both segments [force/length^3].
     per_area: [f64; 2],
 }
 
-/// Whether a pair that is remembered was with this segment, or with one that has a node in common
-/// with it.
+/// Returns true if the history is of a pair with this segment, or with one that has a common
+/// node with it.
 fn is_of(memory: &PairHistory, surface: &Surface, met: &Segment) -> bool {
     let before = SegmentId(memory.name.target[0]);
     before == met.id || surface.is_beside(before, met)
 }
 
-/// Whether a segment with this normal is convex. What is not cannot be divided into quarters that
-/// are.
+/// Returns true if a segment with this normal is convex. A segment that is not convex cannot be
+/// divided into convex quarters.
 fn is_convex(segment: &Segment, normal: &V3, nodes: &Nodes) -> bool {
     let c = segment.corners(&nodes.x);
     let turns = |i: usize| {

@@ -1,12 +1,12 @@
-//! Edges of the surface, and which of them stand out: rims of shells, folds, edges of more than two
-//! segments, sharp convex edges of solids, and beams.
+//! Edges of the surface and their classification. Edges that can be exposed are the rims of
+//! shells, folds, edges of more than two segments, sharp convex edges of solids, and beams.
 //!
-//! How sharp an edge is depends on where its nodes were when surfaces were last looked at for folds
-//! ([`Nodes::seen`]): in the same cycle on all workers, and known to those too that have the edge
-//! since. From an edge every segment that has it goes off in a direction at right angles to it, its
-//! arm. Where all arms lie within less than half a turn the edge has an outside, and the outermost
-//! two of them make its wedge: it is folded by what half a turn is more than the angle between
-//! them.
+//! The sharpness of an edge is computed from node positions that are refreshed in certain cycles
+//! only ([`Nodes::seen`]). The cycle is the same on all workers, and the positions migrate with
+//! the nodes. From an edge, every segment that has it extends in a direction perpendicular to
+//! the edge, its arm. If all arms lie within less than 180 degrees, the edge has an outside, and
+//! its two outermost arms form its wedge. The fold angle is 180 degrees minus the angle between
+//! these two arms.
 
 use crate::contact::geometry::V3;
 use crate::contact::surface::{Segment, Surface};
@@ -14,79 +14,79 @@ use crate::nodes::{Nodes, Row, xyz};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 
-/// Folds of shells begin to meet other edges where these would sink in by more than this fraction
-/// of the thickness before nodes meet segments: half the width of a segment times the tangent of
-/// half the fold.
+/// Depth by which another edge would sink in before nodes touch segments, as a fraction of the
+/// thickness. A fold of shells is exposed if this depth is larger. The depth is half the width
+/// of a segment times the tangent of half the fold angle.
 const SINKS: f64 = 0.1;
-/// They do so from 20 degrees on however narrow their segments are, and below 5 degrees however
-/// wide these are, they do not [rad].
+/// Limits of the fold angle of shells. From 20 degrees on a fold is exposed, however narrow its
+/// segments are. Below 5 degrees it is not, however wide they are [rad].
 const FOLD: f64 = 0.349;
 const LEAST: f64 = 0.087;
-/// Edges of solids begin at 45 degrees [rad].
+/// Fold angle from which on an edge of solids is exposed, 45 degrees [rad].
 const SOLID_FOLD: f64 = 0.785;
 
-/// The fold from which on an edge of shells begins to meet others, by its half thickness and the
-/// width of its segments [rad].
+/// Returns the fold angle from which on an edge of shells is exposed [rad]. `half` is its half
+/// thickness and `width` the width of its segments [length].
 fn limit(half: f64, width: f64) -> f64 {
     (2.0 * SINKS * 2.0 * half / (0.5 * width)).clamp(LEAST, FOLD)
 }
 
-/// The outermost arms of an edge.
+/// The two outermost arms of an edge.
 #[derive(Clone, Copy, Debug)]
 pub struct FoldWedge {
     /// Unit vectors.
     pub arms: [V3; 2],
-    /// Length of the longer one, the width of its segment [length].
+    /// Length of the longer arm, the width of its segment [length].
     pub width: f64,
 }
 
-/// What kind of edge it is.
+/// Kind of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// That of one shell alone.
+    /// Edge of one shell only.
     Rim,
-    /// Of two segments or more, some of them shells.
+    /// Edge of two segments or more, some of them shells.
     Fold,
-    /// Of two faces of solids.
+    /// Edge of two faces of solids.
     Solid,
-    /// A beam, whatever else has its nodes for an edge.
+    /// A beam, whatever other segments have the edge.
     Beam,
 }
 
-/// An edge of the surface that stands out, or could.
+/// An edge of the surface that is exposed or could become so.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {
     /// Local nodes, in ascending id.
     pub nodes: [u32; 2],
-    /// What kind it is.
+    /// Kind of the edge.
     pub kind: Kind,
     first: u32,
     count: u32,
-    /// Half thickness, the largest of its shells and beams, or of the lowest of two faces of solids
-    /// [length].
+    /// Half thickness: the largest of its shells and beams, or that of the lower one of two
+    /// faces of solids [length].
     pub half: f64,
-    /// Length that its gaps are judged by, of the same [length].
+    /// Its part of the contact thickness, from the same segments [length].
     pub scale: f64,
 }
 
 impl Edge {
-    /// Its ends [length].
+    /// Returns the coordinates of its ends [length].
     pub fn ends(&self, x: &[Row]) -> [V3; 2] {
         self.nodes.map(|n| V3::from(xyz(&x[n as usize])))
     }
 
-    /// Ids of its nodes.
+    /// Returns the ids of its nodes.
     pub fn ids(&self, nodes: &Nodes) -> [NodeId; 2] {
         self.nodes.map(|n| nodes.id[n as usize])
     }
 
-    /// Box around it.
+    /// Returns the box around it.
     pub fn bounds(&self, x: &[Row]) -> Aabb {
         Aabb::around(self.nodes.map(|n| xyz(&x[n as usize])))
     }
 }
 
-/// A segment's edge: local nodes in ascending id, and the segment.
+/// An edge of a segment: local nodes in ascending id, and the index of the segment.
 type Side = ([u32; 2], u32);
 
 /// Edges of a surface with the segments that have them.
@@ -94,15 +94,16 @@ type Side = ([u32; 2], u32);
 pub struct EdgeTable {
     /// Edges in ascending order of their local nodes.
     pub all: Vec<Edge>,
-    /// Indices of the segments of each edge, ascending; run after run.
+    /// Indices of the segments of each edge, ascending, edge after edge.
     segments: Vec<u32>,
-    /// Of each of them the two corners that are not the edge's, twice the same of a triangle.
+    /// For each entry of `segments` the two corners that are not on the edge; twice the same
+    /// corner for a triangle.
     far: Vec<[u32; 2]>,
 }
 
 impl EdgeTable {
-    /// Those of a surface that stand out or could: faces of solids have no rims, and more than two
-    /// are no wedge.
+    /// Builds the table of edges that are exposed or could become so. Edges of solids need
+    /// exactly two faces: one face has no rim, and more than two have no wedge.
     pub fn new(surface: &Surface, nodes: &Nodes) -> Self {
         let mut sides: Vec<Side> = Vec::with_capacity(4 * surface.segments.len());
         for (g, s) in surface.segments.iter().enumerate() {
@@ -148,47 +149,49 @@ impl EdgeTable {
         lines
     }
 
-    /// Bytes in use.
+    /// Returns the number of bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.all[..]) + size_of_val(&self.segments[..]) + size_of_val(&self.far[..])
     }
 
-    /// Indices of the segments that have an edge, ascending.
+    /// Returns the indices of the segments that have an edge, ascending.
     pub fn segments(&self, edge: &Edge) -> &[u32] {
         &self.segments[edge.first as usize..(edge.first + edge.count) as usize]
     }
 
-    /// The lowest segment that has an edge.
+    /// Returns the lowest segment that has an edge.
     pub fn lowest_segment<'a>(&self, edge: &Edge, surface: &'a Surface) -> &'a Segment {
         &surface.segments[self.segments[edge.first as usize] as usize]
     }
 
-    /// Interface of two edges; `None` if they do not touch.
+    /// Returns the interface of two edges; `None` if they do not touch.
     pub fn interface(&self, edges: [&Edge; 2], surface: &Surface) -> Option<u16> {
         let [ahead, behind] =
             edges.map(|e| self.segments(e).iter().map(|&g| surface.segments[g as usize].part));
         surface.interfaces.for_pair(ahead, behind)
     }
 
-    /// Place of the edge between these local nodes, in the order in which edges have them.
+    /// Returns the index of the edge between these local nodes; `nodes` are in the order of
+    /// [`Edge::nodes`].
     pub fn place(&self, nodes: [u32; 2]) -> Option<usize> {
         self.all.binary_search_by_key(&nodes, |e| e.nodes).ok()
     }
 
-    /// Whether a segment or a solid that has this edge has any of `others`.
+    /// Returns true if a segment or a solid that has this edge has any of the nodes `others`.
     pub fn has_beside(&self, edge: &Edge, surface: &Surface, others: &[u32; 2]) -> bool {
         let has = |s: &Segment| others.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         self.segments(edge).iter().any(|&g| has(&surface.segments[g as usize]))
     }
 
-    /// Whether a segment of one edge and a segment of the other have a node in common.
+    /// Returns true if a segment of one edge and a segment of the other have a common node.
     pub fn are_neighbours(&self, edges: [&Edge; 2], surface: &Surface) -> bool {
         let [mut one, other] = edges
             .map(|e| self.segments(e).iter().flat_map(|&g| surface.segments[g as usize].nodes));
         one.any(|n| other.clone().any(|m| m == n))
     }
 
-    /// Outermost arms of an edge. `None` without an outside, or where a segment has no area.
+    /// Returns the outermost arms of an edge. Returns `None` if the edge has no outside or if a
+    /// segment has no area.
     pub fn wedge(&self, edge: &Edge, x: &[Row]) -> Option<FoldWedge> {
         let axis = Axis::new(edge, x);
         let arm = |far: &[u32; 2]| axis.arm(far, x);
@@ -199,13 +202,14 @@ impl EdgeTable {
         }
     }
 
-    /// Whether an edge stands out, with nodes at `x`.
+    /// Returns true if an edge is exposed, with nodes at `x`.
     pub fn is_exposed(&self, edge: &Edge, surface: &Surface, x: &[Row]) -> bool {
         let [out] = self.is_folded(edge, surface, x, [1.0]);
         out
     }
 
-    /// Whether it is folded by these fractions of the angle at which it stands out.
+    /// Returns for each fraction in `by` true if the edge is folded by this fraction of the
+    /// angle at which it is exposed.
     pub fn is_folded<const N: usize>(
         &self,
         edge: &Edge,
@@ -221,15 +225,15 @@ impl EdgeTable {
         };
         let turned = -a.dot(&b);
         if edge.kind == Kind::Solid {
-            // Of a solid it is convex: the other face lies behind this one.
+            // The edge of a solid is convex if the other face lies behind this one.
             let convex = || {
                 self.lowest_segment(edge, surface).middle_normal(x).is_some_and(|n| b.dot(&n) < 0.0)
             };
             return by.map(|fraction| turned < (fraction * SOLID_FOLD).cos() && convex());
         }
         by.map(|fraction| {
-            // Most are flatter or sharper than any limit: by bounds of the cosine they are told
-            // without it.
+            // Most folds are flatter or sharper than any limit. Bounds of the cosine identify
+            // them without evaluating it.
             let [least, most] =
                 [LEAST, FOLD].map(|angle| 0.5 * (fraction * angle) * (fraction * angle));
             let flat = turned >= 1.0 - least + least * least / 6.0;
@@ -239,7 +243,7 @@ impl EdgeTable {
     }
 }
 
-/// The line of an edge.
+/// Line of an edge.
 struct Axis {
     from: V3,
     along: V3,
@@ -252,7 +256,8 @@ impl Axis {
         Self { from: p, along: q - p, length2: (q - p).norm_squared() }
     }
 
-    /// From the line to the middle of a segment's far corners, at right angles [length].
+    /// Returns the vector from the line to the middle of a segment's far corners, perpendicular
+    /// to the line [length].
     fn arm(&self, far: &[u32; 2], x: &[Row]) -> V3 {
         let [one, two] = far.map(|n| V3::from(xyz(&x[n as usize])));
         let middle = (one + two) / 2.0;
@@ -262,15 +267,15 @@ impl Axis {
 }
 
 impl FoldWedge {
-    /// Between two arms [length].
+    /// Builds the wedge of two arms [length]; `None` if one of them has no length.
     fn between(a: V3, b: V3) -> Option<Self> {
         let [one, two] = [a.norm(), b.norm()];
         (one > 0.0 && two > 0.0).then(|| Self { arms: [a / one, b / two], width: one.max(two) })
     }
 }
 
-/// The two of some arms about a line [length] that all others lie between; `None` where these take
-/// half a turn or more.
+/// Returns the two arms about a line [length] between which all others lie. Returns `None` if
+/// the arms extend over 180 degrees or more.
 fn outermost(arms: &[V3]) -> Option<FoldWedge> {
     /// Round-off of unit vectors.
     const BETWEEN: f64 = 1e-9;
@@ -294,7 +299,7 @@ mod tests {
     use crate::testing::nodes_at;
     use crumple_proto::ids::SegmentId;
 
-    /// Squares with one edge in common, along y, that go off at these angles [degree] from x
+    /// Returns squares with one common edge along y. They extend at these angles [degree] from x
     /// towards z.
     fn star(angles: &[f64], half: f64) -> (Nodes, Surface) {
         let mut points = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

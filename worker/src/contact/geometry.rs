@@ -1,4 +1,5 @@
-//! Nearest point of a segment: a bilinear quad or a triangle; where two edges pass each other.
+//! Nearest point of a segment (bilinear quad, triangle or line), and nearest points of two
+//! edges.
 
 use crate::contact::kernels::{self, Projection, is_in, project};
 use crate::math::lanes::Real;
@@ -7,22 +8,22 @@ use nalgebra::Vector3;
 /// A point or vector.
 pub type V3 = Vector3<f64>;
 
-/// The point of a segment that is nearest to a given one.
+/// Point of a segment that is nearest to a given point.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
-    /// Shape values N_k of the point at the segment's four nodes (a triangle's fourth is 0); they
-    /// sum to 1.
+    /// Shape values N_k of the point at the segment's four nodes (a triangle's fourth is 0);
+    /// they sum to 1.
     pub shape: [f64; 4],
     /// The point [length].
     pub point: V3,
     /// Unit normal of the segment there, by the right-hand rule over its nodes.
     pub normal: V3,
-    /// Whether the nearest point lies on the rim.
+    /// True if the nearest point lies on the rim.
     pub rim: bool,
 }
 
 impl Nearest {
-    /// That of a lane; `None` for a segment without area.
+    /// Returns the nearest point of a lane; `None` for a segment without area.
     pub fn of<R: Real>(found: &Projection<R>, lane: usize) -> Option<Self> {
         let vector = |of: kernels::Vector<R>| V3::from(of.0.map(|c| c.lane(lane)));
         is_in::<R>(found.found, lane).then(|| Self {
@@ -34,15 +35,15 @@ impl Nearest {
     }
 }
 
-/// Nearest point of segment `q` (its third node repeated for a triangle) to `p`. `None` for a
-/// segment without area.
+/// Computes the nearest point of segment `q` (its third node repeated for a triangle) to `p`.
+/// Returns `None` for a segment without area.
 pub fn nearest(p: &V3, q: &[V3; 4], triangle: bool) -> Option<Nearest> {
     Nearest::of(&project((*p).into(), &q.map(Into::into), triangle), 0)
 }
 
-/// Nearest point of a line between two ends to `p`, its normal the direction in which `p` lies from
-/// there: the same around an end as along the line. For `p` on the line it is some direction square
-/// to that.
+/// Computes the nearest point of a line between two ends to `p`. Its normal is the direction
+/// from this point to `p`, around an end as along the line. If `p` is on the line, the normal is
+/// any direction perpendicular to the line.
 pub fn nearest_on_line(p: &V3, [from, to]: [&V3; 2]) -> Nearest {
     let along = to - from;
     let length2 = along.norm_squared();
@@ -52,7 +53,7 @@ pub fn nearest_on_line(p: &V3, [from, to]: [&V3; 2]) -> Nearest {
     Nearest { shape: [1.0 - s, s, 0.0, 0.0], point, normal, rim: true }
 }
 
-/// A unit vector square to another one.
+/// Returns a unit vector perpendicular to another one.
 fn perpendicular_to(v: &V3) -> V3 {
     let least = (0..3).min_by(|&a, &b| v[a].abs().total_cmp(&v[b].abs())).unwrap_or(0);
     v.cross(&V3::ith(least, 1.0)).try_normalize(0.0).unwrap_or_else(V3::z)
@@ -67,42 +68,43 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// That of a segment with corners `q`.
+    /// Builds the sphere around a segment with corners `q`.
     pub fn around(q: &[V3; 4]) -> Self {
         let centre = (q[0] + q[1] + q[2] + q[3]) * 0.25;
         let radius = q.iter().map(|p| (p - centre).norm_squared()).fold(0.0, f64::max).sqrt();
         Self { centre, radius }
     }
 
-    /// Its centre [length].
+    /// Returns its centre [length].
     pub fn centre(&self) -> V3 {
         self.centre
     }
 
-    /// Its radius [length].
+    /// Returns its radius [length].
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Whether another segment is farther than `reach` from this one for certain.
+    /// Returns true if another segment is certainly farther than `reach` from this one [length].
     pub fn are_separated(&self, other: &Self, reach: f64) -> bool {
         self.is_farther(&other.centre, reach + other.radius)
     }
 
-    /// Whether a point is farther than `reach` from the segment for certain.
+    /// Returns true if a point is certainly farther than `reach` from the segment [length].
     pub fn is_farther(&self, at: &V3, reach: f64) -> bool {
         (at - self.centre).norm_squared() > (reach + self.radius) * (reach + self.radius)
     }
 }
 
-/// Two edges whose sines of the angle between them is below this count as parallel: where they are
-/// nearest to each other is then ill determined, and their ends tell as much.
+/// Sine of the angle between two edges below which they count as parallel. The points where
+/// parallel edges are nearest to each other are ill conditioned, and contact of their ends is
+/// equivalent.
 const PARALLEL: f64 = 0.03;
 
-/// The points of two edges that are nearest to each other, both between the ends.
+/// Points of two edges that are nearest to each other, both between the ends.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeProjection {
-    /// The places of the points along either edge, above 0 and below 1.
+    /// Positions of the points along either edge, above 0 and below 1.
     pub along: [f64; 2],
     /// Unit vector along the cross product of the edges.
     pub normal: V3,
@@ -110,8 +112,8 @@ pub struct EdgeProjection {
     pub height: f64,
 }
 
-/// Where edges `p` and `q`, by their ends, are nearest to each other. `None` if that is at an end,
-/// or if they are parallel.
+/// Computes the points where edges `p` and `q`, given by their ends, are nearest to each other.
+/// Returns `None` if one of the points is an end or if the edges are parallel.
 pub fn project_edges(p: &[V3; 2], q: &[V3; 2]) -> Option<EdgeProjection> {
     let (u, w, apart) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
     let cross = u.cross(&w);
@@ -125,14 +127,15 @@ pub fn project_edges(p: &[V3; 2], q: &[V3; 2]) -> Option<EdgeProjection> {
     between.then(|| EdgeProjection { along, normal, height: -apart.dot(&normal) })
 }
 
-/// Square of the distance of two edges, ends included (Ericson, Real-Time Collision Detection,
-/// 2005, 5.1.9).
+/// Computes the square of the distance of two edges, ends included (Ericson, Real-Time Collision
+/// Detection, 2005, 5.1.9) [length^2].
 pub fn separation(p: &[V3; 2], q: &[V3; 2]) -> f64 {
     let (u, w, from) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
     let (uu, ww, uw, fu, fw) = (u.dot(&u), w.dot(&w), u.dot(&w), from.dot(&u), from.dot(&w));
     let nearest = |num: f64, den: f64| if den > 0.0 { (num / den).clamp(0.0, 1.0) } else { 0.0 };
     let s = nearest(uw * fw - fu * ww, uu * ww - uw * uw);
-    // Of that point the nearest on the other edge, and of this again the nearest.
+    // Take the point of the other edge that is nearest to this point, and then again the nearest
+    // one on this edge.
     let t = nearest(uw * s + fw, ww);
     let s = nearest(uw * t - fu, uu);
     (from + u * s - w * t).norm_squared()
@@ -170,8 +173,8 @@ mod tests {
     }
 
     proptest! {
-        /// The distance of two edges is that of the nearest of many points, whether it is at ends
-        /// or between.
+        /// The distance of two edges is that of the nearest of many points, at the ends or
+        /// between.
         #[test]
         fn how_far_edges_are_apart_is_the_least_of_many(
             ends in prop::array::uniform4(prop::array::uniform3(-1.0..1.0f64)),
@@ -205,7 +208,7 @@ mod tests {
         assert!(project_edges(&p, &[V3::z(), V3::z()]).is_none(), "no length");
     }
 
-    /// A point of a quad by its place.
+    /// Returns a point of a quad at a position in its plane.
     fn at(q: &[V3; 4], xi: f64, eta: f64) -> V3 {
         let side = |a: usize, b: usize| q[a] * (1.0 - xi) + q[b] * (1.0 + xi);
         (side(0, 1) * (1.0 - eta) + side(3, 2) * (1.0 + eta)) * 0.25
@@ -241,9 +244,9 @@ mod tests {
         }
     }
 
-    /// Quads folded over as a crushed tube has them: a node 2.6 from the inside, 3.0 from the rim.
-    /// Newton's method from the middle goes far out of the first; the second is the first a little
-    /// later.
+    /// Folded quads as in a crushed tube: a node 2.6 from the inside, 3.0 from the rim. Newton's
+    /// method from the middle goes far out of the first quad. The second quad is the first a
+    /// little later.
     #[test]
     fn a_nearest_point_inside_a_strongly_warped_quad_is_not_missed() {
         let first = [
@@ -261,7 +264,7 @@ mod tests {
         for (quad, p) in
             [(first, [40.962, -456.242, 125.619]), (second, [40.842, -456.281, 125.646])]
         {
-            // Whichever corner comes first.
+            // The result does not depend on which corner comes first.
             for turn in 0..4 {
                 let q: [V3; 4] = std::array::from_fn(|k| V3::from(quad[(k + turn) % 4]));
                 let (p, found) = (V3::from(p), nearest(&V3::from(p), &q, false).unwrap());
@@ -292,7 +295,7 @@ mod tests {
     }
 
     proptest! {
-        /// No point of a segment on a grid is nearer than the one that is found.
+        /// No point of a segment on a grid is nearer than the computed point.
         #[test]
         fn what_is_found_is_the_nearest(
             corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
@@ -313,8 +316,8 @@ mod tests {
             prop_assert!((sum - 1.0).abs() < 1e-12 && (found.normal.norm() - 1.0).abs() < 1e-12);
         }
 
-        /// What the near list leaves out stays out of reach, or beside, while point and corners
-        /// move by half the skin each.
+        /// Candidates that the near list leaves out stay out of reach, or outside the border,
+        /// while point and corners move by half the skin each.
         #[test]
         fn what_is_far_or_beside_stays_so_within_the_skin(
             corners in prop::array::uniform4(prop::array::uniform3(-0.2..0.2f64)),
@@ -330,7 +333,7 @@ mod tests {
                 q[3] = q[2];
             }
             let at = V3::from(at);
-            // No longer than half the skin.
+            // The displacement is at most half the skin.
             let moved = |k: usize| V3::from(moves[k]) * (0.5 * skin / 3.0f64.sqrt());
             let (then, mut later) = (at + moved(4), q);
             (0..4).for_each(|k| later[k] += moved(if triangle { k.min(2) } else { k }));
@@ -341,11 +344,11 @@ mod tests {
                 prop_assert!((then - near.point).norm() > reach);
             }
             if beside(at, &q, skin) {
-                // The local search turns away either.
+                // The local search rejects both.
                 prop_assert!(beside(then, &later, 0.0) || near.rim);
             }
-            // A plane segment that is convex: beside it is beside its rim. Of what is bent in its
-            // plane or warped that much nothing is said.
+            // A plane convex segment: a point outside its border projects onto its rim. Nothing
+            // is stated about segments that are not convex or are warped that much.
             let flat = q.map(|p| V3::new(p.x, p.y, 0.0));
             if beside(at, &flat, 0.0) {
                 prop_assert!(nearest(&at, &flat, triangle).is_none_or(|n| n.rim));

@@ -1,5 +1,5 @@
-//! The contact surface of the mesh as it is given, for warnings before the start: what penetrates,
-//! and what is met with less than its thickness.
+//! Checks of the contact surface of the initial mesh, for warnings before the start: initial
+//! penetrations, and shells and beams whose thickness in contact is reduced.
 
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::local_search::{BEHIND, BESIDE, is_opposed};
@@ -20,28 +20,29 @@ pub struct Penetration {
     pub node: NodeId,
     /// The shell, beam or solid.
     pub elem: ElemId,
-    /// How far their surfaces overlap [length].
+    /// Depth by which their surfaces overlap [length].
     pub depth: f64,
-    /// Whether it is so deep in a solid that contact does not see it.
+    /// True if it is so deep in a solid that contact does not see it.
     pub unseen: bool,
 }
 
-/// Penetrations below this fraction of the contact thickness are round-off of the mesh.
+/// Fraction of the contact thickness below which a penetration is round-off of the mesh.
 const ROUND_OFF: f64 = 1e-6;
 
-/// What the contact surface of a mesh shows before the start.
+/// Result of the checks of the contact surface before the start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialPenetrations {
-    /// All penetrations, in ascending node id: the deepest shell for each node, or the nearest face
-    /// of a solid that it is in. The run tolerates what it sees until the gap opens by itself.
+    /// All penetrations, in ascending node id: for each node the deepest shell, or the nearest
+    /// face of a solid in which it is. The run tolerates those that contact sees until the gap
+    /// opens by itself.
     pub penetrations: Vec<Penetration>,
-    /// How many shells and beams are met with less than their thickness
-    /// ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest fraction of it that is
-    /// left; `None` if all are met as they are.
+    /// Number of shells and beams whose thickness in contact is reduced
+    /// ([`crumple_proto::job::Contact::thickness_limit`]), and the smallest fraction of the
+    /// thickness that is left; `None` if there are none.
     pub thinned: Option<(usize, f64)>,
 }
 
-/// Looks at the surface of a mesh (records sorted by id).
+/// Checks the contact surface of a mesh (records sorted by id).
 pub fn initial(
     settings: &Settings,
     elements: &[ElementRecord],
@@ -88,7 +89,7 @@ fn in_shells(
         if s.nodes.contains(&slave) || is_tied(slave, &s.nodes) {
             return;
         }
-        // Lines next to a node's own do not meet it.
+        // Lines next to a node's own lines do not touch it.
         if s.is_line()
             && surface.around(p as usize).any(|own| own.nodes.iter().any(|n| s.nodes.contains(n)))
         {
@@ -112,8 +113,9 @@ fn in_shells(
     found
 }
 
-/// Nodes in solids that they do not belong to. How deep they are tell the faces that the surface
-/// around them faces against: a corner that lies in a side of a block has gone in by its top.
+/// Returns the nodes that are in solids to which they do not belong. Their depth is measured
+/// from the faces that are opposed to the surface around the node. Example: a corner that lies
+/// in a side of a block has entered through the block's top.
 fn in_solids(
     nodes: &Nodes,
     surface: &Surface,
@@ -169,8 +171,8 @@ fn in_solids(
     found
 }
 
-/// For slaves the face that they are least deep in, with that depth and a scale. Faces are looked
-/// for within a reach that grows until none outside of it can be nearer.
+/// Returns for each slave the face with its smallest depth, this depth and the scale. The search
+/// reach grows until no face outside it can be nearer.
 fn nearest_faces(
     faces: &[&Segment],
     mut slaves: Vec<u32>,
@@ -201,7 +203,7 @@ fn nearest_faces(
                 *best = Some((f, depth, scale));
             }
         });
-        // What is deeper than the reach may be less deep in a face outside of it.
+        // A slave that is deeper than the reach may be less deep in a face outside the reach.
         let last = reach > 2.0 * largest;
         let mut left = Vec::new();
         for (p, best) in slaves.into_iter().zip(least) {
@@ -220,8 +222,8 @@ fn points(nodes: &Nodes, surface: &Surface) -> Vec<[f64; 3]> {
     surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect()
 }
 
-/// Whether a point is in a hexahedron, but for round-off, by the planes through the middles of its
-/// faces.
+/// Returns true if a point is in a hexahedron, up to round-off. The test uses the planes through
+/// the middles of its faces.
 fn is_inside(at: &V3, corners: &[V3; 8]) -> bool {
     Shape::Hex8.faces().iter().all(|f| {
         let [a, b, c, d] = f.map(|i| corners[i]);
@@ -247,7 +249,7 @@ fn thinned(
     })
 }
 
-/// The surface of a whole mesh, with its nodes.
+/// Builds the surface of a whole mesh, with its nodes.
 fn whole_surface(
     settings: &Settings,
     elements: &[ElementRecord],

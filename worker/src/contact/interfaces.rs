@@ -1,41 +1,41 @@
-//! Contact interfaces: which of them two parts belong to, and with what thickness and friction
-//! these touch.
+//! Contact interfaces: the interface of two parts, its thickness and its friction.
 //!
-//! Surface, search and solver are common to all interfaces. A pair belongs to the interface of its
-//! two parts; where a node or an edge belongs to several parts, to the last interface among theirs.
+//! Surface, search and solver are common to all interfaces. A pair belongs to the interface of
+//! its two parts. If a node or an edge belongs to several parts, the pair belongs to the last of
+//! their interfaces.
 
 use crumple_proto::job::{Contact, Part};
 
-/// Marks two parts that do not touch.
+/// Entry for two parts that do not touch.
 const NONE: u16 = u16::MAX;
 
-/// The interfaces of a job. The first one is `[contact]` itself.
+/// Interfaces of a job. The first one is `[contact]` itself.
 #[derive(Clone, Debug)]
 pub struct Interfaces {
     numbers: Vec<InterfaceSettings>,
-    /// Interface of each two parts, row by row, by their indices; empty if there is one interface,
-    /// and all parts of the surface are in it.
+    /// Interface of each two parts, row by row, by their indices; empty if there is one
+    /// interface and all parts of the surface are in it.
     table: Vec<u16>,
     /// Number of parts.
     parts: usize,
-    /// Largest factor of a thickness, 1 or above, and the largest half thickness that stands for
-    /// shells' own [length].
+    /// Largest factor of a thickness, 1 or above, and the largest half thickness that replaces
+    /// the shells' own [length].
     widest: (f64, f64),
-    /// Smallest factor of a thickness, 1 or below, and the smallest half thickness that stands for
-    /// shells' own [length].
+    /// Smallest factor of a thickness, 1 or below, and the smallest half thickness that replaces
+    /// the shells' own [length].
     narrowest: (f64, f64),
 }
 
-/// What an interface says of a pair, apart from its law.
+/// Data of an interface, apart from its law.
 #[derive(Clone, Copy, Debug)]
 struct InterfaceSettings {
-    /// Half thickness of shells in place of their own [length].
+    /// Half thickness of shells that replaces their own [length].
     half: Option<f64>,
     /// Factor of the thickness of shells.
     factor: f64,
     friction: f64,
     dynamic: f64,
-    /// [time/length]
+    /// Decay constant of friction [time/length].
     decay: f64,
     /// Largest shear stress of friction [force/length^2].
     limit: f64,
@@ -50,13 +50,14 @@ impl Default for Interfaces {
 }
 
 impl Interfaces {
-    /// Of a job's contact, with its parts.
+    /// Builds the interfaces of a job's contact, with its parts.
     pub fn of_parts(contact: &Contact, parts: &[Part]) -> Self {
         let ids: Vec<u32> = parts.iter().map(|p| p.id).collect();
         Self::with(contact, &ids, |part| parts[part].beam.is_some())
     }
 
-    /// Of a job's contact, with the ids of its parts by their indices, none of them of beams.
+    /// Builds the interfaces of a job's contact, with the ids of its parts by their indices.
+    /// None of the parts is of beams.
     pub fn new(contact: &Contact, parts: &[u32]) -> Self {
         Self::with(contact, parts, |_| false)
     }
@@ -90,19 +91,19 @@ impl Interfaces {
         Self { numbers, table, parts: parts.len(), widest, narrowest }
     }
 
-    /// Whether a part touches any.
+    /// Returns true if a part touches any part.
     pub fn takes_part(&self, part: usize) -> bool {
         self.is_one()
             || self.table[part * self.parts..(part + 1) * self.parts].iter().any(|&i| i != NONE)
     }
 
-    /// Whether all that is on the surface touches in the same way.
+    /// Returns true if all parts on the surface touch in the same way.
     pub fn is_one(&self) -> bool {
         self.table.is_empty()
     }
 
-    /// Interface of what belongs to any of `ahead` with what belongs to any of `behind`, by the
-    /// parts' indices; `None` if they do not touch.
+    /// Returns the interface of an entity that belongs to the parts `ahead` with one that
+    /// belongs to the parts `behind`, both given by indices; `None` if they do not touch.
     pub fn for_pair(
         &self,
         ahead: impl Iterator<Item = u32>,
@@ -117,39 +118,40 @@ impl Interfaces {
         ahead.flat_map(|a| behind.clone().filter_map(move |b| cell(a, b))).max()
     }
 
-    /// Half thickness and scale in an interface of what has `half` and `scale` on the surface; what
-    /// has no thickness is a solid's [length].
+    /// Returns half thickness and scale in an interface of an entity that has `half` and `scale`
+    /// on the surface [length]. An entity without thickness belongs to a solid.
     pub fn measure(&self, interface: u16, (half, scale): (f64, f64)) -> (f64, f64) {
         let measured = self.numbers[interface as usize].measured(half);
         if measured == half {
             return (half, scale);
         }
-        // A node of solids and shells has the larger scale of the two.
+        // A node of solids and shells has the larger of the two scales.
         (measured, if scale == half { measured } else { scale.max(measured) })
     }
 
-    /// The most that two sizes on the surface, `sum` together, can be in an interface [length].
+    /// Returns the largest value that two sizes on the surface with the sum `sum` can have in an
+    /// interface [length].
     pub fn most(&self, sum: f64) -> f64 {
         self.widest.0 * sum + 2.0 * self.widest.1
     }
 
-    /// The least that a size on the surface can be in an interface [length].
+    /// Returns the smallest value that a size on the surface can have in an interface [length].
     pub fn least(&self, size: f64) -> f64 {
         (self.narrowest.0 * size).min(self.narrowest.1)
     }
 
-    /// Whether an interface has friction at any speed.
+    /// Returns true if an interface has friction at any speed.
     pub fn has_friction(&self, interface: u16) -> bool {
         let n = &self.numbers[interface as usize];
         n.friction > 0.0 || n.dynamic > 0.0
     }
 
-    /// Whether any interface has friction.
+    /// Returns true if any interface has friction.
     pub fn have_friction(&self) -> bool {
         (0..self.count() as u16).any(|i| self.has_friction(i))
     }
 
-    /// Coefficient of friction at a sliding speed [length/time].
+    /// Computes the coefficient of friction at a sliding speed [length/time].
     pub fn friction(&self, interface: u16, speed: impl Fn() -> f64) -> f64 {
         let n = &self.numbers[interface as usize];
         if n.decay == 0.0 || n.dynamic == n.friction {
@@ -158,28 +160,28 @@ impl Interfaces {
         n.dynamic + (n.friction - n.dynamic) * (-n.decay * speed()).exp()
     }
 
-    /// Largest shear stress of friction, infinite without a limit [force/length^2].
+    /// Returns the largest shear stress of friction, infinite without a limit [force/length^2].
     pub fn friction_limit(&self, interface: u16) -> f64 {
         self.numbers[interface as usize].limit
     }
 
-    /// Whether any interface has a limit of friction.
+    /// Returns true if any interface has a limit of friction.
     pub fn limits_friction(&self) -> bool {
         self.numbers.iter().any(|n| n.limit < f64::INFINITY)
     }
 
-    /// Whether an interface is there at a time.
+    /// Returns true if an interface is active at a time.
     pub fn is_alive(&self, interface: u16, time: f64) -> bool {
         let n = &self.numbers[interface as usize];
         n.birth <= time && time < n.death
     }
 
-    /// Whether an interface has ended by a time.
+    /// Returns true if an interface has ended by a time.
     pub fn is_over(&self, interface: u16, time: f64) -> bool {
         time >= self.numbers[interface as usize].death
     }
 
-    /// Number of interfaces.
+    /// Returns the number of interfaces.
     pub fn count(&self) -> usize {
         self.numbers.len()
     }
@@ -199,7 +201,8 @@ impl InterfaceSettings {
         }
     }
 
-    /// Half thickness of a shell that has this one on the surface [length].
+    /// Returns the half thickness in this interface of a shell that has `half` on the surface
+    /// [length].
     fn measured(&self, half: f64) -> f64 {
         if half > 0.0 { self.half.unwrap_or(half) * self.factor } else { half }
     }

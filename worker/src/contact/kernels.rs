@@ -1,8 +1,8 @@
-//! Where points and segments are to each other: one pair, or several side by side, written once
-//! over [`Real`].
+//! Position of points relative to segments: for one pair, or for several pairs in SIMD lanes,
+//! written once over [`Real`].
 //!
-//! Products are not fused, and sums go in the order of components: the bits are those of the same
-//! formulas in [`V3`].
+//! Products are not fused, and sums are evaluated in the order of components. Therefore the bits
+//! are those of the same formulas in [`V3`].
 
 use crate::contact::geometry::V3;
 use crate::math::lanes::Real;
@@ -62,7 +62,7 @@ impl<R: Real> Vector<R> {
         let (Self([a, b, c]), Self([d, e, f])) = (self, other);
         Self([b * f - c * e, c * d - a * f, a * e - b * d])
     }
-    /// Its square.
+    /// Returns the square of its length.
     #[inline(always)]
     pub fn square(self) -> R {
         self.dot(self)
@@ -82,7 +82,7 @@ impl<R: Real> Vector<R> {
     }
 }
 
-/// The points of segments that are nearest to given ones; see [`super::geometry::Nearest`].
+/// Points of segments that are nearest to given points; see [`super::geometry::Nearest`].
 #[derive(Clone, Copy, Debug)]
 pub struct Projection<R: Real> {
     /// Shape values at the segment's four nodes.
@@ -91,17 +91,18 @@ pub struct Projection<R: Real> {
     pub point: Vector<R>,
     /// Unit normal there.
     pub normal: Vector<R>,
-    /// Whether the point is on the rim.
+    /// True if the point is on the rim.
     pub rim: R::Mask,
-    /// Whether there is such a point: not on a segment without area.
+    /// True if there is such a point. A segment without area has none.
     pub found: R::Mask,
 }
 
 /// Newton steps of the projection; a warped quad needs three to four.
 const NEWTON: usize = 8;
-/// Where two steps in a row end farther out than this, the nearest point is on the rim.
+/// Limit of xi and eta; where two successive steps end farther out, the nearest point is on the
+/// rim.
 const FAR: f64 = 1.5;
-/// Places of a quad's corners in its plane.
+/// Coordinates xi, eta of a quad's corners.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
 #[inline(always)]
@@ -109,7 +110,7 @@ fn number<R: Real>(mask: R::Mask) -> R {
     R::select(mask, R::splat(1.0), R::zero())
 }
 
-/// Numbers of `yes` in the lanes of `mask`, of `no` elsewhere.
+/// Returns `yes` in the lanes of `mask`, `no` in the other lanes.
 #[inline(always)]
 fn choose<R: Real, const N: usize>(mask: R::Mask, yes: [R; N], no: [R; N]) -> [R; N] {
     std::array::from_fn(|k| R::select(mask, yes[k], no[k]))
@@ -120,13 +121,13 @@ fn not<R: Real>(mask: R::Mask) -> R::Mask {
     number::<R>(mask).le(R::zero())
 }
 
-/// Whether a lane is in a mask.
+/// Returns true if a lane is in a mask.
 #[inline(always)]
 pub fn is_in<R: Real>(mask: R::Mask, lane: usize) -> bool {
     number::<R>(mask).lane(lane) > 0.0
 }
 
-/// Nearest points of segments `q` (the third node repeated for triangles) to `p`.
+/// Computes the nearest points of segments `q` (the third node repeated for triangles) to `p`.
 #[inline(always)]
 pub fn project<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], triangle: R::Mask) -> Projection<R> {
     if !R::any(triangle) {
@@ -178,7 +179,7 @@ fn clamp<R: Real>(a: R, low: f64, high: f64) -> R {
 fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     let twist = (q[0] - q[1] + q[2] - q[3]) * R::splat(0.25);
     let (mut xi, mut eta) = (R::zero(), R::zero());
-    // What has come to its end stays as it is.
+    // Lanes that have converged stay unchanged.
     let (mut going, mut flat) = (R::splat(1.0), R::zero());
     for _ in 0..NEWTON {
         let (a, b) = tangents(xi, eta, q);
@@ -191,7 +192,8 @@ fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
         let (det, size) = (h11 * h22 - mixed * mixed, h11 + h22);
         flat = flat.max(R::select(det.le(R::splat(1e-12) * size * size), going, R::zero()));
         let (d1, d2) = ((g1 * h22 - g2 * mixed) / det, (g2 * h11 - g1 * mixed) / det);
-        // Far outside the rim decides anyway; a leash keeps warped quads from wandering.
+        // Far outside, the rim decides anyway. The clamp keeps the iteration bounded on warped
+        // quads.
         let before = xi.abs().max(eta.abs());
         let goes = going.gt(R::zero());
         xi = R::select(goes, clamp(xi - d1, -3.0, 3.0), xi);
@@ -228,8 +230,9 @@ fn on_quad<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     Projection { shape, point: blend(&shape, q), normal: cross.over(size), rim, found }
 }
 
-/// Gradient of half the squared distance from `p` at a place of a quad, and its second derivatives:
-/// along xi, along eta, mixed without and with the term of the twist [length^2].
+/// Computes the gradient of half the squared distance from `p` at a point of a quad, and its
+/// second derivatives: along xi, along eta, mixed without and with the term of the twist
+/// [length^2].
 #[inline(always)]
 fn derivatives<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [xi, eta]: [R; 2]) -> ([R; 2], [R; 4]) {
     let twist = (q[0] - q[1] + q[2] - q[3]) * R::splat(0.25);
@@ -239,13 +242,13 @@ fn derivatives<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [xi, eta]: [R; 2]) -> 
     ([a.dot(r), b.dot(r)], [a.dot(a), b.dot(b), mixed, mixed + twist.dot(r)])
 }
 
-/// Whether the distance from `p` falls where a quad's rim is left inwards at the nearest point of
-/// its edges. Then Newton's method has missed a nearest point inside: set out from the middle of a
-/// warped quad, it may be thrown far out. On a plane quad, and wherever the rim is right, the
-/// distance rises inwards.
+/// Returns true if the distance from `p` decreases from the nearest point of a quad's edges
+/// towards the inside. Newton's method has then missed a nearest point inside: started from the
+/// middle of a warped quad, it may diverge. On a plane quad, and wherever the rim is correct,
+/// the distance increases towards the inside.
 #[inline(always)]
 fn comes_nearer_inside<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], place: [R; 2]) -> R::Mask {
-    /// Steps of Newton's method that are round-off.
+    /// Step of Newton's method below which it is round-off.
     const LITTLE: f64 = 1e-6;
     let ([g1, g2], [h11, h22, ..]) = derivatives(p, q, place);
     let falls =
@@ -253,8 +256,8 @@ fn comes_nearer_inside<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], place: [R; 2])
     R::either(falls(place[0], g1, h11), falls(place[1], g2, h22))
 }
 
-/// Newton's method from a place of the rim, kept within the quad: along the rim where it would
-/// leave.
+/// Runs Newton's method from a point of the rim, kept within the quad. Where it would leave the
+/// quad, it moves along the rim.
 #[inline(always)]
 fn nearest_from<R: Real>(p: Vector<R>, q: &[Vector<R>; 4], [mut xi, mut eta]: [R; 2]) -> [R; 2] {
     for _ in 0..NEWTON {
@@ -295,16 +298,17 @@ fn on_triangle<R: Real>(p: Vector<R>, q: &[Vector<R>; 4]) -> Projection<R> {
     }
 }
 
-/// The nearest point of the edges.
+/// Nearest point of the edges.
 struct Edge<R> {
     /// Squared distance [length^2].
     far: R,
     shape: [R; 4],
-    /// Where it is in a quad's plane.
+    /// Coordinates xi, eta of the point.
     place: [R; 2],
 }
 
-/// Nearest point of the first `N` edges, of two as near that of the first.
+/// Computes the nearest point of the first `N` edges; of two at the same distance, that of the
+/// first edge.
 #[inline(always)]
 fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Edge<R> {
     let edge = |k: usize| {
@@ -329,12 +333,13 @@ fn nearest_edge<R: Real, const N: usize>(p: Vector<R>, q: &[Vector<R>; 4]) -> Ed
     best
 }
 
-/// Whether points are farther than `reach` from segments for certain, told by the direction from
-/// about the nearest point.
+/// Returns true for points that are certainly farther than `reach` from their segments. The test
+/// uses the direction from an approximation of the nearest point.
 #[inline(always)]
 pub fn are_separated<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R::Mask {
-    // The nearest point of the parallelogram through the middles of the edges. Any direction tells;
-    // none, or one that is no number, tells nothing, and the point is not apart.
+    // The nearest point of the parallelogram through the middles of the edges. Any direction is
+    // valid for the test. With a zero or NaN direction the test is false, and the point is not
+    // separated.
     let quarter = R::splat(0.25);
     let from = at - (q[0] + q[1] + q[2] + q[3]) * quarter;
     let (a, b) = ((q[1] + q[2] - q[0] - q[3]) * quarter, (q[2] + q[3] - q[0] - q[1]) * quarter);
@@ -342,15 +347,17 @@ pub fn are_separated<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], reach: R) -> R:
     let det = aa * bb - ab * ab;
     let within = |place: R| clamp(place, -1.0, 1.0);
     let away = from - a * within((fa * bb - fb * ab) / det) - b * within((fb * aa - fa * ab) / det);
-    // All of the hull lies beyond the plane through the corner that is nearest along any direction.
+    // The whole hull lies beyond the plane through the corner that is nearest along any
+    // direction.
     let enough = reach * away.norm();
     let [one, two, three, four] = q.map(|p| (at - p).dot(away).gt(enough));
     R::both(R::both(one, two), R::both(three, four))
 }
 
-/// Whether the points of convex segments that are nearest to `at` lie on their rims for certain,
-/// and will until the two move by more than `skin` against each other: the point is beyond an edge,
-/// seen in the mean plane. Segments without area have no such.
+/// Returns true for points whose nearest point on a convex segment certainly lies on the rim,
+/// and will lie there until the two move by more than `skin` against each other [length]. Such a
+/// point is outside an edge, seen in the mean plane. The result is false for segments without
+/// area.
 #[inline(always)]
 pub fn projects_outside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -> R::Mask {
     let (d1, d2) = (q[2] - q[0], q[3] - q[1]);
@@ -363,8 +370,8 @@ pub fn projects_outside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -
     }
     let shortest = shortest.sqrt();
     let warp = ((q[0] + q[2] - q[1] - q[3]).dot(cross) / size).abs();
-    // The normal turns by what moves the ends of the diagonals, and differs from the mean one by
-    // the warp, which may grow by twice the skin meanwhile. An edge turns with its ends.
+    // The normal turns by the displacement of the diagonals' ends. It differs from the mean
+    // normal by the warp, which may grow by twice the skin. An edge turns with its ends.
     let turn = R::splat(1.1) * skin * (d1.norm() + d2.norm()) / size
         + (warp + R::splat(3.0) * skin) / (shortest - skin).max(R::zero());
     let mut most = R::zero();
@@ -377,19 +384,19 @@ pub fn projects_outside<R: Real>(at: Vector<R>, q: &[Vector<R>; 4], skin: f64) -
     most.gt(R::zero())
 }
 
-/// What [`is_within`] asks of points and segments.
+/// Input of [`is_within`] for points and segments.
 pub struct PlaneBound<R> {
-    /// Distances by which the point is outside of the box around the corners along the axes;
-    /// negative within [length].
+    /// Largest distance by which the point is outside the box around the corners along the axes;
+    /// negative inside [length].
     beyond: R,
-    /// Distance by which it is outside of the layer, along the mean plane, that holds the segment,
-    /// times `size`.
+    /// Distance by which the point is outside the layer along the mean plane that contains the
+    /// segment, times `size` [length^3].
     off: R,
-    /// Length of that plane's normal, not normalised [length^2].
+    /// Length of the normal of this plane, not normalised [length^2].
     size: R,
 }
 
-/// A cheap look at how far points are from segments at least.
+/// Computes a cheap lower bound of the distance of points from segments.
 #[inline(always)]
 pub fn plane_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> PlaneBound<R> {
     let [a, b, c, d] = *q;
@@ -401,7 +408,7 @@ pub fn plane_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> PlaneBound<R> 
         );
         beyond = beyond.max((low - at.0[i]).max(at.0[i] - high));
     }
-    // All of the segment lies as near to the plane through its first node as its other corners do.
+    // The whole segment lies as near to the plane through its first node as its other corners.
     let normal = (c - a).cross(d - b);
     let off = |p: Vector<R>| (p - a).dot(normal);
     let (mut low, mut high) = (R::zero(), R::zero());
@@ -412,7 +419,7 @@ pub fn plane_bound<R: Real>(at: Vector<R>, q: &[Vector<R>; 4]) -> PlaneBound<R> 
     PlaneBound { beyond, off: (low - here).max(here - high), size: normal.norm() }
 }
 
-/// Whether the point may be within `limit` of the segment [length].
+/// Returns true if the point may be within `limit` of the segment [length].
 #[inline(always)]
 pub fn is_within<R: Real>(slab: &PlaneBound<R>, limit: R) -> R::Mask {
     R::both(slab.beyond.le(limit), slab.off.le(limit * slab.size))
@@ -433,7 +440,7 @@ mod tests {
     }
 
     proptest! {
-        /// A kernel may branch, but no lane may feel what happens in the others.
+        /// A kernel may branch, but no lane may affect the results of other lanes.
         #[test]
         fn several_pairs_side_by_side_get_the_bits_of_each(
             corners in prop::array::uniform4(prop::array::uniform4(vector())),
@@ -443,7 +450,7 @@ mod tests {
             skin in 0.0..0.3f64,
             limit in 0.0..2.0f64,
         ) {
-            // By segment, of which some are triangles, some have no area.
+            // Per segment: some are triangles, some have no area.
             let mut q = corners;
             for lane in 0..LANES {
                 if flat[lane] == 0 {

@@ -1,15 +1,18 @@
-//! Local search: which candidates of a node are contact pairs in this step. That of edges is in
-//! `edges.rs`.
+//! Local search of nodes: decides which candidates of a node are contact pairs in this step. The
+//! local search of edges is in `edges.rs`.
 //!
-//! The decision uses positions, velocities without contact and the node's memory, nothing else;
-//! above all not when or by whom the candidates were collected.
+//! The decision uses positions, velocities without contact and the pair history of the node. It
+//! uses nothing else. In particular it does not depend on when or by which worker the candidates
+//! were collected.
 //!
-//! A shell's segment is touched from both sides at half its thickness, around its rim too; a beam's
-//! line all around. A solid's segment is touched from outside: a new contact is a node that is in
-//! front of it (or only just behind) now and, seen from the moving segment, behind its inside at
-//! the end of the step (PRONTO3D's velocity check); an old one lasts as long as the node is over
-//! the segment. A new contact also wants opposed surfaces: a block that slides over another one
-//! does not meet the nodes of that one's top with its side faces, at whose lower rims they pass.
+//! A shell segment is touched from both sides at half its thickness, and around its rim. The
+//! line of a beam is touched all around. A solid segment is touched from outside. A new contact
+//! on a solid is a node that is now in front of the segment (or only just behind it) and is
+//! behind the inside of the moving segment at the end of the step (velocity check of PRONTO3D).
+//! An old contact lasts as long as the node is over the segment. A new contact also needs
+//! opposed surfaces. Example: a block slides over another block; its side faces must not touch
+//! the nodes on the top of the other block, although these pass at the lower rims of the side
+//! faces.
 
 use crate::contact::geometry::{Nearest, V3, nearest};
 use crate::contact::pairs::{Pair, PairHistory, PairKey, padded};
@@ -17,40 +20,42 @@ use crate::contact::projections::ProjectedPair;
 use crate::contact::surface::{Segment, Surface};
 use crate::nodes::{Nodes, Row};
 
-/// Candidates farther than this multiple of the contact thickness (of the scale where solids take
-/// part) are not looked at. The global search must reach as far (its reach is built from the same
-/// number).
+/// Largest distance of a candidate that is examined, as a multiple of the contact thickness (of
+/// the scale where solids take part). The global search must reach as far; its reach is computed
+/// from this number.
 pub const REACH: f64 = 1.5;
-/// A pair is active when its predicted gap falls below this fraction of the contact thickness.
+/// Predicted gap below which a pair is active, as a fraction of the contact thickness.
 pub(super) const ACTIVE: f64 = 0.02;
-/// A surface has folded over where it stands above itself so that the distance from the fold, over
-/// the height, is more than this: where the angle is below some 60 degrees.
+/// Limit for a surface that is folded over itself: distance from the fold over the height above
+/// the surface. Above this limit the angle of the fold is below about 60 degrees.
 const FOLDED: f64 = 0.5;
-/// Neighbouring segments whose nearest point lies less than this fraction of the thickness in front
-/// of the tangent plane of an accepted pair add nothing to it.
+/// Distance in front of the tangent plane of an accepted pair, as a fraction of the thickness.
+/// Neighbouring segments whose nearest point is below it add nothing to that pair.
 const PLANE: f64 = 0.02;
-/// How far behind a solid's face, as a fraction of the scale, a node that has not touched it before
-/// is still taken for one that has just come through: it may have slipped between two faces in the
-/// step before.
+/// Distance behind a solid's face up to which a node without history counts as a new contact, as
+/// a fraction of the scale. Such a node may have passed between two faces in the step before.
 pub(super) const BEHIND: f64 = 0.2;
-/// How far beside a solid's face, as a fraction of the scale, a node may pass and still meet it.
+/// Distance outside the border of a solid's face up to which a node still touches it, as a
+/// fraction of the scale.
 pub(super) const BESIDE: f64 = 0.02;
-/// Two surfaces are opposed where the product of their unit normals is below this. At the corner of
-/// a block that lies flat on a face it is -1/sqrt(3) with the mean of the corner's three normals,
-/// on a top and a side face 0.
+/// Two surfaces are opposed where the product of their unit normals is below this value. At the
+/// corner of a block that lies flat on a face the product is -1/sqrt(3) with the mean of the
+/// corner's three normals. It is 0 for a top face and a side face.
 const OPPOSED: f64 = -0.3;
-/// Most pairs of one node: a corner of three faces and one more.
+/// Largest number of pairs of one node: a corner of three faces and one more.
 const MOST: usize = 4;
-/// Speed at which a tolerated penetration is given back to the gap, as a fraction of the wave speed
-/// of what touches: with 0.01 m/s in steel what starts inside each other parts, whatever the step,
-/// the depth and the mesh (see `CORRECT` in `enforce/mod.rs`, which it must be far below).
+/// Speed at which a tolerated penetration is given back to the gap, as a fraction of the wave
+/// speed of the parts in contact. In steel it is 0.01 m/s. Parts that start inside each other
+/// separate at this speed, whatever the step, the depth and the mesh. It must be far below
+/// `CORRECT` in `enforce/mod.rs`.
 const RELAX: f64 = 2e-6;
 
-/// Distance beyond which a slave and a segment that is new to it are no pair in a step in which
-/// they move by `step` against each other [length]: no gap closes from farther away, and nothing
-/// new is as far behind a solid's face.
+/// Returns the distance beyond which a slave and a segment without common history are no pair in
+/// a step [length]. In that step they move by `step` against each other [length]. No gap closes
+/// from farther away, and no new contact is as far behind a solid's face.
 pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64 {
-    /// A solid's face is met where it is when the step ends, warped and turned.
+    /// Factor for solids: contact with a face is judged where the face is at the end of the
+    /// step, warped and turned.
     const TURNED: f64 = 1.25;
     let most = |sum| surface.interfaces.most(sum);
     let scale = most(surface.node_scale[slave as usize] + segment.scale);
@@ -63,31 +68,32 @@ pub fn reach(surface: &Surface, slave: u32, segment: &Segment, step: f64) -> f64
     near.min(REACH * scale)
 }
 
-/// The same of a segment that is not new to it [length].
+/// Returns the distance as in [`reach`] for a segment that has history with the slave [length].
 pub fn reach_of_old(surface: &Surface, slave: u32, segment: &Segment) -> f64 {
     REACH * surface.interfaces.most(surface.node_scale[slave as usize] + segment.scale)
 }
 
-/// Whether a segment is not new to a slave with these memories. What it remembers goes over to
-/// faces of solids beside.
+/// Returns true if a segment is not new to a slave with these pair histories. Faces of solids
+/// take over the history of neighbouring faces.
 pub fn has_history(segment: &Segment, memory: &[PairHistory]) -> bool {
     if segment.is_solid() { !memory.is_empty() } else { memory.iter().any(|m| m.is_of(segment.id)) }
 }
 
-/// A pair as the local search sees it, before selection.
+/// Contact pair as evaluated by the local search, before selection.
 struct PairCandidate {
     pair: Pair,
-    /// When within the step the gap closes, 0 for existing contact.
+    /// Time within the step at which the gap closes, as a fraction of the step; 0 for existing
+    /// contact.
     impact: f64,
-    /// Normal velocity of the node against the segment without contact [length/time]; negative when
-    /// closing.
+    /// Normal velocity of the node relative to the segment without contact [length/time];
+    /// negative when the gap closes.
     opening: f64,
-    /// Segment to node [length].
+    /// Vector from the segment to the node [length].
     offset: V3,
-    /// See [`Visit::thickness`].
+    /// See [`PairGeometry::thickness`].
     thickness: f64,
     is_line: bool,
-    /// Gap between surfaces, penetration that is tolerated not taken off [length].
+    /// Gap between the surfaces; the tolerated gap is not subtracted [length].
     gap: f64,
 }
 
@@ -95,9 +101,10 @@ fn v3(r: &Row) -> V3 {
     V3::new(r[0], r[1], r[2])
 }
 
-/// Active pairs of the slave at place `place` of the surface's slaves among its `meetings`
-/// (segments ascending), appended to `out` in ascending segment id. `memory` is what the node
-/// remembers of its pairs of the last step; `alive` tells which interfaces are there.
+/// Appends the active pairs of one slave to `out`, in ascending segment id. `place` is the index
+/// of the slave among the surface's slaves. `meetings` are its projected pairs, segments
+/// ascending. `memory` is the pair history of the node from the last step. `alive` states for
+/// each interface if it is active.
 pub fn find_pairs(
     nodes: &Nodes,
     (surface, alive): (&Surface, &[bool]),
@@ -114,8 +121,8 @@ pub fn find_pairs(
         evaluate_pair(nodes, surface, &visit, memory, opposed)
     };
     let mut finds: Vec<PairCandidate> = meetings.iter().filter_map(found).collect();
-    // Existing contact first, nearest first; then by time of impact, the most opposed first; ids
-    // break ties.
+    // Existing contact first, the nearest pair first. Then by time of impact, the fastest
+    // approach first. Ids break ties.
     finds.sort_by(|a, b| {
         let by_time = a.impact.total_cmp(&b.impact);
         let by_gap =
@@ -124,11 +131,11 @@ pub fn find_pairs(
     });
     let mut accepted = 0;
     for i in 0..finds.len() {
-        // On a flat or convex neighbourhood the accepted tangent plane already keeps the node off
-        // this segment; on a concave one it does not.
+        // If the neighbourhood is flat or convex, the accepted tangent plane already keeps the
+        // node away from this segment. If it is concave, it does not.
         let f = &finds[i];
         let covered = |a: &PairCandidate| {
-            // A beam may stand out of the shell that it lies on.
+            // A beam may project out of the shell on which it lies.
             let stands_out = if f.is_line || a.is_line { f.thickness - a.thickness } else { 0.0 };
             f.offset.dot(&a.pair.normal)
                 >= a.offset.dot(&a.pair.normal) + stands_out - PLANE * f.pair.contact_thickness
@@ -143,32 +150,32 @@ pub fn find_pairs(
     out.extend(finds.into_iter().map(|f| f.pair));
 }
 
-/// A meeting, and what is known of its node and segment.
+/// A projected pair with the data of its node and segment.
 struct PairGeometry<'a> {
     segment: &'a Segment,
     slave: u32,
-    /// Its place among the surface's slaves.
+    /// Index of the slave among the surface's slaves.
     place: usize,
-    /// See [`Neighbours::ring`](crate::contact::candidates::Neighbours::ring).
+    /// Nodes of the segment in the mask of `CandidatePair::shared_node_mask`.
     ring: u8,
     interface: u16,
-    /// Distance of the touching surfaces from those of the mesh: the half thicknesses of both
+    /// Distance of the contact surfaces from the mesh, the sum of both half thicknesses
     /// [length].
     thickness: f64,
-    /// Length that gaps are judged by [length].
+    /// Contact thickness [length].
     scale: f64,
     /// See [`Pair::speed`].
     speed: f64,
-    /// Whether the node's surface comes before the segment's.
+    /// True if the node's surface comes before the segment's.
     first: bool,
     dt: f64,
-    /// See [`Meeting::step`].
+    /// See [`ProjectedPair::step`].
     step: f64,
     near: &'a Nearest,
 }
 
 impl<'a> PairGeometry<'a> {
-    /// `None` if the two do not touch.
+    /// Returns `None` if the two do not touch.
     fn new(
         surface: &'a Surface,
         place: usize,
@@ -199,8 +206,8 @@ impl<'a> PairGeometry<'a> {
     }
 }
 
-/// Whether the surface around a slave faces against `normal`, by one of its faces or by their mean.
-/// Nodes of shells alone face everywhere.
+/// Returns true if the surface around a slave faces against `normal`, with one of its faces or
+/// with their mean. Nodes of shells only face in all directions.
 pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal: &V3) -> bool {
     let (mut mean, mut faces) = (V3::zeros(), 0);
     for face in surface.around(place).filter(|s| s.is_solid()) {
@@ -214,19 +221,20 @@ pub(super) fn is_opposed(nodes: &Nodes, surface: &Surface, place: usize, normal:
     faces == 0 || mean.dot(normal) < OPPOSED * mean.norm()
 }
 
-/// Where a node is against a segment: the direction in which it is to be kept off, and its distance
+/// Position of a node relative to a segment: the direction of the contact force and the distance
 /// along it.
 struct ContactFrame {
     normal: V3,
-    /// Side of the node along the segment's own normal.
+    /// Side of the node along the segment's own normal, +1 or -1.
     side: f64,
     /// Distance of the node from the segment along `normal` [length].
     reached: f64,
 }
 
-/// Around the rim of a shell the normal turns with the node, so that nothing jumps when the node
-/// passes from one segment to the next or slides off. Deep inside, the side that is remembered of
-/// this segment decides, or of the next `beside`.
+/// Returns the contact frame of a shell segment. Around the rim the normal turns with the node,
+/// so that nothing jumps when the node passes to the next segment or slides off. Deep inside,
+/// the side in the history of this segment decides; without it, the side from the history of a
+/// neighbour.
 fn shell_frame(
     visit: &PairGeometry<'_>,
     offset: &V3,
@@ -243,17 +251,17 @@ fn shell_frame(
     ContactFrame { normal, side, reached }
 }
 
-/// All around a line the normal turns with the node. One that was on the other side, by the normal
-/// that is remembered, and has come through is still kept on that side.
+/// Returns the contact frame of a line. The normal turns with the node all around the line. A
+/// node that has passed through the line stays on the side of the normal in its history.
 fn line_frame(visit: &PairGeometry<'_>, offset: &V3, known: Option<V3>) -> ContactFrame {
     let near = visit.near;
     let side = if known.is_some_and(|n| n.dot(&near.normal) < 0.0) { -1.0 } else { 1.0 };
     ContactFrame { normal: near.normal * side, side, reached: offset.dot(&near.normal) * side }
 }
 
-/// A solid is kept clear of along its face's normal. `None` if the node is no matter of this face:
-/// it belongs to the same element, is deeper inside than it could have come, or is not over the
-/// face when the step ends.
+/// Returns the contact frame of a solid's face; the contact acts along the face's normal.
+/// Returns `None` if the node does not touch this face: it belongs to the same element, it is
+/// deeper inside than a new contact can be, or it is not over the face at the end of the step.
 fn solid_frame(
     nodes: &Nodes,
     visit: &PairGeometry<'_>,
@@ -277,10 +285,10 @@ fn solid_frame(
     })
 }
 
-/// Whether the surface has folded over between a slave and a shell next to its own ones, so that
-/// the slave stands above the shell's inside. The shell's rim is that of the slave's segments too,
-/// or of what comes next; were it met, a mesh finer than its thickness would touch itself in its
-/// plane and at every corner.
+/// Returns true if the surface has folded over between a slave and a neighbouring shell, so that
+/// the slave is above the shell's inside. The rim of that shell is shared with the slave's own
+/// segments or with the next ones. Contact with the rim would make a mesh that is finer than its
+/// thickness touch itself in its plane and at every corner.
 fn has_folded_over(nodes: &Nodes, visit: &PairGeometry<'_>, offset: &V3) -> bool {
     let in_ring = |k: &usize| visit.ring >> k & 1 == 1;
     let mean = |of: &[usize]| {
@@ -298,12 +306,15 @@ fn has_folded_over(nodes: &Nodes, visit: &PairGeometry<'_>, offset: &V3) -> bool
     inside > FOLDED * offset.norm()
 }
 
-/// Penetration that was not there through an impact (around a rim) is let be and given back slowly;
-/// one that was there at the start is not given back at all ([`Pair::kept`]), since that would
-/// drive apart what lies still. So is what a pair is deeper than before without having moved that
-/// far, at most by `moved` [length]: its normal has turned, or it follows on that of another
-/// segment or edge. A force against that would come from nothing, and make energy. The step `dt`
-/// and the wave speed of what touches say how much is given back.
+/// Returns the tolerated gap, 0 or negative [length].
+///
+/// A penetration that does not come from an impact (around a rim) stays without force and is
+/// given back slowly. A penetration that was there at the start is not given back at all
+/// ([`Pair::initial_gap`]), because this would drive apart bodies at rest. An increase of the
+/// penetration by more than `moved` [length] is tolerated too: either the normal has turned, or
+/// the pair continues the history of another segment or edge. A force against this increase
+/// would have no cause and would create energy. The step size `dt` and the wave speed `speed` of
+/// the parts in contact determine how much is given back.
 pub(super) fn tolerated(
     old: Option<&PairHistory>,
     gap: f64,
@@ -316,8 +327,8 @@ pub(super) fn tolerated(
     ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
 }
 
-/// The most that nodes of a pair of this scale [length] may have come nearer to one of them in a
-/// step like the last one [length].
+/// Returns the largest distance by which nodes of a pair may have approached one of them in a
+/// step like the last one [length]. `scale` is the contact thickness of the pair [length].
 pub(super) fn moved(
     nodes: &Nodes,
     of: impl Iterator<Item = u32>,
@@ -325,22 +336,25 @@ pub(super) fn moved(
     dt: f64,
     scale: f64,
 ) -> f64 {
-    /// Steps may become shorter.
+    /// Factor for steps that become shorter.
     const SHORTER: f64 = 2.0;
-    /// A fraction of the scale that is no jump, above all none of round-off where nothing moves.
+    /// Fraction of the scale that is no jump. It covers round-off where nothing moves.
     const LITTLE: f64 = 1e-3;
     let v = |n: u32| v3(&nodes.v[n as usize]);
     SHORTER * dt * of.map(|n| (v(n) - v(against)).norm_squared()).fold(0.0, f64::max).sqrt()
         + LITTLE * scale
 }
 
-/// Lever arms of friction on the slave and on the segment, as they are to each other; nought
-/// without friction. The surfaces are half a thickness off the middles. But what turns a shell
-/// about its normal meets next to no stiffness: where friction acts on the rim of one, the other
-/// side bears the couple. So each half thickness counts by the square of the cosine between the
-/// pair's normal and the shell's.
+/// Returns the lever arms of friction on the slave and on the segment, in proportion to each
+/// other [length]; zero without friction.
+///
+/// The contact surfaces are half a thickness away from the middle surfaces. A couple about the
+/// normal of a shell meets almost no stiffness. Therefore, where friction acts on the rim of one
+/// shell, the other side takes the couple: each half thickness is weighted with the square of
+/// the cosine between the pair's normal and the shell's normal.
 fn levers(nodes: &Nodes, surface: &Surface, visit: &PairGeometry<'_>, normal: &V3) -> [f64; 2] {
-    /// Both surfaces are met at their rims where neither square is above this.
+    /// Limit of the weighted half thicknesses, as a fraction of their sum, at which both
+    /// surfaces touch at their rims.
     const RIM: f64 = 1e-6;
     let PairGeometry { segment, slave, interface, near, .. } = *visit;
     if !surface.interfaces.has_friction(interface) {
@@ -379,13 +393,12 @@ fn evaluate_pair(
     let moved = || moved(nodes, segment.nodes.into_iter(), slave, dt, scale);
     let is_fresh = |m: &&PairHistory| m.age == 0 || m.is_fresh(moved(), scale);
     let known = memory.iter().find(|m| m.is_of(segment.id)).filter(is_fresh);
-    // A node that slid over an edge keeps what it had on the neighbouring segment; another body's
-    // that faces the same way is none of it.
+    // A node that slid over an edge keeps the history from the neighbouring segment. A segment
+    // of another body that faces the same way gives no history.
     let slid_here = |m: &&PairHistory, normal: &V3| {
         m.normal.dot(normal) > 0.7 && surface.is_beside(m.segment(), segment)
     };
-    // What was there in the last step comes before what was lost earlier, whichever segment it was
-    // on.
+    // History of the last step comes before lost history, whichever segment it belongs to.
     let kept = |normal: &V3| {
         let present = known.filter(|m| m.age == 0);
         let slid = |lost: bool| {
@@ -395,13 +408,15 @@ fn evaluate_pair(
     };
     let ContactFrame { normal, side, reached } = if segment.is_solid() {
         let is_new = kept(&near.normal).is_none();
-        // However the face is warped and turns: the list of near candidates goes no farther.
+        // The near list reaches no farther; the result must not depend on it, however the face
+        // is warped and turned.
         if is_new && offset.norm() > reach(surface, slave, segment, step) {
             return None;
         }
         solid_frame(nodes, visit, &at, !is_new).filter(|_| !is_new || opposed(&near.normal))?
     } else {
-        // A node that is past the middle of one segment has not come to the other side of the next.
+        // A node past the middle surface of one segment is not on the other side of the next
+        // segment.
         let past = |m: &&PairHistory| {
             m.depth > m.thickness && is_fresh(m) && surface.is_beside(m.segment(), segment)
         };
@@ -421,7 +436,7 @@ fn evaluate_pair(
         segment.nodes.iter().zip(near.shape).map(|(&n, s)| velocity(n) * s).sum();
     let opening = (velocity(slave) - point_velocity).dot(&normal);
     let predicted = gap + dt * opening;
-    // What is tolerated is no gap: it can only make the pair less near.
+    // The tolerated gap is at most 0: without it the pair is at its nearest.
     if predicted >= ACTIVE * scale {
         return None;
     }
@@ -500,7 +515,7 @@ mod tests {
             for _ in 0..1000 {
                 memory.tolerated = tolerated(Some(&memory), -depth, 0.0, dt, speed);
             }
-            // A thousand sums' round-off.
+            // Round-off of a thousand sums.
             let back = memory.tolerated - before;
             assert!((back / (1000.0 * dt * RELAX * speed) - 1.0).abs() < 1e-6, "step {dt}: {back}");
         }
@@ -512,7 +527,7 @@ mod tests {
         );
     }
 
-    /// A square face of a solid with its corners moved, and a slave.
+    /// Returns a square face of a solid with displaced corners, and a slave.
     fn face_and_slave(corners: [[f64; 3]; 4], at: [f64; 3]) -> (Nodes, Surface) {
         const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let corner =
@@ -542,8 +557,8 @@ mod tests {
 
     const SCALE: f64 = 0.25;
 
-    /// A node 0.05 deep in the second of two shells side by side, with what it remembers of them:
-    /// force and what was let be.
+    /// Returns the force and the tolerated gap of a node that is 0.05 deep in the second of two
+    /// neighbouring shells and has the given pair history.
     fn on_the_second_of_two(memory: &[PairHistory]) -> (f64, f64) {
         const HALF: f64 = 0.1;
         let row = |y: f64| [0.0, 1.0, 2.0].map(|x| [x, y, 0.0]);
@@ -589,8 +604,8 @@ mod tests {
         (pair.force.z, pair.tolerated_gap)
     }
 
-    /// What was there in the last step is taken over before what was lost earlier, though that was
-    /// of the same segment.
+    /// History of the last step is used before lost history, even if the lost history belongs to
+    /// the segment itself.
     #[test]
     fn memories_of_the_last_step_come_before_lost_ones() {
         let pair = |segment: u64, force: f64, tolerated: f64| {
@@ -606,7 +621,7 @@ mod tests {
         };
         let lost =
             |segment: u64, tolerated: f64| pair(segment, 0.0, tolerated).after_loss().unwrap();
-        // Times without length give nothing back.
+        // With a step size of zero nothing is given back.
         assert_eq!(on_the_second_of_two(&[lost(16, -0.04)]), (0.0, -0.04), "its own, lost");
         assert_eq!(on_the_second_of_two(&[pair(16, 3.0, -0.03)]), (3.0, -0.03), "its own");
         assert_eq!(
@@ -650,8 +665,8 @@ mod tests {
     }
 
     proptest! {
-        /// However a face is warped and moves, what it would meet in the step is within the bound
-        /// of what is looked at.
+        /// However a face is warped and moves, a contact within the step lies within the reach
+        /// of the search.
         #[test]
         fn nothing_new_is_met_from_beyond_reach(
             corners in prop::array::uniform4(prop::array::uniform3(-0.15..0.15f64)),

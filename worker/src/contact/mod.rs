@@ -1,15 +1,16 @@
-//! Contact: search, then enforce. Pairs and their history.
+//! Contact: global search, local search, enforcement, and the history of pairs.
 //!
-//! 1. global search (`search.rs`), now and then: which segments could a node meet before the next
-//!    search, and which edges an edge?
-//! 2. local search (`local.rs` for nodes, `edges.rs` for edges, `facets.rs` for segments), every
-//!    step: which of those that are near (`close.rs`) does it meet in this step?
-//! 3. enforcement: forces by a law (`enforce/`), iterated (`sweep.rs`) over all pairs, those of
-//!    other workers included (`pairs.rs`)
+//! 1. global search (`search.rs`), once in several steps: finds the segments that a node could
+//!    touch before the next search, and the edges that an edge could touch
+//! 2. local search (`local_search.rs` for nodes, `edges.rs` for edges, `facets.rs` for
+//!    segments), every step: finds the pairs of this step among the near candidates
+//!    (`near_list.rs`)
+//! 3. enforcement: computes forces by a contact law (`enforce/`), iterated (`solver.rs`) over
+//!    all pairs, including those of other workers (`pairs.rs`)
 //!
-//! Normal forces of a pair are on one line, whichever points of it they act at. Friction acts on
-//! the surfaces, half a thickness off the nodes: it turns nodes too, and their spins are part of
-//! the sliding velocity, in all sweeps ([`Pair::lever`]).
+//! The normal forces of a pair act on one line, at any of its points. Friction acts on the
+//! surfaces, half a thickness away from the nodes. So it also rotates nodes, and their
+//! rotational velocities are part of the sliding velocity, in all sweeps ([`Pair::lever`]).
 
 mod acceleration;
 pub mod approach;
@@ -70,75 +71,79 @@ pub struct Contact {
     /// Wave speed per part [length/time].
     speeds: Vec<f64>,
     with_edges: bool,
-    /// Whether of edges none but beams meet others.
+    /// True if each pair of edges has at least one beam.
     beams_only: bool,
-    /// What can touch.
+    /// Segments and slaves that can be in contact.
     pub surface: Surface,
     /// Candidate segments per slave: start of each slave's run, and segments ascending.
     candidate_start: Vec<u32>,
     candidates: Vec<u32>,
-    /// Those of them that are near.
+    /// Candidates within reach of the next steps.
     near_list: NearList,
-    /// The same where some were picked anew, for slaves with a past since.
+    /// Near list with candidates selected again for slaves that got a history since the near
+    /// list was made.
     neighbours: Vec<CandidatePair>,
-    /// What of these may touch in a step.
+    /// Near candidates that may touch in a step.
     projected_pairs: ProjectedPairs,
-    /// Motion since `close` was made, and what relative motion there was between the search and
-    /// that [length].
+    /// Motion since the near list was made, and the relative motion between the last search and
+    /// that time [length].
     motion_since_near_list: MotionTracker,
     motion_before_near_list: f64,
-    /// Stiffness per segment, empty unless the law wants it [force/length].
+    /// Stiffness per segment, empty if the law does not use it [force/length].
     stiffness: Vec<f64>,
-    /// Per slave, in the order of `surface.slaves`: start of its run in `memories`.
+    /// Start of each slave's run in `pair_histories`, in the order of `surface.slaves`.
     history_start: Vec<u32>,
     pair_histories: Vec<PairHistory>,
-    /// Edges that could meet each other, with what they remember.
+    /// Edges that could touch each other, with their pair histories.
     edges: Edges,
-    /// Segments that could meet each other, with what they remember.
+    /// Segments that could touch each other, with their pair histories.
     facets: Facets,
     table: PairTable,
-    /// Velocities of touched nodes without contact, in the order of the table's `touched`.
+    /// Velocities of touched nodes without contact, in the order of the table's `touched`
+    /// [length/time].
     free_velocities: Vec<Row>,
-    /// Their rotational velocities without contact, if friction turns any [1/time].
+    /// Rotational velocities of touched nodes without contact; empty if friction rotates none of
+    /// them [1/time].
     free_spins: Vec<Row>,
     record: SearchRecord,
-    /// Global searches so far.
+    /// Number of global searches so far.
     pub searches: u64,
-    /// Sweeps so far.
+    /// Number of sweeps so far.
     pub sweeps: u64,
-    /// Most accelerated sweeps in a step.
+    /// Largest number of accelerated sweeps in a step.
     accelerated: usize,
-    /// Steps so far with accelerated sweeps, and steps whose sweeps ended before the forces of all
-    /// pairs were good enough.
+    /// Number of steps so far with accelerated sweeps, and number of steps whose sweeps ended
+    /// before the forces of all pairs reached the required accuracy.
     pub unsettled: [u64; 2],
-    /// Pairs that were held softer than the job asks so that the step stays stable, summed over the
-    /// steps so far.
+    /// Number of pairs with a stiffness lower than the job asks for, reduced for a stable step;
+    /// summed over the steps so far.
     pub capped_pairs: u64,
-    /// Largest penetration since it was last asked for, as a fraction of the contact thickness.
+    /// Largest penetration since the last query, as a fraction of the contact thickness.
     pub penetration: f64,
-    /// Largest rate at which something near passed what it could meet in the last step, where that
-    /// may limit the step [1/time].
+    /// Largest rate at which near slaves and segments passed each other in the last step, where
+    /// it may limit the step, see [`approach`] [1/time].
     pub approach: f64,
-    /// Whether pairs of each interface were looked for in the last step: what penetrates when they
-    /// first are, has from the start.
+    /// True per interface if its pairs were searched for in the last step. A penetration found
+    /// in the first search of an interface counts as initial.
     interface_started: Vec<bool>,
 }
 
-/// Every so many cycles surfaces are looked at for folds.
+/// Number of cycles between two searches for folds.
 const FOLDS_EVERY: u64 = 64;
 
-/// How far beyond their own box segments must be known for a search with the local search's reach,
-/// by the scales of segment and nodes [length].
+/// Returns the distance outside a worker's box within which it must know segments, so that the
+/// global search covers the reach of the local search. It depends on the scales of segment and
+/// nodes [length].
 pub fn search_reach(interfaces: &Interfaces, segment_scale: f64, largest_scale: f64) -> f64 {
     local_search::REACH * interfaces.most(segment_scale + largest_scale)
 }
 
 impl Contact {
-    /// Contact with an empty surface.
+    /// Creates contact with an empty surface.
     ///
     /// # Panics
-    /// On a law or search that is not in the tables; the master checks names before it deals out
-    /// work.
+    /// If a law or search is not in the tables. The master checks names before it sends the job
+    /// to workers.
     pub fn new(job: &ContactJob, parts: &Elasticity) -> Self {
         let laws = Laws::new(job, parts);
         let method = SEARCHES
@@ -181,7 +186,8 @@ impl Contact {
         }
     }
 
-    /// Takes a new surface and what its slaves remember; candidates must be searched again.
+    /// Sets a new surface and the pair histories of its slaves. The next call of
+    /// [`Self::refresh_candidates`] searches again.
     pub fn renew(
         &mut self,
         surface: Surface,
@@ -214,8 +220,8 @@ impl Contact {
         }
     }
 
-    /// Bytes in use while nothing touches, spare room of lists left out: surface, candidates, what
-    /// tells when to search.
+    /// Returns the bytes in use without pairs and without spare capacity of lists: surface,
+    /// candidates, and the data that decides when to search.
     pub fn bytes(&self) -> usize {
         let lists = [&self.candidate_start, &self.candidates, &self.history_start];
         self.surface.bytes()
@@ -230,7 +236,8 @@ impl Contact {
             + self.facets.bytes()
     }
 
-    /// What each slave remembers; edges under all nodes of their pairs, segments under their own.
+    /// Returns the pair histories of each slave. Histories of edges are listed at all nodes of
+    /// their pairs, those of segments at the segments' own nodes.
     pub fn pair_histories(&self) -> impl Iterator<Item = (u32, &[PairHistory])> {
         let run = |i: usize| {
             &self.pair_histories[self.history_start[i] as usize..self.history_start[i + 1] as usize]
@@ -240,60 +247,62 @@ impl Contact {
         of_nodes.chain(others.map(|(n, m)| (n, std::slice::from_ref(m))))
     }
 
-    /// Edges that have gone through a surface, see [`crossing`].
+    /// Returns the edges that have passed through a surface, see [`crossing`].
     pub fn crossings(&self, nodes: &Nodes, time: f64) -> Vec<Crossing> {
         crossing::crossings(&self.surface, nodes, time, self.search_method)
     }
 
-    /// Whether workers ask each other in every step if their sweeps have settled, to accelerate
-    /// them if not.
+    /// Returns true if workers check in every step if sweeps have converged on all of them, and
+    /// accelerate the sweeps if not.
     pub fn accelerates(&self) -> bool {
         self.accelerated > 0 && self.laws.converge()
     }
 
-    /// Range of the velocities of what can touch, see [`Surface::velocities`].
+    /// Returns the range of the velocities of nodes that can be in contact, see
+    /// [`Surface::velocities`].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
         self.surface.velocities(nodes)
     }
 
-    /// Whether a part ever came near to contact, and whether it ever had a pair, as far as this
-    /// worker knows.
+    /// Returns true if a part ever was near to contact, and true if it ever had a pair, as far
+    /// as this worker knows.
     pub fn record_of(&self, part: usize) -> (bool, bool) {
         self.record.part_seen(&self.surface.segments, part)
     }
 
-    /// Active pairs of owned nodes after the last local search, as ids of the slave, or its lower
-    /// node, and of the segment.
+    /// Returns the active pairs of owned nodes after the last local search: ids of the slave, or
+    /// its lower node, and of the segment.
     pub fn owned_pairs(&self) -> impl Iterator<Item = (NodeId, SegmentId)> + '_ {
         self.table.pairs.iter().filter(|p| p.is_owned).map(|p| (p.key.slave, p.segment))
     }
 
-    /// Local nodes of the slaves of own pairs, for the load.
+    /// Returns local nodes of the slaves of own pairs, to estimate the load.
     pub fn owned_pair_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.table.pairs.iter().filter(|p| p.is_owned).map(|p| p.nodes[0])
     }
 
-    /// Active pairs of owned nodes and edges after the last local search.
+    /// Returns the active pairs of owned nodes and edges after the last local search.
     pub fn owned_table(&self) -> impl Iterator<Item = &Pair> {
         self.table.pairs.iter().filter(|p| p.is_owned)
     }
 
-    /// Slaves that have candidates, with the number of those that are near, once these have been
-    /// searched for.
+    /// Returns the slaves that have near candidates, each with their number. Call it after
+    /// [`Self::refresh_candidates`].
     pub fn count_near(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
         let runs = self.near_list.list.chunk_by(|a, b| a.slave_index == b.slave_index);
         runs.map(|run| (self.surface.slaves[run[0].slave_index as usize], run.len()))
     }
 
-    /// What partners exchange in a step that takes `sweeps` sweeps on one worker, if they know
-    /// after `quiet` rounds that all are quiet.
+    /// Returns the traffic of two neighbouring workers in a step that takes `sweeps` sweeps on
+    /// one worker, if the workers detect convergence after `quiet` rounds.
     pub fn exchange(&self, sweeps: f64, quiet: u64) -> TrafficEstimate {
         TrafficEstimate::estimate(&self.laws, sweeps, quiet)
     }
 
-    /// Refreshes candidates if nodes may have used up the skin, and the list of near ones if they
-    /// have used up that one's. Finds [`Self::approach`] too; `stable` is the step that elements
-    /// leave [time].
+    /// Updates the candidates if the motion of nodes may have used up the skin of the search,
+    /// and the near list if the motion may have used up its own skin. Also computes
+    /// [`Self::approach`]. `dt` is the step size and `stable` the stable step of the elements
+    /// [time].
     pub fn refresh_candidates(
         &mut self,
         nodes: &Nodes,
@@ -302,13 +311,14 @@ impl Contact {
         stable: f64,
     ) {
         let spread = velocity_range(&nodes.v_next);
-        // Else no two nodes pass the thinnest of segments in a step of elements.
+        // If this is false, no node passes the thinnest segment within one stable step of the
+        // elements.
         let fast = stable * spread > self.surface.thinnest;
         self.refresh(nodes, joined, dt * spread, fast);
         self.approach = if fast { self.approach_rate(nodes, time, dt) } else { 0.0 };
     }
 
-    /// Largest rate at which something near passes what it could meet [1/time].
+    /// Returns the largest rate at which slaves pass near segments [1/time].
     fn approach_rate(&self, nodes: &Nodes, time: f64, dt: f64) -> f64 {
         let s = &self.surface;
         let of_slave = |(i, &slave): (usize, &u32)| {
@@ -336,8 +346,8 @@ impl Contact {
         let fresh = !self.candidate_start.is_empty();
         let moved =
             if fresh { 2.0 * self.motion_since_near_list.update(&nodes.x).residual } else { 0.0 };
-        // What comes near in the next steps has to be known, unless that is so much that the step
-        // goes by the whole surface.
+        // The candidates must include all that can come near in the next steps. If this needs
+        // more than half the skin, the step is limited by the whole surface instead.
         let ahead = approach::STEPS * (2.0 * step).max(self.near_list.step);
         let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
         let used_up = self.motion_before_near_list + moved + ahead > self.skin;
@@ -376,12 +386,12 @@ impl Contact {
         self.pick(nodes);
     }
 
-    /// Which edges each edge could meet before the next search.
+    /// Finds the edges that each edge could touch before the next search.
     fn search_edges(&mut self, nodes: &Nodes, joined: ContactExclusions<'_>) {
         self.edges.search(&self.surface, nodes, joined, self.search_method, self.skin);
     }
 
-    /// Which edges and segments could meet others before the list of near segments is made over.
+    /// Finds the edges and segments that could touch others before the near list is made again.
     fn pick(&mut self, nodes: &Nodes) {
         self.edges.pick(nodes, &self.surface, self.near_list.skin, self.near_list.step);
         self.edges
@@ -391,8 +401,8 @@ impl Contact {
         self.facets.near(&self.surface).for_each(|(slave, met)| self.record.near(slave, met));
     }
 
-    /// Looks in some cycles, the same on all workers, where surfaces are folded. Exterior nodes are
-    /// where their owners have them.
+    /// Updates the folds of the surfaces in some cycles, the same cycles on all workers. Ghost
+    /// nodes must have the positions that their owners have.
     pub fn update_folds(&mut self, nodes: &mut Nodes, cycle: u64) {
         if self.with_edges && cycle.is_multiple_of(FOLDS_EVERY) {
             nodes.seen.clone_from(&nodes.x);
@@ -400,10 +410,10 @@ impl Contact {
         }
     }
 
-    /// Which segments each slave could meet before it moves by more than the skin.
+    /// Finds the segments that each slave could touch before it moves by more than the skin.
     fn search(&mut self, nodes: &Nodes, spheres: &[Sphere], joined: ContactExclusions<'_>) {
         self.searches += 1;
-        self.candidates = Vec::new(); // what this takes for a moment is the most a worker needs
+        self.candidates = Vec::new(); // freed first: memory use peaks in the search
         let s = &self.surface;
         // Slaves by segment.
         let (mut found, mut count) = (Vec::new(), vec![0u32; s.segments.len()]);
@@ -429,7 +439,7 @@ impl Contact {
                 }
             });
         }
-        // By slave; segments stay ascending.
+        // Segments by slave; they stay ascending.
         self.candidate_start.clear();
         self.candidate_start.resize(s.slaves.len() + 1, 0);
         found.iter().for_each(|&p| self.candidate_start[p as usize + 1] += 1);
@@ -445,7 +455,7 @@ impl Contact {
         }
     }
 
-    /// Which pairs of own nodes are active in this step.
+    /// Finds the pairs of own nodes, edges and segments that are active in this step.
     pub fn find_pairs(
         &mut self,
         nodes: &Nodes,
@@ -536,17 +546,17 @@ impl Contact {
             p.lever(nodes);
             p.set_slave_mass(nodes);
             let speed = || {
-                // Others' nodes are known with the velocities that they have before contact.
+                // Velocities of other workers' nodes are known only without contact.
                 let velocity = p.relative_velocity(nodes);
                 (velocity - p.normal * velocity.dot(&p.normal)).norm()
             };
             p.friction_coefficient = self.surface.interfaces.friction(p.interface, speed);
             let limit = self.surface.interfaces.friction_limit(p.interface);
             if limit < f64::INFINITY && !p.key.is_edge() {
-                // What two segments press on is the area of their pair.
+                // The normal force of two segments acts on the area of their pair.
                 let of_node = || self.surface.area_of(p, &nodes.x, |_| true);
                 let area = if p.key.is_segment() { p.area } else { of_node() };
-                // The line of a beam has no area, and a limit of stress no meaning there.
+                // The line of a beam has no area, so a limit of shear stress does not apply.
                 if area > 0.0 {
                     p.limit_friction(limit, area);
                 }
@@ -561,7 +571,7 @@ impl Contact {
         }
     }
 
-    /// Learns of other workers' pairs that touch local nodes, and tells of own ones.
+    /// Receives other workers' pairs that touch local nodes, and sends own pairs.
     ///
     /// # Errors
     /// A worker is gone.
@@ -574,8 +584,8 @@ impl Contact {
         self.table.exchange_pairs(comm, nodes, halo)
     }
 
-    /// Contact forces; brings the velocities of the nodes that pairs touch to those with contact
-    /// and walls.
+    /// Computes the contact forces and sets the velocities of the touched nodes to those with
+    /// contact and walls.
     ///
     /// # Errors
     /// A worker is gone.
@@ -596,7 +606,7 @@ impl Contact {
         if !t.couples.is_empty() {
             self.free_spins.extend(t.touched.iter().map(|&n| nodes.w_next[n as usize]));
         }
-        let coupled = bodies.contact_walls(comm, &t.touched, nodes, couples)?;
+        let coupled = bodies.prepare_contact(comm, &t.touched, nodes, couples)?;
         let (free, free_spins) = (&self.free_velocities[..], &self.free_spins[..]);
         let mut sweeps = ContactSolver {
             laws: &self.laws,
@@ -617,8 +627,8 @@ impl Contact {
         Ok(())
     }
 
-    /// Nodes that pairs touch, ascending, with their velocities after contact but before walls
-    /// [length/time].
+    /// Returns the nodes that pairs touch, ascending, with their velocities after contact but
+    /// before walls [length/time].
     pub fn contact_forces<'a>(
         &'a self,
         nodes: &'a Nodes,
@@ -630,23 +640,24 @@ impl Contact {
         })
     }
 
-    /// Contact force on local node `n` in this step [force].
+    /// Returns the contact force on local node `n` in this step [force].
     pub fn force_on(&self, n: u32) -> V3 {
         self.table.touched.binary_search(&n).map_or(V3::zeros(), |k| self.table.total[k])
     }
 
-    /// Moment of friction on local node `n` in this step [force length].
+    /// Returns the moment of friction on local node `n` in this step [force length].
     pub fn couple_on(&self, n: u32) -> V3 {
         let place = self.table.touched.binary_search(&n).ok();
         place.and_then(|k| self.table.couples.get(k).copied()).unwrap_or(V3::zeros())
     }
 
-    /// Whether friction may turn nodes, on any worker: they have to know how others' nodes spin.
+    /// Returns true if friction can rotate nodes on any worker. Then the workers need the
+    /// rotational velocities of other workers' nodes.
     pub fn has_couples(&self, nodes: &Nodes) -> bool {
         nodes.rotations && self.surface.interfaces.have_friction()
     }
 
-    /// Lets own pairs whose friction is limited know the pressure on their slaves.
+    /// Updates the pressure on the slaves of own pairs whose friction is limited.
     fn update_pressures(&mut self, nodes: &Nodes) {
         let (surface, t) = (&self.surface, &self.table);
         if !surface.interfaces.limits_friction() {
@@ -668,7 +679,8 @@ impl Contact {
         }
     }
 
-    /// Books the work done with the velocities at hand and lets the slaves remember their pairs.
+    /// Adds the work of contact with the current velocities, and stores the pair histories of
+    /// the slaves.
     pub fn finish_step(&mut self, nodes: &Nodes, steps: StepSizes) -> ContactWork {
         self.update_pressures(nodes);
         let t = &mut self.table;
@@ -676,7 +688,8 @@ impl Contact {
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             let velocity = p.relative_velocity(nodes);
             let sheared = p.force - p.normal * p.force.dot(&p.normal);
-            // Friction is judged by where the node slides to; half of that by the present time.
+            // Friction uses the velocity of the next mid-step; half of its work is done by the
+            // present time.
             let slid = 0.5 * steps.dt_velocity * sheared.dot(&velocity);
             work.friction += Work { before: slid, after: slid };
             if p.initial_gap < 0.0 {
@@ -710,7 +723,7 @@ impl Contact {
             while let Some(p) = own.next_if(|p| p.nodes[0] == s) {
                 self.pair_histories.push(p.to_history());
             }
-            // Those of the step come first, in order, then what is lost, in order too.
+            // Pairs of this step come first, then lost pairs, both in ascending order.
             for m in &before[old] {
                 if !self.pair_histories[start..].iter().any(|n| n.name == m.name) {
                     self.pair_histories.extend(m.after_loss());
@@ -727,7 +740,7 @@ impl Contact {
     }
 }
 
-/// No two of these velocities differ by more [length/time].
+/// Returns an upper bound of the difference of any two of these velocities [length/time].
 fn velocity_range(v: &[Row]) -> f64 {
     let range = v.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], v| {
         [std::array::from_fn(|c| v[c].min(low[c])), std::array::from_fn(|c| v[c].max(high[c]))]

@@ -1,7 +1,8 @@
-//! Which candidates are near enough to be looked at in every step. Most of what a search finds is
-//! not: its skin is there so that it need not be made often. This list is made over from the
-//! search's, at a fraction of that skin, and leaves out only what the local search would turn away
-//! in every step until then, as long as a slave that remembered nothing still does.
+//! Near list: candidates that are close enough to be examined in every step. Most candidates of
+//! a global search are not, because its skin is chosen so that searches are rare. The near list
+//! is made again more often, with a fraction of that skin. It leaves out only candidates that
+//! the local search would reject in every step until then, as long as a slave without history
+//! has none.
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::{Sphere, V3};
@@ -12,36 +13,40 @@ use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
-/// Skin of this list as a fraction of the search's, and at most of the scale of the thinnest
-/// segment and of a short edge: more would not let small segments be told to lie beside each other.
+/// Skin of the near list as a fraction of the skin of the search. It is at most [`THIN`] of the
+/// scale of the thinnest segment and [`SHORT`] of the length of a short edge: with a larger
+/// skin, a slave could not be shown to project outside small segments.
 const SKIN: f64 = 0.5;
 const THIN: f64 = 0.5;
 const SHORT: f64 = 0.125;
-/// Least motion in a step that it provides for, as a fraction of that scale, so that it need not be
-/// made over for nothing.
+/// Least motion per step that the near list allows, as a fraction of the scale of the thinnest
+/// segment, so that it is not made again without need.
 const STEP: f64 = 0.02;
-/// With as many candidates a picker looks at them side by side.
+/// Number of collected candidates from which a filter examines them in batches.
 const HELD: usize = 256;
 
 /// Candidates that are near.
 #[derive(Debug, Default)]
 pub struct NearList {
-    /// By slave, ascending, and of a slave by segment.
+    /// Candidates by slave, ascending, and for each slave by segment.
     pub list: Vec<CandidatePair>,
-    /// Relative motion of two nodes that it holds for, and of a step that begins then [length].
+    /// Largest relative motion of two nodes for which the list is valid, and largest relative
+    /// motion in a step that begins then [length].
     pub skin: f64,
     pub step: f64,
 }
 
 impl NearList {
-    /// Bytes in use, spare room left out.
+    /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.list[..])
     }
 
-    /// Takes from what a search with skin `skin` found for each slave what is near, and farther for
-    /// what the slave remembers. In the step that begins two nodes move by `step` against each
-    /// other. `spheres` are around the segments.
+    /// Filters the candidates of the last global search, which had the skin `skin` [length], to
+    /// those within reach of each slave. Slaves with pair history have a larger reach. `step` is
+    /// the relative motion of two nodes in the step that begins [length]. `found` and `memory`
+    /// return the candidate segments and the pair histories of a slave by its index. `spheres`
+    /// are the bounding spheres of the segments.
     pub fn renew<'a>(
         &mut self,
         (nodes, surface, spheres): (&Nodes, &Surface, &[Sphere]),
@@ -61,23 +66,24 @@ impl NearList {
     }
 }
 
-/// Picks what slaves may meet of what was found for them, while two nodes move by `skin` against
-/// each other and in a step by `step` [length].
+/// Selects the candidates that slaves may touch while two nodes move by `skin` relative to each
+/// other, and by `step` in a step [length].
 pub struct CandidateFilter<'a, F> {
     nodes: &'a Nodes,
     surface: &'a Surface,
     skin: f64,
     step: f64,
-    /// The sphere around a segment.
+    /// Function that returns the bounding sphere of a segment by its index.
     sphere: F,
-    /// Nodes of the segments on which a slave lies.
+    /// Nodes of the segments around the slave.
     ring: Vec<u32>,
-    /// What is not yet looked at side by side, with the reach, skin and all [length].
+    /// Candidates that are not examined in batches yet, with their reach including the skin
+    /// [length].
     held: Vec<(CandidatePair, f64)>,
 }
 
 impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
-    /// Nothing is looked at yet.
+    /// Creates a filter without candidates.
     pub fn new(
         nodes: &'a Nodes,
         surface: &'a Surface,
@@ -87,8 +93,9 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
         Self { nodes, surface, skin, step, sphere, ring: Vec::new(), held: Vec::new() }
     }
 
-    /// Looks at what was `found` for the slave at `place`; `near` gets what is, here or in
-    /// [`Self::finish`], which has to follow the last.
+    /// Adds the candidate segments `found` of the slave at index `place`. Those that are near
+    /// are appended to `near`, now or in [`Self::finish`], which must be called after the last
+    /// slave.
     pub fn add_slave(
         &mut self,
         place: usize,
@@ -133,7 +140,7 @@ impl<'a, F: Fn(usize) -> Sphere> CandidateFilter<'a, F> {
         }
     }
 
-    /// Looks at all that is left.
+    /// Examines all collected candidates and appends those that are near.
     pub fn finish(&mut self, near: &mut Vec<CandidatePair>) {
         for some in self.held.chunks(LANES) {
             let four = PairBatch::of(self.surface, some, |s| s.0);

@@ -1,29 +1,31 @@
-//! What two segments have over each other, seen along a common normal: the area where one has gone
-//! into the other, how deep it is there in the mean, and where on either segment that acts.
+//! Overlap of two segments, seen along a common normal: the area where one has penetrated the
+//! other, the mean depth there, and the points of both segments where the force acts.
 //!
 //! As in mortar methods (Puso & Laursen 2004, sec. 3; Yang, Laursen & Meng 2005, sec. 4) both
-//! segments are laid on a plane, their outlines are clipped against each other, and integrals are
-//! taken over the triangles of what is left, where the shape values of both segments are smooth.
-//! Here the outlines are those of the quarters that belong to the corners, and what is left is
-//! clipped along the line g = 0, so that either all of a piece presses or none of it.
+//! segments are projected onto a plane and their outlines are clipped against each other.
+//! Integrals are evaluated over the triangles of the remaining polygon, where the shape values
+//! of both segments are smooth. Here the outlines are those of the quarters that belong to the
+//! corners. The remaining polygon is clipped along the line g = 0, so that either all of a piece
+//! presses or none of it.
 //!
-//! With a pressure of k per depth and area the nodal forces are `k int -g N_a da` on one side and
-//! `k int -g N_b da` on the other: together they are a force of `k A d`, with the area A and the
-//! mean depth d, shared by `int g N da / int g da`. As these shares place it at points of either
-//! side that lie above each other, it turns nothing. Uniform pressure gives the nodal forces of
-//! uniform pressure on both sides, whatever the meshes: what the patch test asks for.
+//! With a pressure of k per depth and area the nodal forces are `k int -g N_a da` on one side
+//! and `k int -g N_b da` on the other. Their sum is a force of `k A d`, with the area A and the
+//! mean depth d, distributed by `int g N da / int g da`. This distribution places the force at
+//! points of the two sides that lie above each other, so it has no moment. Uniform pressure
+//! gives the nodal forces of uniform pressure on both sides, whatever the meshes, as the patch
+//! test requires.
 
 use crate::contact::geometry::V3;
 use nalgebra::Vector2;
 
 type V2 = Vector2<f64>;
 
-/// Most corners of what two quarters have in common, clipped once more.
+/// Largest number of corners of the intersection of two quarters, clipped once more.
 const MOST: usize = 12;
-/// What is in common is left out below this fraction of a quarter's area: round-off where meshes
-/// match.
+/// Smallest intersection as a fraction of a quarter's area. A smaller one is round-off where
+/// meshes match, and it is left out.
 const SLIVER: f64 = 1e-6;
-/// Points and weights in a triangle, exact to the degree of four (Dunavant 1985, table II).
+/// Points and weights of a triangle, exact to the degree of four (Dunavant 1985, table II).
 const POINTS: [([f64; 3], f64); 6] = {
     const A: f64 = 0.4459484909159649;
     const B: f64 = 0.09157621350977074;
@@ -39,26 +41,26 @@ const POINTS: [([f64; 3], f64); 6] = {
     ]
 };
 
-/// What two quarters have over each other.
+/// Overlap of two quarters.
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap {
-    /// Area where one is in the other, 0 where there is none [length^2].
+    /// Area where one is in the other, 0 if there is none [length^2].
     pub area: f64,
-    /// Mean gap there, or the smallest one where nothing is in the other [length].
+    /// Mean gap in this area, or the smallest gap if there is no such area [length].
     pub gap: f64,
     /// Shape values of either segment where the force acts.
     pub shape: [[f64; 4]; 2],
 }
 
-/// A plane to lay segments on.
+/// A plane onto which segments are projected.
 pub struct Plane {
     origin: V3,
-    /// Along the plane, and its normal.
+    /// Two directions in the plane, and its normal.
     axes: [V3; 3],
 }
 
 impl Plane {
-    /// At right angles to a unit vector.
+    /// Builds the plane perpendicular to a unit vector.
     pub fn perpendicular(normal: V3, origin: V3) -> Self {
         // Any direction that is not the normal's own.
         let least =
@@ -82,8 +84,8 @@ impl Outline {
         outline
     }
 
-    /// A corner more than there is room for is left out: round-off between edges that lie on each
-    /// other.
+    /// Appends a corner. A corner for which there is no space is left out: it is round-off
+    /// between edges that lie on each other.
     fn push(&mut self, corner: V2) {
         if self.count < MOST {
             self.corners[self.count] = corner;
@@ -100,8 +102,8 @@ impl Outline {
         0.5 * (2..c.len()).map(|i| (c[i - 1] - c[0]).perp(&(c[i] - c[0]))).sum::<f64>()
     }
 
-    /// The part of it where a function is not above nought, which is taken as linear along the
-    /// edges.
+    /// Returns the part where a function is at most zero. The function is taken as linear along
+    /// the edges.
     fn clipped(&self, of: impl Fn(&V2) -> f64) -> Self {
         let mut left = Self { count: 0, ..*self };
         let c = self.corners();
@@ -120,7 +122,7 @@ impl Outline {
         left
     }
 
-    /// What it has in common with another one.
+    /// Returns the intersection with another outline.
     fn intersection(&self, other: &Self) -> Self {
         let c = other.corners();
         (0..c.len()).fold(*self, |left, i| {
@@ -136,7 +138,7 @@ pub struct ProjectedSegment {
     corners: [V2; 4],
     heights: [f64; 4],
     triangle: bool,
-    /// Outlines of the quarters, by corner; none where a quarter is not convex.
+    /// Outlines of the quarters, by corner; `None` for a quarter that is not convex.
     quarters: [Option<Outline>; 4],
     /// Lowest and highest coordinates [length].
     low: V2,
@@ -144,7 +146,7 @@ pub struct ProjectedSegment {
 }
 
 impl ProjectedSegment {
-    /// Lays a segment with corners `q` on a plane; `None` where nothing is left of it.
+    /// Projects a segment with corners `q` onto a plane; `None` if the projection has no area.
     pub fn on(plane: &Plane, q: &[V3; 4], triangle: bool) -> Option<Self> {
         let [e, f, n] = &plane.axes;
         let offsets = q.map(|p| p - plane.origin);
@@ -177,7 +179,7 @@ impl ProjectedSegment {
         Some(Self { corners, heights: offsets.map(|o| o.dot(n)), triangle, quarters, low, high })
     }
 
-    /// Shape values at a place on the plane.
+    /// Computes the shape values at a point of the plane.
     fn shape(&self, at: &V2) -> [f64; 4] {
         const MOST_STEPS: usize = 12;
         let q = &self.corners;
@@ -199,7 +201,7 @@ impl ProjectedSegment {
             }
             let (dx, dy) = (left.perp(&across) / size, along.perp(&left) / size);
             (x, y) = (x + dx, y + dy);
-            // What is left goes with the square of the step.
+            // The error that remains is of the order of the square of the step.
             if dx.abs() + dy.abs() < 1e-9 {
                 break;
             }
@@ -212,8 +214,8 @@ impl ProjectedSegment {
         (0..4).map(|k| shape[k] * self.heights[k]).sum()
     }
 
-    /// Calls `found` with what each quarter of this segment and each quarter of another one below
-    /// it have over each other, in ascending order; they touch at the distance `thickness`
+    /// Calls `found` with the overlap of each quarter of this segment and each quarter of a
+    /// segment below it, in ascending order. The segments touch at the distance `thickness`
     /// [length].
     pub fn gap_at(&self, below: &Self, thickness: f64, mut found: impl FnMut([usize; 2], Overlap)) {
         if self.low.x >= below.high.x
@@ -235,7 +237,7 @@ impl ProjectedSegment {
         }
     }
 
-    /// What it has over another one within an outline.
+    /// Computes the overlap with another segment within an outline.
     fn pressed_area(&self, below: &Self, within: &Outline, thickness: f64) -> Overlap {
         let shapes = |p: &V2| [self.shape(p), below.shape(p)];
         let gap_of =
@@ -275,7 +277,7 @@ impl ProjectedSegment {
 }
 
 impl Outline {
-    /// Goes through the points of its triangles with their parts of its area.
+    /// Calls `add` with each point of its triangles and the part of the area of this point.
     fn sum(&self, mut add: impl FnMut(f64, &V2)) {
         let c = self.corners();
         for i in 2..c.len() {
@@ -307,8 +309,8 @@ mod tests {
         found
     }
 
-    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces are
-    /// those of the integrals.
+    /// A square that has sunk in by 0.1 over half of its length: area, depth and nodal forces
+    /// are those of the integrals.
     #[test]
     fn uniform_depth_gives_the_nodal_forces_of_uniform_pressure() {
         let above = square([0.5, 0.0], 1.0, |_, _| -0.1);
@@ -332,8 +334,8 @@ mod tests {
         }
     }
 
-    /// A tilted square that dips in by its edge only: force and moment of the linear pressure over
-    /// what is in.
+    /// A tilted square that sinks in with its edge only: force and moment of the linear pressure
+    /// over the part that is in.
     #[test]
     fn what_is_tilted_presses_where_it_is_in() {
         let (slope, depth) = (0.5, 0.1);
@@ -345,7 +347,8 @@ mod tests {
         let at = |q: &[V3; 4], n: &[f64; 4]| (0..4).map(|k| q[k] * n[k]).sum::<V3>();
         let turn: f64 =
             pressed.clone().map(|f| f.1.area * -f.1.gap * at(&above, &f.1.shape[0]).x).sum();
-        // A wedge of the length depth / slope: its volume, and the place of its centre at a third.
+        // A wedge of the length depth / slope: its volume, and its centre at a third of the
+        // length.
         let length = depth / slope;
         assert!((force - 0.5 * depth * length).abs() < 1e-14, "{force}");
         assert!((turn / force - length / 3.0).abs() < 1e-14, "{turn}");
@@ -355,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Shape values of a place on an uneven quad give back the place.
+    /// Shape values of a point on an irregular quad reproduce the point.
     #[test]
     fn shape_values_place_a_point() {
         let plane = Plane::perpendicular(V3::z(), V3::zeros());

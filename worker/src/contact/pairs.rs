@@ -1,8 +1,9 @@
-//! Contact pairs of a step, own and others': who knows which, and their forces on nodes.
+//! Contact pairs of a step, own pairs and those of other workers: ownership, exchange, and the
+//! forces of pairs on nodes.
 //!
-//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It learns of
-//! every other pair that touches one of its local nodes, so that it can add up the contact force on
-//! each of them alone, in ascending order of the pairs' names.
+//! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It receives
+//! every other pair that touches one of its local nodes. So it can sum the contact force on each
+//! of these nodes alone, in ascending order of the pair keys.
 
 pub mod convergence;
 mod pair;
@@ -20,58 +21,60 @@ use crate::nodes::{Nodes, Row, row};
 use crate::parallel::ghosts::Ghosts;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 
-/// What a node feels of all pairs: force [force], and moment if any pair has one [force length].
+/// Force of all pairs on a node [force], and their moment if any pair has one [force length].
 pub type NodalLoad<'a> = (&'a V3, Option<&'a V3>);
 
-/// The pairs that one other worker and this one both know.
+/// The pairs that both this worker and one other worker know.
 #[derive(Debug, Default)]
 struct SharedPairs {
     worker: usize,
-    /// Own pairs that the other knows, ascending.
+    /// Own pairs that the other worker knows, ascending.
     sent: Vec<u32>,
-    /// The other's pairs, ascending.
+    /// Pairs of the other worker, ascending.
     received: Vec<u32>,
 }
 
-/// Shares of guesses that a node takes as one of those that slaves meet, see
-/// [`PairTable::rubbed_on`].
+/// Sums of predictor forces and of slave masses at a node of the pairs' target side, weighted by
+/// force weights, see [`PairTable::predicted_load`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PredictedLoad {
-    /// Of guesses, friction that turns nodes left out [force].
+    /// Sum of predictor forces without friction that rotates nodes [force].
     pub force: V3,
-    /// Of the masses of slaves along the normal [mass].
+    /// Sum of the slave masses along the normal [mass].
     pub mass: f64,
-    /// Of friction that turns nodes [force].
+    /// Sum of friction that rotates nodes [force].
     pub tangential_force: V3,
-    /// Its moment [force length].
+    /// Moment of this friction [force length].
     pub couple: V3,
-    /// Of the masses of slaves across the normal [mass].
+    /// Sum of the slave masses in the tangent plane, for pairs whose friction rotates nodes
+    /// [mass].
     pub sliding_mass: f64,
-    /// The same times the squares of lever arms [mass length^2].
+    /// Sum of these masses times the squares of the lever arms [mass length^2].
     pub turned_mass: f64,
 }
 
-/// All pairs that concern a worker in this step.
+/// All pairs of a step that act on local nodes of this worker.
 #[derive(Debug, Default)]
 pub struct PairTable {
-    /// Pairs in ascending order of their names.
+    /// Pairs in ascending order of their keys.
     pub pairs: Vec<Pair>,
     /// Local nodes that a pair touches, ascending.
     pub touched: Vec<u32>,
-    /// Contact force on each of `touched` [force].
+    /// Contact force on each node of `touched` [force].
     pub total: Vec<V3>,
-    /// Moment of friction on each of `touched`, see [`Pair::arm`]; empty if no pair has one [force
-    /// length].
+    /// Moment of friction on each node of `touched`, see [`Pair::lever_arms`]; empty if no pair
+    /// has one [force length].
     pub couples: Vec<V3>,
     start: Vec<u32>,
     roles: Vec<(u32, u8)>,
-    /// Per pair and role the sum of the shares of all pairs that touch the node, 0 where this one
-    /// does not; see [`Self::soften`].
+    /// For each pair and role, the sum of the force weights, times [`Pair::area`], of all pairs
+    /// at the node. It is 0 if the pair does not act on the node; see
+    /// [`Self::compute_compliances`].
     weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
-    /// The same of the shares times the lever arms; empty if no pair has one [length].
+    /// Sum of the same products times the lever arms; empty if no pair has a moment.
     moment_weight_sums: Vec<[f64; MAX_PAIR_NODES]>,
     shared: Vec<SharedPairs>,
-    /// Whether pairs count for areas, see [`Pair::area`].
+    /// True if pairs are weighted by areas, see [`Pair::area`].
     pub by_area: bool,
     convergence: convergence::ConvergenceDetector,
     schedule: schedule::SweepSchedule,
@@ -80,8 +83,8 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// Tells other workers of own pairs and learns of theirs; `pairs` holds own ones, ascending, at
-    /// the start.
+    /// Sends own pairs to other workers and receives theirs. Before the call, `pairs` holds the
+    /// own pairs, ascending.
     ///
     /// # Errors
     /// A worker is gone.
@@ -132,7 +135,9 @@ impl PairTable {
         Ok(())
     }
 
-    /// Puts pairs in ascending order of their names; where each goes is noted in `common`.
+    /// Sorts the pairs in ascending order of their keys and updates the indices in `shared`.
+    /// `source` gives the index in `shared` and the position in the message of each received
+    /// pair.
     fn sort_by_key(&mut self, source: &[(usize, u32)]) {
         let mut order: Vec<u32> = (0..self.pairs.len() as u32).collect();
         order.sort_unstable_by_key(|&i| self.pairs[i as usize].key);
@@ -141,14 +146,14 @@ impl PairTable {
         self.pairs = order.iter().map(|&i| self.pairs[i as usize]).collect();
         for (c, common) in self.shared.iter_mut().enumerate() {
             common.sent.iter_mut().for_each(|i| *i = place[*i as usize]);
-            // A sender's pairs arrive in its ascending order, which is also the order here.
+            // The pairs of a sender arrive in its ascending order, which is also the order here.
             let received =
                 source.iter().enumerate().filter(|(_, s)| s.0 == c).map(|(from, _)| place[from]);
             common.received = received.collect();
         }
     }
 
-    /// Which pairs touch which local node, ascending.
+    /// Lists the pairs that touch each local node, ascending.
     fn index_by_node(&mut self) {
         self.incidence.clear();
         for (p, pair) in self.pairs.iter().enumerate() {
@@ -176,9 +181,9 @@ impl PairTable {
         }
     }
 
-    /// Shares the forces of own pairs among their segments' nodes by mass, Wang et al. (2007), eq.
-    /// 7 and 11: m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their shape values. To
-    /// be done before others are told.
+    /// Divides the forces of own pairs among the nodes of their segments by mass, Wang et al.
+    /// (2007), eq. 7 and 11: m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their
+    /// shape values. It must be called before the pairs are sent to other workers.
     pub fn weight_by_mass(&mut self, nodes: &Nodes) {
         for pair in self.pairs.iter_mut().filter(|p| p.is_owned && p.key.is_node()) {
             let m: [f64; 4] = std::array::from_fn(|k| {
@@ -191,17 +196,25 @@ impl PairTable {
         }
     }
 
-    /// Sets how softly own pairs answer. When all pairs are split, the mass of a node is divided
-    /// among the pairs that touch it in proportion to their shares in it. That lets simultaneous
-    /// updates converge whatever the masses: for shares w > 0 the matrix diag(w_p sum_q w_q) - w
-    /// w^T has no negative eigenvalue (Gershgorin), so an update is damped by no less than the
-    /// coupling. A pair whose share is of the size of round-off makes a difference of that size.
-    /// Pairs may count for more or less than others, by [`Pair::area`] A: with c the sum of the A
-    /// of all pairs of a node by their shares, a pair has the part A/c of its mass, and the same
-    /// holds. Where friction turns nodes, its compliance is that of their rotational inertias too,
-    /// which are split in the same way: pairs have shares in a moment as in a force, each times its
-    /// lever arm. With prediction and correction the masses of edges are split: a slave edge may be
-    /// in several pairs, which do not see each other's corrections as pairs on one segment do.
+    /// Computes the compliances of own pairs.
+    ///
+    /// If all pairs are split, the mass of a node is divided among the pairs that touch it, in
+    /// proportion to their force weights. Then simultaneous updates converge for any masses: for
+    /// weights w > 0 the matrix diag(w_p sum_q w_q) - w w^T has no negative eigenvalue
+    /// (Gershgorin), so an update is damped at least by the coupling. A pair with a weight of
+    /// the size of round-off changes the result only by this size.
+    ///
+    /// Pairs can be weighted by [`Pair::area`] A: with c the sum of A times the force weight
+    /// over all pairs of a node, a pair gets the part A/c of the node's mass, and the update
+    /// converges as well.
+    ///
+    /// If friction rotates nodes, the tangential compliance includes their rotational inertias.
+    /// These are split in the same way: the weight of a pair in a moment is its force weight
+    /// times its lever arm.
+    ///
+    /// With prediction and correction, the masses of edges are split: a slave edge can be in
+    /// several pairs, and these do not include each other's corrections as pairs of one segment
+    /// do.
     pub fn compute_compliances(
         &mut self,
         nodes: &Nodes,
@@ -233,7 +246,7 @@ impl PairTable {
                 }
             }
         }
-        // Where two segments have nothing in contact yet there is nothing to answer.
+        // Two segments without contact area have no force and need no compliance.
         let answers = |p: &Pair| p.is_owned && p.area > 0.0;
         for (i, (pair, crowd)) in self
             .pairs
@@ -250,11 +263,10 @@ impl PairTable {
                 Iteration::Correct { .. } => pair.key.is_edge(),
                 Iteration::GaussSeidel => false,
             };
-            // In the order of roles: local numbers, and with them any other order, differ from
-            // worker to worker.
+            // Roles give the same order on all workers; local numbers do not.
             for r in (0..pair.node_count()).filter(|&r| crowd[r] > 0.0) {
                 let inv = bodies.inv_mass(pair.nodes[r], nodes);
-                // The nodes of a rigid body feel a sweep's forces together, when it is over.
+                // A sweep's forces act on the nodes of a rigid body together, after the sweep.
                 let together = split || bodies.body_of(pair.nodes[r]).is_some();
                 let moved =
                     if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
@@ -280,14 +292,14 @@ impl PairTable {
         }
     }
 
-    /// Adds up the contact force on every touched node, and the moment.
+    /// Sums the contact force and the moment on every touched node.
     pub fn sum_forces(&mut self) {
         for t in 0..self.touched.len() {
             self.sum_forces_at(t);
         }
     }
 
-    /// Adds them up at place `t` of `touched`.
+    /// Sums the force and the moment on the node at index `t` of `touched`.
     fn sum_forces_at(&mut self, t: usize) {
         self.total[t] = self.force_at(t);
         if !self.couples.is_empty() {
@@ -295,12 +307,13 @@ impl PairTable {
         }
     }
 
-    /// Pairs that touch the node at place `t` of `touched`, ascending, and its role in each.
+    /// Returns the pairs that touch the node at index `t` of `touched`, ascending, and its role
+    /// in each.
     fn roles_at(&self, t: usize) -> &[(u32, u8)] {
         &self.roles[self.start[t] as usize..self.start[t + 1] as usize]
     }
 
-    /// Sum of the forces of all pairs on the node at place `t` of `touched` [force].
+    /// Returns the sum of the forces of all pairs on the node at index `t` of `touched` [force].
     fn force_at(&self, t: usize) -> V3 {
         let mut sum = V3::zeros();
         for &(p, r) in self.roles_at(t) {
@@ -311,7 +324,8 @@ impl PairTable {
         sum
     }
 
-    /// Sum of the moments of all pairs on the node at place `t` of `touched` [force length].
+    /// Returns the sum of the moments of all pairs on the node at index `t` of `touched` [force
+    /// length].
     fn couple_at(&self, t: usize) -> V3 {
         let mut sum = V3::zeros();
         for &(p, r) in self.roles_at(t) {
@@ -324,8 +338,9 @@ impl PairTable {
         sum
     }
 
-    /// Shares of the guesses, and of the masses of the slaves that they are for, which the node at
-    /// place `t` of `touched` takes as a node of what slaves meet [force], [mass].
+    /// Returns the sum of the predictor forces [force] and of the slave masses [mass] of the
+    /// pairs that have the node at index `t` of `touched` on their target side, weighted by
+    /// force weights. Pairs without a predictor force are left out.
     pub fn predicted_normal_load(&self, t: usize) -> (V3, f64) {
         let (mut force, mut mass) = (V3::zeros(), 0.0);
         for &(p, r) in self.roles_at(t) {
@@ -338,8 +353,9 @@ impl PairTable {
         (force, mass)
     }
 
-    /// The same where friction turns nodes: of pairs that do, the tangential part of the guess is
-    /// apart.
+    /// Returns the sums of [`Self::predicted_normal_load`] for a step in which friction can
+    /// rotate nodes. For pairs with a friction couple, the tangential part of the predictor
+    /// force is summed separately.
     pub fn predicted_load(&self, t: usize) -> PredictedLoad {
         let mut sum = PredictedLoad::default();
         for &(p, r) in self.roles_at(t) {
@@ -363,9 +379,9 @@ impl PairTable {
         sum
     }
 
-    /// Which nodes of what the own pair's slave meets are themselves slaves that are pushed back
-    /// from the pair's side. Those whose guess is below the fraction `little` of their force have
-    /// settled.
+    /// Finds the pairs that push back from the side of the own pair `pair`. Their slaves are
+    /// nodes of its target. A slave has settled if its predictor force is at most the fraction
+    /// `little` of its force.
     pub fn opposing_pairs(&self, pair: &Pair, little: f64) -> OpposingPairs {
         let mut found = OpposingPairs { free: false, held: false, settled: true };
         let places = (pair.slave_node_count()..pair.node_count()).filter(|&r| pair.share(r) != 0.0);
@@ -386,7 +402,8 @@ impl PairTable {
         found
     }
 
-    /// Whether a local node is the slave of a pair whose normal is about this one.
+    /// Returns true if a local node is the slave of a pair whose normal is at less than 60
+    /// degrees to `normal`.
     pub fn bears(&self, node: u32, normal: &V3) -> bool {
         let Ok(t) = self.touched.binary_search(&node) else { return false };
         let of = |&(q, r): &(u32, u8)| {
@@ -396,13 +413,14 @@ impl PairTable {
         self.roles_at(t).iter().any(of)
     }
 
-    /// Whether other workers know some of these pairs.
+    /// Returns true if other workers know some of these pairs.
     pub fn has_shared_pairs(&self) -> bool {
         !self.shared.is_empty()
     }
 
-    /// Exchanges the forces of pairs that several workers know, after a sweep that has `changed` an
-    /// own one or not. Returns whether all that have pairs in common, one with the next, are quiet.
+    /// Exchanges the forces of shared pairs after a sweep. `changed` is true if the sweep has
+    /// changed the force of an own pair. Returns true if all workers that are connected by
+    /// shared pairs have converged.
     ///
     /// # Errors
     /// A worker is gone.
@@ -419,7 +437,7 @@ impl PairTable {
         Ok(self.convergence.has_converged())
     }
 
-    /// Exchanges the forces of pairs that several workers know, within a sweep.
+    /// Exchanges the forces of shared pairs within a sweep.
     ///
     /// # Errors
     /// A worker is gone.
@@ -430,7 +448,7 @@ impl PairTable {
         self.exchange(comm, None, |pair| &mut pair.force)
     }
 
-    /// Exchanges the guesses of pairs that several workers know.
+    /// Exchanges the predictor forces of shared pairs.
     ///
     /// # Errors
     /// A worker is gone.
@@ -467,7 +485,7 @@ impl PairTable {
     }
 }
 
-/// Adds impulse `force * dt` to a velocity row.
+/// Returns the velocity row `v` after the impulse `force * dt`.
 pub fn accelerated_velocity(v: &Row, force: &V3, inv_mass: &Row, dt: f64) -> Row {
     let f = row([force.x, force.y, force.z]);
     std::array::from_fn(|c| v[c] + dt * f[c] * inv_mass[c])

@@ -1,5 +1,5 @@
-//! Which near segments come into reach of their slaves in the step, and where they are nearest:
-//! several at once, whoever their slaves are.
+//! Finds the near segments within reach of their slaves in a step and projects the slaves onto
+//! them, in batches over all slaves.
 
 use crate::contact::candidates::{CandidatePair, PairBatch};
 use crate::contact::geometry::{Nearest, V3};
@@ -10,34 +10,35 @@ use crate::contact::surface::Surface;
 use crate::math::lanes::{LANES, Lane};
 use crate::nodes::{Nodes, xyz};
 
-/// Neighbours that may touch in the step.
+/// A candidate pair that may touch in the step, with its projection.
 #[derive(Debug)]
 pub struct ProjectedPair {
-    /// Who meets.
+    /// The candidate pair.
     pub of: CandidatePair,
-    /// The most that the slave and a node of the segment move against each other, contact not yet
-    /// felt [length].
+    /// Largest relative motion of the slave and a node of the segment in the step, without
+    /// contact [length].
     pub step: f64,
-    /// Where the segment is nearest.
+    /// Nearest point of the segment to the slave.
     pub near: Nearest,
 }
 
-/// Meetings of a step.
+/// Projected pairs of a step.
 #[derive(Debug, Default)]
 pub struct ProjectedPairs {
-    /// Neighbours in reach, with what they move against each other.
+    /// Candidate pairs within reach, with their largest relative motion [length].
     reached: Vec<(CandidatePair, f64)>,
-    /// In the order in which they were asked for.
+    /// Projected pairs in the order of the candidates.
     pub all: Vec<ProjectedPair>,
 }
 
 impl ProjectedPairs {
-    /// Bytes in use, spare room left out.
+    /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
     }
 
-    /// Those among `asked`; `memory` is what a slave remembers, by place.
+    /// Projects the pairs of `asked` that are within reach and stores them in `all`. `memory`
+    /// returns the pair histories of a slave by its index; `dt` is the step size [time].
     pub fn project<'a>(
         &mut self,
         nodes: &Nodes,
@@ -66,8 +67,9 @@ impl ProjectedPairs {
         }
     }
 
-    /// A cheap look before the projection: is the node within reach of the segment's box and of its
-    /// mean plane, and not beside one that has to fold over to be met?
+    /// Selects pairs by cheap tests before the projection: the slave must be within reach of the
+    /// segment's box and of its mean plane. If the segment must fold over to be touched, the
+    /// slave must not project outside the segment.
     fn retain_reached<'a>(
         &mut self,
         nodes: &Nodes,
@@ -115,8 +117,8 @@ mod tests {
     use crate::testing::nodes_at;
     use crumple_proto::ids::{NodeId, SegmentId};
 
-    /// Six nodes on a bent strip of a quad, a triangle and a solid's face, four slaves above, and
-    /// where they go.
+    /// Returns six nodes on a bent strip of a quad, a triangle and a solid's face, and four
+    /// slaves above it with their velocities.
     fn scene() -> (Nodes, Surface) {
         let strip = [
             [0.0, 0.0, 0.0],
@@ -153,7 +155,8 @@ mod tests {
         (nodes, surface)
     }
 
-    /// Whoever stands beside a pair, and however many there are, it meets where it meets alone.
+    /// The projection of a pair is the same for any other pairs in its batch and for any batch
+    /// size.
     #[test]
     fn a_pair_meets_in_company_where_it_meets_alone() {
         let (nodes, surface) = scene();

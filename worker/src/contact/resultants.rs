@@ -1,4 +1,4 @@
-//! Forces that parts and surfaces exert on each other by contact, for histories.
+//! Contact forces between parts and between surfaces, for histories.
 
 use super::Contact;
 use super::pairs::Pair;
@@ -8,9 +8,9 @@ use crumple_proto::ids::NodeId;
 use std::collections::BTreeMap;
 
 impl Contact {
-    /// Forces of the own pairs of the last step by the parts that they are between, ascending.
-    /// Within a part there is none. A node that several parts share counts for the lowest of them
-    /// that is in contact.
+    /// Returns the forces of the own pairs of the last step, summed for each pair of parts,
+    /// ascending. Pairs within one part are left out. A node that several parts share counts for
+    /// the lowest of them that is in contact.
     pub fn forces_between_parts(&self) -> Vec<ContactShare> {
         let mut sums: BTreeMap<[u32; 2], [f64; 3]> = BTreeMap::new();
         for pair in self.owned_table() {
@@ -22,8 +22,9 @@ impl Contact {
         sums.into_iter().map(|(parts, force)| ContactShare { parts, force }).collect()
     }
 
-    /// What the own pairs of the last step do to transducers, ascending by transducer and pair. A
-    /// node that several parts share counts for the lowest of them that is in contact, as above.
+    /// Returns the forces of the own pairs of the last step on transducers, ascending by
+    /// transducer and pair. A node that several parts share counts for the lowest of them that
+    /// is in contact.
     pub fn forces_on_transducers(
         &self,
         transducers: &[Transducer],
@@ -51,7 +52,7 @@ impl Contact {
         felt
     }
 
-    /// Parts of an own pair's slave and of what it meets.
+    /// Returns the parts of the slave and of the target of an own pair.
     fn parts_of(&self, pair: &Pair) -> Option<[u32; 2]> {
         let s = &self.surface;
         let met = s.segments[s.segments.binary_search_by_key(&pair.segment, |g| g.id).ok()?].part;

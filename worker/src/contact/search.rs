@@ -1,28 +1,29 @@
-//! Global search: which points lie in which boxes. It knows nothing of workers.
+//! Global search: finds the points that lie in boxes. It does not depend on the decomposition
+//! into workers.
 //!
-//! Two methods that must agree: linked cells (Wang, Cheng & Yao 2000), O(N), and point in box by
-//! three one-dimensional sorts (Heinstein et al., PRONTO3D).
+//! Two methods that must give the same result: linked cells (Wang, Cheng & Yao 2000), O(N), and
+//! point in box by three one-dimensional sorts (Heinstein et al., PRONTO3D).
 
 use crumple_proto::boxes::Aabb;
 
-/// A global search: calls `found` with all box and point of which the point is in the closed box,
-/// boxes ascending.
+/// A global search: calls `found` with the index of a box and the index of a point for each
+/// point in a closed box, boxes ascending.
 pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32));
 
-/// A method by its name in the job.
+/// A search method and its name.
 pub struct Method {
     /// Name in the job.
     pub name: &'static str,
-    /// The method.
+    /// The search.
     pub find: Search,
 }
 
-/// All methods.
+/// All search methods.
 pub const SEARCHES: &[Method] =
     &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
 
-/// Points go to the cells of a grid whose cells are as large as the average box; each box looks
-/// into the cells it covers.
+/// Assigns points to the cells of a grid whose cell size is half the mean size of a box, or
+/// larger. Each box examines the cells that it covers.
 pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let bounds = Aabb::around(points.iter().copied());
     if boxes.is_empty() || bounds.is_empty() {
@@ -58,14 +59,15 @@ impl Grid {
         let size = |b: &Aabb| (0..3).map(|c| b.max[c] - b.min[c]).fold(0.0, f64::max);
         let cell = boxes.iter().map(size).sum::<f64>() / boxes.len() as f64;
         let mut grid = Self { origin: bounds.min, per_length: [0.0; 3], count: [1; 3] };
-        // Not many more cells than points, however thin the boxes are.
+        // The number of cells is limited to a multiple of the number of points, even for thin
+        // boxes.
         let mut cell = (0.5 * cell).max(f64::MIN_POSITIVE);
         loop {
             for c in 0..3 {
                 grid.count[c] = (((bounds.max[c] - bounds.min[c]) / cell).min(1e6) as usize) + 1;
                 grid.per_length[c] = 1.0 / cell;
             }
-            // Where coordinates are no numbers any more, the step that made them ends the run; any
+            // If coordinates are not finite, the step that computed them ends the run, and any
             // grid will do.
             let few =
                 grid.count.iter().map(|&n| n as f64).product::<f64>() <= 8.0 * points as f64 + 64.0;
@@ -82,7 +84,8 @@ impl Grid {
         })
     }
 
-    /// Counting sort of points by cell.
+    /// Sorts points by cell (counting sort). Returns the start of each cell and the points by
+    /// cell.
     fn fill(&self, points: &[[f64; 3]]) -> (Vec<u32>, Vec<u32>) {
         let cell = |p: &[f64; 3]| {
             let [i, j, k] = self.place(*p);
@@ -104,8 +107,8 @@ impl Grid {
     }
 }
 
-/// Points are sorted along each axis; a box takes the axis on which the fewest lie within it and
-/// tests the other two.
+/// Sorts points along each axis. A box selects the axis on which the fewest points lie within
+/// it, and tests the other two axes.
 pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
     let sorted: [Vec<(f64, u32)>; 3] = std::array::from_fn(|c| {
         let mut list: Vec<(f64, u32)> =

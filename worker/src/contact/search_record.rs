@@ -1,17 +1,17 @@
-//! Which parts ever came near to contact, and which ever had a pair: what `crumple advise` asks
-//! after a run.
+//! Record of the parts that ever were near to contact and of those that ever had a pair, which
+//! `crumple advise` reads after a run.
 //!
-//! Nodes are marked, not segments: a part counts as near or touched when any node of its segments
-//! is marked. Parts that share nodes count together, so that no part is called free of contact that
-//! was not.
+//! Nodes are marked, not segments: a part counts as near or touched if any node of its segments
+//! is marked. Parts with common nodes count together, so no part with contact is reported as
+//! free of contact.
 
 use crate::contact::surface::{NOT_LOCAL, Segment};
 
-/// A node that was in a candidate, or in a pair.
+/// Marks of a node that was in a candidate ([`NEAR`]) or in a pair ([`TOUCHED`]).
 const NEAR: u8 = 1;
 const TOUCHED: u8 = 2;
 
-/// Marks of local nodes since the surface was last renewed, and of parts before.
+/// Marks of local nodes since the surface was last renewed, and marks of parts before that.
 #[derive(Debug, Default)]
 pub struct SearchRecord {
     nodes: Vec<u8>,
@@ -19,15 +19,15 @@ pub struct SearchRecord {
 }
 
 impl SearchRecord {
-    /// Books the marks of nodes to the parts of `segments`; nodes are to be numbered anew, `count`
-    /// of them.
+    /// Transfers the marks of nodes to the parts of `segments` and clears them. The nodes then
+    /// get new numbers; `count` is their new number.
     pub fn renew(&mut self, segments: &[Segment], count: usize) {
         self.parts = self.of_parts(segments);
         self.nodes.clear();
         self.nodes.resize(count, 0);
     }
 
-    /// Marks a candidate: a node and a segment that are within reach of each other.
+    /// Marks a candidate: a node and a segment within reach of each other.
     pub fn near(&mut self, slave: u32, segment: &Segment) {
         self.nodes[slave as usize] |= NEAR;
         segment.nodes.iter().for_each(|&n| self.nodes[n as usize] |= NEAR);
@@ -41,13 +41,14 @@ impl SearchRecord {
             .for_each(|&n| self.nodes[n as usize] |= NEAR | TOUCHED);
     }
 
-    /// Whether a part ever was near, and whether it was ever touched, by the index of the part.
+    /// Returns true if the part with index `part` ever was near, and true if it ever was
+    /// touched.
     pub fn part_seen(&self, segments: &[Segment], part: usize) -> (bool, bool) {
         let marks = self.of_parts(segments).get(part).copied().unwrap_or(0);
         (marks & NEAR != 0, marks & TOUCHED != 0)
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub fn bytes(&self) -> usize {
         self.nodes.len() + self.parts.len()
     }

@@ -1,6 +1,6 @@
-//! How the forces of all pairs come about within a step: sweep after sweep over all of them, or by
-//! prediction and correction in one. Where these do not settle, more sweeps follow that are
-//! accelerated (`acceleration.rs`).
+//! Contact iteration: computes the forces of all pairs of a step, by sweeps over all of them or
+//! by prediction and correction within a sweep. If the sweeps do not converge, accelerated
+//! sweeps follow (`acceleration.rs`).
 
 use crate::constraints::rigid::Bodies;
 use crate::constraints::walls::Walls;
@@ -11,52 +11,53 @@ use crate::contact::pairs::{NodalLoad, Pair, PairTable, accelerated_velocity};
 use crate::nodes::{Nodes, Row};
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 
-/// What all pairs act on.
+/// State of the contact iteration: everything that the forces of pairs depend on and act on.
 pub struct ContactSolver<'a> {
-    /// The laws of all interfaces.
+    /// Contact laws of all interfaces.
     pub laws: &'a Laws,
-    /// Nodes; those that pairs touch are brought to the velocities with contact and walls.
+    /// Nodes; the velocities of touched nodes become those with contact and walls.
     pub nodes: &'a mut Nodes,
     /// Velocities without contact of the nodes in the table's `touched` [length/time].
     pub free: &'a [Row],
-    /// Their rotational velocities without contact, if friction turns any [1/time].
+    /// Rotational velocities without contact of these nodes; empty if friction rotates none of
+    /// them [1/time].
     pub free_spins: &'a [Row],
     /// Rigid walls.
     pub walls: &'a Walls,
-    /// Rigid bodies; their nodes go where the bodies go.
+    /// Rigid bodies; their nodes move with the bodies.
     pub bodies: &'a mut Bodies,
-    /// Whether a pair touches a body, on any worker.
+    /// True if a pair touches a rigid body, on any worker.
     pub coupled: bool,
-    /// Steps around the present time.
+    /// Step sizes around the present time.
     pub steps: StepSizes,
-    /// Most accelerated sweeps if the others do not settle, the same on all workers; 0 if no law
-    /// converges.
+    /// Largest number of accelerated sweeps if the plain sweeps do not converge, equal on all
+    /// workers; 0 if no law converges.
     pub accelerated: usize,
 }
 
-/// What sweeps of a step have come to.
+/// Result of the sweeps of a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SolverOutcome {
     /// Number of sweeps.
     pub sweeps: u64,
-    /// Whether some were accelerated.
+    /// True if some sweeps were accelerated.
     pub accelerated: bool,
-    /// Whether forces of pairs are not good enough in the end: of own ones, or of any with
-    /// accelerated sweeps.
+    /// True if the forces of own pairs are not accurate enough at the end. With accelerated
+    /// sweeps it includes the pairs of all workers.
     pub unsettled: bool,
 }
 
-/// Where in a step a sweep is.
+/// Kind of a sweep within a step.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The sweep with this number, from 0.
+    /// A plain sweep with its number, from 0.
     Plain(usize),
-    /// One of those that are accelerated.
+    /// An accelerated sweep.
     Accelerated,
 }
 
-/// Pairs that are updated together within a sweep: those of the interfaces that iterate in this
-/// way, as long as their laws want to.
+/// Pairs that are updated together within a sweep: those of the interfaces with this iteration,
+/// as long as their laws require more sweeps.
 #[derive(Clone, Copy)]
 struct Selection {
     iteration: Iteration,
@@ -64,7 +65,7 @@ struct Selection {
 }
 
 impl Selection {
-    /// The law of an own pair, if the pair is one of them.
+    /// Returns the law of an own pair, or `None` if the pair is not selected.
     fn law<'a>(&self, pair: &Pair, laws: &'a Laws) -> Option<&'a dyn ContactLaw> {
         let law = laws.of_pair(pair);
         let wants = match self.stage {
@@ -75,27 +76,29 @@ impl Selection {
     }
 }
 
-/// What a worker and one that it has contact pairs in common with exchange in a step, told of pairs
-/// apart.
+/// Estimate of the messages between two workers with shared pairs in a step, without the
+/// exchange of the pairs themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrafficEstimate {
-    /// Sweeps of both.
+    /// Number of sweeps of both workers.
     pub sweeps: f64,
-    /// Messages one way.
+    /// Number of messages in one direction.
     pub messages: f64,
-    /// Words that lead them, and words for every pair that the other is told of.
+    /// Number of header words, and number of words per pair that is sent to the other worker.
     pub words: [f64; 2],
 }
 
 impl TrafficEstimate {
-    /// That of a step that takes `alone` sweeps on one worker, among workers that know after
-    /// `quiet` rounds that none has changed anything. What `Sweeps::run` does, with the least that
-    /// it may take: one message in a sweep for the forces; one more for guesses, or for the forces
-    /// of a phase of pairs in order; and the rounds in which the phases are laid down, at least as
-    /// many as it takes to know that they stand. The last sweep of one worker changes nothing; on
-    /// several there are `quiet` such, as far as the laws let them. Where interfaces have several
-    /// ways to iterate, each takes its messages in every sweep, and the forces are exchanged once
-    /// more.
+    /// Estimates the traffic of a step that takes `alone` sweeps on one worker, if the workers
+    /// detect convergence after `quiet` rounds without a change. It counts the messages of
+    /// `ContactSolver::run` and is a lower bound.
+    ///
+    /// Each sweep has one message for the forces. It has a second one for predictor forces, or
+    /// for the forces of a phase of pairs in order. The computation of the phases takes at least
+    /// as many rounds as the detection of its end. The last sweep of one worker changes nothing;
+    /// several workers make `quiet` such sweeps, up to the largest number of sweeps of the laws.
+    /// If interfaces have different iterations, each iteration has its messages in every sweep,
+    /// and the forces are exchanged once more.
     pub fn estimate(laws: &Laws, alone: f64, quiet: u64) -> Self {
         let quiet = quiet as f64;
         let sweeps = (alone + quiet - 1.0).min(laws.sweeps() as f64).max(alone);
@@ -118,7 +121,8 @@ impl TrafficEstimate {
 }
 
 impl ContactSolver<'_> {
-    /// Sweeps until all forces are good enough or the law has had enough.
+    /// Sweeps until all forces are accurate enough, or until the largest number of sweeps is
+    /// reached.
     ///
     /// # Errors
     /// A worker is gone.
@@ -142,7 +146,7 @@ impl ContactSolver<'_> {
         Ok(swept)
     }
 
-    /// Sweeps as many as the laws ask for.
+    /// Makes plain sweeps, at most the number that the laws allow.
     fn run_plain_sweeps(
         &mut self,
         t: &mut PairTable,
@@ -165,7 +169,7 @@ impl ContactSolver<'_> {
             let quiet =
                 if t.has_shared_pairs() { t.exchange_forces(comm, changed)? } else { !changed };
             self.apply_all_forces(t);
-            // With bodies all workers hear of each other, and end together.
+            // With rigid bodies all workers exchange data and stop after the same sweep.
             let over = if self.coupled { !self.apply_to_bodies(t, comm, changed)? } else { quiet };
             swept.unsettled = !over && left > self.laws.coarse();
             if over {
@@ -175,8 +179,8 @@ impl ContactSolver<'_> {
         Ok(swept)
     }
 
-    /// More sweeps, each from forces that the ones before it point to, until nothing changes on any
-    /// worker.
+    /// Makes accelerated sweeps until nothing changes on any worker. Each starts from forces
+    /// that are extrapolated from the earlier sweeps.
     fn run_accelerated_sweeps(
         &mut self,
         t: &mut PairTable,
@@ -187,7 +191,7 @@ impl ContactSolver<'_> {
         for left in (0..self.accelerated).rev() {
             swept.sweeps += 1;
             let before: Forces = t.pairs.iter().filter(|p| p.is_owned).map(|p| p.force).collect();
-            // Who has no pairs has laid no order for them, and takes part in what all agree on
+            // A worker without pairs has no schedule. It takes part in the global reductions
             // only.
             let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated, comm)? > 1.0;
             self.exchange_and_apply_forces(t, comm, changed)?;
@@ -208,7 +212,7 @@ impl ContactSolver<'_> {
         Ok(())
     }
 
-    /// Lets nodes and bodies feel the forces of own pairs and of others'.
+    /// Applies the forces of own pairs and of other workers' pairs to nodes and bodies.
     fn exchange_and_apply_forces(
         &mut self,
         t: &mut PairTable,
@@ -224,8 +228,8 @@ impl ContactSolver<'_> {
         Ok(())
     }
 
-    /// One sweep over all pairs; the most that an own one has had left undone, over what may be
-    /// left. In the end others are not told yet.
+    /// Makes one sweep over all pairs. Returns the largest residual of the own pairs, relative
+    /// to the tolerance. The final forces are not sent to other workers yet.
     fn sweep(
         &mut self,
         t: &mut PairTable,
@@ -247,7 +251,7 @@ impl ContactSolver<'_> {
             };
             undone = undone.max(most);
             if left > 0 {
-                // The next interfaces feel what these have come to.
+                // The next interfaces use velocities that include these forces.
                 if t.has_shared_pairs() {
                     t.exchange_intermediate_forces(comm)?;
                 }
@@ -258,10 +262,11 @@ impl ContactSolver<'_> {
         Ok(undone)
     }
 
-    /// Lets nodes feel what a sweep has come to, where they have not within it.
+    /// Applies the forces of a sweep to nodes, if this is not done within the sweep.
     fn apply_all_forces(&mut self, t: &mut PairTable) {
         let iterations = self.laws.iterations();
-        // One by one, what own and others' pairs have come to has been felt within the sweep.
+        // Gauss-Seidel sweeps apply the forces of own pairs and of other workers' pairs
+        // themselves.
         if iterations != [Iteration::GaussSeidel] {
             self.apply_forces(t);
         }
@@ -270,7 +275,8 @@ impl ContactSolver<'_> {
         }
     }
 
-    /// Lets rigid bodies feel the forces of all pairs; whether `changed` holds on any worker.
+    /// Applies the forces of all pairs to rigid bodies. Returns true if `changed` is true on any
+    /// worker.
     fn apply_to_bodies(
         &mut self,
         t: &PairTable,
@@ -290,8 +296,8 @@ impl ContactSolver<'_> {
         )
     }
 
-    /// The force that a selected pair gets in a sweep, and what the one it has leaves undone, over
-    /// what may be left.
+    /// Returns the new force of a selected pair and the residual of its present force, relative
+    /// to the tolerance. Returns `None` if the force is not updated.
     fn updated(&self, p: &Pair, some: Selection) -> Option<(V3, f64)> {
         let law = some.law(p, self.laws)?;
         let velocity = p.relative_velocity(self.nodes);
@@ -299,7 +305,8 @@ impl ContactSolver<'_> {
         law.refine(p, &velocity, self.steps).filter(|&(_, left)| all || left > 1.0)
     }
 
-    /// Some of the own pairs, from the same state; the most that one has had left undone.
+    /// Updates the selected own pairs, all from the same state. Returns their largest residual,
+    /// relative to the tolerance.
     fn all_at_once(&self, t: &mut PairTable, some: Selection) -> f64 {
         let mut undone: f64 = 0.0;
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
@@ -311,9 +318,9 @@ impl ContactSolver<'_> {
         undone
     }
 
-    /// Guesses what all pairs still need, sees how segments would move under that, each slave's
-    /// mass and force shared among a segment's nodes, and corrects the forces of own pairs; the
-    /// most that one has had left undone.
+    /// Predicts the forces that all pairs still need and the motion of the segments under them,
+    /// with each slave's mass and force divided among the segment's nodes. Then corrects the
+    /// forces of own pairs. Returns infinity if a force has changed, else 0.
     fn predict_and_correct(
         &mut self,
         t: &mut PairTable,
@@ -343,8 +350,8 @@ impl ContactSolver<'_> {
         };
         let fractions: Vec<f64> = t.pairs.iter().map(fraction).collect();
         t.pairs.iter_mut().zip(fractions).for_each(|(p, fraction)| p.partition_factor = fraction);
-        // The slave of a pair is taken where it goes now, the segment where all guesses would take
-        // it.
+        // The slave of a pair has its present velocity; the segment has the velocity under all
+        // predictor forces.
         let own = t.pairs.iter().filter(|p| p.is_owned);
         let slaves: Vec<V3> = own.map(|p| p.slave_velocity(self.nodes)).collect();
         for (k, &n) in t.touched.iter().enumerate() {
@@ -369,7 +376,8 @@ impl ContactSolver<'_> {
         Ok(undone)
     }
 
-    /// Velocity of node `n` under guesses on what slaves meet, with their masses.
+    /// Returns the velocity of node `n` under the predictor forces of the pairs on whose target
+    /// side it is, with the masses of their slaves added to its own.
     fn predicted(&self, n: u32, force: &V3, mass: f64) -> Row {
         let total = self.nodes.contact_mass(n as usize) + mass;
         let inverse =
@@ -382,9 +390,11 @@ impl ContactSolver<'_> {
         )
     }
 
-    /// The same where friction turns nodes: what slides on node n has a share M of its mass there,
-    /// which moves and turns it together, so that a force gives `1/m / (1 + M (1/m + b^2/I))` of
-    /// velocity with the lever arm b and the inertia I, and a moment as much of spin with `1/I`.
+    /// Sets the predicted velocity and rotational velocity of node n if friction rotates nodes.
+    /// The slaves that slide on node n add a part M of their mass there, which moves and rotates
+    /// with the node. With the lever arm b and the inertia I, a force changes the velocity by
+    /// `1/m / (1 + M (1/m + b^2/I))` and a moment changes the rotational velocity by the same
+    /// with `1/I` in place of the first `1/m`.
     fn predict_turning(&mut self, t: &PairTable, k: usize, n: u32) {
         let guessed = t.predicted_load(k);
         let v = self.predicted(n, &guessed.force, guessed.mass);
@@ -414,8 +424,8 @@ impl ContactSolver<'_> {
         );
     }
 
-    /// Adds up the forces of all pairs on the nodes that they touch and lets these feel them, and
-    /// walls.
+    /// Sums the forces of all pairs on the nodes that they touch, and sets the velocities of
+    /// these nodes with the forces and walls.
     fn apply_forces(&mut self, t: &mut PairTable) {
         t.sum_forces();
         for (k, total) in t.total.iter().enumerate() {
@@ -445,14 +455,15 @@ impl ContactSolver<'_> {
         }
     }
 
-    /// Node `n` turns with the rotational velocity `w` unless it belongs to a rigid body.
+    /// Sets the rotational velocity of node `n` to `w`, unless the node belongs to a rigid body.
     fn set_rotational_velocity(&mut self, n: u32, w: Row) {
         if self.bodies.body_of(n).is_none() {
             self.nodes.w_next[n as usize] = w;
         }
     }
 
-    /// Node `n` goes with velocity `v` unless a wall stops it, or it belongs to a rigid body.
+    /// Sets the velocity of node `n` to `v`, or to the velocity that a wall allows, unless the
+    /// node belongs to a rigid body.
     fn set_velocity(&mut self, n: u32, v: Row) {
         if self.bodies.body_of(n).is_some() {
             return;

@@ -1,5 +1,5 @@
-//! What can touch: both sides of shells with thickness, the faces of solids that no other solid
-//! repeats, and beams all around. Nodes of these against their segments.
+//! Contact surface: both sides of shells with thickness, the faces of solids that belong to one
+//! solid only, and beams all around. Nodes of the surface touch its segments.
 
 use crate::contact::beams;
 use crate::contact::geometry::{Nearest, V3, nearest, nearest_on_line};
@@ -15,12 +15,12 @@ use crumple_proto::partition::{ElementRecord, Settings};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Marks a corner that is not local here.
+/// Index of a corner that is not local on this worker.
 pub const NOT_LOCAL: u32 = u32::MAX;
 
-/// Scale of a solid's faces and nodes as a fraction of its shortest edge at the start: two solids
-/// look for each other within REACH times half an edge, and what is in the middle of one is not yet
-/// behind it.
+/// Scale of a solid's faces and nodes, as a fraction of its shortest edge at the start. With it
+/// two solids are searched within REACH times half an edge, and a point in the middle of a solid
+/// is not yet behind it.
 const SOLID_SCALE: f64 = 0.25;
 
 /// A face that nodes can touch, or the line of a beam.
@@ -30,66 +30,68 @@ pub struct Segment {
     pub id: SegmentId,
     /// Local nodes (a triangle repeats its third, a line its second).
     pub nodes: [u32; 4],
-    /// Corners of a solid that are opposite to this face; they can never touch it. [`NOT_LOCAL`]
-    /// for a shell.
+    /// Corners of a solid opposite to this face; they can never touch it. [`NOT_LOCAL`] for a
+    /// shell.
     pub behind: [u32; 4],
     /// Half the shell's thickness, or the beam's radius; 0 for a solid [length].
     pub half_thickness: f64,
-    /// Length that gaps are judged by: half a shell's thickness, a part of a solid's shortest edge
-    /// [length].
+    /// Its part of the contact thickness: half a shell's thickness, a fraction of a solid's
+    /// shortest edge [length].
     pub scale: f64,
     /// Index of its part.
     pub part: u32,
-    /// Whether the element is this worker's own.
+    /// True if the element is this worker's own.
     pub own: bool,
 }
 
 /// Segments and nodes of the contact surface that a worker knows.
 #[derive(Debug, Default)]
 pub struct Surface {
-    /// Segments of own and exterior elements, in ascending id.
+    /// Segments of own and ghost elements, in ascending id.
     pub segments: Vec<Segment>,
     /// Owned nodes that may touch segments, ascending.
     pub slaves: Vec<u32>,
-    /// Half thickness per held node, the largest of its shells and beams; 0 for nodes of solids and
-    /// off the surface [length].
+    /// Half thickness per local node, the largest of its shells and beams; 0 for nodes of solids
+    /// and nodes that are not on the surface [length].
     pub node_half: Vec<f64>,
-    /// [`Segment::scale`] per held node, the largest of its segments; 0 off the surface [length].
+    /// [`Segment::scale`] per local node, the largest of its segments; 0 if it is not on the
+    /// surface [length].
     pub node_scale: Vec<f64>,
     /// Smallest scale of a segment of any worker [length].
     pub thinnest: f64,
-    /// Edge than which one segment in ten has a shorter one, the least of all workers' [length].
+    /// 10th percentile of the shortest edges of segments, minimum over all workers [length].
     pub short: f64,
-    /// Per slave the start of its run in `faces`; see [`Surface::link_faces`].
+    /// Per slave the start of its range in `faces`; see [`Surface::link_faces`].
     pub face_start: Vec<u32>,
     /// Indices of the segments around each slave, ascending.
     pub faces: Vec<u32>,
-    /// Of these the one of the lowest part, and of that the lowest; `u32::MAX` without any.
+    /// Per slave the lowest of the segments around it, by part and then by id; `u32::MAX` if it
+    /// has none.
     pub first: Vec<u32>,
     /// Wave speed per part [length/time].
     pub speeds: Vec<f64>,
-    /// Which parts touch, and how.
+    /// Interfaces: which parts touch, and how.
     pub interfaces: Arc<Interfaces>,
     /// Index into `part_sets` per slave, the parts around it; empty if there is one interface.
     pub part_set: Vec<u32>,
     /// Sets of parts' indices, ascending.
     pub part_sets: Vec<Vec<u32>>,
-    /// Whether some segments are lines; see [`Surface::link_faces`].
+    /// True if some segments are lines; see [`Surface::link_faces`].
     pub has_lines: bool,
 }
 
 impl Segment {
-    /// Whether the segment is a solid's face, which is touched from outside only.
+    /// Returns true if the segment is a solid's face, which is touched from outside only.
     pub fn is_solid(&self) -> bool {
         self.half_thickness == 0.0
     }
 
-    /// Whether it is the line of a beam.
+    /// Returns true if the segment is the line of a beam.
     pub fn is_line(&self) -> bool {
         self.nodes[1] == self.nodes[2] && self.is_triangle()
     }
 
-    /// Its nearest point to `p`; `None` for a face without area.
+    /// Computes its nearest point to `p`; `None` for a face without area.
     pub fn nearest(&self, p: &V3, x: &[Row]) -> Option<Nearest> {
         let q = self.corners(x);
         if self.is_line() {
@@ -99,46 +101,49 @@ impl Segment {
         }
     }
 
-    /// Whether the segment is a triangle.
+    /// Returns true if the segment is a triangle.
     pub fn is_triangle(&self) -> bool {
         self.nodes[2] == self.nodes[3]
     }
 
-    /// Depth of the solid behind it, taken as its shortest edge at the start; nought for a shell
-    /// [length].
+    /// Returns the depth of the solid behind it, taken as its shortest edge at the start; zero
+    /// for a shell [length].
     pub fn depth(&self) -> f64 {
         if self.is_solid() { self.scale / SOLID_SCALE } else { 0.0 }
     }
 
-    /// Unit normal at the middle by the right-hand rule over the nodes; `None` without area.
+    /// Computes the unit normal at the middle by the right-hand rule over the nodes; `None`
+    /// without area.
     pub fn middle_normal(&self, x: &[Row]) -> Option<V3> {
         let [a, b, c, d] = self.corners(x);
         (c - a).cross(&(d - b)).try_normalize(0.0)
     }
 
-    /// Corner coordinates.
+    /// Returns the coordinates of the corners [length].
     pub fn corners(&self, x: &[Row]) -> [V3; 4] {
         self.nodes.map(|n| V3::from(xyz(&x[n as usize])))
     }
 
-    /// Box around the corners, grown by `reach`.
+    /// Returns the box around the corners, expanded by `reach` [length].
     pub fn bounds(&self, x: &[Row], reach: f64) -> Aabb {
         Aabb::around(self.nodes.map(|n| xyz(&x[n as usize]))).grown(reach)
     }
 }
 
-/// Which parts take part in contact, and how thick they are for it.
+/// Parts that take part in contact, and their thickness in contact.
 pub struct ContactParts {
-    /// Of each part that takes part: half thickness of shells, radius of beams, 0 for solids
-    /// [length]; whether it overrides the thickness of single shells; and a factor on the result.
+    /// Per part, `None` if it takes no part: half thickness of shells, radius of beams, 0 for
+    /// solids [length]; true if it overrides the thickness of single shells; factor on the
+    /// result.
     half: Vec<Option<(f64, bool, f64)>>,
-    /// Largest thickness of a shell as a multiple of its shortest side, or of a beam of its length.
+    /// Largest thickness of a shell as a multiple of its shortest side, or of a beam as a
+    /// multiple of its length.
     limit: f64,
     interfaces: Arc<Interfaces>,
 }
 
 impl ContactParts {
-    /// Of a job.
+    /// Reads the data of a job.
     pub fn from_settings(settings: &Settings) -> Self {
         let contact = settings.contact.as_ref();
         let interfaces = Arc::new(
@@ -167,8 +172,8 @@ impl ContactParts {
         }
     }
 
-    /// Half thickness of a shell in contact if it takes part, whatever its sides; of no use for a
-    /// solid [length].
+    /// Returns the half thickness of a shell in contact [length], without the limit by its
+    /// sides; `None` if its part takes no part. The value of a solid has no meaning.
     pub fn half_thickness(&self, record: &ElementRecord) -> Option<f64> {
         let (of_part, instead, scale) = self.half[record.part as usize]?;
         let half =
@@ -177,7 +182,7 @@ impl ContactParts {
     }
 }
 
-/// The segments of an element.
+/// Returns the segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
     let Some(half) = parts.half_thickness(&e.record).filter(|_| !e.record.failed) else {
         return Vec::new();
@@ -188,7 +193,7 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
     }
     let shell = shape.is_shell();
     let shortest = shortest_edge(e, nodes);
-    // Shells thicker than their sides would touch what is round the next corner.
+    // Shells thicker than their sides would touch surfaces beyond the next corner.
     let half = if parts.limit > 0.0 { half.min(0.5 * parts.limit * shortest) } else { half };
     let scale = if shell { half } else { SOLID_SCALE * shortest };
     let is_free = |face: &usize| shell || e.record.free_faces >> face & 1 == 1;
@@ -212,11 +217,12 @@ pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec
     (0..shape.faces().len()).filter(is_free).map(segment).collect()
 }
 
-/// The line of a beam with a radius; `None` for one without length, where that limits the radius.
+/// Returns the line of a beam with a radius. Returns `None` for a beam without length if the
+/// length limits the radius.
 fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<Segment> {
     let [a, b] = [e.nodes[0], e.nodes[1]];
     let [from, to] = [a, b].map(|n| V3::from(xyz(&nodes.x0[n as usize])));
-    // Else beams next but one to each other would touch from the start.
+    // Without the limit, next but one beams of a row would touch from the start.
     let half = if limit > 0.0 { radius.min(0.5 * limit * (to - from).norm()) } else { radius };
     (half > 0.0).then_some(Segment {
         id: SegmentId::new(e.record.id, 0),
@@ -229,7 +235,7 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
     })
 }
 
-/// Shortest edge of an element at the start [length].
+/// Computes the shortest edge of an element at the start [length].
 fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
     let at = |c: usize| V3::from(xyz(&nodes.x0[e.nodes[c] as usize]));
     let sides = e
@@ -242,7 +248,7 @@ fn shortest_edge(e: &LocalElement, nodes: &Nodes) -> f64 {
 }
 
 impl Surface {
-    /// Segments of elements and what they make of the held nodes.
+    /// Builds the segments of elements, and thickness and scale of the local nodes.
     pub fn new(elements: &[LocalElement], nodes: &Nodes, parts: &ContactParts) -> Self {
         let mut s = Self {
             segments: elements.iter().flat_map(|e| segments_of(e, nodes, parts)).collect(),
@@ -261,14 +267,15 @@ impl Surface {
         s
     }
 
-    /// Lets a held node have at least this half thickness and scale [length].
+    /// Raises the half thickness and scale of a local node to at least these values [length].
     pub fn include_remote(&mut self, node: u32, half: f64, scale: f64) {
         let (h, s) = (&mut self.node_half[node as usize], &mut self.node_scale[node as usize]);
         (*h, *s) = (h.max(half), s.max(scale));
     }
 
-    /// Notes the segments around each slave. All of them are local to the worker that owns it: what
-    /// a slave could meet is, and it lies on these.
+    /// Collects the segments around each slave. All of them are known to the worker that owns
+    /// the slave, because the worker knows all segments that the slave could touch, and the
+    /// slave lies on these. `held` is the number of local nodes.
     pub fn link_faces(&mut self, held: usize) {
         self.has_lines = self.segments.iter().any(Segment::is_line);
         let mut place = vec![u32::MAX; held];
@@ -295,7 +302,7 @@ impl Surface {
         self.link_parts();
     }
 
-    /// Notes the parts around each slave, if it matters which they are.
+    /// Collects the parts around each slave if there is more than one interface.
     fn link_parts(&mut self) {
         (self.part_set, self.part_sets) = (Vec::new(), Vec::new());
         if self.interfaces.is_one() {
@@ -314,15 +321,15 @@ impl Surface {
         known.into_iter().for_each(|(parts, set)| self.part_sets[set as usize] = parts);
     }
 
-    /// Interface of the slave at place `place` of `slaves` with a segment; `None` if they do not
-    /// touch.
+    /// Returns the interface of the slave with index `place` in `slaves` and a segment; `None`
+    /// if they do not touch.
     pub fn interface(&self, place: usize, segment: &Segment) -> Option<u16> {
         let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
         self.interfaces.for_pair(parts.iter().copied(), std::iter::once(segment.part))
     }
 
-    /// Half thicknesses of a node and a segment together in an interface, and their scales
-    /// [length].
+    /// Returns the sum of the half thicknesses of a node and a segment in an interface, and the
+    /// sum of their scales [length].
     pub fn sizes(&self, interface: u16, node: u32, segment: &Segment) -> (f64, f64) {
         let n = node as usize;
         let ahead = self.interfaces.measure(interface, (self.node_half[n], self.node_scale[n]));
@@ -330,42 +337,44 @@ impl Surface {
         (ahead.0 + behind.0, ahead.1 + behind.1)
     }
 
-    /// Half thicknesses of a node and of a segment in an interface [length].
+    /// Returns the half thicknesses of a node and of a segment in an interface [length].
     pub fn halves(&self, interface: u16, node: u32, segment: &Segment) -> [f64; 2] {
         let n = node as usize;
         let of = |half, scale| self.interfaces.measure(interface, (half, scale)).0;
         [of(self.node_half[n], self.node_scale[n]), of(segment.half_thickness, segment.scale)]
     }
 
-    /// Whether a segment has a node with another one, by its id, in common.
+    /// Returns true if a segment has a common node with another one, given by its id.
     pub fn is_beside(&self, id: SegmentId, segment: &Segment) -> bool {
         let other = self.segments.binary_search_by_key(&id, |s| s.id).map(|i| &self.segments[i]);
         other.is_ok_and(|other| other.nodes.iter().any(|n| segment.nodes.contains(n)))
     }
 
-    /// The lowest part, and of that the lowest segment, around the slave at place `i` of `slaves`.
+    /// Returns the lowest part around the slave with index `i` in `slaves`, and the lowest
+    /// segment of this part.
     pub fn precedes(&self, i: usize) -> (u32, SegmentId) {
         let first = self.segments.get(self.first[i] as usize);
         first.map_or((u32::MAX, SegmentId(u64::MAX)), |s| (s.part, s.id))
     }
 
-    /// The slower wave speed of two parts, of those that are known [length/time].
+    /// Returns the slower wave speed of two parts, of those that are known [length/time].
     pub fn slower(&self, one: u32, other: u32) -> f64 {
         let [a, b] = [one, other]
             .map(|part| self.speeds.get(part as usize).copied().unwrap_or(f64::INFINITY));
         a.min(b)
     }
 
-    /// The segments around the slave at place `i` of `slaves`.
+    /// Returns the segments around the slave with index `i` in `slaves`.
     pub fn around(&self, i: usize) -> impl Iterator<Item = &Segment> {
         let run = self.face_start[i] as usize..self.face_start[i + 1] as usize;
         self.faces[run].iter().map(|&g| &self.segments[g as usize])
     }
 
-    /// Area of the surface around the slave node of an own pair that is its own, a quarter of each
-    /// quad and a third of each triangle [length^2]; of solids what of it faces against the pair's
-    /// normal. Of a segment some of whose nodes bear nothing, that share is left out: what it
-    /// stands on ends below it.
+    /// Computes the area of the surface that belongs to the slave node of an own pair: a quarter
+    /// of each quad around it and a third of each triangle [length^2]. Faces of solids count
+    /// with their projection against the pair's normal. If some nodes of a segment carry no
+    /// contact force, their fraction of the area is left out: the contact surface below ends
+    /// within the segment.
     pub fn area_of(&self, pair: &Pair, x: &[Row], bears: impl Fn(u32) -> bool) -> f64 {
         let of = |s: &Segment| {
             let [a, b, c, d] = s.corners(x);
@@ -379,7 +388,7 @@ impl Surface {
         self.around(self.slaves.partition_point(|&s| s < pair.nodes[0])).map(of).sum()
     }
 
-    /// Bytes in use, spare room of lists left out.
+    /// Returns the number of bytes in use, without spare capacity of lists.
     pub fn bytes(&self) -> usize {
         let lists = [&self.slaves, &self.face_start, &self.faces, &self.first];
         size_of_val(&self.segments[..])
@@ -388,12 +397,13 @@ impl Surface {
             + size_of_val(&self.node_scale[..])
     }
 
-    /// Edge than which a segment in ten here has a shorter one; a few slivers do not count
-    /// [length].
+    /// Returns the 10th percentile of the shortest edges of the segments on this worker
+    /// [length]. With it a few slivers do not count.
     pub fn short_edge(&self, nodes: &Nodes) -> f64 {
         let shortest = |s: &Segment| {
             let q = s.corners(&nodes.x);
-            let edges = (0..4).map(|k| (q[(k + 1) % 4] - q[k]).norm()).filter(|&l| l > 0.0); // a triangle repeats a node
+            // A triangle repeats a node.
+            let edges = (0..4).map(|k| (q[(k + 1) % 4] - q[k]).norm()).filter(|&l| l > 0.0);
             edges.fold(f64::INFINITY, f64::min)
         };
         let mut edges: Vec<f64> = self.segments.iter().map(shortest).collect();
@@ -405,13 +415,13 @@ impl Surface {
         }
     }
 
-    /// Largest scale of a held node [length].
+    /// Returns the largest scale of a local node [length].
     pub fn largest_scale(&self) -> f64 {
         self.node_scale.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Largest velocity components of the slaves, then the largest of their negatives; minus
-    /// infinity without any [length/time].
+    /// Returns the largest velocity components of the slaves, then the largest of their
+    /// negatives; minus infinity if there are no slaves [length/time].
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
         let mut range = [f64::NEG_INFINITY; 6];
         for v in self.slaves.iter().map(|&i| &nodes.v[i as usize]) {
@@ -422,7 +432,7 @@ impl Surface {
         range
     }
 
-    /// Finds the slaves: owned nodes that lie on the surface.
+    /// Collects the slaves: owned nodes on the surface.
     pub fn collect_slaves(&mut self, nodes: &Nodes) {
         let on_surface =
             |i: &u32| nodes.is_owned(*i as usize) && self.node_scale[*i as usize] > 0.0;

@@ -1,48 +1,47 @@
-//! Which corner slots each held node adds up, and when: a plan for steps with all elements, and one
-//! for those without slow ones.
+//! Assembly plans: the element nodal forces that each local node sums, and when. There is one
+//! plan for steps with all elements and one for steps without slow elements.
 
 use crate::nodes::Row;
 use std::ops::Range;
 
-/// Order in which elements are computed and nodes gather.
+/// Order in which elements are computed and nodal forces are assembled.
 #[derive(Debug, Default)]
 pub struct AssemblyPlan {
-    /// For each held node, where its slots start.
+    /// For each local node, the start of its slots in `slots`.
     start: Vec<u32>,
-    /// Corner slots, node after node, in ascending global element id.
+    /// Slots of element nodal forces, node by node, in ascending global element id.
     slots: Vec<u32>,
-    /// Groups in the order in which they are computed: those that other workers wait for, then the
-    /// rest.
+    /// Groups in the order of computation: those for which other workers wait, then the others.
     pub batches: [Vec<AssemblyBatch>; 2],
-    /// Nodes that batches gather, batch after batch.
+    /// Nodes that are assembled after a batch, batch by batch.
     pub early: Vec<u32>,
-    /// Held nodes that are gathered at the end: what others send is part of their sum, or they have
-    /// no slots.
+    /// Local nodes that are assembled at the end: they need messages of other workers, or they
+    /// have no slots.
     pub late: Vec<u32>,
 }
 
-/// Groups of a block that are computed together, and the nodes whose corners are then complete:
-/// they gather while these are still in the cache.
+/// Groups of a block that are computed together, and the nodes that are complete after them.
+/// These are assembled while the forces are still in the cache.
 #[derive(Debug)]
 pub struct AssemblyBatch {
-    /// The block.
+    /// Index of the block.
     pub block: usize,
-    /// Its groups.
+    /// Groups of the block.
     pub groups: Range<usize>,
-    /// Range of `Plan::early`.
+    /// Range of `AssemblyPlan::early`.
     pub nodes: Range<usize>,
 }
 
-/// An element's corners at held nodes, own or received.
+/// Corners of an element at local nodes, own or received.
 pub struct ElementCorner<'a> {
     /// Local nodes.
     pub nodes: &'a [u32],
-    /// Slot of the first; the others follow.
+    /// Slot of the first corner; the others follow.
     pub first: usize,
 }
 
 impl AssemblyPlan {
-    /// A plan in which nodes take corners in the order of `elements`.
+    /// Creates a plan in which nodes sum corners in the order of `elements`.
     pub fn new<'a>(held: usize, elements: impl Iterator<Item = ElementCorner<'a>> + Clone) -> Self {
         let mut start = vec![0; held + 1];
         for e in elements.clone() {
@@ -62,9 +61,10 @@ impl AssemblyPlan {
         Self { start, slots, ..Self::default() }
     }
 
-    /// Lays down when nodes gather: with the last of the batches that complete them, `front` ones
-    /// before the rest, and at the end with a slot from `received` on or in `loaded`, to which
-    /// something is added until then. `slots_of` are the corner slots that a batch fills.
+    /// Decides when nodes are assembled: after the batch that completes them, in the order of
+    /// `batches`. Nodes with a slot from `received` on, or in `loaded`, are assembled at the end,
+    /// since forces are added to these slots until then. `slots_of` returns the slots that a
+    /// batch computes.
     pub fn build_batches(
         &mut self,
         batches: [Vec<AssemblyBatch>; 2],
@@ -73,7 +73,7 @@ impl AssemblyPlan {
         slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
     ) {
         self.batches = batches;
-        // When each slot is complete; those of idle elements always are.
+        // Batch after which each slot is complete; slots of inactive elements always are.
         let mut when = vec![0u32; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
             let slots = slots_of(batch);
@@ -104,13 +104,14 @@ impl AssemblyPlan {
         }
     }
 
-    /// Corner slots of held node `i`, in ascending element id.
+    /// Returns the slots of local node `i`, in ascending element id.
     #[inline]
     pub fn slots_of(&self, i: usize) -> &[u32] {
         &self.slots[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
-    /// Minus the sum of the corners in `column`, for some held nodes, in ascending element id.
+    /// Sets `sums` at the nodes `which` to minus the sum of their slots of `column`, in ascending
+    /// element id.
     pub fn assemble(&self, column: &[Row], sums: &mut [Row], which: &[u32]) {
         for i in which.iter().map(|&i| i as usize) {
             let mut sum = [0.0; 4];
@@ -121,7 +122,7 @@ impl AssemblyPlan {
         }
     }
 
-    /// The same of two columns at once.
+    /// Assembles two columns at once, see [`Self::assemble`].
     pub fn assemble_both(&self, columns: [&[Row]; 2], sums: [&mut [Row]; 2], which: &[u32]) {
         let ([forces, moments], [force, moment]) = (columns, sums);
         for i in which.iter().map(|&i| i as usize) {
@@ -137,7 +138,7 @@ impl AssemblyPlan {
         }
     }
 
-    /// Bytes in use, spare room of lists left out.
+    /// Returns the bytes in use, without unused capacity.
     pub fn bytes(&self) -> usize {
         [&self.slots, &self.start, &self.early, &self.late]
             .map(|l| size_of_val(&l[..]))

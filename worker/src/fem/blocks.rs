@@ -1,8 +1,8 @@
-//! Elements in blocks of one part and shape, their history columns, and the corner forces that
-//! nodes gather.
+//! Elements in blocks of one part and shape, their history columns and their element nodal
+//! forces.
 //!
-//! A node adds its corners in ascending global element id, own and received ones alike:
-//! the sum has the same bits whoever computes it.
+//! A node sums its element nodal forces in ascending global element id, own and received ones
+//! together: the sum has the same bits on every worker.
 
 use crate::fem::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::fem::columns::{HistoryColumns, State};
@@ -16,14 +16,14 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, Settings};
 use std::ops::Range;
 
-/// An own element, with local node numbers.
+/// An own element, with local node indices.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalElement {
-    /// The element as it travels.
+    /// The element as it is sent to other workers.
     pub record: ElementRecord,
-    /// Local nodes of the corners, the last repeated.
+    /// Local nodes of the corners; the last one is repeated.
     pub nodes: [u32; 8],
-    /// Whether one of its nodes is held by another worker too.
+    /// True if one of its nodes is shared with another worker.
     pub shared: bool,
 }
 
@@ -31,107 +31,111 @@ pub struct LocalElement {
 pub struct Block {
     /// Formulation with its parameters.
     pub element: Box<dyn Element>,
-    /// First of its elements in [`Blocks::elements`].
+    /// Index of its first element in [`Blocks::elements`].
     pub first: usize,
     /// Number of elements.
     pub count: usize,
-    /// Groups that hold all the shared elements; these are computed first.
+    /// Number of groups that contain all shared elements; these are computed first.
     pub front: usize,
-    /// Whether the part is rigid or a skin: its elements compute no forces and set no step.
+    /// True if the part is rigid or has a null material: its elements have no forces and do not
+    /// limit the step.
     pub idle: bool,
-    /// Whether its elements are computed in the first cycle of an outer step only.
+    /// True if its elements are computed only in the first cycle of an outer step.
     pub slow: bool,
-    /// First of its corner slots.
+    /// First slot of its element nodal forces.
     base: usize,
-    /// Slots per element.
+    /// Number of slots per element.
     slots: usize,
-    /// Local nodes: per group one row per slot.
+    /// Local nodes: one row per slot in each group.
     groups: Vec<u32>,
     /// History columns.
     history: HistoryColumns,
-    /// Groups that nothing has strained yet: their forces are nought while their nodes move alike.
+    /// For each group, true if it was never strained: its forces are zero while all its nodes
+    /// move alike.
     unstrained: Vec<bool>,
 }
 
 /// All own elements.
 #[derive(Default)]
 pub struct Blocks {
-    /// Elements, block after block, shared ones first in each.
+    /// Elements, block by block, in each block shared elements first.
     pub elements: Vec<LocalElement>,
     /// The blocks.
     pub blocks: Vec<Block>,
-    /// Internal forces of corners, own then received ones [force].
+    /// Internal forces at corners, own then received [force].
     pub force: Vec<Row>,
-    /// Internal moments of corners; empty where nothing can turn [force length].
+    /// Internal moments at corners, empty without rotations [force length].
     pub moment: Vec<Row>,
-    /// Stable step of own elements without mass, whose kernels do not know it [time].
+    /// Stable step of own elements without mass, which their kernels do not compute [time].
     massless_dt: f64,
-    /// Whether mass scaling has touched an own element: the kernels' stable steps then do not hold.
+    /// True if an own element has scaled mass: the stable steps of the kernels are then not
+    /// valid.
     mass_scaled: bool,
-    /// Own elements, by block and place, that count on less than their mass: their stable step is
-    /// shorter than the kernels'.
+    /// Own elements, by block and index in the block, that may use only a part of their mass:
+    /// their stable step is shorter than that of the kernel.
     weak: Vec<[usize; 2]>,
-    /// Internal, and hourglass and drilling energy of own elements so far by part; empty unless
-    /// histories ask for it [energy].
+    /// Internal energy, and hourglass and drilling energy, of own elements so far by part; empty
+    /// unless histories need it [energy].
     pub by_part: Vec<[f64; 2]>,
-    /// Whether [`Self::compute_all`] was asked for.
+    /// True if [`Self::compute_all`] was called.
     pub all_computed: bool,
-    /// Cycles of an outer step.
+    /// Number of cycles of an outer step.
     subcycles: u64,
-    /// Step that slow own elements left when they were last computed [time].
+    /// Stable step over all own slow elements at their last computation, per cycle [time].
     pub slow_dt: f64,
-    /// Held nodes with slow and with fast elements.
+    /// Local nodes with slow and with fast elements.
     between: Vec<u32>,
-    /// How nodes gather in steps with all elements, and in those without slow ones.
+    /// Assembly in steps with all elements, and in steps without slow elements.
     plans: [AssemblyPlan; 2],
 }
 
-/// Elements of a batch: their corner forces and history fit into the second level of a cache beside
-/// all else.
+/// Number of elements in a batch: their forces and history fit into the second-level cache with
+/// all other data.
 const BATCH: usize = 256;
 
-/// Bytes of the columns of elements, by what they are for.
+/// Bytes of the columns of elements, by use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockBytes {
     /// History columns of laws and elements.
     pub history: usize,
-    /// Corner forces.
+    /// Element nodal forces.
     pub force: usize,
-    /// Corner moments.
+    /// Element nodal moments.
     pub moment: usize,
-    /// Records, connectivity and marks in groups, and the lists that nodes gather by.
+    /// Records, connectivity, flags of groups, and assembly plans.
     pub connectivity: usize,
 }
 
-/// A corner of another worker's element at a held node.
+/// A corner of another worker's element at a local node.
 #[derive(Clone, Copy, Debug)]
 pub struct RemoteCorner {
     /// Local node.
     pub node: u32,
     /// The element.
     pub elem: ElemId,
-    /// Whether it is slow.
+    /// True if the element is slow.
     pub slow: bool,
 }
 
 impl Block {
-    /// History columns of one element.
+    /// Returns the history columns of one element.
     pub fn state(&self, index: usize) -> State<'_> {
         self.history.element(index)
     }
 
-    /// Elements of a group.
+    /// Returns the number of elements per group.
     pub fn lanes(&self) -> usize {
         self.history.lanes()
     }
 }
 
 impl Blocks {
-    /// Sorts elements into blocks. `history[i]` are the columns of `elements[i]`, empty for a fresh
+    /// Sorts elements into blocks. `history[i]` are the columns of `elements[i]`, empty for a new
     /// element.
     ///
     /// # Panics
-    /// When a part cannot be built; the master checks parts before it deals out work.
+    /// If a part cannot be built; the master checks all parts before it distributes
+    /// elements.
     pub fn new(settings: &Settings, elements: Vec<(LocalElement, Vec<f64>)>) -> Self {
         let mut elements = elements;
         let block_of = |e: &LocalElement| (e.record.part, e.record.shape as u8, e.record.slow);
@@ -183,8 +187,8 @@ impl Blocks {
         all
     }
 
-    /// Own elements that have failed and are still in the contact surface, as indices into
-    /// `elements`.
+    /// Returns own elements that have failed and are still in the contact surface, as indices
+    /// into `elements`.
     pub fn newly_failed(&self) -> impl Iterator<Item = usize> + '_ {
         let fallible = self.blocks.iter().filter(|b| b.element.can_fail());
         fallible.flat_map(|b| {
@@ -196,7 +200,7 @@ impl Blocks {
         })
     }
 
-    /// Whether an own element has failed because it was inverted.
+    /// Returns true if an own element was deleted because it was inverted.
     pub fn is_deleted(&self, id: ElemId) -> bool {
         let deleting = |b: &&Block| b.element.can_fail();
         self.blocks.iter().filter(deleting).any(|b| {
@@ -206,14 +210,14 @@ impl Blocks {
         })
     }
 
-    /// From here on forces of unstrained elements are computed too: for those who time kernels that
-    /// are to stand for strained ones.
+    /// Computes forces of unstrained elements too from now on, so that timings of kernels
+    /// represent strained elements.
     pub fn compute_all(&mut self) {
         self.all_computed = true;
         self.blocks.iter_mut().for_each(|b| b.unstrained.fill(false));
     }
 
-    /// Bytes in use, spare room of lists left out.
+    /// Returns the bytes in use, without unused capacity.
     pub fn bytes(&self) -> BlockBytes {
         let groups = |b: &Block| size_of_val(&b.groups[..]) + size_of_val(&b.unstrained[..]);
         let lists = self.plans.iter().map(AssemblyPlan::bytes).sum::<usize>();
@@ -227,19 +231,18 @@ impl Blocks {
         }
     }
 
-    /// Corner slots of own elements.
+    /// Returns the number of slots of own elements.
     pub fn own_slots(&self) -> usize {
         self.blocks.iter().map(Block::corner_slots).sum()
     }
 
-    /// First corner slot of each element, in the order of `elements`.
+    /// Returns the first slot of each element, in the order of `elements`.
     pub fn first_slots(&self) -> Vec<usize> {
         self.blocks.iter().flat_map(|b| (0..b.count).map(|i| b.base + b.slots * i)).collect()
     }
 
-    /// Lays down in which order each held node gathers corners, and when; received corners take the
-    /// slots after the own ones. Nodes of loaded elements gather at the end, since something is
-    /// added to the corners until then.
+    /// Builds the assembly plans. Received corners use the slots after the own ones. Nodes of
+    /// loaded elements are assembled at the end, since loads are added to their slots until then.
     pub fn build_assembly(
         &mut self,
         held: usize,
@@ -247,7 +250,7 @@ impl Blocks {
         is_loaded: impl Fn(ElemId) -> bool,
     ) {
         let (own, count) = (self.own_slots(), self.elements.len());
-        // Own elements, then received corners, by element id: nodes take them in this order.
+        // Own elements, then received corners, in ascending element id: the order of summation.
         let mut order: Vec<(ElemId, u32)> =
             self.elements.iter().zip(0..).map(|(e, i)| (e.record.id, i)).collect();
         order.extend(foreign.iter().zip(count as u32..).map(|(f, i)| (f.elem, i)));
@@ -291,8 +294,8 @@ impl Blocks {
         }
     }
 
-    /// Cuts the groups that other workers wait for, or the rest, into batches; with `all` those of
-    /// slow elements too.
+    /// Returns batches of the groups for which other workers wait (`front`), or of the others.
+    /// `all` includes slow elements.
     fn batches(&self, front: bool, all: bool) -> Vec<AssemblyBatch> {
         let cut = |(block, b): (usize, &Block)| {
             let groups = if b.idle || b.slow && !all {
@@ -311,12 +314,12 @@ impl Blocks {
         self.blocks.iter().enumerate().flat_map(cut).collect()
     }
 
-    /// Internal forces, batch by batch; nodes whose corners are then complete get minus their sum.
-    /// Trouble is an index into `elements`; `front` selects the groups that other workers wait for,
-    /// or the rest.
+    /// Computes internal forces, batch by batch, and assembles the nodes that are complete after
+    /// a batch. `front` selects the groups for which other workers wait, or the others. A failure
+    /// is returned as an index into `elements`.
     ///
-    /// When an outer step begins, with `all`, slow elements look back on the mean motion of the one
-    /// before, and their forces are those that act in one cycle for all of its cycles.
+    /// `all` is true if an outer step begins. Slow elements then use the mean motion of the
+    /// previous outer step. Their forces act in one cycle for all cycles of the outer step.
     pub fn add_internal_forces(
         &mut self,
         nodes: &mut Nodes,
@@ -362,14 +365,14 @@ impl Blocks {
         totals
     }
 
-    /// Whether held node `i` has slow elements, and no others.
+    /// Returns true if local node `i` has slow elements and no others.
     pub fn has_subcycled_only(&self, i: usize) -> bool {
         self.plans[1].slots_of(i).is_empty() && !self.plans[0].slots_of(i).is_empty()
     }
 
-    /// Sum of `f_s f_f / m` over own nodes between slow and fast elements when an outer step
-    /// begins: f_s are the forces of slow elements, f_f all others but those of contact, m masses,
-    /// or inertias [energy/time^2].
+    /// Returns the sum of `f_s f_f / m` over owned nodes with slow and fast elements, at the
+    /// start of an outer step [energy/time^2]. f_s are the forces of slow elements, f_f all
+    /// others but contact forces, m masses or inertias.
     pub fn subcycle_coupling(&self, nodes: &Nodes) -> f64 {
         let cycles = self.subcycles as f64;
         let [all, fast] = &self.plans;
@@ -393,8 +396,7 @@ impl Blocks {
         self.between.iter().map(|&i| i as usize).filter(|&i| nodes.is_owned(i)).map(of).sum()
     }
 
-    /// Gives the held nodes that have not gathered yet minus the sum of their corners; with `all`
-    /// those of slow elements too.
+    /// Assembles the local nodes that are not assembled yet. `all` includes slow elements.
     pub fn assemble(&self, nodes: &mut Nodes, all: bool) {
         let plan = &self.plans[usize::from(!all)];
         self.assemble_nodal(plan, nodes, &plan.late);
@@ -409,7 +411,7 @@ impl Blocks {
         }
     }
 
-    /// Lets fresh elements know the shape that their masses go by.
+    /// Stores the shape from which the mass is computed in the history of new elements.
     pub fn measure(&mut self, nodes: &Nodes) {
         for b in &mut self.blocks {
             for place in 0..b.unstrained.len() * b.lanes() {
@@ -422,7 +424,7 @@ impl Blocks {
         }
     }
 
-    /// Puts the corner masses and inertias of own elements at initial coordinates into the corner
+    /// Writes the corner masses and inertias of own elements at initial coordinates into the
     /// slots.
     pub fn set_corner_masses(&mut self, nodes: &Nodes) {
         let slots = self.first_slots();
@@ -439,7 +441,7 @@ impl Blocks {
         }
     }
 
-    /// Adds the gathered corner masses to the nodes, in ascending element id.
+    /// Adds the corner masses to the nodes, in ascending element id.
     pub fn assemble_masses(&mut self, nodes: &mut Nodes) {
         for i in 0..nodes.local_count {
             for &slot in self.plans[0].slots_of(i) {
@@ -450,13 +452,14 @@ impl Blocks {
             }
             nodes.invert_mass(i);
         }
-        // Rigid elements leave their slots as they are.
+        // Rigid elements do not overwrite their slots.
         self.force.fill([0.0; 4]);
     }
 
-    /// Smallest step that own elements leave at the present coordinates and the element that does
-    /// (lowest id among equals): its stable step, by the cycles of an outer step if it is slow. An
-    /// element whose step is not a number comes first, with a step of 0.
+    /// Returns the smallest step limit of own elements at the present coordinates and its
+    /// element, the lowest id among equals. The limit is the stable step, for slow elements
+    /// divided by the number of cycles of an outer step. An element whose step is not a number
+    /// comes first, with a step of 0 [time].
     pub fn smallest_step(&self, nodes: &Nodes) -> Option<(f64, ElemId)> {
         let of_block = |b: &Block| {
             let own = (0..b.count).filter(|i| !self.elements[b.first + i].record.failed);
@@ -470,7 +473,7 @@ impl Blocks {
             .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
 
-    /// Step that the element at place `i` of a block leaves, 0 if it is not a number.
+    /// Returns the step limit of element `i` of a block, 0 if it is not a number [time].
     fn step_of(&self, b: &Block, i: usize, nodes: &Nodes) -> f64 {
         let e = &self.elements[b.first + i];
         if b.element.can_fail() && b.element.failed(b.state(i)) {
@@ -482,8 +485,9 @@ impl Blocks {
         dt.min(e.record.stable_dt) / cycles_of(&e.record, self.subcycles)
     }
 
-    /// Smallest step that own elements leave, when a pass over them has told `of_kernels`: these
-    /// know neither of mass scaling nor of what shares the masses of nodes.
+    /// Returns the smallest step limit of own elements [time]. `of_kernels` is that of a pass
+    /// over them: kernels include neither mass scaling nor elements that share the masses of
+    /// nodes.
     pub fn stable_step(&self, nodes: &Nodes, of_kernels: f64) -> f64 {
         if self.mass_scaled {
             return self.smallest_step(nodes).map_or(f64::INFINITY, |s| s.0);
@@ -492,7 +496,8 @@ impl Blocks {
         weak.fold(of_kernels, f64::min)
     }
 
-    /// What is wrong with an own element, and what to try; `None` for another worker's.
+    /// Returns what is wrong with an own element and what to try; `None` for elements of other
+    /// workers.
     pub fn diagnose(
         &self,
         nodes: &Nodes,
@@ -527,12 +532,12 @@ impl Blocks {
     }
 }
 
-/// Cycles from one computation of an element to the next.
+/// Returns the number of cycles between two computations of an element.
 fn cycles_of(record: &ElementRecord, subcycles: u64) -> f64 {
     if record.slow { subcycles as f64 } else { 1.0 }
 }
 
-/// Whether the elements of a part bear nothing: it belongs to a rigid body, or is a skin.
+/// Returns true if the elements of a part carry no force: it is rigid or has a null material.
 fn is_inactive(settings: &Settings, part: u32) -> bool {
     settings.parts[part as usize].skin || settings.rigid.iter().any(|r| r.parts.contains(&part))
 }
@@ -568,7 +573,7 @@ impl Block {
         };
         let mut fresh = vec![0.0; b.element.columns()];
         for place in 0..groups * lanes {
-            // Padding repeats the last element, so that it computes nothing unusual.
+            // Padding repeats the last element, so that it computes no exceptional values.
             let i = place.min(run.len() - 1);
             (0..slots).for_each(|c| {
                 b.groups[(place / lanes * slots + c) * lanes + place % lanes] = run[i].nodes[c]
@@ -591,7 +596,7 @@ impl Block {
         b
     }
 
-    /// Corner slots of a group.
+    /// Returns the number of slots of a group.
     fn group_slots(&self) -> usize {
         self.slots * self.lanes()
     }
@@ -600,12 +605,12 @@ impl Block {
         self.groups.len() / self.group_slots()
     }
 
-    /// Corner slots, those of padding included.
+    /// Returns the number of slots, including padding.
     fn corner_slots(&self) -> usize {
         self.groups.len()
     }
 
-    /// Corner slots of some groups.
+    /// Returns the slots of some groups.
     fn slots_of(&self, groups: &Range<usize>) -> Range<usize> {
         let each = self.group_slots();
         self.base + groups.start * each..self.base + groups.end * each

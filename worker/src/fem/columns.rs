@@ -1,31 +1,30 @@
-//! History columns of the elements of a block, group by group, in the lanes that its kernels
-//! compute in.
+//! History columns of the elements of a block, group by group, in the lanes of its kernels.
 
 use crate::math::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
 use crumple_proto::job::Precision;
 
-/// Columns in lanes of one kind.
+/// Columns in double or single precision.
 #[derive(Clone)]
 pub enum HistoryStorage<D, S> {
-    /// Of [`LANES`] elements each.
+    /// Groups of [`LANES`] elements.
     Double(D),
-    /// Of [`LANES32`] elements each.
+    /// Groups of [`LANES32`] elements.
     Single(S),
 }
 
-/// Columns of a block, as its kernels see them.
+/// Columns of a block, mutable, for its kernels.
 pub type HistoryColumnsMut<'a> = HistoryStorage<&'a mut [Lane], &'a mut [Lane32]>;
 
 /// All columns of a block.
 #[derive(Clone)]
 pub struct HistoryColumns {
-    /// Columns of an element.
+    /// Number of columns per element.
     each: usize,
     numbers: HistoryStorage<Vec<Lane>, Vec<Lane32>>,
 }
 
 impl HistoryColumns {
-    /// So many columns of nought for each of so many elements.
+    /// Creates `each` columns of zeros for each of `elements` elements.
     pub fn new(precision: Precision, elements: usize, each: usize) -> Self {
         let numbers = match precision {
             Precision::Double => {
@@ -38,7 +37,7 @@ impl HistoryColumns {
         Self { each, numbers }
     }
 
-    /// Elements of a group.
+    /// Returns the number of elements per group.
     pub fn lanes(&self) -> usize {
         match self.numbers {
             HistoryStorage::Double(_) => LANES,
@@ -46,7 +45,7 @@ impl HistoryColumns {
         }
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub fn bytes(&self) -> usize {
         match &self.numbers {
             HistoryStorage::Double(columns) => size_of_val(&columns[..]),
@@ -54,12 +53,12 @@ impl HistoryColumns {
         }
     }
 
-    /// The columns of one element.
+    /// Returns the columns of one element.
     pub fn element(&self, element: usize) -> State<'_> {
         State { columns: self, element }
     }
 
-    /// Puts columns in for one element, rounded where numbers are short.
+    /// Sets the columns of one element, rounded in single precision.
     pub fn set(&mut self, element: usize, state: &[f64]) {
         match &mut self.numbers {
             HistoryStorage::Double(columns) => set(columns, self.each, element, state),
@@ -67,7 +66,7 @@ impl HistoryColumns {
         }
     }
 
-    /// For kernels.
+    /// Returns the columns for kernels.
     pub fn as_mut(&mut self) -> HistoryColumnsMut<'_> {
         match &mut self.numbers {
             HistoryStorage::Double(columns) => HistoryStorage::Double(columns),
@@ -84,7 +83,7 @@ pub struct State<'a> {
 }
 
 impl State<'_> {
-    /// The number in one of them.
+    /// Returns the value of a column.
     #[inline]
     pub fn at(&self, column: usize) -> f64 {
         let (e, each) = (self.element, self.columns.each);
@@ -96,12 +95,12 @@ impl State<'_> {
         }
     }
 
-    /// Whether those for which `which` holds are zero.
+    /// Returns true if all columns that `which` selects are zero.
     pub fn is_zero_where(&self, which: impl Fn(usize) -> bool) -> bool {
         (0..self.columns.each).all(|c| !which(c) || self.at(c) == 0.0)
     }
 
-    /// All of them.
+    /// Returns the values of all columns.
     pub fn to_vec(&self) -> Vec<f64> {
         (0..self.columns.each).map(|column| self.at(column)).collect()
     }

@@ -1,5 +1,4 @@
-//! Elements and materials, the columns they are stored in, and the assembly of their forces at
-//! nodes.
+//! Elements and materials, the columns that store them, and the assembly of element nodal forces.
 
 pub mod assembly;
 pub mod blocks;

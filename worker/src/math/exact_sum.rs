@@ -1,19 +1,19 @@
-//! Sums that do not depend on the order of their terms, and so not on how pairs are distributed
-//! over workers.
+//! Sums that do not depend on the order of their terms, so that they are equal for any
+//! distribution of pairs over workers.
 
-/// Digits that cover the range of `f64`, from 2^-1074, with room for the carry of a term.
+/// Number of digits for the range of `f64`, from 2^-1074, including the carry of a term.
 const DIGITS: usize = 67;
-/// Bits of a digit. A word holds 2^31 terms before it overflows.
+/// Number of bits of a digit. A word overflows after 2^31 terms.
 const BITS: usize = 32;
-/// Words of a sum in a message.
+/// Number of words of a sum in a message.
 pub const WORDS: usize = DIGITS + 1;
 
-/// A sum of `f64` in fixed point over their whole range: exact whatever the terms (Kulisch,
-/// *Computer Arithmetic and Validity*, 2013, ch. 8; Neal, arXiv:1505.05571, sec. 2). Words of two
-/// sums are added as integers.
+/// A sum of `f64` in fixed point over their whole range, exact for all terms (Kulisch, *Computer
+/// Arithmetic and Validity*, 2013, ch. 8; Neal, arXiv:1505.05571, sec. 2). The words of two sums
+/// are added as integers.
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// Digit d counts 2^(32 d - 1074). The last word counts terms that are not finite.
+    /// Digit d has the unit 2^(32 d - 1074). The last word counts terms that are not finite.
     words: [i64; WORDS],
 }
 
@@ -40,12 +40,13 @@ impl ExactSum {
         }
     }
 
-    /// The words, to be added to those of other workers.
+    /// Returns the words, to be added to those of other workers.
     pub fn words(&self) -> &[i64; WORDS] {
         &self.words
     }
 
-    /// The value of added words, NaN if a term was not finite. `words` has [`WORDS`] entries.
+    /// Returns the value of summed words, NaN if a term was not finite. `words` has [`WORDS`]
+    /// entries.
     pub fn value(words: &[i64]) -> f64 {
         if words[DIGITS] != 0 {
             return f64::NAN;
@@ -58,8 +59,8 @@ impl ExactSum {
             carry(&mut digits);
         }
         let Some(top) = digits.iter().rposition(|&d| d != 0) else { return 0.0 };
-        // Three digits hold more than a mantissa. Two factors, since one power of two may be out of
-        // range.
+        // Three digits have more bits than a mantissa. Two factors are used, since a single power
+        // of two may be out of range.
         let lowest = top.saturating_sub(2);
         let scale = (BITS * lowest) as i32 - 1074;
         let head = digits[lowest..=top]
@@ -71,7 +72,7 @@ impl ExactSum {
     }
 }
 
-/// Brings all digits into 0..2^32; returns what is carried out of the highest one.
+/// Brings all digits into 0..2^32 and returns the carry of the highest digit.
 fn carry(digits: &mut [i64; DIGITS]) -> i64 {
     let mut carried = 0;
     for digit in digits {

@@ -1,31 +1,31 @@
-//! The scalar of the kernels: one `f64`, or several numbers side by side: [`LANES`] of `f64`,
-//! [`LANES32`] of `f32`.
+//! The scalar of the kernels: one `f64`, or several numbers in the lanes of a SIMD vector,
+//! [`LANES`] of `f64` or [`LANES32`] of `f32`.
 //!
-//! Kernels are written once over [`Real`]. What one lane holds never depends on its place or on its
-//! neighbours: a kernel may branch on data only to skip work that would leave every lane as it is,
-//! so loops that stop lane by lane keep finished lanes frozen with [`Real::select`].
+//! Kernels are written once over [`Real`]. The value of a lane never depends on its position or
+//! on other lanes. A kernel may branch on data only to skip work that would change no lane. So
+//! loops that converge lane by lane keep converged lanes unchanged with [`Real::select`].
 //!
-//! In single precision only what happens within an element is short: nodal columns are `f64`,
-//! differences of corners are taken before they are rounded ([`Lanes::row`]), and corner forces are
-//! sums of modes taken after they are long again, so that the forces of an element add up to nought
-//! as well as in double precision.
+//! In single precision, only operations within an element use `f32`. Nodal columns are `f64`, and
+//! differences of corners are computed before they are rounded ([`Lanes::row`]). Element nodal
+//! forces are sums of modes in `f64`, so that the forces of an element sum to zero as well as in
+//! double precision.
 
 use crate::fem::materials::PointReal;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 use wide::f32x4;
 
-/// Elements that are worked on side by side in double precision.
+/// Number of elements per vector in double precision.
 pub const LANES: usize = 4;
-/// The same in single precision.
+/// Number of elements per vector in single precision.
 pub const LANES32: usize = 8;
 
 /// One number of each of [`LANES`] elements; also the row of a node: x, y, z, padding.
 pub type Lane = wide::f64x4;
-/// One short number of each of [`LANES32`] elements.
+/// One `f32` number of each of [`LANES32`] elements.
 pub type Lane32 = wide::f32x8;
 
-/// Vectors that the kernels were compiled for, in words.
+/// Returns the vector instructions for which the kernels were compiled, in words.
 pub fn vectors() -> String {
     let set = match () {
         _ if cfg!(target_feature = "avx2") => "AVX2",
@@ -38,9 +38,9 @@ pub fn vectors() -> String {
     format!("{LANES} f64 or {LANES32} f32 side by side, {set}{fused}")
 }
 
-/// What kernels compute with.
+/// The scalar of kernels.
 ///
-/// `f64` and [`Lane`] give the same bits lane by lane, whatever the operation.
+/// `f64` and [`Lane`] give the same bits in each lane, for all operations.
 pub trait Real:
     Copy
     + Debug
@@ -55,60 +55,60 @@ pub trait Real:
     + SubAssign
     + 'static
 {
-    /// Yes or no for each lane.
+    /// A boolean for each lane.
     type Mask: Copy;
 
     /// Distance from one to the next number.
     const EPSILON: f64;
-    /// The least number above nought that has all its digits.
+    /// Smallest positive normal number.
     const SMALLEST: f64;
     /// The largest finite number.
     const LARGEST: f64;
-    /// Whether its numbers are shorter than `f64`.
+    /// True if its numbers are shorter than `f64`.
     const SHORT: bool = Self::EPSILON > f64::EPSILON;
 
-    /// The same number in every lane.
+    /// Returns the same number in every lane.
     fn splat(value: f64) -> Self;
-    /// The number in lane `index`.
+    /// Returns the number in lane `index`.
     fn lane(self, index: usize) -> f64;
-    /// Square root.
+    /// Returns the square root.
     fn sqrt(self) -> Self;
-    /// Magnitude.
+    /// Returns the absolute value.
     fn abs(self) -> Self;
-    /// `self` if it is less than `other`, else `other` (so `other` if either is not a number).
+    /// Returns `self` if it is less than `other`, else `other` (so `other` if either is NaN).
     fn min(self, other: Self) -> Self;
-    /// `self` if it is greater than `other`, else `other` (so `other` if either is not a number).
+    /// Returns `self` if it is greater than `other`, else `other` (so `other` if either is NaN).
     fn max(self, other: Self) -> Self;
-    /// `self * factor + term`, rounded once where the machine can.
+    /// Returns `self * factor + term`, rounded once if the machine has the instruction.
     fn mul_add(self, factor: Self, term: Self) -> Self;
-    /// `term - self * factor`, rounded once where the machine can.
+    /// Returns `term - self * factor`, rounded once if the machine has the instruction.
     fn neg_mul_add(self, factor: Self, term: Self) -> Self;
-    /// `self`, above zero, to the power `exponent` in the lanes of `mask`, one elsewhere.
+    /// Returns `self`, above zero, to the power `exponent` in the lanes of `mask`, one in others.
     fn powf_where(self, exponent: f64, mask: Self::Mask) -> Self;
 
-    /// Natural logarithm of what is above zero.
+    /// Returns the natural logarithm of a positive number.
     fn ln(self) -> Self;
-    /// Exponential.
+    /// Returns the exponential.
     fn exp(self) -> Self;
 
-    /// `self < other`; false for what is not a number, as are the others.
+    /// Returns `self < other`; this and the other comparisons are false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// `self <= other`.
+    /// Returns `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
-    /// `self > other`.
+    /// Returns `self > other`.
     fn gt(self, other: Self) -> Self::Mask;
-    /// `self >= other`.
+    /// Returns `self >= other`.
     fn ge(self, other: Self) -> Self::Mask;
-    /// `yes` in the lanes of `mask`, `no` elsewhere.
+    /// Returns `yes` in the lanes of `mask`, `no` in others.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Lanes that are in both.
+    /// Returns the lanes that are in both masks.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// Lanes that are in one of the two, or in both.
+    /// Returns the lanes that are in at least one mask.
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// Whether any lane is in `mask`. Use it only to skip work that would change nothing.
+    /// Returns true if any lane is in `mask`. Use it only to skip work that would change no lane.
     fn any(mask: Self::Mask) -> bool;
 
-    /// Nought in every lane.
+    /// Returns zero in every lane.
     #[inline(always)]
     fn zero() -> Self {
         Self::splat(0.0)
@@ -148,8 +148,8 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        // Without the instruction, a fused product is a slow library call, and lanes round twice
-        // too.
+        // Without the instruction, a fused product is a slow library call; vectors then round
+        // twice too.
         if cfg!(target_feature = "fma") { self.mul_add(factor, term) } else { self * factor + term }
     }
     #[inline(always)]
@@ -158,7 +158,7 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn powf_where(self, exponent: f64, mask: bool) -> Self {
-        // As a lane computes it, to the last bit.
+        // Computed as in a vector: the same bits.
         if mask {
             Lane::splat(self).powf_where(exponent, Lane::splat(f64::from_bits(u64::MAX))).lane(0)
         } else {
@@ -167,7 +167,7 @@ impl Real for f64 {
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        Real::ln(Lane::splat(self)).lane(0) // as a lane computes it, to the last bit
+        Real::ln(Lane::splat(self)).lane(0) // computed as in a vector: the same bits
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -207,11 +207,11 @@ impl Real for f64 {
     }
 }
 
-/// Numbers of one kind side by side.
+/// Implements [`Real`] for a vector type.
 macro_rules! lanes {
     ($lane:ty, $number:ident) => {
         impl Real for $lane {
-            /// All bits of a lane set, or none.
+            /// A lane has all bits set, or none.
             type Mask = $lane;
 
             const EPSILON: f64 = $number::EPSILON as f64;
@@ -301,20 +301,20 @@ macro_rules! lanes {
 lanes!(wide::f64x4, f64);
 lanes!(wide::f32x8, f32);
 
-/// `W` elements side by side.
+/// Values of `W` elements in a vector.
 pub trait Lanes<const W: usize>: PointReal {
     /// A row of a node, x, y, z and padding, in this precision.
     type Row: Copy;
 
-    /// A row, rounded. Take differences of rows before that.
+    /// Returns a row, rounded. Compute differences of rows before this.
     fn row(row: Lane) -> Self::Row;
-    /// The three components of the rows of `W` elements.
+    /// Returns the three components of the rows of `W` elements.
     fn from_rows(rows: [Self::Row; W]) -> [Self; 3];
-    /// Rows that have three components; the fourth is nought.
+    /// Returns rows of three components; the fourth is zero.
     fn to_rows(components: [Self; 3]) -> [Lane; W];
-    /// The number of each element.
+    /// Returns the number of each element.
     fn to_array(self) -> [f64; W];
-    /// From the number of each element, rounded.
+    /// Returns a vector of the numbers of each element, rounded.
     fn from_array(numbers: [f64; W]) -> Self;
 }
 
@@ -344,8 +344,8 @@ impl Lanes<LANES> for Lane {
     }
 }
 
-/// A row in single precision. By its instruction, where there is one: from arrays compilers make
-/// conversions one by one.
+/// Returns a row in single precision, by the machine's instruction if there is one: from arrays,
+/// compilers convert one number at a time.
 #[inline(always)]
 fn rounded(row: Lane) -> f32x4 {
     #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
@@ -354,7 +354,7 @@ fn rounded(row: Lane) -> f32x4 {
     f32x4::new(row.to_array().map(|c| c as f32))
 }
 
-/// A row in double precision again.
+/// Returns a row in double precision.
 #[inline(always)]
 fn widened(row: f32x4) -> Lane {
     #[cfg(all(target_arch = "x86_64", target_feature = "avx"))]
@@ -392,13 +392,13 @@ impl Lanes<LANES32> for Lane32 {
     }
 }
 
-/// Scalar product.
+/// Returns the scalar product.
 #[inline(always)]
 pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
-/// Vector product.
+/// Returns the vector product.
 #[inline(always)]
 pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [
@@ -412,7 +412,7 @@ pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
 mod tests {
     use super::*;
 
-    /// Pairs that cover signs, zeros, what is infinite and what is not a number.
+    /// Pairs of these cover signs, zeros, infinity and NaN.
     const NUMBERS: [f64; 9] =
         [0.0, -0.0, 1.0, -2.5, 1e-300, 3e200, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
 
@@ -448,8 +448,8 @@ mod tests {
             for k in -600..=600 {
                 let base = 1.1f64.powi(k) * 1.234567;
                 let (ours, library) = (base.powf_where(exponent, true), base.powf(exponent));
-                // ln and exp are good to an ulp or so each; ln reaches 58 here, of which the
-                // exponent takes a part.
+                // ln and exp have an error of about an ulp each. ln reaches 58 here, and the
+                // exponent multiplies it by less than one.
                 assert!(
                     (ours / library - 1.0).abs() < 1e-14,
                     "{base}^{exponent}: {ours} against {library}"
@@ -473,7 +473,7 @@ mod tests {
                         wide.iter().zip(all(a[lane], b[lane], c[lane])).enumerate()
                     {
                         let w = w.lane(lane);
-                        // The sign of what is not a number is nobody's business.
+                        // The sign of NaN is not defined.
                         assert!(
                             w.to_bits() == s.to_bits() || w.is_nan() && s.is_nan(),
                             "operation {index}: {w} {s}"

@@ -1,4 +1,4 @@
-//! Mathematics that knows nothing of nodes, elements or workers.
+//! Mathematics that does not depend on nodes, elements or workers.
 
 pub mod exact_sum;
 pub mod lanes;

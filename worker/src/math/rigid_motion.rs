@@ -1,42 +1,42 @@
-//! How far nodes have moved since a reference time, apart from a common rigid motion.
+//! Motion of nodes since a reference time: the best-fit rigid motion and the residual.
 //!
-//! Distances do not change under rigid motion, so a search or a set of exterior copies stays good
-//! while what is left over is small: a frame that flies and spins needs neither a new search nor a
-//! redecomposition.
+//! Distances do not change in a rigid motion. So the result of a search, or a set of ghosts,
+//! stays valid while the residual is small: a frame that flies and rotates needs neither a new
+//! search nor a new decomposition.
 
 use crate::nodes::Row;
 use crumple_proto::boxes::Aabb;
 use nalgebra::{Matrix3, Vector3};
 
-/// Nodes used to fit the rigid motion. Any motion gives a valid bound; a good fit gives a small
-/// one.
+/// Number of nodes for the fit of the rigid motion. Any motion gives a valid bound; a good fit
+/// gives a small one.
 const SAMPLES: usize = 64;
 
-/// Largest difference of two rotations for which the nearby bound holds: away from the region where
-/// it is evaluated the difference of the motions grows by at most this fraction of the distance,
-/// which the slacks leave over for it.
+/// Largest difference of two rotations for which [`RigidMotion::relative_motion_within`] is
+/// valid. Outside its region the difference of the motions grows by at most this fraction of the
+/// distance; the slacks reserve this fraction.
 const MAX_ROTATION: f64 = 0.25;
-/// Fewer nodes than these do not make a sample.
+/// Smallest number of nodes of a sample.
 const MIN_SAMPLES: usize = 8;
 
-/// A rigid motion and the largest distance by which a node departs from it.
+/// A rigid motion and the largest distance of a node from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMotion {
     /// Rotation.
     pub rotation: Matrix3<f64>,
-    /// Translation after rotation about the origin [length].
+    /// Translation after the rotation about the origin [length].
     pub translation: Vector3<f64>,
     /// Largest |x - (R x_ref + t)| over the nodes [length].
     pub residual: f64,
-    /// The same less each node's slack [length].
+    /// Largest distance minus the slack of the node [length].
     pub beyond_slack: f64,
 }
 
 impl RigidMotion {
-    /// Numbers of a drift in a message.
+    /// Number of words of a motion in a message.
     pub const WORDS: usize = 14;
 
-    /// No motion.
+    /// Returns the motion without rotation and translation.
     pub fn none() -> Self {
         Self {
             rotation: Matrix3::identity(),
@@ -46,20 +46,20 @@ impl RigidMotion {
         }
     }
 
-    /// Where the motion takes `p`.
+    /// Returns the position of the point `p` after the motion [length].
     pub fn carried(&self, p: Vector3<f64>) -> Vector3<f64> {
         self.rotation * p + self.translation
     }
 
-    /// Bound on the relative displacement of a node whose reference lies in `region` and that
-    /// follows this motion, and any that follows `other` [length].
+    /// Returns a bound on the relative displacement of two nodes [length]: one with its reference
+    /// position in `region` that follows this motion, and any node that follows `other`.
     pub fn relative_motion(&self, other: &Self, region: &Aabb) -> f64 {
         self.carried_relative_motion(other, region) + self.residual + other.residual
     }
 
-    /// The same bound for all nodes of two workers, where `region` holds those of this one that the
-    /// other's could reach with no slack. Motions that turn too much against each other cannot be
-    /// bounded so.
+    /// Returns a bound on the relative displacement of all nodes of two workers [length].
+    /// `region` contains the nodes of this worker that those of the other worker could reach
+    /// without slack. Infinite if the two rotations differ too much for a bound.
     pub fn relative_motion_within(&self, other: &Self, region: &Aabb) -> f64 {
         let turns = (self.rotation - other.rotation).norm() > MAX_ROTATION;
         let apart =
@@ -68,12 +68,13 @@ impl RigidMotion {
     }
 
     fn carried_relative_motion(&self, other: &Self, region: &Aabb) -> f64 {
-        // The difference is linear in the point, its length convex: the largest is at a corner.
+        // The difference is linear in the point and its length is convex: the largest is at a
+        // corner.
         let at = |p: [f64; 3]| (self.carried(p.into()) - other.carried(p.into())).norm();
         region.corners().into_iter().map(at).fold(0.0, f64::max)
     }
 
-    /// As words for a message.
+    /// Returns the motion as words of a message.
     pub fn to_words(&self) -> [f64; Self::WORDS] {
         let mut w = [0.0; Self::WORDS];
         w[..9].copy_from_slice(self.rotation.as_slice());
@@ -83,7 +84,7 @@ impl RigidMotion {
         w
     }
 
-    /// From [`Drift::to_words`].
+    /// Creates a motion from the words of [`RigidMotion::to_words`].
     pub fn from_words(w: &[f64]) -> Self {
         Self {
             rotation: Matrix3::from_column_slice(&w[..9]),
@@ -94,19 +95,20 @@ impl RigidMotion {
     }
 }
 
-/// Reference positions and the motion since.
+/// Reference positions and the motion since then.
 #[derive(Debug)]
 pub struct MotionTracker {
     reference: Vec<Row>,
-    /// Nodes that the rigid motion is fitted to.
+    /// Nodes to which the rigid motion is fitted.
     sample: Vec<u32>,
-    /// How far each node may depart before it counts [length]; none at all if empty.
+    /// Distance from the rigid motion that is ignored, for each node [length]; empty if zero for
+    /// all.
     slack: Vec<f64>,
     drift: RigidMotion,
 }
 
 impl MotionTracker {
-    /// Starts at the present positions.
+    /// Starts at the positions `x`.
     pub fn since(x: &[Row]) -> Self {
         let mut motion = Self {
             reference: Vec::new(),
@@ -118,8 +120,9 @@ impl MotionTracker {
         motion
     }
 
-    /// Forgets the past. With `slack`, one number per node, departures count only beyond it, and
-    /// the motion is fitted to the nodes that have none.
+    /// Restarts at the positions `x`. `slack` has one distance per node, up to which its
+    /// departure is ignored, or is empty [length]. The motion is fitted to the nodes with zero
+    /// slack.
     pub fn restart(&mut self, x: &[Row], slack: Vec<f64>) {
         self.reference.clear();
         self.reference.extend_from_slice(x);
@@ -134,14 +137,14 @@ impl MotionTracker {
         self.drift = RigidMotion::none();
     }
 
-    /// Bytes in use.
+    /// Returns the bytes in use.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.reference[..])
             + size_of_val(&self.sample[..])
             + size_of_val(&self.slack[..])
     }
 
-    /// The motion up to `x`, positions of the same nodes.
+    /// Returns the motion to `x`, the present positions of the same nodes.
     pub fn update(&mut self, x: &[Row]) -> RigidMotion {
         self.fit(x);
         let (r, t) = (&self.drift.rotation, &self.drift.translation);
@@ -165,7 +168,7 @@ impl MotionTracker {
         self.drift
     }
 
-    /// Least-squares rigid motion of a sample (Kabsch 1976).
+    /// Fits a rigid motion to the sample by least squares (Kabsch 1976).
     fn fit(&mut self, x: &[Row]) {
         let pair = |&i: &u32| (vec3(&x[i as usize]), vec3(&self.reference[i as usize]));
         let sample = || self.sample.iter().map(pair);
@@ -184,8 +187,8 @@ fn vec3(r: &Row) -> Vector3<f64> {
     Vector3::new(r[0], r[1], r[2])
 }
 
-/// The rotation nearest to a cross-covariance; `None` where it is not determined (points on a
-/// line).
+/// Returns the rotation nearest to a cross-covariance; `None` if it is not determined (points on
+/// a line).
 fn rotation_of(cross: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let svd = cross.try_svd(true, true, f64::EPSILON, 100)?;
     let (u, vt) = (svd.u?, svd.v_t?);
@@ -225,7 +228,7 @@ mod tests {
             })
             .collect();
         assert!(motion.update(&x).residual < 1e-9, "round-off of coordinates around 1e3");
-        x[3][1] += 2.5; // not a sampled node
+        x[3][1] += 2.5; // not in the sample
         let d = motion.update(&x);
         assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
         assert_eq!(RigidMotion::from_words(&d.to_words()), d);

@@ -1,11 +1,11 @@
-//! What each worker of a decomposition would hold and send, counted by one engine that holds
-//! everything.
+//! Counts of the data and messages that each worker of a decomposition would have, computed by
+//! one engine that has the whole mesh.
 //!
-//! In a run workers find this out from each other (`membership.rs`). Here the one process that has
-//! the whole mesh counts the same for any number of workers, by the same rules: an element belongs
-//! to the box that holds its centre, a node to the lowest worker that holds it, and a worker gets
-//! copies of all segments that touch the box around what it seeks contact for, grown by what copies
-//! have to cover.
+//! In a run the workers find these out from each other (`partition.rs`). Here the process with
+//! the whole mesh counts the same for any number of workers, by the same rules. An element
+//! belongs to the box that contains its centre; a node belongs to the lowest worker with an
+//! element at it. A worker gets ghosts of all segments that touch the box around its slaves,
+//! extended by the distance that ghosts must cover.
 
 use crate::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crate::contact::Contact;
@@ -25,74 +25,74 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::transport::MaxReduction;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// One worker's share of the work and of the messages of a step.
+/// Work and messages of one worker in a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Count {
     /// Own elements.
     pub elements: u64,
-    /// Places in lanes that they take, per part; a group of lanes is computed as a whole.
+    /// Lanes that they occupy, per part; a group of lanes is computed as a whole.
     pub lanes: Vec<u64>,
-    /// Own elements at nodes that others hold too.
+    /// Own elements with shared nodes.
     pub shared: u64,
-    /// Nodes of own elements, and those of them that are its own.
+    /// Nodes of own elements.
     pub held: u64,
-    /// See `held`.
+    /// Nodes of own elements that the worker owns.
     pub owned: u64,
-    /// Own nodes on the contact surface.
+    /// Owned nodes on the contact surface.
     pub slaves: u64,
     /// Own segments.
     pub segments: u64,
-    /// Copies of others' segments, and of nodes that are not held.
+    /// Ghosts of other workers' segments.
     pub exterior_segments: u64,
-    /// See `exterior_segments`.
+    /// Ghosts of other workers' nodes.
     pub exterior_nodes: u64,
-    /// Workers that it has nodes in common with, and the corner forces that go to all of them.
+    /// Workers with shared nodes.
     pub neighbours: u64,
-    /// See `neighbours`.
+    /// Element nodal forces that are sent to these workers.
     pub corners: u64,
-    /// Node states that go to workers with copies.
+    /// Node states that are sent to workers with ghosts of them.
     pub exports: u64,
-    /// Workers that could come upon something of it, or it of theirs: they tell each other how they
-    /// have moved.
+    /// Workers whose entities could come into contact with those of this worker; they exchange
+    /// their motion.
     pub near_workers: u64,
-    /// Workers that some node is local to on both sides: they tell each other of pairs.
+    /// Workers that have a common node, local or ghost; they exchange contact pairs.
     pub meets: u64,
-    /// Candidates that are near, of own slaves.
+    /// Candidates in the near list, of own slaves.
     pub near: u64,
     /// Own contact pairs.
     pub pairs: u64,
-    /// Tellings of own pairs to other workers.
+    /// Copies of own pairs that are sent to other workers.
     pub told: u64,
     /// Words of these messages.
     pub told_words: u64,
-    /// Workers that it has contact pairs in common with.
+    /// Workers with common contact pairs.
     pub partners: u64,
-    /// Rounds after which it knows that nobody it has to do with through contact pairs, one with
-    /// the next, changes anything.
+    /// Rounds after which the worker knows that none of the workers connected to it by contact
+    /// pairs, directly or indirectly, changes a force any more.
     pub quiet: u64,
-    /// Own nodes of rigid bodies that something acts on.
+    /// Owned nodes of rigid bodies with forces.
     pub members: u64,
 }
 
-/// Who has what.
+/// Distribution of elements and nodes over workers.
 pub struct Census {
-    /// One for each worker.
+    /// Counts of each worker.
     pub counts: Vec<Count>,
-    /// Worker of each element, by its place in the engine's blocks.
+    /// Worker of each element, by its index in the engine's blocks.
     worker: Vec<u32>,
-    /// Workers that have a node local, ascending, node after node; the first `holders` of a run
-    /// hold it.
+    /// Workers that have a node, as local or ghost node: node after node, ascending within the
+    /// first `holders` of a node, which have it as local node, and within the rest.
     local_start: Vec<u32>,
     local: Vec<u32>,
     holders: Vec<u32>,
 }
 
 impl Census {
-    /// Who would have what of a whole mesh in the boxes of `tree`, as the nodes are now. Contact
-    /// pairs come later ([`Census::count_contact`]).
+    /// Distributes the whole mesh to the boxes of `tree`, at the present positions of the
+    /// nodes. Contact pairs are counted later ([`Census::count_contact`]).
     ///
     /// # Panics
-    /// When the engine is one of several.
+    /// If the engine is one of several.
     pub fn new(engine: &Engine, tree: &CutTree) -> Self {
         assert!(engine.halo.links.is_empty(), "the engine holds the whole mesh");
         let (nodes, blocks) = (&engine.nodes, &engine.blocks);
@@ -126,7 +126,7 @@ impl Census {
         census
     }
 
-    /// Adds candidates and pairs of the engine's last local search.
+    /// Counts the candidates and pairs of the engine's last local search.
     pub fn count_contact(&mut self, engine: &Engine) {
         let Some(contact) = &engine.contact else { return };
         for (slave, near) in contact.count_near() {
@@ -153,12 +153,13 @@ impl Census {
         self.count_quiet(&partners);
     }
 
-    /// How far from each other those are that have to do with each other through `partners`, both
-    /// ways, ascending.
+    /// Counts the rounds of convergence detection: one more than the largest distance of two
+    /// workers that `partners`, in both directions and ascending, connect directly or
+    /// indirectly.
     fn count_quiet(&mut self, partners: &[(u32, u32)]) {
         let mut neighbours: BTreeMap<u64, Vec<u64>> = BTreeMap::new();
         partners.iter().for_each(|&(a, b)| neighbours.entry(a.into()).or_default().push(b.into()));
-        // The lowest worker that each reaches, and how far the farthest is.
+        // Lowest worker that each worker is connected to, and the distance to the farthest one.
         let reached: Vec<(u64, u64, u64)> = neighbours
             .keys()
             .map(|&w| {
@@ -173,23 +174,23 @@ impl Census {
         reached.iter().for_each(|(w, group, _)| self.counts[*w as usize].quiet = widest[group] + 1);
     }
 
-    /// Workers that have a node local.
+    /// Returns the workers that have a node, as local or ghost node.
     fn local(&self, node: u32) -> &[u32] {
         &self.local
             [self.local_start[node as usize] as usize..self.local_start[node as usize + 1] as usize]
     }
 
-    /// Workers that hold a node, ascending.
+    /// Returns the workers that have a node as local node, ascending.
     fn holders(&self, node: u32) -> &[u32] {
         &self.local(node)[..self.holders[node as usize] as usize]
     }
 
-    /// The worker that owns a node.
+    /// Returns the worker that owns a node.
     fn owner(&self, node: u32) -> usize {
         self.holders(node)[0] as usize
     }
 
-    /// Lays down who has which node local; both lists are of node and worker, ascending.
+    /// Stores the workers of each node; both lists contain (node, worker), ascending.
     fn set_local(&mut self, nodes: usize, held: &[(u32, u32)], copies: &[(u32, u32)]) {
         (self.local_start, self.holders) = (vec![0], vec![0; nodes]);
         self.local.clear();
@@ -222,7 +223,7 @@ impl Census {
             self.counts[w as usize].neighbours += 1;
             self.counts[w as usize].corners += corners;
         }
-        // The engine's blocks are of one part and shape, as those of each worker are.
+        // Each block of the engine has one part and shape, as the blocks of each worker do.
         for b in &engine.blocks.blocks {
             let mut of_worker: HashMap<u32, usize> = HashMap::new();
             self.worker[b.first..b.first + b.count]
@@ -248,7 +249,7 @@ impl Census {
         }
     }
 
-    /// Copies of nodes as node and worker, ascending.
+    /// Counts segments and ghosts. Returns the ghost nodes as (node, worker), ascending.
     fn copy_exterior(
         &mut self,
         engine: &Engine,
@@ -271,7 +272,7 @@ impl Census {
         }
         surface.slaves.iter().for_each(|&n| parts[self.owner(n)].slaves.push(n));
         let grow = covered(&engine.settings, &surface.interfaces, surface.largest_scale());
-        // By the lower end along x, so that few segments are looked at for each box.
+        // Ordered by the lower end along x, so that few segments are tested for each box.
         let mut bounds: Vec<(Aabb, u32)> = (0..)
             .zip(&surface.segments)
             .map(|(g, s): (u32, &Segment)| (s.bounds(&nodes.x, 0.0), g))
@@ -310,7 +311,8 @@ impl Census {
         copies
     }
 
-    /// Counts who is near whom, by their boxes, or has `copies` of another's nodes.
+    /// Counts near workers: those with near boxes, or with ghosts (`copies`) of the other's
+    /// nodes.
     fn count_near(
         &mut self,
         [held, copies]: [&[(u32, u32)]; 2],
@@ -352,7 +354,7 @@ impl Census {
         }
     }
 
-    /// Worker of each element, by ascending id.
+    /// Returns the worker of each element, by ascending id.
     fn workers_of_elements(&self, engine: &Engine) -> Vec<(ElemId, u32)> {
         let mut all: Vec<_> = engine
             .blocks
@@ -365,8 +367,8 @@ impl Census {
         all
     }
 
-    /// A node's pair belongs to the owner of the node, an edge's to that of the lowest segment that
-    /// has the edge, a segment's to that of the segment.
+    /// Returns the owner of a pair: that of the node, that of the lowest segment with the edge,
+    /// or that of the segment.
     fn owner_of_pair(&self, surface: &Surface, pair: &Pair, workers: &[(ElemId, u32)]) -> u32 {
         if pair.key.is_segment() {
             let of_slave = worker_of(workers, pair.key.slave_quarter().0.elem());
@@ -384,9 +386,9 @@ impl Census {
 }
 
 impl Count {
-    /// Messages and bytes that the worker sends in a step, one of `workers`, the exchange of
-    /// contact forces between partners left out: that depends on how often they sweep
-    /// ([`crate::contact::Contact::exchange`]).
+    /// Returns the numbers of messages and bytes that the worker sends in a step of a run on
+    /// `workers` workers. The exchange of contact forces between partners is not included
+    /// because it depends on the number of sweeps ([`crate::contact::Contact::exchange`]).
     pub fn traffic(&self, engine: &Engine, workers: usize) -> [f64; 2] {
         let others = workers as f64 - 1.0;
         if workers < 2 {
@@ -405,7 +407,7 @@ impl Count {
             words += self.told_words as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
-            // Whether all sweeps have settled.
+            // Convergence of all sweeps.
             messages += hops;
             words += hops;
         }
@@ -419,13 +421,13 @@ impl Count {
     }
 }
 
-/// Worker of an element in a list by ascending id.
+/// Returns the worker of an element in a list of ascending ids.
 fn worker_of(workers: &[(ElemId, u32)], elem: ElemId) -> Option<u32> {
     workers.binary_search_by_key(&elem, |w| w.0).ok().map(|at| workers[at].1)
 }
 
-/// Messages of a step that every worker sends to all others: what acts on rigid bodies, what
-/// contact touches of them, and what may touch walls that have a mass.
+/// Returns the number of messages of a step that every worker sends to all others: forces on
+/// rigid bodies, contact of rigid bodies, and nodes that may touch walls with a mass.
 pub fn messages_to_all(engine: &Engine, workers: usize) -> f64 {
     let (contact, bodies) = (engine.contact.is_some(), !engine.bodies.is_empty());
     let rounds = usize::from(bodies) + usize::from(contact && bodies) + engine.walls.pushed();

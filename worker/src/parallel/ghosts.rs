@@ -1,4 +1,4 @@
-//! What a worker exchanges with others in every step, over any transport.
+//! Data that a worker exchanges with others in every step, over any transport.
 
 use crate::fem::blocks::Blocks;
 use crate::math::rigid_motion::RigidMotion;
@@ -6,51 +6,54 @@ use crate::nodes::Nodes;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 
-/// Words of a drift, which leads the states of exterior nodes.
+/// Words of a rigid motion, which precedes the states of ghost nodes in a message.
 pub const RIGID_MOTION_WORDS: usize = RigidMotion::WORDS;
-/// Words of the state of an exterior node: position, and velocities at the last and at the next
-/// mid-step; with `spins` rotational velocities at both too.
+/// Returns the number of words of a ghost node's state: position, and velocities at the last
+/// and at the next mid-step; with `spins` also rotational velocities at both.
 pub fn ghost_words(spins: bool) -> u64 {
     if spins { 15 } else { 9 }
 }
 
-/// Words of a corner's force, and of its moment where nodes can turn.
+/// Returns the number of words of an element nodal force, with its moment if nodes can rotate.
 pub fn element_force_words(rotations: bool) -> u64 {
     if rotations { 6 } else { 3 }
 }
 
-/// The connection to one other worker.
+/// Connection to one other worker.
 #[derive(Debug, Default)]
 pub struct GhostLink {
     /// The other worker (0-based).
     pub worker: usize,
-    /// Own corner slots at shared nodes, in the order of (element, corner).
+    /// Own element nodal forces at shared nodes, as slots in the order of (element, corner).
     pub element_forces_out: Vec<u32>,
-    /// First received corner slot and their number.
+    /// First slot of the received element nodal forces, and their number.
     pub element_forces_in: (usize, usize),
-    /// Of both what does not belong to slow elements, as slots; without subcycles nobody asks.
+    /// Entries of `element_forces_out` that do not belong to slow elements; empty without
+    /// subcycles.
     pub fast_out: Vec<u32>,
-    /// See `fast_out`.
+    /// Slots of received element nodal forces that do not belong to slow elements; see
+    /// `fast_out`.
     pub fast_in: Vec<u32>,
-    /// Owned nodes of which the other has exterior copies.
+    /// Owned nodes that are ghosts on the other worker.
     pub export: Vec<u32>,
-    /// Exterior copies here of nodes that the other owns.
+    /// Ghosts here that the other worker owns.
     pub import: Vec<u32>,
-    /// Whether some node is local on both sides, so that contact pairs may concern both.
+    /// True if both workers have a common node, so that both may need the same contact pairs.
     pub shares_nodes: bool,
-    /// Where own contact nodes could come near the other's elements.
+    /// Region in which own contact nodes could approach the other worker's elements.
     pub region: Option<Aabb>,
-    /// Relative motion since the last renewal that the exterior copies cover [length].
+    /// Relative motion since the last renewal that the ghosts allow [length].
     pub margin: f64,
-    /// Whether the other is so far off that no copies of its nodes are needed yet: the margin is
-    /// then the distance left.
+    /// True if the other worker is too far away to need its nodes as ghosts yet; the margin is
+    /// then the remaining distance.
     pub is_distant: bool,
-    /// Whether that is so on both sides: they tell each other of their motion now and then only.
+    /// True if this holds for both sides; the two then exchange their motion only from time to
+    /// time.
     pub both_distant: bool,
-    /// Relative motion when they last did [length].
+    /// Relative motion at the last exchange [length].
     pub base: f64,
-    /// Box around the other's held nodes at the last renewal, grown by all that the exterior copies
-    /// cover.
+    /// Box around the other's local nodes at the last renewal, extended by the distance that
+    /// the ghosts cover.
     pub reach: Option<Aabb>,
 }
 
@@ -59,33 +62,34 @@ pub struct GhostLink {
 pub struct Ghosts {
     /// One link per other worker, ascending.
     pub links: Vec<GhostLink>,
-    /// For each local node, where its entry in `users` starts.
+    /// Start of each node's entry in `users`.
     pub user_start: Vec<u32>,
-    /// Other workers that have a node local, ascending, node after node.
+    /// Other workers that have a node, as local or ghost node; ascending, node after node.
     pub users: Vec<u32>,
     /// Message under construction.
     pub words: Vec<u64>,
-    /// Whether workers that are apart tell each other of their motion in this step.
+    /// True if distant workers exchange their motion in this step.
     pub sync_distant: bool,
-    /// How much nearer any two nodes that can touch may have come since they last did, and in one
-    /// step [length].
+    /// Upper bound of the approach of any two nodes of contact surfaces since the last
+    /// exchange, and in one step [length].
     pub max_approach: [f64; 2],
 }
 
-/// Workers that are apart tell each other of their motion when nodes may have come nearer by this
-/// fraction of the margin.
+/// Fraction of the margin by which nodes may approach each other before distant workers
+/// exchange their motion.
 const SYNC_FRACTION: f64 = 0.1;
 
 impl Ghosts {
-    /// Other workers that have local node `i`, held or exterior.
+    /// Returns the other workers that have node `i`, as local or ghost node.
     pub fn users_of(&self, i: u32) -> &[u32] {
         &self.users[self.user_start[i as usize] as usize..self.user_start[i as usize + 1] as usize]
     }
 
-    /// How far each held node may move on its own without coming upon what is not copied, beyond
-    /// the links' margins [length]. Two nodes of two workers are at least as far apart as either is
-    /// from the other's box; of that distance each may use three eighths, and a quarter is left for
-    /// the turning of the motions (see `motion.rs`).
+    /// Returns the distance that each local node may move on its own, in addition to the
+    /// margins of the links, without contact with entities that have no ghosts [length]. Two
+    /// nodes of two workers are at least as far apart as either is from the other's box. Each
+    /// may use three eighths of that distance; a quarter is reserved for the rotation of the
+    /// motions (see `math/rigid_motion.rs`).
     pub fn slack(&self, nodes: &Nodes) -> Vec<f64> {
         let reaches: Vec<Aabb> = self.links.iter().filter_map(|l| l.reach).collect();
         let from = |x: [f64; 3]| {
@@ -95,8 +99,8 @@ impl Ghosts {
         nodes.x[..nodes.local_count].iter().map(|x| 0.375 * from([x[0], x[1], x[2]])).collect()
     }
 
-    /// Sends corner forces, and moments if there are any, of own elements at shared nodes; with
-    /// `all` those of slow ones too.
+    /// Sends the element nodal forces, and moments if there are any, of own elements at shared
+    /// nodes; with `all` also those of slow elements.
     ///
     /// # Errors
     /// A worker is gone.
@@ -123,8 +127,8 @@ impl Ghosts {
         Ok(())
     }
 
-    /// Receives corner forces of others' elements at shared nodes; with `all` those of slow ones
-    /// too.
+    /// Receives the element nodal forces of other workers' elements at shared nodes; with `all`
+    /// also those of slow elements.
     ///
     /// # Errors
     /// A worker is gone.
@@ -158,8 +162,8 @@ impl Ghosts {
         Ok(())
     }
 
-    /// Brings exterior nodes to the state that their owners have between two steps, for output:
-    /// within a step they are known at its start only.
+    /// Sets ghosts to the state of their owners between two steps, for output: within a step
+    /// their state is known at its start only.
     ///
     /// # Errors
     /// A worker is gone.
@@ -199,25 +203,28 @@ impl Ghosts {
         Ok(())
     }
 
-    /// How near the next check-in of workers that are apart is, due at 1.
+    /// Returns the fraction of the permitted approach since distant workers last exchanged
+    /// their motion; 1 triggers an exchange.
     pub fn distant_fraction(&self) -> f64 {
         let margins =
             self.links.iter().filter(|l| l.both_distant && l.region.is_some()).map(|l| l.margin);
         self.max_approach[0] / (SYNC_FRACTION * margins.fold(f64::INFINITY, f64::min))
     }
 
-    /// Any two nodes that can touch have come nearer by `by` at most in the last step [length].
+    /// Records that any two nodes of contact surfaces have approached by at most `by` in the
+    /// last step [length], and if distant workers exchange their motion in this step
+    /// (`check_in`).
     pub fn track_approach(&mut self, by: f64, check_in: bool) {
         self.max_approach = [self.max_approach[0] + by, by];
         self.sync_distant = check_in;
     }
 
-    /// Brings exterior nodes up to date: coordinates, velocities at the last mid-step, and those
-    /// without contact at the next one; with `spins`, which contact with friction needs, rotational
-    /// velocities too. Workers also tell each other how their nodes have moved since the last
-    /// renewal, those that are apart only when they check in: until then the range of all
-    /// velocities bounds how much nearer they have come. Returns the largest relative motion as a
-    /// fraction of what the exterior copies cover.
+    /// Updates ghosts: coordinates, velocities at the last mid-step, and velocities without
+    /// contact at the next one; with `spins`, which contact with friction needs, also
+    /// rotational velocities. Workers also send each other their motion since the last renewal.
+    /// Distant workers do so only at an exchange; until then the range of all velocities bounds
+    /// their approach. Returns the largest relative motion as a fraction of the motion that the
+    /// ghosts allow.
     ///
     /// # Errors
     /// A worker is gone.
@@ -249,7 +256,8 @@ impl Ghosts {
         let mut urgency = 0.0f64;
         for link in &mut self.links {
             if link.both_distant && !check_in {
-                // Two steps more: so long the others take to hear of it.
+                // Two more steps pass until the other workers receive the request for an
+                // exchange.
                 if link.region.is_some() {
                     urgency = urgency.max(
                         (link.base + self.max_approach[0] + 2.0 * self.max_approach[1])

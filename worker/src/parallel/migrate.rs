@@ -1,5 +1,5 @@
-//! Elements change workers when boxes are renewed, with their history and the state of their nodes.
-//! Worker to worker; the master only says where the boxes are.
+//! Migration of elements between workers when boxes are renewed, with their history and the
+//! state of their nodes. The data go from worker to worker; the master only sends the boxes.
 
 use crate::contact::Contact;
 use crate::contact::pairs::PairHistory;
@@ -13,14 +13,14 @@ use crumple_proto::partition::{ElementRecord, NodeRecord};
 use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::BTreeMap;
 
-/// An element on its way; `columns` history numbers follow it.
+/// Element in a message, followed by `columns` history numbers.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireElement {
     id: ElemId,
     part: u32,
     shape: u16,
-    /// Free faces, and above these bits for failure and for slowness.
+    /// Free faces; the bits above mark a failed and a slow element.
     free_faces: u16,
     nodes: CornerNodes,
     thickness: f64,
@@ -33,7 +33,7 @@ const ELEMENT_WORDS: usize = size_of::<WireElement>() / 8;
 const NODE_WORDS: usize = size_of::<NodeRecord>() / 8;
 const MEAN_WORDS: usize = size_of::<OuterStepMean>() / 8;
 
-/// What goes to one worker: four runs of words, each led by its length.
+/// Data for one worker: four lists of words, each preceded by its length when packed.
 #[derive(Default)]
 struct Parcel {
     elements: Vec<u64>,
@@ -42,8 +42,8 @@ struct Parcel {
     means: Vec<u64>,
 }
 
-/// Takes the local mesh apart and sends every element to the worker whose box holds its centre.
-/// Returns what belongs here from now on. All workers call this together.
+/// Sends every element of the local mesh to the worker whose box contains its centre. Returns
+/// the new partition of this worker. Collective.
 ///
 /// # Errors
 /// A worker is gone.
@@ -96,7 +96,7 @@ pub fn migrate(
     Ok(share)
 }
 
-/// Centre of an element [length].
+/// Returns the centre of an element [length].
 pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
     let used = shape.corners();
     std::array::from_fn(|c| {
@@ -104,8 +104,8 @@ pub fn centre(columns: &Nodes, nodes: [u32; 8], shape: Shape) -> [f64; 3] {
     })
 }
 
-/// What held nodes remember, in ascending order of names: owners of pairs know it and tell the
-/// others that have the node.
+/// Returns the pair histories of local nodes, in ascending order of pair keys. Owners of pairs
+/// send them to the other workers that have the node.
 fn gather_memories(
     comm: &mut dyn Transport,
     local: &LocalMesh,
@@ -211,8 +211,8 @@ mod tests {
     use crate::contact::pairs::PairKey;
     use crumple_proto::ids::SegmentId;
 
-    /// What travels arrives as it left, to the bit: elements of either shape with history of any
-    /// length, empty runs, memories of several nodes.
+    /// Encoded data are decoded to the same bits: elements of all shapes with history of any
+    /// length, empty lists, pair histories of several nodes.
     #[test]
     fn parcels_make_the_round_trip() {
         let element = |id, shape, part| ElementRecord {

@@ -1,8 +1,7 @@
-//! Who has what: from a worker's elements to its local mesh, its connections and its exterior
-//! copies.
+//! Partition of the mesh: from a worker's elements to its local mesh, its links and its ghosts.
 //!
-//! The same path is taken at the start and whenever boxes are renewed. Workers talk to each other
-//! only.
+//! The same path is taken at the start and whenever boxes are renewed. Workers exchange data
+//! with each other only.
 
 use crate::contact;
 use crate::contact::beams::with_edges;
@@ -21,45 +20,46 @@ use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{RankLost, Transport, exchange_all};
 use std::collections::BTreeMap;
 
-/// What belongs to one worker, as it is dealt out or as it travels.
+/// Data of one worker, as distributed at the start or migrated.
 #[derive(Default)]
 pub struct PartitionData {
     /// Elements with their history columns (empty if fresh).
     pub elements: Vec<(ElementRecord, Vec<f64>)>,
-    /// All nodes of these elements, possibly several times.
+    /// All nodes of these elements; duplicates are possible.
     pub nodes: Vec<NodeRecord>,
-    /// What nodes remember of contact, possibly several times.
+    /// Pair histories of nodes; duplicates are possible.
     pub memories: BTreeMap<NodeId, Vec<PairHistory>>,
-    /// Mean velocities of nodes in the outer step, of moving and of turning, possibly several
-    /// times; empty without subcycles.
+    /// Mean translational and rotational velocities of nodes in the outer step; duplicates are
+    /// possible. Empty without subcycles.
     pub means: Vec<OuterStepMean>,
 }
 
-/// A worker's local mesh and connections.
+/// Local mesh and links of a worker.
 pub struct LocalMesh {
     /// Nodal columns.
     pub nodes: Nodes,
     /// Own elements.
     pub blocks: Blocks,
-    /// Connections.
+    /// Links to other workers.
     pub halo: Ghosts,
-    /// Contact surface, if the scene has contact.
+    /// Contact surface, if the model has contact.
     pub surface: Option<Surface>,
 }
 
-/// A corner at a shared node, as the other worker needs to know it.
+/// Element corner at a shared node, as it is sent to the other worker.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireCorner {
     node: NodeId,
     elem: ElemId,
-    /// What the node has of the sender's surface, see [`Surface::widen`].
+    /// Half thickness and scale of the sender's surface at the node, see
+    /// [`Surface::include_remote`].
     half: f64,
     scale: f64,
     slow: u64,
 }
 
-/// A segment of an exterior element.
+/// Segment of a ghost element.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireSegment {
@@ -71,7 +71,7 @@ struct WireSegment {
     part: u64,
 }
 
-/// A node of an exterior element.
+/// Node of a ghost element.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireNode {
@@ -79,18 +79,18 @@ struct WireNode {
     owner: u64,
 }
 
-/// Items as words.
+/// Encodes items as words.
 fn words<T: Pod>(items: &[T]) -> Vec<u64> {
     bytemuck::cast_slice(items).to_vec()
 }
 
-/// Words as items.
+/// Decodes words as items.
 fn items<T: Pod>(words: &[u64]) -> &[T] {
     bytemuck::cast_slice(words)
 }
 
-/// Works out a worker's local mesh from its share. With `fresh`, nodal masses are assembled from
-/// the elements. All workers call this together.
+/// Builds a worker's local mesh from its partition. With `fresh`, nodal masses are assembled
+/// from the elements. Collective.
 ///
 /// # Errors
 /// A worker is gone.
@@ -106,7 +106,7 @@ pub fn build_local_mesh(
     records.dedup_by_key(|r| r.id);
     let mut nodes = Nodes::new(&records, me as u32, settings.rotations);
     let bounds = Aabb::around(records.iter().map(|r| r.x));
-    drop(records); // columns have all of it
+    drop(records); // the columns contain all of it
     let all_bounds = exchange_bounds(comm, &bounds)?;
     let shared = find_shared(comm, &nodes, &all_bounds)?;
     for (worker, list) in shared.iter().enumerate() {
@@ -150,7 +150,7 @@ pub fn build_local_mesh(
     Ok(LocalMesh { nodes, blocks, halo, surface })
 }
 
-/// Everyone's box.
+/// Exchanges the boxes of all workers.
 fn exchange_bounds(comm: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, RankLost> {
     let corners = [mine.min, mine.max];
     let parcels = vec![words(&corners); comm.size() - 1];
@@ -158,14 +158,14 @@ fn exchange_bounds(comm: &mut dyn Transport, mine: &Aabb) -> Result<Vec<Aabb>, R
     Ok(boxes.iter().map(|w| items::<[f64; 3]>(w)).map(|b| Aabb { min: b[0], max: b[1] }).collect())
 }
 
-/// Held nodes that each other worker holds too, ascending.
+/// Returns the local nodes that each other worker has as well, ascending.
 fn find_shared(
     comm: &mut dyn Transport,
     nodes: &Nodes,
     bounds: &[Aabb],
 ) -> Result<Vec<Vec<u32>>, RankLost> {
     let me = nodes.me as usize;
-    // A node that both hold lies in both boxes.
+    // A shared node lies in both boxes.
     let offered = |b: &Aabb| {
         (0..nodes.local_count)
             .filter(|&i| b.contains(xyz(&nodes.x[i])))
@@ -181,7 +181,7 @@ fn find_shared(
         .collect())
 }
 
-/// Links with the corner forces that they carry; lays down the order in which nodes gather.
+/// Builds the links with their element nodal forces, and the order of the nodal assembly.
 fn link_element_forces(
     comm: &mut dyn Transport,
     settings: &Settings,
@@ -255,28 +255,31 @@ fn link_element_forces(
     Ok(Ghosts { links, ..Ghosts::default() })
 }
 
-/// How far around a worker's own slaves and edges its copies of others' segments reach, by the
-/// largest scale of any worker's surface: as far as the search, and the buffer [length].
+/// Returns the distance around a worker's own slaves and edges within which it gets ghost
+/// segments: the reach of the search, for the largest scale of any worker's surface, plus the
+/// buffer [length].
 pub fn covered(settings: &Settings, interfaces: &Interfaces, largest_scale: f64) -> f64 {
     contact::search_reach(interfaces, largest_scale, largest_scale) + settings.buffer
 }
 
-/// Box around a worker's own slaves, edges and, where they meet each other, segments; `surface` has
-/// its own segments only.
+/// Returns the box around a worker's own slaves, edges and, where segments touch segments, the
+/// nodes of these; `surface` has own segments only.
 pub fn seeking(settings: &Settings, surface: &Surface, nodes: &Nodes) -> Aabb {
     let is_met = with_edges(settings) || settings.contact.as_ref().is_some_and(by_segments);
     let of_edges = if is_met { contact_edges(surface) } else { Vec::new() };
     Aabb::around(surface.slaves.iter().chain(&of_edges).map(|&i| xyz(&nodes.x[i as usize])))
 }
 
-/// Whether something held in the box `held` could be near enough to what is sought around the box
-/// `seeking`.
+/// Returns true if an entity in the box `held` could be within `grow` of the box `seeking`.
 pub fn are_near(seeking: &Aabb, held: &Aabb, grow: f64) -> bool {
     !seeking.is_empty() && !held.is_empty() && !seeking.intersection(&held.grown(grow)).is_empty()
 }
 
-/// Copies the segments of other workers that own slaves and edges could meet before the next
-/// renewal, with their nodes.
+/// Copies the segments of other workers, with their nodes, that could touch own slaves and
+/// edges before the next renewal.
+///
+/// # Errors
+/// A worker is gone.
 fn copy_ghosts(
     comm: &mut dyn Transport,
     settings: &Settings,
@@ -360,7 +363,7 @@ fn copy_ghosts(
         });
     }
     surface.segments.sort_unstable_by_key(|s| s.id);
-    // Owners keep the copies up to date.
+    // Owners send the states of ghosts in every step.
     let wanted = |w: usize| {
         copies.iter().filter(|c| c.owner as usize == w).map(|c| c.record.id.0).collect::<Vec<u64>>()
     };
@@ -369,14 +372,14 @@ fn copy_ghosts(
         let number = |id: &u64| nodes.index_of(NodeId(*id)).expect("requests name local nodes");
         link.export = requests[link.worker].iter().map(number).collect();
         link.import = wanted(link.worker).iter().map(number).collect();
-        // A segment may come from one worker and its far corner belong to another, which is no
-        // nearer for that.
+        // A segment may come from one worker while its far corner belongs to another one, which
+        // is not nearer for this reason.
         link.both_distant &= link.export.is_empty() && link.import.is_empty();
     }
     Ok(())
 }
 
-/// Owners tell every worker that has one of their nodes local who else has it.
+/// Sends the list of workers that have an owned node to each of these workers.
 fn send_users(
     comm: &mut dyn Transport,
     nodes: &Nodes,

@@ -1,9 +1,10 @@
-//! What all workers must know alike before anything moves: the stable step, trouble, and the
-//! master's orders.
+//! Quantities that all workers agree on before any node moves: the stable step, failures, and
+//! the master's orders.
 //!
-//! One global maximum per cycle, begun when the element forces are known and finished before
-//! velocities become positions. The master takes no part: it only drops orders into mailboxes, and
-//! the maximum of the order numbers seen tells all workers from which cycle on an order holds.
+//! There is one global maximum per cycle. It begins when the element forces are known and
+//! finishes before velocities are integrated. The master takes no part: it only sends orders,
+//! and the maximum of the order numbers that have arrived defines the cycle in which all
+//! workers execute an order.
 
 use crate::fem::blocks::Blocks;
 use crate::fem::elements::PassTotals;
@@ -14,77 +15,79 @@ use crumple_proto::partition::Settings;
 use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport};
 use std::ops::Range;
 
-/// What workers agree on in a cycle.
+/// Result of the reduction of a cycle, equal on all workers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepConsensus {
-    /// Smallest stable step of all elements, or less if contact surfaces would pass through each
-    /// other in it [time].
+    /// Smallest stable step of all elements, or less if contact surfaces would pass through
+    /// each other in it [time].
     pub stable_dt: f64,
-    /// What contact leaves of it, infinite where nothing can pass anything [time].
+    /// Limit of the step due to contact, infinite without contact surfaces in relative motion
+    /// [time].
     pub contact_dt: f64,
-    /// Element that is in trouble, the first by id if there are several; by place in a mesh that
-    /// was numbered anew.
+    /// Element that has failed numerically, the lowest id of several; ids with a place compare
+    /// by it.
     pub failure: Option<ElemId>,
-    /// Last order that some worker has seen.
+    /// Last order that has arrived at any worker.
     pub order: u64,
-    /// Largest relative motion as a fraction of what exterior copies cover.
+    /// Largest relative motion as a fraction of the motion that the ghosts allow.
     pub margin_used: f64,
-    /// Whether elements have failed.
+    /// True if elements have failed on any worker.
     pub eroded: bool,
-    /// Whether workers that are apart tell each other of their motion in the next step.
+    /// True if distant workers exchange their motion in the next step.
     pub sync_distant: bool,
-    /// No two nodes of contact surfaces had velocities that differ by more in the last step
-    /// [length/time].
+    /// Upper bound of the velocity difference of any two nodes of contact surfaces in the last
+    /// step [length/time].
     pub spread: f64,
 }
 
-/// What a worker knows after its element forces.
+/// Contribution of one worker, known after its element forces.
 #[derive(Clone, Copy, Debug)]
 pub struct StepContribution {
-    /// Of its elements.
+    /// Totals over its elements.
     pub totals: PassTotals,
-    /// Whether elements have failed since membership was settled.
+    /// True if elements have failed since the local mesh was built.
     pub eroded: bool,
-    /// How near the next check-in is, due at 1.
+    /// Fraction of the permitted approach since distant workers last exchanged their motion; 1
+    /// triggers an exchange.
     pub distant_fraction: f64,
-    /// Largest velocity components of the nodes of contact surfaces, then the largest of their
-    /// negatives; minus infinity without any [length/time].
+    /// Largest velocity components of the nodes of contact surfaces, followed by the largest of
+    /// their negatives; minus infinity without such nodes [length/time].
     pub velocities: [f64; 6],
     /// [`Contact::approach`](crate::contact::Contact::approach) of the step before [1/time].
     pub approach: f64,
 }
 
-/// What of the contact surface limits the step.
+/// Lengths of the contact surface that limit the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// The smallest scale of a segment, infinite without contact [length].
+    /// Smallest scale of a segment, infinite without contact [length].
     pub thinnest: f64,
-    /// How far global searches look ahead, 0 before the first [length].
+    /// Skin of the global searches, 0 before the first [length].
     pub skin: f64,
 }
 
-/// The maximum that is under way, and what this worker puts into it.
+/// Reduction in progress, and this worker's contribution.
 #[derive(Debug)]
 pub struct StepReduction {
     reduction: MaxReduction,
-    /// Last order that has arrived here.
+    /// Last order that has arrived at this worker.
     pub order: u64,
-    /// Relative motion that this worker last saw.
+    /// Last relative motion at this worker, as a fraction of the motion that the ghosts allow.
     pub urgency: f64,
-    /// Steps that elements and contact left when all last agreed; as [`Agreed`] [time].
+    /// Limit of the step due to elements at the last reduction [time].
     pub elements_dt: f64,
-    /// See `elements_dt`.
+    /// Limit of the step due to contact, see [`StepConsensus::contact_dt`] [time].
     pub contact_dt: f64,
 }
 
-/// Step, trouble, order, urgency, failure, check-in, the range of the velocities of what can touch,
-/// and how fast what is near passes.
+/// Words of a contribution: stable step, failed element, order, margin used, erosion, approach
+/// of distant workers, range of the velocities of contact surfaces, and the rate of approach.
 pub const WORDS: usize = 13;
 const VELOCITIES: Range<usize> = 6..12;
 const APPROACH: usize = 12;
 
-/// Ids count downwards from here, so that the lowest wins a maximum. They travel as the bits of a
-/// float: those of positive ones are in the order of their values.
+/// Ids are subtracted from this number, so that the lowest id has the maximum. They are sent as
+/// the bits of a float: the bits of positive floats have the order of their values.
 const TOP: u64 = 1 << 62;
 
 fn as_float(id: ElemId) -> f64 {
@@ -96,7 +99,7 @@ fn of_float(float: f64) -> ElemId {
 }
 
 impl StepReduction {
-    /// Nothing agreed yet.
+    /// Returns a reduction without results.
     pub fn new() -> Self {
         let (elements_dt, contact_dt) = (f64::INFINITY, f64::INFINITY);
         Self {
@@ -108,7 +111,7 @@ impl StepReduction {
         }
     }
 
-    /// Puts in what this worker knows after its element forces.
+    /// Begins the reduction with this worker's contribution.
     ///
     /// # Errors
     /// A worker is gone.
@@ -142,7 +145,7 @@ impl StepReduction {
         self.reduction.begin(comm, &words)
     }
 
-    /// What all agree on.
+    /// Finishes the reduction and returns its result.
     ///
     /// # Errors
     /// A worker is gone.
@@ -167,7 +170,8 @@ impl StepReduction {
         })
     }
 
-    /// The global minimum of a first stable step, contact included as in [`Agreement::finish`].
+    /// Returns the global minimum of the first stable step, contact included as in
+    /// [`StepReduction::finish`] [time].
     ///
     /// # Errors
     /// A worker is gone.
@@ -190,17 +194,18 @@ impl StepReduction {
     }
 }
 
-/// Part of the skin of searches by which two nodes come nearer in a step at most, for what is near
-/// to be known in time: [`STEPS`](crate::contact::approach::STEPS) of them, each as long as the
-/// list of near candidates provides for, in half of the skin; and velocities may grow by a fifth
-/// meanwhile.
+/// Largest approach of two nodes in a step over the skin of the searches, such that the near
+/// list stays complete. Half of the skin covers [`STEPS`](crate::contact::approach::STEPS)
+/// steps of the length that the near list provides for, while velocities may increase by a
+/// fifth.
 const OF_SKIN: f64 = 0.5 / (2.0 * crate::contact::approach::STEPS * 1.2);
 
-/// Step in which nothing is through what it meets before it is seen: no two nodes of contact
-/// surfaces come nearer to each other than by the smallest sum of two scales (the reach of the
-/// local search is half as much again); or, if that is longer, no two that are near than by the sum
-/// of their own ones, `approach` being the largest rate, and others no more than searches look
-/// ahead [time].
+/// Returns the largest step in which contact detects a pair before its slave passes through the
+/// target [time]. It is the larger of two steps. In the first, no two nodes of contact surfaces
+/// approach each other by more than the smallest sum of two scales; the reach of the local
+/// search is half as large again. In the second, near pairs approach by no more than the sum of
+/// their own scales, where `approach` is the largest rate, and other nodes by no more than
+/// searches look ahead.
 fn contact_dt(spread: f64, approach: f64, limits: Limits) -> f64 {
     if spread <= 0.0 {
         return f64::INFINITY;
@@ -209,8 +214,8 @@ fn contact_dt(spread: f64, approach: f64, limits: Limits) -> f64 {
     (2.0 * limits.thinnest / spread).max(near.min(OF_SKIN * limits.skin / spread))
 }
 
-/// Largest difference of two velocities within a range as in [`Known::velocities`], 0 without any
-/// [length/time].
+/// Returns the largest difference of two velocities within a range as in
+/// [`StepContribution::velocities`], 0 without any [length/time].
 fn spread(velocities: &[f64]) -> f64 {
     let range = [0, 1, 2].map(|c| velocities[c] + velocities[3 + c]);
     if range[0] >= 0.0 { range.iter().map(|r| r * r).sum::<f64>().sqrt() } else { 0.0 }
@@ -226,7 +231,7 @@ impl Default for StepReduction {
 mod tests {
     use super::*;
 
-    /// One fast fragment and one foil do not set the step unless they are near each other.
+    /// A fast fragment and a thin foil do not limit the step unless they are near each other.
     #[test]
     fn the_step_goes_by_what_is_near() {
         let limits = Limits { thinnest: 0.01, skin: 1.0 };

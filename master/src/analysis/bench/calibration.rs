@@ -1,28 +1,29 @@
-//! What one core of this machine can do at this moment: the measure for all times of a benchmark.
+//! Present speed of one core of this machine, to which all times of a benchmark are compared.
 
 use crumple_proto::transport::thread_cpu;
 use crumple_worker::math::lanes::{LANES, Lane};
 use std::hint::black_box;
 
-/// Chains of fused products that do not wait for each other: latency 4, two units.
+/// Number of independent chains of fused multiply-adds: latency 4, two units.
 const CHAINS: usize = 12;
 /// Rounds of all chains in one measurement: some hundredths of a second.
 const ROUNDS: usize = 4_000_000;
-/// Numbers in each of the three arrays of the triad: together far more than any cache holds.
+/// Length of each of the three arrays of the triad. Together they are much larger than any cache.
 const TRIAD: usize = 1 << 24;
-/// Measurements, of which the best counts.
+/// Number of measurements, of which the best counts.
 const TRIES: usize = 3;
 
 /// Limits of one core.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Calibration {
-    /// Fused multiply-adds of [`LANES`] f64, two operations each [GFLOP/s].
+    /// Rate of fused multiply-adds of [`LANES`] f64, two operations each [GFLOP/s].
     pub fma_gflops: f64,
-    /// `a = b + s c` over arrays that no cache holds, three numbers moved per element [GB/s].
+    /// Rate of `a = b + s c` over arrays larger than any cache, three numbers moved per element
+    /// [GB/s].
     pub triad_gb_s: f64,
 }
 
-/// Measures both, for about a second.
+/// Measures both limits in about a second.
 pub fn calibrate() -> Calibration {
     let best = |measure: &mut dyn FnMut() -> f64| (0..TRIES).map(|_| measure()).fold(0.0, f64::max);
     let mut arrays = [vec![0.0; TRIAD], vec![1.0; TRIAD], vec![2.0; TRIAD]];

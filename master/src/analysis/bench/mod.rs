@@ -1,12 +1,12 @@
-//! `crumple bench`: what elements cost per cycle, phase by phase, beside what the machine could do
-//! at that moment.
+//! `crumple bench`: cost of elements per cycle, phase by phase, compared with the present speed
+//! of the machine.
 //!
-//! - `scenes.rs`: table `SCENES`, what is timed
-//! - `calibration.rs`: peak and memory rate of one core
+//! - `scenes.rs`: table `SCENES` of timed scenes
+//! - `calibration.rs`: peak rate and memory rate of one core
 //!
-//! Rounds go over all scenes in turn, so that a machine that slows down slows all of them; a scene
-//! starts anew in every round and is timed over the same cycles. Times are CPU times of the
-//! workers, so that waiting does not count; with two workers or more the wall clock is told beside.
+//! Each round runs all scenes in turn, so that a slowdown of the machine affects all of them. A
+//! scene restarts in every round and is timed over the same cycles. Times are CPU times of the
+//! workers without waiting. With two workers or more the wall time is reported as well.
 
 mod calibration;
 mod scenes;
@@ -22,34 +22,34 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::io::IsTerminal;
 
-/// Exit codes, as README.md lists them.
+/// Exit codes as in README.md.
 const DONE: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const FAILED: u8 = 3;
 
-/// Cycles of all scenes with `--tiny`: just that nothing is broken.
+/// Cycles of all scenes with `--tiny`, which only checks that the scenes run.
 const TINY: [u64; 2] = [1, 4];
-/// Peak of the core that the goals were set on [GFLOP/s].
+/// Peak rate of the core on which the goals were set [GFLOP/s].
 const GOAL_GFLOPS: f64 = 58.7;
-/// Times of phases below this share of the whole are not shown.
+/// Share of the total time below which a phase is not shown.
 const SHOWN: f64 = 0.005;
 
-/// What came of a scene; times per element and cycle.
+/// Result of a scene; times per element and cycle.
 #[derive(Serialize)]
 struct Measured {
     scene: &'static str,
     elements: usize,
     workers: usize,
     cycles: u64,
-    /// CPU time of all workers, round by round [ns].
+    /// CPU time of all workers, per round [ns].
     cpu_ns: Vec<f64>,
-    /// Its median [ns].
+    /// Median of the CPU time [ns].
     median_ns: f64,
-    /// Median of the wall clock [ns].
+    /// Median of the wall time [ns].
     wall_ns: f64,
-    /// Medians of the phases [ns]; those of waiting are wall clock.
+    /// Medians of the phases [ns]; those of waiting are wall time.
     phase_ns: Vec<(&'static str, f64)>,
-    /// The median as operations that the core could have done meanwhile.
+    /// The median times the peak rate: operations that the core could have done in this time.
     peak_flops: f64,
     /// Median over the goal, both in such operations; none if there is no goal.
     over_goal: Option<f64>,
@@ -64,7 +64,7 @@ struct Results {
     scenes: Vec<Measured>,
 }
 
-/// `crumple bench`; returns the exit code.
+/// Runs `crumple bench` and returns the exit code.
 pub fn run(args: &BenchArgs) -> u8 {
     let unknown: Vec<&str> = args
         .only
@@ -188,7 +188,8 @@ fn evaluate(
     }
 }
 
-/// The middle value, or the mean of the middle two; nought of none.
+/// Returns the median, the mean of the two middle values for an even number, or zero without
+/// values.
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -196,7 +197,7 @@ pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     if n == 0 { 0.0 } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
 }
 
-/// The table for people, as Markdown.
+/// Formats the table as Markdown.
 fn table(results: &Results) -> String {
     let Calibration { fma_gflops, triad_gb_s } = results.calibration;
     let mut out = format!(

@@ -1,34 +1,33 @@
-//! The scenes of `crumple bench`. A new one is a row of [`SCENES`].
+//! Scenes of `crumple bench`. A new scene is a row of [`SCENES`].
 
 /// A scene that is timed over a number of cycles from its start.
 pub struct Scene {
     /// Name in the table.
     pub name: &'static str,
-    /// Its job, see [`crumple_cases::job`].
+    /// Name of its job, see [`crumple_cases::job`].
     pub job: &'static str,
-    /// Changes to it.
+    /// Changes to the job, as with `--set`.
     pub sets: &'static [&'static str],
-    /// Whether its contact is left on.
+    /// True if its contact stays switched on.
     pub contact: bool,
-    /// Workers, each a thread.
+    /// Number of workers, each a thread.
     pub workers: usize,
-    /// Cycles that are not timed, then those that are.
+    /// Number of cycles before the timing, and number of timed cycles.
     pub cycles: [u64; 2],
-    /// What is to be reached, per element and cycle [ns on a core of 58.7 GFLOP/s]; nought if
-    /// nothing is set.
+    /// Goal per element and cycle [ns on a core of 58.7 GFLOP/s]; zero without a goal.
     pub goal_ns: f64,
 }
 
-/// Goals and comparisons of tubes are of the cheapest shell.
+/// Goals and comparisons of tubes use the cheapest shell.
 const PLAIN: &str = "part.tube.element=belytschko_tsay";
 const STABILISED: &str = "part.tube.element=stabilised_quad";
 const INTEGRATED: &str = "part.tube.element=fully_integrated_quad";
 const FINE: &str = "scene.elements=57";
 const SINGLE: &str = "elements.precision=single";
 
-/// Every scene, in the order in which they are timed. Goals: a fifth of the established open
-/// solver's times in its stock build (OpenRadioss of August 2026 on an EPYC of Zen 4), where the
-/// solver runs the scene.
+/// All scenes, in the order in which they are timed. The goal is a fifth of the time of the
+/// established open solver in its stock build (OpenRadioss of August 2026 on an EPYC of Zen 4),
+/// if that solver runs the scene.
 pub const SCENES: &[Scene] = &[
     Scene { goal_ns: 105.0, sets: &[PLAIN], ..scene("tube", "tube-crush") },
     Scene { goal_ns: 95.0, contact: false, sets: &[PLAIN], ..scene("tube-free", "tube-crush") },

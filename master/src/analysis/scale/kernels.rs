@@ -1,7 +1,7 @@
-//! What the parts of a step cost on this machine, from steps of one worker that has the whole mesh.
+//! Costs of the parts of a step on this machine, from steps of one worker with the whole mesh.
 //!
-//! Phases are timed by the wall clock, and what else the machine does meanwhile is taken out: the
-//! phases of a step are reduced in common to the CPU time that it took.
+//! Phases are timed by the wall clock and corrected for other load on the machine: the phases of
+//! a step are scaled together so that their sum is the CPU time of the step.
 
 use crate::analysis::bench::median;
 use crate::analysis::cost::element_seconds;
@@ -13,22 +13,22 @@ use crumple_worker::math::rigid_motion::MotionTracker;
 use crumple_worker::parallel::census::Count;
 use std::time::Duration;
 
-/// Steps that are timed; phases are medians over them.
+/// Number of timed steps; phases are medians over them.
 pub const STEPS: usize = 60;
-/// How often the fit of the common motion is timed.
+/// Number of timings of the rigid motion fit.
 const FITS: usize = 9;
 
-/// Steps of one worker, phase by phase.
+/// Times of the steps of one worker, per phase.
 pub struct Watch {
     before: State,
     seconds: Vec<PhaseSeconds>,
-    /// Seconds of the search phase of steps that searched.
+    /// Time of the search phase of steps with a global search [s].
     searching: Vec<f64>,
-    /// Sweeps of all steps.
+    /// Number of sweeps of all steps.
     sweeps: u64,
 }
 
-/// Of an engine between two steps.
+/// Counters of an engine between two steps.
 struct State {
     phases: PhaseSeconds,
     searches: u64,
@@ -36,30 +36,30 @@ struct State {
     cpu: Duration,
 }
 
-/// Seconds per unit of work.
+/// Time per unit of work [s].
 #[derive(Clone, Debug, Default)]
 pub struct Kernels {
-    /// An element in its lane, by part.
+    /// Force computation of an element in its lane, per part.
     pub element: Vec<f64>,
-    /// A held node: gathered, accelerated, loaded and moved.
+    /// Assembly, acceleration, loads and motion of a local node.
     pub node: f64,
-    /// A held node whose motion since the last renewal is watched.
+    /// Motion fit of a local node since the last redecomposition.
     pub motion: f64,
-    /// A local node, held or copied, watched for whether a search is due.
+    /// Check of a local or ghost node for a new global search.
     pub watch: f64,
-    /// A segment or a slave in a global search, times how often one comes in a step.
+    /// Global search for a segment or slave, times the number of searches per step.
     pub search: f64,
-    /// A slave, and a candidate that is near, in the local search: one of them has all of it.
+    /// Local search for a slave, and for a candidate of the near list. One of the two is zero.
     pub local: [f64; 2],
-    /// A slave, and a pair, in the enforcement of contact: one of them has all of it.
+    /// Enforcement for a slave, and for a pair. One of the two is zero.
     pub contact: [f64; 2],
-    /// Sweeps of contact in a step.
+    /// Number of contact sweeps per step.
     pub sweeps: f64,
 }
 
 impl Watch {
-    /// Begins with the engine's next step. Unstrained elements are computed from then on, as those
-    /// are that the parts are tried with.
+    /// Starts with the next step of the engine. From then on unstrained elements are computed, as
+    /// in the samples of the parts.
     pub fn new(engine: &mut Engine) -> Self {
         engine.blocks.compute_all();
         engine.timer.restart();
@@ -67,7 +67,7 @@ impl Watch {
         Self { before, seconds: Vec::new(), searching: Vec::new(), sweeps: 0 }
     }
 
-    /// Takes in the step that the engine has just made; whether there are enough.
+    /// Adds the step that the engine has just done. Returns true if there are enough steps.
     pub fn sample(&mut self, engine: &mut Engine) -> bool {
         let (now, before) = (State::new(engine), &self.before);
         let by_clock: PhaseSeconds = std::array::from_fn(|p| now.phases[p] - before.phases[p]);
@@ -84,10 +84,10 @@ impl Watch {
         self.seconds.len() + self.searching.len() >= STEPS
     }
 
-    /// What units of work cost; `whole` is what the one worker has.
+    /// Returns the cost of each unit of work. `whole` holds the counts of the single worker.
     ///
     /// # Errors
-    /// The elements of a part could not be tried.
+    /// A sample of elements could not be set up.
     pub fn kernels(
         &self,
         model: &Model,
@@ -100,7 +100,7 @@ impl Watch {
         let tried = element_seconds(model)?;
         let alone: f64 = tried.iter().zip(&whole.lanes).map(|(s, &n)| s * n as f64).sum();
         let as_measured = if alone > 0.0 { phase(Phase::Elements) / alone } else { 0.0 };
-        // The first search is no sign of how often one comes.
+        // The first search always happens, so it is not counted for the frequency.
         let searches = engine.contact.as_ref().map_or(0, |c| c.searches).saturating_sub(1);
         let often = searches as f64 / engine.clock.cycle.max(1) as f64;
         let search = (median(self.searching.iter().copied()) - phase(Phase::Search)).max(0.0);
@@ -131,7 +131,7 @@ impl State {
     }
 }
 
-/// Time of watching the motion of all nodes [s].
+/// Returns the time of the motion fit of all nodes [s].
 fn fit(engine: &Engine) -> f64 {
     let x = &engine.nodes.x[..engine.nodes.local_count];
     let mut motion = MotionTracker::since(x);

@@ -1,13 +1,13 @@
-//! `crumple scale`: what parallel efficiency a job would have on any number of workers.
+//! `crumple scale`: predicts the parallel efficiency of a job for any number of workers.
 //!
-//! - `kernels.rs`: what elements, nodes, candidates and pairs cost on this machine
-//! - `model.rs`: the time of a step from these, from a network and from what each worker has
+//! - `kernels.rs`: cost of elements, nodes, candidates and pairs on this machine
+//! - `model.rs`: time of a step from these costs, a network and the counts of each worker
 //! - `report.rs`: the table, `scale.csv`, the chart
 //!
-//! One worker runs the job to each of the times. There, for every number of workers, space is cut
-//! as in a run (`decompose/`) and counted who would have and send what
-//! ([`crumple_worker::parallel::census`]). Nothing with more workers runs, but for two of them from
-//! the start as a check.
+//! One worker runs the job to each of the times. There, for every number of workers, space is
+//! decomposed as in a run (`decompose/`), and the elements, nodes and messages of each worker are
+//! counted ([`crumple_worker::parallel::census`]). No run has more than one worker, except a
+//! check with two workers from the start.
 
 mod kernels;
 mod model;
@@ -27,25 +27,25 @@ use kernels::{Kernels, STEPS, Watch};
 use model::{Costs, Network, Step, Work};
 use std::ops::ControlFlow;
 
-/// Exit codes, as README.md lists them.
+/// Exit codes as in README.md.
 const DONE: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const FAILED: u8 = 3;
 
-/// Cycles of the check with two workers: those before it, and those that are timed.
+/// Cycles before the check with two workers, and timed cycles of the check.
 const CHECKED: [u64; 2] = [20, 200];
-/// Fewest workers whose boxes have enough neighbours to stand for those of any number.
+/// Minimum number of workers whose boxes have as many neighbours as those of larger numbers.
 const TYPICAL: usize = 8;
 
-/// A prediction for one number of workers at one time.
+/// Prediction for one number of workers at one time.
 pub struct Prediction {
     /// Number of workers.
     pub workers: usize,
-    /// What each has.
+    /// Counts of each worker.
     pub counts: Vec<Count>,
-    /// The step for the mesh as it is.
+    /// Step for the given mesh.
     pub step: Step,
-    /// Messages of a step that each sends to all others.
+    /// Messages per step from each worker to all others.
     pub to_all: f64,
     /// Efficiency for a mesh that grows with the number of workers.
     pub scaled: f64,
@@ -53,23 +53,23 @@ pub struct Prediction {
 
 /// All predictions for one time.
 pub struct Sample {
-    /// Simulated time that was asked for [time].
+    /// Requested simulated time [time].
     pub at: f64,
-    /// Cycles done when all was counted: some steps later, which are timed.
+    /// Cycle of the count. It follows the timed steps, which start at the requested time.
     pub cycle: u64,
-    /// What one worker has, and its step.
+    /// Counts of one worker with the whole mesh, and its step.
     pub whole: Count,
     /// See `whole`.
     pub alone: Work,
     /// Costs on this machine.
     pub kernels: Kernels,
-    /// Elements per worker of the mesh that grows.
+    /// Elements per worker of the growing mesh.
     pub grows_by: f64,
-    /// One for each number of workers, ascending.
+    /// Predictions by number of workers, ascending.
     pub predictions: Vec<Prediction>,
 }
 
-/// `crumple scale`; returns the exit code.
+/// Runs `crumple scale` and returns the exit code.
 pub fn run(args: &ScaleArgs) -> u8 {
     let mut model = match job::read(&args.job, &args.set) {
         Ok(model) => model,
@@ -97,8 +97,8 @@ pub fn run(args: &ScaleArgs) -> u8 {
         return BAD_INPUT;
     }
     let network = Network { latency: args.latency, bandwidth: args.bandwidth };
-    // The run goes on beyond the last time for the steps that are timed; nothing is written and
-    // nobody reads history.
+    // The run continues after the last time for the timed steps. Nothing is written and no code
+    // reads the history.
     model.settings.end_time = f64::MAX;
     model.settings.max_cycles = 0;
     model.settings.history_interval = f64::MAX;
@@ -230,7 +230,7 @@ fn sample(
             scaled: 0.0,
         });
     }
-    // What a worker of a typical number has, in a mesh that grows with the number of workers.
+    // Counts of a worker for a typical number of workers, in a mesh that grows with that number.
     let typical = workers.iter().position(|&n| n >= TYPICAL).unwrap_or(workers.len() - 1);
     let (base, counts) = (workers[typical] as f64, predictions[typical].counts.clone());
     for p in &mut predictions {
@@ -242,15 +242,15 @@ fn sample(
     Ok(Sample { at, cycle, whole, alone, kernels, grows_by, predictions })
 }
 
-/// Who has what in the boxes of a tree.
+/// Counts the elements, nodes, pairs and messages of each worker for the boxes of a tree.
 fn count(engine: &Engine, tree: &CutTree) -> Vec<Count> {
     let mut census = Census::new(engine, tree);
     census.count_contact(engine);
     census.counts
 }
 
-/// A step of workers with these counts, `workers` in all: as many as there are counts, or more of
-/// the same kind.
+/// Returns the step of `workers` workers with these counts. If there are more workers than
+/// counts, the others are assumed to be of the same kind.
 fn step(
     engine: &Engine,
     counts: &[Count],
@@ -266,8 +266,8 @@ fn step(
     Step::new(&works, alone)
 }
 
-/// What the boxes share out: elements at the start, as the master does; later their measured cost
-/// with that of pairs, as a low redecomposition does.
+/// Returns the load for the decomposition. At the start it is the number of elements, as on the
+/// master; later the measured cost with that of pairs, as in a low redecomposition.
 fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
     let mut loads = Vec::new();
     let units = |n: u64| n as f64;
@@ -292,7 +292,7 @@ fn load(engine: &Engine, kernels: &Kernels, whole: &Count) -> Box<dyn Load> {
     }
 }
 
-/// Two workers from the start, as predicted and as they are.
+/// Compares a run of two workers from the start with the prediction.
 fn check(model: &Model, sample: &Sample) -> Result<String, String> {
     let Some(p) = sample.predictions.iter().find(|p| p.workers == 2) else {
         return Err("2 is not among --workers".into());

@@ -1,72 +1,73 @@
-//! From counts, costs and a network to the time of a step: arithmetic only.
+//! Time of a step from counts, costs and a network. Pure arithmetic.
 //!
-//! A step takes as long as its slowest worker: own work, a latency for each of its messages (the
-//! rounds of the agreement among all are such), and its bytes over the bandwidth, one after the
-//! other and nothing hidden behind work, as in `deploy/efficiency.py`. Renewals of boxes and
-//! membership, ties, field files and what caches do are left out.
+//! A step takes as long as its slowest worker: own work, a latency for each of its messages
+//! (including the rounds of the global reduction), and its bytes over the bandwidth. These add
+//! up; no communication overlaps with work, as in `deploy/efficiency.py`. Redecomposition, ties,
+//! field files and cache effects are not included.
 
 use super::kernels::Kernels;
 use crumple_worker::contact::TrafficEstimate;
 use crumple_worker::parallel::census::Count;
 
-/// Between any two workers.
+/// Network between any two workers.
 #[derive(Clone, Copy, Debug)]
 pub struct Network {
-    /// Time of a message of no length [s].
+    /// Time of an empty message [s].
     pub latency: f64,
-    /// Bytes in a second.
+    /// Bandwidth [bytes/s].
     pub bandwidth: f64,
 }
 
-/// What costs what.
+/// Cost of work and communication.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs<'a> {
-    /// On the machine.
+    /// Costs on the machine.
     pub kernels: &'a Kernels,
-    /// Between machines.
+    /// Network between machines.
     pub network: Network,
 }
 
-/// A worker's step [s], and what it sends in it.
+/// Step of a worker: times [s], and the messages and bytes that it sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Elements, nodes, candidates and pairs.
+    /// Time of elements, nodes, candidates and pairs [s].
     pub kernels: f64,
-    /// Watching motion, and global searches.
+    /// Time of the motion fit and of global searches [s].
     pub search: f64,
-    /// Time of messages.
+    /// Latency of the messages [s].
     pub latency: f64,
-    /// Time of bytes.
+    /// Transfer time of the bytes [s].
     pub transfer: f64,
-    /// Messages.
+    /// Number of messages.
     pub messages: f64,
-    /// Bytes.
+    /// Number of bytes.
     pub bytes: f64,
 }
 
-/// A step of all workers [s]; what is useful and what is lost add up to it.
+/// Step of all workers [s]. Useful time and losses add up to the total.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Step {
-    /// All of it.
+    /// Total time [s].
     pub total: f64,
-    /// That of one worker with everything, over their number.
+    /// Time of one worker with the whole mesh over the number of workers [s].
     pub useful: f64,
-    /// Lost, in the order of [`LOSSES`].
+    /// Lost time, in the order of [`LOSSES`] [s].
     pub lost: [f64; LOSSES.len()],
-    /// Own work of the slowest, without messages.
+    /// Own work of the slowest worker without messages [s].
     pub own: f64,
-    /// Most messages and bytes of a worker.
+    /// Largest number of messages and of bytes of a worker.
     pub messages: f64,
     /// See `messages`.
     pub bytes: f64,
 }
 
-/// What takes time that one worker with everything would not need.
+/// Causes of lost time, compared with one worker that has the whole mesh.
 pub const LOSSES: [&str; 5] = ["imbalance", "shared work", "search", "latency", "bytes"];
 
 impl Work {
-    /// A worker's step. `traffic` is what it sends apart from the exchange between partners in
-    /// contact; that is `exchange`, none for a single worker.
+    /// Computes the step of a worker. `traffic` holds its messages and bytes without the exchange
+    /// between partners in contact. `exchange` estimates that exchange; it is none for a single
+    /// worker.
     pub fn new(
         count: &Count,
         traffic: [f64; 2],
@@ -99,15 +100,15 @@ impl Work {
         }
     }
 
-    /// All of it [s].
+    /// Returns the total time [s].
     pub fn total(&self) -> f64 {
         self.kernels + self.search + self.latency + self.transfer
     }
 }
 
 impl Step {
-    /// A step of all workers; `alone` is what one worker with everything takes [s], by kernels and
-    /// search.
+    /// Computes the step of all workers. `alone` is the time of one worker with the whole mesh
+    /// [s], for kernels and search.
     pub fn new(works: &[Work], alone: [f64; 2]) -> Self {
         let n = works.len() as f64;
         let Some(slowest) = works.iter().max_by(|a, b| a.total().total_cmp(&b.total())) else {
@@ -133,12 +134,12 @@ impl Step {
         }
     }
 
-    /// T_1 / (N T_N) for a mesh of fixed size.
+    /// Returns T_1 / (N T_N) for a mesh of fixed size.
     pub fn efficiency(&self) -> f64 {
         self.useful / self.total
     }
 
-    /// What takes most of the time that is lost.
+    /// Returns the index of the largest loss.
     pub fn first_limit(&self) -> usize {
         (0..LOSSES.len()).max_by(|&a, &b| self.lost[a].total_cmp(&self.lost[b])).unwrap_or(0)
     }
@@ -163,7 +164,7 @@ mod tests {
         Count { elements, lanes: vec![elements], held: elements, near, ..Count::default() }
     }
 
-    /// Useful time and losses add up, and each cause shows under its own name.
+    /// Useful time and losses add up, and each cause appears under its own name.
     #[test]
     fn losses_add_up_and_are_named() {
         let kernels = kernels();

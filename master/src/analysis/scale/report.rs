@@ -1,4 +1,4 @@
-//! What `crumple scale` prints and writes.
+//! Output of `crumple scale`: table, `scale.csv` and chart.
 
 use super::model::{LOSSES, Network};
 use super::{Prediction, Sample};
@@ -7,12 +7,12 @@ use crumple_worker::parallel::census::Count;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Efficiency that is still worth its workers.
+/// Smallest acceptable efficiency.
 const WORTHWHILE: f64 = 0.5;
-/// Larger numbers of workers than this are modelled whatever the machine.
+/// Largest number of workers that is measured. Larger ones are modelled on every machine.
 const MEASURED: usize = 2;
 
-/// The table of one time, as Markdown, and what limits the efficiency.
+/// Returns the table of one time as Markdown, and the cause that limits the efficiency.
 pub fn table(sample: &Sample, network: Network) -> String {
     let w = &sample.whole;
     let mut out = format!(
@@ -58,7 +58,7 @@ fn most(p: &Prediction, of: fn(&Count) -> u64) -> u64 {
     p.counts.iter().map(of).max().unwrap_or(0)
 }
 
-/// What breaks first at the largest number of workers that is still worth it.
+/// Names the largest loss at the largest number of workers with acceptable efficiency.
 fn sentence(sample: &Sample) -> String {
     let worth = sample.predictions.iter().rfind(|p| p.step.efficiency() > WORTHWHILE);
     let (p, lead) = match (worth, sample.predictions.first()) {
@@ -91,7 +91,7 @@ fn sentence(sample: &Sample) -> String {
     )
 }
 
-/// Writes `scale.csv` and the chart; gives the files in words.
+/// Writes `scale.csv` and the chart, and returns a text that names the files.
 ///
 /// # Errors
 /// A file cannot be written.

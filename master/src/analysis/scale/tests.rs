@@ -1,4 +1,4 @@
-//! What is counted for many workers against workers that are there.
+//! Compares counts for many workers with real workers.
 
 use super::*;
 use crate::run::embedded::{centres, deal, on_threads};
@@ -15,7 +15,7 @@ fn model(name: &str, sets: &[&str]) -> Model {
     job::read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
 }
 
-/// What a worker that is there has.
+/// Counts of a real worker.
 fn counted(engine: &Engine, workers: usize) -> Count {
     let (nodes, halo) = (&engine.nodes, &engine.halo);
     let surface = &engine.contact.as_ref().unwrap().surface;
@@ -47,8 +47,8 @@ fn counted(engine: &Engine, workers: usize) -> Count {
     }
 }
 
-/// What the workers of one run have and send: side by side for some steps, membership renewed by
-/// `tree`, and one more step.
+/// Counts and messages of the workers of one run: some steps in parallel, a membership update
+/// with `tree`, and one more step.
 struct Seen {
     count: Count,
     sent: Traffic,
@@ -86,8 +86,8 @@ fn side_by_side(model: &Model, workers: usize, cycles: u64, tree: &CutTree) -> V
     on_threads(deal(model, &centres, &first, workers), run)
 }
 
-/// Compares, for some numbers of workers, what is counted with what is there; gives all pairs that
-/// were seen.
+/// Compares predicted counts with real ones for some numbers of workers. Returns the number of
+/// all pairs.
 fn compare(model: &Model, cycles: u64) -> u64 {
     let mut pairs = 0;
     for workers in [2, 4, 7] {
@@ -101,7 +101,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
             } else if let Some((census, tree)) =
                 census.as_mut().filter(|_| engine.clock.cycle == cycles + 1)
             {
-                // Pairs are those of the step from where membership was counted.
+                // Pairs belong to the step that starts with these members.
                 census.count_contact(engine);
                 let seen = side_by_side(model, workers, cycles, tree);
                 for (w, (mut counted, seen)) in census.counts.iter().cloned().zip(seen).enumerate()
@@ -117,7 +117,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                             "worker {w} of {workers} has partners"
                         );
                     }
-                    (counted.partners, counted.quiet) = (0, 0); // known in the middle of a step only
+                    (counted.partners, counted.quiet) = (0, 0); // known within a step only
                     assert_eq!(counted, seen.count, "worker {w} of {workers}");
                 }
                 return ControlFlow::Break(());
@@ -130,27 +130,27 @@ fn compare(model: &Model, cycles: u64) -> u64 {
     pairs
 }
 
-/// Shells in flight towards each other: copies without pairs.
+/// Shells in flight towards each other: ghosts without pairs.
 #[test]
 fn counts_are_those_of_workers_side_by_side_before_anything_touches() {
     assert_eq!(compare(&model("tumble", &["output.history_interval=100"]), 3), 0);
 }
 
-/// The same with a rigid body, of which everybody tells all others.
+/// Shells in flight with a rigid body, whose workers all send to each other.
 #[test]
 fn counts_are_those_of_workers_side_by_side_with_a_rigid_body() {
     let sets = ["output.history_interval=100", "rigid=[{name=\"plate\", parts=[5]}]"];
     assert_eq!(compare(&model("tumble", &sets), 3), 0);
 }
 
-/// Bars that meet, with contact pairs and edges that reach across workers.
+/// Bars in contact, with pairs and edges that reach across workers.
 #[test]
 fn counts_are_those_of_workers_side_by_side_in_contact() {
     assert!(compare(&model("bars", &["scene.elements=60", "output.history_interval=100"]), 30) > 0);
 }
 
-/// The whole command on a small scene: what one worker does is measured and predicted alike, files
-/// are there, and a number of workers that loses most of its time says on what.
+/// Runs the whole command on a small scene. Work of one worker is measured and predicted alike,
+/// files exist, and the cause is named for a number of workers that loses most of its time.
 #[test]
 fn predictions_are_written_and_name_their_limit() {
     let model = model("bars", &["scene.elements=60"]);

@@ -1,5 +1,4 @@
-//! The points of a study: every combination of its settings, each checked as a job before anything
-//! runs.
+//! Points of a study: every combination of its settings. Each is checked as a job before any run.
 
 use super::quantity::Run;
 use super::spec::{Measure, Reference, Study, flatten};
@@ -11,14 +10,14 @@ use toml::Value;
 /// A setting and its value.
 pub type Setting = (String, Value);
 
-/// One run.
+/// One run of a study.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Index of the series; none for a run that others are compared with.
+    /// Index of the series; none for a reference run.
     pub series: Option<usize>,
-    /// What the series varies, in the order of its lists.
+    /// Settings that the series varies, in the order of its lists.
     pub varied: Vec<Setting>,
-    /// `key=value` for `--set`, all of them.
+    /// All settings as `key=value` for `--set`.
     pub sets: Vec<String>,
     /// Hash of the job with all settings, its mesh and the version of this program.
     pub key: String,
@@ -26,18 +25,18 @@ pub struct Point {
 
 /// All points, those of the series first.
 pub struct Plan {
-    /// Points.
+    /// The points.
     pub points: Vec<Point>,
-    /// For each measure, the point that it is compared with.
+    /// Index of the reference point of each measure.
     pub reference: Vec<Option<usize>>,
 }
 
 impl Plan {
-    /// Every point of a study.
+    /// Returns all points of a study.
     ///
     /// # Errors
-    /// Lists that are none or not of equal length, and everything that is wrong with the job at any
-    /// point.
+    /// A list has the wrong type or length, or the job has errors at some point; the text lists
+    /// all of them.
     pub fn new(study: &Study) -> Result<Self, String> {
         let common = flatten(&study.set);
         let mut keys = Keys::default();
@@ -116,27 +115,27 @@ impl Plan {
 }
 
 impl Point {
-    /// The point in a few words: its series and what varies.
+    /// Returns a short name of the point: its series and the varied settings.
     pub fn label(&self, study: &Study) -> String {
         let name = self.series.map_or("reference", |s| study.series[s].name.as_str());
         let mut settings: Vec<String> =
             self.varied.iter().map(|(k, v)| format!("{}={}", short(k), plain(v))).collect();
-        settings.dedup(); // the same of several parts
+        settings.dedup(); // the same setting of several parts
         if settings.is_empty() { name.into() } else { format!("{name}, {}", settings.join(" ")) }
     }
 }
 
-/// The last word of a key.
+/// Returns the last word of a key.
 pub fn short(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
 
-/// A value without quotes.
+/// Returns a value without quotes.
 pub fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
-/// A value as a number.
+/// Returns a value as a number, none if it is not one.
 pub fn number(value: &Value) -> Option<f64> {
     value.as_float().or(value.as_integer().map(|i| i as f64))
 }
@@ -180,12 +179,12 @@ fn zipped(lists: &[Setting]) -> Result<Vec<Vec<Setting>>, String> {
     Ok(all)
 }
 
-/// Points whose job is wrong in the same way: told once.
+/// Points whose job has the same error, which is reported once.
 struct Refused {
-    /// Settings of the first.
+    /// Settings of the first point.
     sets: String,
     why: String,
-    /// `why` without the values of the settings, by which points may differ.
+    /// `why` without the values of the settings, which differ between points.
     plain: String,
     others: usize,
 }
@@ -207,19 +206,19 @@ impl Refused {
     }
 }
 
-/// Hashes of points; equal ones are the same run.
+/// Computes hashes of points. Points with equal hashes are the same run.
 #[derive(Default)]
 struct Keys {
     meshes: HashMap<String, blake3::Hash>,
-    /// What a run of the first sound point will leave behind.
+    /// Names that a run of the first valid point will write.
     blank: Option<Run>,
 }
 
 impl Keys {
-    /// The key of a job with settings.
+    /// Returns the key of a job with settings.
     ///
     /// # Errors
-    /// Everything that is wrong with it.
+    /// The job has errors; the text lists all of them.
     fn of(&mut self, job: &Path, sets: &[String]) -> Result<String, String> {
         let model = job::read(job, sets).map_err(|report| report.to_string())?;
         self.blank.get_or_insert_with(|| Run::blank(&model));

@@ -1,12 +1,12 @@
-//! `crumple study`: one job over a grid of settings, what it costs and how wrong it is, as a table
-//! and as charts.
+//! `crumple study`: runs one job over a grid of settings, and shows cost and error as a table and
+//! as charts.
 //!
-//! - [`spec`]: a study as it is written, and its mistakes
-//! - [`grid`]: the points that it asks for
-//! - [`runs`]: each point as a process of its own; what is done is not done again
-//! - [`quantity`], [`probe`]: numbers from what a run leaves behind
+//! - [`spec`]: the study file and its errors
+//! - [`grid`]: the points of the grid
+//! - [`runs`]: each point as a separate process; finished points are not repeated
+//! - [`quantity`], [`probe`]: numbers from the results of a run
 //! - [`results`]: errors, costs, the Pareto front, `results.csv`
-//! - [`chart`]: the pictures
+//! - [`chart`]: the charts
 
 pub mod chart;
 pub mod grid;
@@ -25,12 +25,12 @@ use runs::Ending;
 use spec::Study;
 use std::path::PathBuf;
 
-/// Exit codes, as README.md lists them.
+/// Exit codes as in README.md.
 const COMPLETED: u8 = 0;
 const BAD_INPUT: u8 = 2;
 const STOPPED: u8 = 130;
 
-/// Runs a study; returns the exit code.
+/// Runs a study and returns the exit code.
 pub fn run(args: &StudyArgs) -> u8 {
     match study(args) {
         Ok(code) => code,

@@ -1,16 +1,18 @@
 //! Values of a field over the elements of a part, from the field files of a run.
 //!
-//! Point arrays count for an element as the mean over its corners, so that the mean over equal
-//! elements of a part is the mean over its mass.
+//! The value of a point array for an element is the mean over its corners. The mean over equal
+//! elements of a part is then the mean over its mass.
 
 use crate::results::field_file::{Piece, pieces_of_folder};
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, POINT_ARRAYS};
 use std::path::{Path, PathBuf};
 
-/// Values of a field, element by element, at the output step nearest to `at` (the last without it).
+/// Returns the values of a field per element at the output step nearest to `at`, or at the last
+/// step.
 ///
 /// # Errors
-/// There is no such field, component, part, or no field file; the message lists what there is.
+/// There is no such field, component or part, or no field file. The message lists those that
+/// exist.
 pub fn values(
     folder: &Path,
     field: &str,
@@ -49,7 +51,7 @@ pub fn values(
     Ok(of_all)
 }
 
-/// What is wrong with a field and its component by their names.
+/// Returns the error in the names of a field and its component, if any.
 pub fn unknown(field: &str, component: Option<&str>) -> Option<String> {
     find(field).and_then(|array| picker(array, component).map(|_| ())).err()
 }
@@ -62,7 +64,7 @@ fn find(field: &str) -> Result<&'static Array, String> {
     })
 }
 
-/// What makes one number of the components.
+/// Returns the function that makes one number of the components.
 fn picker(
     array: &Array,
     component: Option<&str>,
@@ -95,7 +97,7 @@ fn picker(
     })
 }
 
-/// Files of all workers at the step nearest to a time, the last step without one.
+/// Returns the files of all workers at the step nearest to a time, or at the last step.
 fn pieces(folder: &Path, at: Option<f64>) -> Result<Vec<PathBuf>, String> {
     let fields = folder.join("fields");
     let cannot = |error: std::io::Error| {

@@ -1,4 +1,4 @@
-//! Numbers out of what a run leaves behind: a place in `summary.json`, a column of `history.csv`, a
+//! Numbers from the results of a run: an entry of `summary.json`, a column of `history.csv`, a
 //! field of a part.
 
 use super::probe;
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// A number of a run: one of `summary`, `history` and `field`, then `minus`, `over` and `scale`:
+/// A number of a run. The source is one of `summary`, `history` and `field`; the value is
 /// `(source - minus) / over * scale`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -20,46 +20,46 @@ pub struct Quantity {
     pub history: Option<String>,
     /// Array of the field files, such as `velocity`: the mean over the elements of `part`.
     pub field: Option<String>,
-    /// Component of the field: x, y, z, or xx, yy, zz, xy, yz, zx of a tensor; the length of a
-    /// vector without it.
+    /// Component of the field: x, y, z, or xx, yy, zz, xy, yz, zx of a tensor. By default the
+    /// length of a vector.
     pub component: Option<String>,
-    /// Id of the part whose elements count; all without it.
+    /// Id of the part whose elements are used; all parts by default.
     pub part: Option<u32>,
-    /// How the elements become one number; the mean without it.
+    /// Reduction of the elements to one number; the mean by default.
     pub elements: Option<Over>,
-    /// Simulated time at which the value is taken; rows are interpolated, of fields the nearest
-    /// step counts.
+    /// Simulated time of the value [time]. History rows are interpolated; of fields the nearest
+    /// output step is used.
     pub at: Option<f64>,
-    /// How rows become one number; the last one without it.
+    /// Reduction of the rows to one number; the last row by default.
     pub stat: Option<Stat>,
-    /// Time at which the column first crosses this value; rows are interpolated. Not a number if it
-    /// never does.
+    /// Value of the column. The result is the time at which the column first crosses it,
+    /// interpolated between rows; NaN if it never does.
     pub crossing: Option<f64>,
-    /// Rows from this time on.
+    /// Time of the first row used [time].
     pub from: Option<f64>,
-    /// Rows up to this time.
+    /// Time of the last row used [time].
     pub to: Option<f64>,
-    /// What is taken away.
+    /// Quantity that is subtracted.
     pub minus: Option<Box<Quantity>>,
-    /// What it is divided by.
+    /// Quantity by which the result is divided.
     pub over: Option<Box<Quantity>>,
-    /// What it is multiplied by.
+    /// Factor of the result.
     pub scale: Option<f64>,
 }
 
-/// How the elements of a part become one number.
+/// Reduction of the elements of a part to one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Over {
     /// Mean.
     Mean,
-    /// Smallest.
+    /// Minimum.
     Min,
-    /// Largest.
+    /// Maximum.
     Max,
 }
 
-/// How a column becomes one number.
+/// Reduction of a column to one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stat {
@@ -67,21 +67,21 @@ pub enum Stat {
     First,
     /// Last row.
     Last,
-    /// Smallest.
+    /// Minimum.
     Min,
-    /// Largest.
+    /// Maximum.
     Max,
-    /// Mean over time, trapezoids.
+    /// Mean over time by the trapezoidal rule.
     Mean,
-    /// Slope of the line of least squares [1/time].
+    /// Slope of the least squares line [1/time].
     Slope,
-    /// Largest magnitude over that of the first row: how far something has grown.
+    /// Largest magnitude over that of the first row.
     Growth,
 }
 
-/// What a run left behind.
+/// Results of a run.
 pub struct Run {
-    /// `summary.json`.
+    /// Content of `summary.json`.
     pub summary: Value,
     header: Vec<String>,
     rows: Vec<Vec<f64>>,
@@ -92,7 +92,7 @@ impl Run {
     /// Reads the folder of a run.
     ///
     /// # Errors
-    /// A file is missing or broken.
+    /// A file is missing or damaged.
     pub fn load(folder: &Path) -> Result<Self, String> {
         let path = folder.join("summary.json");
         let text = std::fs::read_to_string(&path)
@@ -111,8 +111,8 @@ impl Run {
         Ok(Self { summary, header, rows, folder: folder.to_owned() })
     }
 
-    /// What every run of a job leaves behind, without its numbers: names can be looked up before
-    /// anything runs.
+    /// Returns the results of a run of this job without its numbers, so that names can be checked
+    /// before any run.
     pub fn blank(model: &Model) -> Self {
         let summary = Summary { phase_s: phases(&[]), ..Summary::default() };
         let summary = serde_json::to_value(summary).unwrap_or_default();
@@ -139,7 +139,7 @@ impl Run {
         })
     }
 
-    /// Where a column is.
+    /// Returns the index of a column.
     fn place(&self, name: &str) -> Result<usize, String> {
         let bare = |h: &str| h.split(" [").next().unwrap_or(h).to_string();
         self.header.iter().position(|h| h == name || bare(h) == name).ok_or_else(|| {
@@ -148,7 +148,7 @@ impl Run {
         })
     }
 
-    /// Times and values of a column.
+    /// Returns times and values of a column within a time window.
     fn column(&self, name: &str, window: [f64; 2]) -> Result<Vec<[f64; 2]>, String> {
         let at = self.place(name)?;
         let inside = |r: &&Vec<f64>| r[0] >= window[0] && r[0] <= window[1];
@@ -171,7 +171,7 @@ fn unknown(file: &str, path: &str, key: &str, there: &[String]) -> String {
 }
 
 impl Quantity {
-    /// A place in the summary.
+    /// Creates a quantity from a path in the summary.
     pub fn summary(path: &str) -> Self {
         Self {
             summary: Some(path.into()),
@@ -191,7 +191,7 @@ impl Quantity {
         }
     }
 
-    /// What is wrong with it as it is written.
+    /// Returns the error of the quantity as it is written, if any.
     pub fn wrong(&self) -> Option<String> {
         let sources = [self.summary.is_some(), self.history.is_some(), self.field.is_some()];
         if sources.iter().filter(|s| **s).count() != 1 {
@@ -219,8 +219,8 @@ impl Quantity {
         [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.wrong())
     }
 
-    /// What it asks for by a name that no run of the job has; `blank` is [`Run::blank`]. Lists that
-    /// are empty there, such as that of parts, may hold anything.
+    /// Returns the error in a name that no run of the job has, if any. `blank` is [`Run::blank`].
+    /// Lists that are empty there, such as that of parts, may have any entry.
     pub fn unknown(&self, blank: &Run) -> Option<String> {
         let open = |path: &str| {
             let mut value = &blank.summary;
@@ -245,10 +245,10 @@ impl Quantity {
         })
     }
 
-    /// Its value in a run.
+    /// Returns its value in a run.
     ///
     /// # Errors
-    /// The run does not have it; the message lists what there is.
+    /// The run does not have it. The message lists the names that exist.
     pub fn value(&self, run: &Run) -> Result<f64, String> {
         let mut value = match (&self.summary, &self.history, &self.field) {
             (Some(path), _, _) => run.in_summary(path)?,
@@ -278,7 +278,8 @@ impl Quantity {
         Ok(value * self.scale.unwrap_or(1.0))
     }
 
-    /// Rows that count: a hair wider, since times in the file are rounded.
+    /// Returns the time window of the rows, slightly widened because times in the file are
+    /// rounded.
     fn window(&self) -> [f64; 2] {
         let hair = |t: f64| 1e-8 * t.abs();
         let from = self.from.map_or(f64::NEG_INFINITY, |t| t - hair(t));
@@ -368,7 +369,7 @@ mod tests {
         ];
         for (text, value) in cases {
             assert_eq!(quantity(text).wrong(), None, "{text}");
-            // Exact but for the rounding of a few operations on numbers of order one.
+            // Exact except for the rounding of a few operations on numbers of order one.
             assert!((quantity(text).value(&run()).unwrap() - value).abs() < 1e-14, "{text}");
         }
     }

@@ -1,4 +1,4 @@
-//! What the points of a study came to: values, errors, costs, the Pareto front, `results.csv`.
+//! Results of the points of a study: values, errors, costs, the Pareto front, `results.csv`.
 
 use super::grid::{Plan, Setting, plain};
 use super::quantity::Run;
@@ -8,51 +8,51 @@ use std::path::Path;
 
 /// All points of the series.
 pub struct Table {
-    /// Rows, in the order of the plan.
+    /// Rows in the order of the plan.
     pub rows: Vec<Row>,
-    /// For each measure what it is compared with; none without a reference.
+    /// Reference value of each measure, if it has one.
     pub references: Vec<Option<f64>>,
     header: Vec<String>,
     settings: Vec<String>,
 }
 
-/// A point and what came of it.
+/// A point and its results.
 pub struct Row {
     /// Index of the series, and its name.
     pub series: usize,
     name: String,
-    /// What the series varies.
+    /// Settings that the series varies.
     pub varied: Vec<Setting>,
-    /// The point in a few words.
+    /// Short name of the point.
     pub label: String,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
-    /// Cost; not a number if the run left none.
+    /// Cost, NaN if the run has none.
     pub cost: f64,
-    /// Value of each measure; not a number if the run left none.
+    /// Value of each measure, NaN if the run has none.
     pub values: Vec<f64>,
-    /// Error of each measure; not a number without a reference.
+    /// Error of each measure, NaN without a reference.
     pub errors: Vec<f64>,
     key: String,
 }
 
 impl Row {
-    /// Whether the run completed.
+    /// Returns true if the run completed.
     pub fn ended_well(&self) -> bool {
         self.outcome.code == 0
     }
 
-    /// The value of a setting that the series varies.
+    /// Returns the value of a setting that the series varies.
     pub fn setting(&self, key: &str) -> Option<&toml::Value> {
         self.varied.iter().find(|(k, _)| k == key).map(|(_, v)| v)
     }
 }
 
 impl Table {
-    /// Reads what the runs left behind.
+    /// Reads the results of the runs.
     ///
     /// # Errors
-    /// A point has not been run, or a reference did not end well.
+    /// A point has not been run, or a reference run has failed.
     pub fn of(study: &Study, plan: &Plan, out: &Path) -> Result<Self, String> {
         let mut references = Vec::new();
         for (measure, at) in study.measure.iter().zip(&plan.reference) {
@@ -78,7 +78,7 @@ impl Table {
             let Some(series) = point.series else { continue };
             let label = point.label(study);
             let outcome = runs::outcome(out, point).ok_or_else(|| format!("{label}: not run"))?;
-            // A run that failed may have left some of it, or nothing.
+            // A failed run may have written some of its results, or none.
             let run = Run::load(&runs::folder(out, point)).ok();
             let value = |q: &super::quantity::Quantity| {
                 run.as_ref().and_then(|r| q.value(r).ok()).unwrap_or(f64::NAN)
@@ -133,8 +133,8 @@ impl Table {
         Ok(Self { rows, references, header, settings })
     }
 
-    /// Indices of rows on the Pareto front of a measure, by rising cost: no other row of `shown`
-    /// that ended well has a smaller error at no more cost.
+    /// Returns the indices of the rows on the Pareto front of a measure, by ascending cost. No
+    /// other completed row of `shown` has a smaller error at the same or lower cost.
     pub fn front(&self, measure: usize, shown: impl Fn(&Row) -> bool) -> Vec<usize> {
         let points: Vec<(usize, [f64; 2])> = self
             .rows
@@ -146,7 +146,7 @@ impl Table {
         pareto(&points)
     }
 
-    /// Writes `results.csv`: a row for each point.
+    /// Writes `results.csv` with one row per point.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -176,8 +176,8 @@ impl Table {
     }
 }
 
-/// Those of `points` (name, `[cost, error]`) that no other beats in both, by rising cost; of equals
-/// the first.
+/// Returns the Pareto front of `points` (index, `[cost, error]`) by ascending cost. Of equal
+/// points the first is taken.
 fn pareto(points: &[(usize, [f64; 2])]) -> Vec<usize> {
     let mut sorted: Vec<_> =
         points.iter().filter(|(_, p)| p.iter().all(|c| c.is_finite())).collect();

@@ -1,5 +1,5 @@
-//! Every point as a process of this program, so that a crash is the failure of one point and CPU
-//! times are its own.
+//! Runs every point as a process of its own. A crash then affects only one point, and CPU times
+//! are those of the point alone.
 
 use super::grid::{Plan, Point};
 use super::quantity::Run;
@@ -16,57 +16,57 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Between two looks at a process.
+/// Interval between two checks of a process.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
 /// Exit code of a run that the user stopped.
 const STOPPED: i32 = 130;
 
-/// How a point ended.
+/// End of the run of a point.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Exit code; -1 when a signal or the time limit ended it.
+    /// Exit code; -1 if a signal or the time limit ended the run.
     pub code: i32,
-    /// Why it did not end well, or what ended it.
+    /// Reason of the end.
     pub reason: String,
     /// Wall time [s].
     pub wall_s: f64,
-    /// Its settings, for people.
+    /// Settings of the point, for the user.
     pub settings: Vec<String>,
 }
 
-/// How a study ended.
+/// End of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// All points are done.
     Done,
-    /// The user stopped it.
+    /// The user stopped the study.
     Stopped,
 }
 
-/// Folder of a point.
+/// Returns the folder of a point.
 pub fn folder(out: &Path, point: &Point) -> PathBuf {
     out.join("runs").join(&point.key)
 }
 
-/// How a point ended, if it has.
+/// Returns the outcome of a point, none if it has not ended.
 pub fn outcome(out: &Path, point: &Point) -> Option<Outcome> {
     let text = fs::read_to_string(folder(out, point).join("point.json")).ok()?;
     serde_json::from_str(&text).ok()
 }
 
-/// Removes what is there of the plan's points, so that all of them run again.
+/// Removes the results of the plan's points, so that all of them run again.
 ///
 /// # Errors
 /// A folder cannot be removed.
 pub fn forget(plan: &Plan, out: &Path) -> Result<(), String> {
     let folders = plan.points.iter().map(|point| folder(out, point));
-    // Looked for one by one: points with the same settings share a folder.
+    // Existence is checked one by one, because points with the same settings share a folder.
     folders.filter(|folder| folder.exists()).try_for_each(|folder| {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))
     })
 }
 
-/// Number of runs that are still to do.
+/// Returns the number of runs that are not done.
 pub fn open(plan: &Plan, out: &Path) -> usize {
     to_do(plan, out).len()
 }
@@ -76,10 +76,10 @@ fn to_do<'p>(plan: &'p Plan, out: &Path) -> VecDeque<&'p Point> {
     plan.points.iter().filter(|p| seen.insert(&p.key) && outcome(out, p).is_none()).collect()
 }
 
-/// Runs what is not done, `jobs` at a time.
+/// Runs the points that are not done, `jobs` at a time.
 ///
 /// # Errors
-/// Results cannot be written, or a measure asks for something that runs do not have.
+/// Results cannot be written, or a measure needs a number that the runs do not have.
 pub fn run_all(
     study: &Study,
     plan: &Plan,
@@ -115,7 +115,7 @@ pub fn run_all(
     }
 }
 
-/// Runs a point; none if the user stopped it.
+/// Runs a point. Returns none if the user stopped it.
 fn one(
     study: &Study,
     point: &Point,
@@ -157,8 +157,7 @@ fn one(
         },
     };
     if code == 0 {
-        // A measure that asks for what is not there is found out at the first point, not after the
-        // last.
+        // A measure with an unknown name must fail at the first point, not after the last.
         let run = Run::load(&folder)?;
         for measure in &study.measure {
             measure
@@ -180,7 +179,7 @@ enum Waited {
     Late,
 }
 
-/// Waits for a process; none if the user wants to stop, and the process has been ended.
+/// Waits for a process. If the user wants to stop, ends the process and returns none.
 fn wait(
     child: &mut Child,
     began: Instant,
@@ -201,7 +200,7 @@ fn wait(
     }
 }
 
-/// Why a run ended as it did: the summary's word, else its last words.
+/// Returns the reason for the end of a run: from the summary, otherwise the last error message.
 fn reason(folder: &Path, words: &Path, code: i32) -> String {
     let summary =
         Run::load(folder).ok().and_then(|run| run.summary["reason"].as_str().map(String::from));
@@ -216,7 +215,8 @@ fn reason(folder: &Path, words: &Path, code: i32) -> String {
     summary.filter(|_| code == 0 || code == 3).unwrap_or_else(last)
 }
 
-/// What a user sees: a bar with the time left on a terminal, a line for each point elsewhere.
+/// Progress of the study: a bar with the remaining time on a terminal, otherwise a line per
+/// point.
 struct Progress {
     bar: Option<ProgressBar>,
     began: Instant,

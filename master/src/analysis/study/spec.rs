@@ -1,37 +1,37 @@
-//! A study as it is written in TOML, and what can be wrong with it before anything runs.
+//! The study file in TOML, and its checks before any run.
 
 use super::quantity::Quantity;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// A study: a job, a grid of settings, what is measured, what it costs, what is drawn.
+/// A study: a job, a grid of settings, measures, cost and charts.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Study {
-    /// One line; the head of the charts.
+    /// Title in one line, shown at the top of the charts.
     pub title: String,
-    /// The job, relative to the study's file.
+    /// The job, relative to the study file.
     pub job: PathBuf,
-    /// Settings of all points, as behind `--set`.
+    /// Settings of all points, as for `--set`.
     #[serde(default)]
     pub set: Table,
-    /// What is compared.
+    /// Series that are compared.
     pub series: Vec<Series>,
-    /// What is measured.
+    /// Measured quantities.
     pub measure: Vec<Measure>,
-    /// What it costs.
+    /// Cost of a point.
     #[serde(default)]
     pub cost: Cost,
-    /// What is drawn.
+    /// Charts.
     #[serde(default)]
     pub chart: Vec<Chart>,
-    /// Longest that a point may take [s of wall time]; one that takes longer has failed. None
-    /// without it.
+    /// Limit of the wall time of a point [s]. A point that takes longer has failed. No limit by
+    /// default.
     pub time_limit: Option<f64>,
 }
 
-/// Points of one name, such as a contact law.
+/// Points with one name, such as those of a contact law.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
@@ -43,25 +43,25 @@ pub struct Series {
     /// Lists of values; every combination is a point.
     #[serde(default)]
     pub grid: Table,
-    /// Lists of values of equal length that go side by side; combined with `grid`.
+    /// Lists of values of equal length that vary together; combined with `grid`.
     #[serde(default)]
     pub zip: Table,
 }
 
-/// Something measured in every run.
+/// A quantity measured in every run.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
     /// Name in charts and in `results.csv`.
     pub name: String,
-    /// Its unit; none for a plain number.
+    /// Unit; empty for a plain number.
     #[serde(default)]
     pub unit: String,
-    /// Where it comes from.
+    /// Source of the value.
     pub quantity: Quantity,
-    /// What it should be.
+    /// Reference value.
     pub reference: Option<Reference>,
-    /// Whether the error is divided by the reference.
+    /// True if the error is divided by the reference.
     #[serde(default = "yes")]
     pub relative: bool,
 }
@@ -70,7 +70,7 @@ fn yes() -> bool {
     true
 }
 
-/// What a measure is compared with.
+/// Reference of a measure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(
     untagged,
@@ -79,28 +79,28 @@ fn yes() -> bool {
 pub enum Reference {
     /// A closed form or a published value.
     Value(f64),
-    /// The same quantity of a run with the study's own settings and these.
+    /// The same quantity of a run with the settings of the study and these.
     Run {
-        /// Settings, as behind `--set`.
+        /// Settings, as for `--set`.
         set: Table,
     },
 }
 
-/// What a point costs.
+/// Cost of a point.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cost {
     /// Name in charts.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     #[serde(default)]
     pub unit: String,
-    /// Where it comes from.
+    /// Source of the value.
     pub quantity: Quantity,
 }
 
 impl Default for Cost {
-    /// CPU time of all workers over simulated time.
+    /// Returns the CPU time of all workers over simulated time.
     fn default() -> Self {
         let quantity = Quantity {
             over: Some(Box::new(Quantity::summary("end_time"))),
@@ -118,9 +118,9 @@ impl Default for Cost {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ChartKind {
-    /// Error against cost, both logarithmic, with the Pareto front.
+    /// Error over cost, both logarithmic, with the Pareto front.
     Pareto,
-    /// A measure, or how runs ended, as colour over two settings; one chart for each series.
+    /// A measure, or the end of the runs, as colour over two settings; one chart per series.
     Map,
     /// A measure over one setting.
     Lines,
@@ -130,42 +130,43 @@ pub enum ChartKind {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chart {
-    /// Name of the files, without ending.
+    /// File name without extension.
     pub file: String,
     /// Kind.
     pub kind: ChartKind,
-    /// Head; the study's title without it.
+    /// Title of the chart; the study's title by default.
     pub title: Option<String>,
-    /// Name of the measure; the first one without it. For a map also `ended`: well or not.
+    /// Name of the measure; the first one by default. For a map also `ended`: completed or
+    /// failed.
     pub measure: Option<String>,
-    /// Draw the error of the measure, not its value (maps and lines).
+    /// True to draw the error of the measure instead of its value (maps and lines).
     #[serde(default)]
     pub error: bool,
     /// Setting along x (maps and lines).
     pub x: Option<String>,
     /// Setting along y (maps).
     pub y: Option<String>,
-    /// Title of the x axis, with its unit; the setting's name without it.
+    /// Title of the x axis with its unit; the setting's name by default.
     pub x_title: Option<String>,
-    /// Title of the y axis, with its unit.
+    /// Title of the y axis with its unit.
     pub y_title: Option<String>,
-    /// Which of `x`, `y` and `colour` are logarithmic (maps and lines).
+    /// Logarithmic scales among `x`, `y` and `colour` (maps and lines).
     #[serde(default)]
     pub log: Vec<String>,
-    /// Names of the series to show; all without it.
+    /// Names of the series to show; all by default.
     pub series: Option<Vec<String>>,
     /// Curves over the map or the lines.
     #[serde(default)]
     pub curve: Vec<Curve>,
 }
 
-/// A curve of theory: points, or a formula.
+/// A theoretical curve: points, or a formula.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
     /// Name in the legend.
     pub name: String,
-    /// Points in the chart's own coordinates.
+    /// Points in the coordinates of the chart.
     #[serde(default)]
     pub points: Vec<[f64; 2]>,
     /// y as a formula of `x`, such as `2 / sqrt(1 + x)`.
@@ -176,7 +177,7 @@ impl Study {
     /// Reads a study.
     ///
     /// # Errors
-    /// Everything that is wrong with it, as text for people.
+    /// The study has errors; the text lists all of them.
     pub fn read(path: &Path) -> Result<Self, String> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
@@ -272,7 +273,7 @@ impl Study {
         })
     }
 
-    /// Settings that any series varies.
+    /// Returns the settings that any series varies.
     fn varied(&self) -> Vec<String> {
         let lists =
             self.series.iter().flat_map(|s| flatten(&s.grid).into_iter().chain(flatten(&s.zip)));
@@ -283,13 +284,13 @@ impl Study {
     }
 }
 
-/// What a map shows when it shows how runs ended.
+/// Name of the pseudo-measure by which a map shows how runs ended.
 pub const ENDED: &str = "ended";
 
-/// A formula of `x` as a function.
+/// Returns a formula of `x` as a function.
 ///
 /// # Errors
-/// It cannot be read, or has other variables.
+/// The formula is invalid, or has other variables.
 pub fn formula(text: &str) -> Result<impl Fn(f64) -> f64 + use<>, String> {
     use exmex::Express;
     let read = exmex::FlatEx::<f64>::parse(text).map_err(|_| {
@@ -303,7 +304,7 @@ pub fn formula(text: &str) -> Result<impl Fn(f64) -> f64 + use<>, String> {
     Ok(move |x: f64| read.eval(&[x][..variables]).unwrap_or(f64::NAN))
 }
 
-/// Keys of a table with dots and their values; `a.b = 1` and `"a.b" = 1` are the same.
+/// Returns the dotted keys of a table with their values; `a.b = 1` and `"a.b" = 1` are equal.
 pub fn flatten(table: &Table) -> Vec<(String, Value)> {
     let mut flat = Vec::new();
     for (key, value) in table {

@@ -1,28 +1,29 @@
-//! What is wrong with a deck so far.
+//! Problems of a deck.
 
 use crate::input::job::report::Finding;
 use crate::input::job::tree::Place;
 use crumple_proto::problem::Problem;
 use std::collections::HashSet;
 
-/// Problems that are kept one by one; those of a mesh of millions would fill the memory.
+/// Maximum number of problems that are stored singly. Those of a mesh of millions would fill the
+/// memory.
 const KEPT: usize = 500;
 
-/// Everything that is wrong, each with its place.
+/// All problems, each with its place.
 #[derive(Debug, Default)]
 pub struct Trouble {
     pub(crate) list: Vec<Finding>,
-    /// Errors that were not kept.
+    /// Number of errors that were not stored.
     more: usize,
     warned: HashSet<String>,
-    /// Whether a card could not be read: what refers to it would be blamed for that.
+    /// True if a card could not be read. References to it would be reported as errors.
     unsure: bool,
-    /// Lines with a field that could not be read: nothing else is said of what stands in them.
+    /// Lines with a field that could not be read. Further problems of these lines are suppressed.
     misread: Vec<(u32, u32, u32)>,
 }
 
 impl Trouble {
-    /// Notes what keeps the run from starting.
+    /// Adds an error, which prevents the run.
     pub fn error(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
         let within = |&(of, from, to): &(u32, u32, u32)| matches!(place, Place::Deck { file, start, end } if file == of && start >= from && end <= to);
         if self.misread.iter().any(within) {
@@ -31,7 +32,7 @@ impl Trouble {
         self.add_error(place, message, help);
     }
 
-    /// Notes a field of a line that cannot be read, those of one kind once.
+    /// Reports a field that cannot be read, once for each kind.
     pub fn misread(
         &mut self,
         line: Place,
@@ -58,14 +59,14 @@ impl Trouble {
         }
     }
 
-    /// Notes what the user should know of.
+    /// Adds a warning.
     pub fn warning(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
         if self.list.len() < KEPT {
             self.add(Problem::warning("", message, help), place);
         }
     }
 
-    /// The same, unless this kind has been warned of already.
+    /// Adds a warning, unless there is one of this kind already.
     pub fn warn_once(
         &mut self,
         kind: &str,
@@ -83,7 +84,7 @@ impl Trouble {
         self.unsure = true;
     }
 
-    /// Whether what refers to something that is not there may be right.
+    /// Returns true if a missing reference may be valid, because a card could not be read.
     pub fn is_unsure(&self) -> bool {
         self.unsure
     }
@@ -92,7 +93,7 @@ impl Trouble {
         self.list.push(super::placed(problem, place));
     }
 
-    /// All that was noted.
+    /// Returns all problems.
     pub(crate) fn into_findings(mut self) -> Vec<Finding> {
         if self.more > 0 {
             let message = format!("{} more errors in the deck are not listed", self.more);

@@ -1,8 +1,8 @@
-//! `crumple export-deck`: a job as a keyword deck, in the long format, so that reading it back
+//! `crumple export-deck`: writes a job as a keyword deck in the long format. Reading it back
 //! gives the same bits.
 //!
-//! Numbers whose digits do not fit into a field are parameters. Keys of the job that have no card
-//! stand behind `$crumple:`, where other programs do not see them.
+//! Numbers with too many digits for a field become parameters. Keys of the job without a card are
+//! written after `$crumple:`, where other programs ignore them.
 
 mod bodies;
 mod contact;
@@ -21,16 +21,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use toml::{Table, Value};
 
-/// Hourglass coefficient of shells where a job gives none.
+/// Default hourglass coefficient of shells in a job.
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
-/// Columns of a field.
+/// Columns per field.
 const WIDTH: usize = 20;
 
-/// A deck in the making.
+/// A deck under construction.
 #[derive(Default)]
 struct Deck {
     body: String,
-    /// Numbers that fill more than a field.
+    /// Numbers that are longer than a field.
     parameters: Vec<f64>,
     /// Keys without a card.
     rest: Table,
@@ -61,7 +61,7 @@ impl Deck {
         self.body.push('\n');
     }
 
-    /// A number in a field, with all its digits.
+    /// Returns a number for a field, with all its digits.
     fn number(&mut self, x: f64) -> String {
         shortest(x, WIDTH).unwrap_or_else(|| {
             let known = self.parameters.iter().position(|p| p.to_bits() == x.to_bits());
@@ -80,7 +80,7 @@ impl Deck {
         }
     }
 
-    /// A card of an id and a name.
+    /// Writes a card with an id and a name.
     fn named_card(&mut self, id: u64, name: &str) {
         self.body += &format!("{id:>WIDTH$}{name}\n");
     }
@@ -116,7 +116,7 @@ enum Field {
 
 use Field::{Blank, Id, Number};
 
-/// The text on one line.
+/// Returns the text on one line.
 fn line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })
@@ -125,7 +125,7 @@ fn line(text: &str) -> String {
         .to_string()
 }
 
-/// A model as a deck.
+/// Returns a model as a deck.
 pub fn export(model: &Model) -> Result<String, String> {
     let beams = model.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).count();
     if beams > 0 {
@@ -160,8 +160,8 @@ pub fn export(model: &Model) -> Result<String, String> {
     Ok(deck.finish(&model.path.display().to_string()))
 }
 
-/// Largest number behind `start` among names: a reader calls curves and sets by their ids, and what
-/// a job calls so is not to be mistaken for them.
+/// Returns the largest number after `start` among names. A reader names curves and sets by their
+/// ids, which must not collide with names in the job.
 fn most<'n>(start: &str, names: impl Iterator<Item = &'n str>) -> u64 {
     names.filter_map(|name| name.strip_prefix(start)?.parse().ok()).max().unwrap_or(0)
 }
@@ -298,7 +298,7 @@ fn johnson_cook(
     }
 }
 
-/// The hardening table of a material as a curve; its id.
+/// Writes the hardening table of a material as a curve, and returns its id.
 fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
     let Some(Param::Table(rows)) = material.parameters.get("hardening") else { return None };
     let pairs: Vec<[f64; 2]> =
@@ -306,7 +306,7 @@ fn curve(deck: &mut Deck, material: &Material) -> Option<u64> {
     Some(points(deck, &pairs))
 }
 
-/// A curve through these points; its id.
+/// Writes a curve through these points, and returns its id.
 fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
     deck.curves += 1;
     let id = deck.curves;
@@ -316,7 +316,7 @@ fn points(deck: &mut Deck, pairs: &[[f64; 2]]) -> u64 {
     id
 }
 
-/// Parts; those of springs get materials of their own, with ids from `next` on.
+/// Writes the parts. Parts of springs get individual materials, with ids from `next` on.
 fn parts(
     deck: &mut Deck,
     model: &Model,
@@ -375,11 +375,11 @@ fn section(deck: &mut Deck, part: &Part, shells: bool) {
     deck.card(&[t, t, t, t, Number(-part.offset)]);
 }
 
-/// Writes what a part says of hourglass control and viscosity; gives whether that is anything.
+/// Writes hourglass control and viscosity of a part. Returns true if there are any.
 fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     let by_card = !shells || part.element.as_deref() == Some("belytschko_tsay");
     let form = match part.hourglass {
-        // A deck that names none means the viscous form.
+        // A deck without a form means the viscous form, so the job's default must be written.
         None if shells && by_card => 4,
         None => 0,
         Some(HourglassForm::Viscous) => 1,
@@ -387,7 +387,7 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
         Some(HourglassForm::AssumedStrain) => 6,
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
-    // A coefficient without a form, or with one that has none, is not what a card says.
+    // Cards cannot hold a coefficient without a form, or one of a form without coefficient.
     let given = part.hourglass_coefficient.or((shells && by_card).then_some(HOURGLASS_COEFFICIENT));
     let coefficient = given.filter(|_| by_card && (shells || matches!(form, 1 | 4)));
     if let (Some(given), None) = (part.hourglass_coefficient, coefficient) {
@@ -424,7 +424,7 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     if own.len() > 1 {
         deck.entry("part", own);
     }
-    // Noughts on a card stand for the defaults.
+    // Zeros on a card mean the defaults.
     let viscosity = part.bulk_viscosity.filter(|v| *v != [0.0; 2]);
     let any = (by_card && (form != 0 || coefficient.is_some())) || viscosity.is_some();
     if any {
@@ -443,7 +443,7 @@ fn hourglass(deck: &mut Deck, part: &Part, shells: bool) -> bool {
     any
 }
 
-/// Writes all sets; gives their ids by name.
+/// Writes all sets, and returns their ids by name.
 fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
     let mut ids = BTreeMap::new();
     let first = 1 + most("set-", model.mesh.node_sets.keys().map(String::as_str));
@@ -461,7 +461,7 @@ fn node_sets<'m>(deck: &mut Deck, model: &'m Model) -> BTreeMap<&'m str, u64> {
     ids
 }
 
-/// What the model starts with: masses, what is held, velocities.
+/// Writes the initial state of the model: masses, constraints, velocities.
 fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
     for (mass, id) in job.mass.iter().zip(1..) {
         deck.keyword("ELEMENT_MASS_NODE_SET");
@@ -473,7 +473,8 @@ fn initial(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field) {
             .map(|d| Id(u64::from(fix.dofs.iter().any(|f| f == d))));
         deck.card(&[&[set(&fix.nodes), Blank], held.as_slice()].concat());
     }
-    // Spins come as vectors, cards have a unit vector and a speed: not the same to the last bit.
+    // Rotational velocities are vectors, but cards have a unit vector and a speed, which differ
+    // in the last bit.
     let plain = job.initial_velocity.iter().all(|v| v.spin == [0.0; 3]);
     for initial in job.initial_velocity.iter().filter(|_| plain) {
         deck.keyword("INITIAL_VELOCITY");
@@ -521,15 +522,15 @@ fn write_element(deck: &mut Deck, element: &MeshElement) {
     }
 }
 
-/// What no card has said: settings beside their defaults, and lists of which nothing is written as
-/// cards.
+/// Writes the settings without cards, if they are not the defaults, and lists that are never
+/// written as cards.
 fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     if !job.units.is_empty() {
         deck.rest.insert("units".into(), job.units.clone().into());
     }
     let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping"];
     differing(deck, "time", &job.time, &Time::default(), &carried);
-    // Cards have intervals above nought only.
+    // Cards allow only intervals above zero.
     let intervals = [
         ("history_interval", job.output.history_interval),
         ("field_interval", job.output.field_interval),
@@ -537,7 +538,7 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     let carried: Vec<&str> = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0).collect();
     differing(deck, "output", &job.output, &Output::default(), &carried);
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
-    // The reader of cards lifts the limit where a deck asks for mass scaling.
+    // The reader of cards removes the limit if a deck asks for mass scaling.
     if job.time.mass_scaling_dt > 0.0 {
         let limit = Table::from_iter([(
             "mass_scaling_limit".to_string(),
@@ -551,7 +552,7 @@ fn left_over(deck: &mut Deck, job: &Job, curves: &mut TimeCurves<'_>) {
     list(deck, "symmetry", &job.symmetry);
     list(deck, "pressure", &job.pressure);
     list(deck, "tie", &job.tie);
-    // What stands there refers to curves by their names.
+    // Entries without cards refer to curves by their names.
     let referring = ["pressure", "load", "motion", "wall"];
     if referring.iter().any(|key| deck.rest.contains_key(*key)) {
         for curve in &job.curve {
@@ -568,7 +569,7 @@ fn list(deck: &mut Deck, name: &str, entries: &[impl serde::Serialize]) {
     }
 }
 
-/// Keys of a table that are not as by default, without those that cards have.
+/// Adds the keys of a table that differ from the defaults, without those on cards.
 fn differing<T: serde::Serialize>(
     deck: &mut Deck,
     name: &str,
@@ -590,7 +591,7 @@ fn differing<T: serde::Serialize>(
     }
 }
 
-/// Runs `crumple export-deck`; gives the exit code.
+/// Runs `crumple export-deck` and returns the exit code.
 pub fn run(args: &crate::cli::ExportArgs) -> u8 {
     let refuse = |what: &dyn Display| {
         eprintln!("error: {what}");

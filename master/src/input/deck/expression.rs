@@ -1,10 +1,10 @@
-//! Formulas of `*PARAMETER_EXPRESSION`: + - * / ** and functions, where whole numbers stay whole
-//! (2/5 is 0).
+//! Formulas of `*PARAMETER_EXPRESSION`: + - * / ** and functions. Integers stay integers (2/5 is
+//! 0).
 
 use super::number;
 use super::parameters::Parameter;
 
-/// Brackets within brackets, at most.
+/// Maximum depth of nested brackets.
 const DEEPEST: usize = 100;
 
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ impl Number {
     }
 }
 
-/// The value of a formula; `names` gives those of parameters.
+/// Returns the value of a formula; `names` returns the values of parameters.
 pub fn evaluate(
     text: &str,
     names: &dyn Fn(&str) -> Option<Parameter>,
@@ -247,7 +247,8 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// Two whole numbers stay whole unless that overflows; all else is real.
+/// Applies an operator. The result of two integers is an integer unless that overflows, otherwise
+/// a real number.
 fn apply(
     a: Number,
     b: Number,

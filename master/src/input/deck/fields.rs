@@ -1,31 +1,31 @@
-//! A card cut into its fields: by columns, by commas, or, where tabs have upset the columns, by
-//! blanks.
+//! Splits a card into its fields: by columns, by commas, or by blanks if tabs have shifted the
+//! columns.
 
 use super::number;
 use super::table::{Card, Kind};
 
-/// Fields of one card, at most; the widest has sixteen of five columns.
+/// Maximum number of fields of a card; the largest has sixteen of five columns.
 pub const MOST: usize = 20;
-/// Columns that a tab goes on to a multiple of.
+/// Distance of tab stops [columns].
 const TAB: usize = 8;
 /// Columns of a field in the long format.
 const LONG: usize = 20;
 
-/// How wide the fields of a card are.
+/// Width of the fields of a card.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// As the keyword's table says.
+    /// As in the keyword's table.
     Standard,
     /// Eight columns become ten.
     I10,
-    /// All fields have twenty.
+    /// All fields have twenty columns.
     Long,
 }
 
 impl Format {
     fn width(self, standard: u16) -> usize {
         match self {
-            // Headings behind an id go on to the end of the line.
+            // A heading after an id extends to the end of the line.
             Format::Long => LONG.max(usize::from(standard)),
             Format::I10 if standard == 8 => 10,
             _ => usize::from(standard),
@@ -33,7 +33,7 @@ impl Format {
     }
 }
 
-/// The fields of a card, as bytes of its line, without blanks around them.
+/// The fields of a card, as bytes of its line, without surrounding blanks.
 #[derive(Clone, Copy, Debug)]
 pub struct Fields {
     count: usize,
@@ -41,18 +41,18 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// How many fields the card has, blank ones at its end left out.
+    /// Returns the number of fields of the card, without blank ones at its end.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// First byte of field `index` and one past its last; equal if it is blank.
+    /// Returns the first byte of field `index` and one past its last; equal if it is blank.
     pub fn span(&self, index: usize) -> (usize, usize) {
         let (start, end) = self.spans.get(index).copied().unwrap_or_default();
         (start as usize, end as usize)
     }
 
-    /// The text of field `index`, empty if it is blank.
+    /// Returns the text of field `index`, empty if it is blank.
     pub fn text<'l>(&self, line: &'l [u8], index: usize) -> &'l [u8] {
         let (start, end) = self.span(index);
         line.get(start..end).unwrap_or_default()
@@ -83,7 +83,7 @@ impl Fields {
     }
 }
 
-/// Cuts a line into the fields of a card.
+/// Splits a line into the fields of a card.
 pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
     let mut fields = Fields { count: 0, spans: [(0, 0); MOST] };
     if card.fields.first().is_some_and(|f| f.kind == Kind::Line) {
@@ -113,10 +113,10 @@ pub fn split(line: &[u8], card: &Card, format: Format) -> Fields {
     fields.drop_blanks()
 }
 
-/// A line with tabs: by columns, with a tab going on to the next multiple of eight, if that gives
-/// numbers where numbers are wanted; else word by word.
+/// Splits a line with tabs: by columns with tab stops at multiples of eight, if number fields
+/// then hold numbers, otherwise word by word.
 fn tabbed(line: &[u8], card: &Card, format: Format, fields: Fields) -> Fields {
-    // The byte that stands in each column; a tab stands in several.
+    // The byte in each column; a tab fills several columns.
     let mut columns: Vec<usize> = Vec::with_capacity(2 * line.len());
     for (at, &b) in line.iter().enumerate() {
         let end = if b == b'\t' { (columns.len() / TAB + 1) * TAB } else { columns.len() + 1 };
@@ -151,7 +151,7 @@ fn tabbed(line: &[u8], card: &Card, format: Format, fields: Fields) -> Fields {
     words
 }
 
-/// The line with blanks for its tabs.
+/// Returns the line with its tabs replaced by blanks.
 pub fn expand(line: &str) -> String {
     let mut out = String::with_capacity(line.len());
     let mut column = 0;

@@ -1,10 +1,10 @@
-//! A job's own keys over those of its deck.
+//! Merges a job's own keys over those of its deck.
 
 use crate::input::job::tree::{Entry, Kind, Node};
 use std::collections::BTreeMap;
 
-/// `over` on top of `base`: its values win; tables are merged key by key; entries of lists such as
-/// `[[part]]` are merged with the entry of the same id or name if there is one, and added if not.
+/// Merges `over` into `base`: its values win. Tables are merged key by key. Entries of lists such
+/// as `[[part]]` are merged with the entry of the same id or name, or added if there is none.
 pub fn merge(base: Node, over: Node) -> Node {
     match (base.kind, over.kind) {
         (Kind::Table(base), Kind::Table(own)) => {

@@ -1,13 +1,12 @@
-//! LS-DYNA keyword decks: read as they are, and made into a job.
+//! LS-DYNA keyword decks: reading, and conversion to a job.
 //!
-//! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: a line cut into
-//!    fields
-//! 2. `table.rs`, `keywords`: THE TABLE, which says what the cards of each keyword are; `record.rs`
-//!    reads cards by it; `parameters.rs`, `expression.rs`: `&name`
-//! 3. `build`: a job's tree of values, and a mesh; `merge.rs` puts a job file over it
-//! 4. `export.rs`: the other way round
+//! 1. `text.rs`: files, `*INCLUDE`, blocks of lines; `fields.rs`, `number.rs`: fields of a line
+//! 2. `table.rs`, `keywords`: the table of keywords and their cards; `record.rs` reads cards by
+//!    it; `parameters.rs`, `expression.rs`: `&name`
+//! 3. `convert`: a job's tree of values, and a mesh; `merge.rs` merges a job file over it
+//! 4. `export.rs`: the reverse conversion
 //!
-//! The reader of cards knows nothing of models. Nothing here panics on any input.
+//! The reader of cards does not know models. No input may cause a panic here.
 
 mod convert;
 mod diagnostics;
@@ -35,60 +34,60 @@ use diagnostics::Trouble;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What a deck asks for, and what it gets.
+/// A request of a deck, and the settings used for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mapping {
-    /// Of what, such as `part 3`.
+    /// Object, such as `part 3`.
     pub of: String,
-    /// What the deck says.
+    /// Request of the deck.
     pub asked: String,
-    /// What is done.
+    /// Settings used.
     pub used: String,
 }
 
-/// Something in a deck that the engine cannot do.
+/// Content of a deck that the engine does not support.
 #[derive(Debug)]
 pub struct Unsupported {
-    /// Where.
+    /// Place.
     pub place: Place,
-    /// What, in a sentence.
+    /// Message, as a sentence.
     pub message: String,
-    /// What, in a word or two.
+    /// Name, in a word or two.
     pub what: String,
 }
 
-/// A deck, read.
+/// A deck that was read.
 #[derive(Debug)]
 pub struct Deck {
     /// The job that it describes, without its mesh.
     pub tree: Node,
-    /// The mesh, elements list by list as they are written.
+    /// The mesh, elements list by list as written.
     pub mesh: Mesh,
-    /// How many elements there are of each kind, in the order of the mesh.
+    /// Number of elements of each kind, in the order of the mesh.
     pub lists: Lists,
     /// Its files.
     pub files: Vec<Text>,
-    /// Where the mesh is written.
+    /// Places of the mesh data.
     pub places: Places,
-    /// What is wrong with it.
+    /// Its problems.
     pub(crate) findings: Vec<Finding>,
-    /// Whether all its cards could be read.
+    /// True if all its cards could be read.
     pub whole: bool,
-    /// What was mapped to what.
+    /// Requests and the settings used for them.
     pub mapping: Vec<Mapping>,
-    /// What is left out, with file and line; empty unless that is allowed.
+    /// Ignored content, with file and line; empty unless that is allowed.
     pub unsupported: Vec<String>,
 }
 
-/// Whether a file is a deck, by its name.
+/// Returns true if a file is a deck, from its name.
 pub fn is_deck(path: &Path) -> bool {
     let extension =
         path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     matches!(extension.as_str(), "k" | "key" | "dyn")
 }
 
-/// Reads a deck without the keywords in `leave_out`; what the engine cannot do is left out too if
-/// that is allowed, else it is an error.
+/// Reads a deck without the keywords in `leave_out`. Unsupported content is ignored if that is
+/// allowed, otherwise it is an error.
 pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck {
     let mut trouble = Trouble::default();
     let mut texts = text::Texts::read(path, &mut trouble);
@@ -121,7 +120,7 @@ pub fn read(path: &Path, leave_out: &[String], allow_unsupported: bool) -> Deck 
     }
 }
 
-/// Tells of everything unsupported, once for each kind; gives the list for the summary.
+/// Reports all unsupported content, once for each kind, and returns the list for the summary.
 fn report_unsupported(
     all: Vec<Unsupported>,
     allowed: bool,
@@ -161,7 +160,7 @@ fn report_unsupported(
     list
 }
 
-/// File and line of a place.
+/// Returns file and line of a place.
 fn at(place: Place, files: &[Text]) -> String {
     match place {
         Place::Deck { file, start, .. } => match files.get(file as usize) {
@@ -175,7 +174,7 @@ fn at(place: Place, files: &[Text]) -> String {
     }
 }
 
-/// Keys of a job in the comments of a file.
+/// Parses the keys of a job in the comments of a file.
 fn fragment(number: usize, file: &Text, trouble: &mut Trouble) -> Option<Node> {
     let text = file.fragment.as_ref()?;
     let file = number as u32;
@@ -197,7 +196,7 @@ fn fragment(number: usize, file: &Text, trouble: &mut Trouble) -> Option<Node> {
     }
 }
 
-/// A problem at a place of a deck.
+/// Returns a problem at a place of a deck.
 pub(crate) fn placed(problem: Problem, place: Place) -> Finding {
     Finding::from(Problem { path: deck_path(place), ..problem })
 }

@@ -1,20 +1,19 @@
-//! Numbers as decks write them: Fortran's forms, of which `1.0D+3`, `1.5-3` and `.5` are the less
-//! usual ones.
+//! Numbers in decks: Fortran's forms, including `1.0D+3`, `1.5-3` and `.5`.
 
-/// A whole number; `None` if the text is none. `3.` and `3.0` count as whole.
+/// Parses an integer; `None` if the text is none. `3.` and `3.0` are integers.
 pub fn integer(text: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(text).ok()?;
     match text.parse() {
         Ok(number) => Some(number),
         Err(_) => {
             let number = real(text.as_bytes())?;
-            // Beyond 2^53 a float no longer holds every whole number.
+            // Beyond 2^53 an f64 does not represent every integer.
             (number.fract() == 0.0 && number.abs() < 9.0e15).then_some(number as i64)
         }
     }
 }
 
-/// A number; `None` if the text is none, or none that is finite.
+/// Parses a number; `None` if the text is no finite number.
 pub fn real(text: &[u8]) -> Option<f64> {
     let plain = |b: &u8| matches!(b, b'0'..=b'9' | b'.' | b'+' | b'-' | b'e' | b'E');
     let text = std::str::from_utf8(text).ok()?;
@@ -25,7 +24,7 @@ pub fn real(text: &[u8]) -> Option<f64> {
     number.is_finite().then_some(number)
 }
 
-/// The same number with an `e` before its exponent; `None` if there is a letter that belongs to no
+/// Returns the number with an `e` before its exponent; `None` if a letter cannot belong to a
 /// number.
 fn fortran(text: &str) -> Option<String> {
     let mut plain = String::with_capacity(text.len() + 1);
@@ -49,13 +48,13 @@ fn fortran(text: &str) -> Option<String> {
     Some(plain)
 }
 
-/// The shortest text of at most `width` characters that reads back as the same bits; `None` if
-/// there is none.
+/// Returns the shortest text of at most `width` characters that reads back as the same bits;
+/// `None` if there is none.
 pub fn shortest(number: f64, width: usize) -> Option<String> {
     let exponential = format!("{number:e}");
     let plain = format!("{number:?}");
     let plain = plain.strip_suffix(".0").map(|whole| format!("{whole}.")).unwrap_or(plain);
-    // Fortran needs neither the nought before the point nor the letter of the exponent.
+    // Fortran needs neither the zero before the point nor the letter of the exponent.
     let bare = plain.replacen("0.", ".", usize::from(number.abs() < 1.0));
     let letterless = exponential.replace("e-", "-");
     let choices = [plain, exponential, bare, letterless];

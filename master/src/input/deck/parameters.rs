@@ -1,4 +1,4 @@
-//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names for values, which fields refer to as `&name`.
+//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names of values, which fields use as `&name`.
 
 use super::diagnostics::Trouble;
 use super::expression;
@@ -8,24 +8,24 @@ use super::text::{Block, Texts};
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
-/// The value of a name.
+/// Value of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// A number.
+    /// A real number.
     Real(f64),
     /// Text.
     Text(String),
 }
 
-/// All names so far, in lower case.
+/// All parameters so far, with names in lower case.
 #[derive(Debug, Default)]
 pub struct Parameters {
     known: BTreeMap<String, Parameter>,
 }
 
-/// The name that a field refers to, and whether a minus stands before it.
+/// Returns the name to which a field refers, and true if a minus precedes it.
 pub fn reference(text: &str) -> Option<(bool, &str)> {
     match text.strip_prefix('&') {
         Some(name) => Some((false, name)),
@@ -34,12 +34,12 @@ pub fn reference(text: &str) -> Option<(bool, &str)> {
 }
 
 impl Parameters {
-    /// The value of a name.
+    /// Returns the value of a name.
     pub fn get(&self, name: &str) -> Option<&Parameter> {
         self.known.get(&name.to_ascii_lowercase())
     }
 
-    /// What to do about a name that there is not.
+    /// Returns the advice for an unknown name.
     pub fn nearest(&self, name: &str) -> String {
         let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
         match known.is_empty() {
@@ -54,7 +54,7 @@ impl Parameters {
     }
 
     /// Reads a block of `*PARAMETER` (pairs of name and value) or `*PARAMETER_EXPRESSION` (a name
-    /// and a formula a line).
+    /// and a formula per line).
     pub fn read(&mut self, block: &Block, texts: &Texts, trouble: &mut Trouble) {
         let expressions = block.name.contains("EXPRESSION");
         let width = if block.format == Format::Long { 20 } else { 10 };
@@ -146,7 +146,7 @@ impl Parameters {
     }
 }
 
-/// Kind and name of `R name`.
+/// Returns kind and name of `R name`.
 fn declared(text: &str, place: Place, trouble: &mut Trouble) -> Option<(char, String)> {
     let mut letters = text.trim().chars();
     let kind = letters.next().unwrap_or(' ').to_ascii_uppercase();
@@ -160,7 +160,7 @@ fn declared(text: &str, place: Place, trouble: &mut Trouble) -> Option<(char, St
     Some((kind, name.to_string()))
 }
 
-/// The first columns, or what stands before the first comma, and the rest.
+/// Returns the first columns, or the text before the first comma, and the rest.
 fn head(text: &str, width: usize) -> (String, String) {
     match text.split_once(',') {
         Some((name, rest)) if name.len() <= width => (name.into(), rest.into()),

@@ -1,4 +1,4 @@
-//! Cards read by the table: values that know where they stand.
+//! Cards read by the table: values with their places.
 
 use super::diagnostics::Trouble;
 use super::fields::{Format, split};
@@ -9,47 +9,47 @@ use super::table::{Card, Field, Kind, Times};
 use super::text::{Block, Texts};
 use crate::input::job::tree::Place;
 
-/// What stands in a field.
+/// Content of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
-    /// Nothing.
+    /// No content.
     Blank,
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// A number.
+    /// A real number.
     Real(f64),
     /// Text.
     Word(String),
-    /// What cannot be read, and has been told.
+    /// Content that could not be read and has been reported.
     Wrong,
 }
 
 /// A field with its place.
 #[derive(Clone, Debug)]
 pub struct Value {
-    /// What stands there.
+    /// Content.
     pub given: Given,
-    /// Where.
+    /// Place.
     pub place: Place,
 }
 
-/// A line, read.
+/// A line that was read.
 #[derive(Clone, Debug)]
 pub struct Line {
     card: &'static Card,
-    /// One for each field of the card.
+    /// One value for each field of the card.
     values: Vec<Value>,
     /// The whole line.
     pub place: Place,
 }
 
 impl Line {
-    /// A field by its name; of a list the first one.
+    /// Returns a field by its name; the first one of a list.
     pub fn value(&self, name: &str) -> Option<&Value> {
         self.values.get(self.card.index(name)?)
     }
 
-    /// A whole number; the default if it is blank.
+    /// Returns an integer; the default if it is blank.
     pub fn integer(&self, name: &str) -> i64 {
         match self.value(name).map(|v| &v.given) {
             Some(Given::Integer(i)) => *i,
@@ -57,7 +57,7 @@ impl Line {
         }
     }
 
-    /// A number; the default if it is blank.
+    /// Returns a number; the default if it is blank.
     pub fn real(&self, name: &str) -> f64 {
         match self.value(name).map(|v| &v.given) {
             Some(Given::Real(x)) => *x,
@@ -66,7 +66,7 @@ impl Line {
         }
     }
 
-    /// A word, empty if it is blank.
+    /// Returns a word, empty if it is blank.
     pub fn word(&self, name: &str) -> &str {
         match self.value(name).map(|v| &v.given) {
             Some(Given::Word(word)) => word,
@@ -74,12 +74,12 @@ impl Line {
         }
     }
 
-    /// Where a field stands; the line if it is blank.
+    /// Returns the place of a field; that of the line if it is blank.
     pub fn place(&self, name: &str) -> Place {
         self.value(name).map_or(self.place, |v| v.place)
     }
 
-    /// All whole numbers of a list that are not blank or nought, with their places.
+    /// Returns all integers of a list that are not blank or zero, with their places.
     pub fn integers(&self, name: &str) -> impl Iterator<Item = (i64, Place)> + '_ {
         let fields = self.card.fields.iter().zip(&self.values);
         let name = name.to_string();
@@ -89,7 +89,7 @@ impl Line {
         })
     }
 
-    /// All numbers of a list, with the default for blanks.
+    /// Returns all numbers of a list, with the default for blanks.
     pub fn reals(&self, name: &str) -> Vec<f64> {
         let fields = self.card.fields.iter().zip(&self.values).filter(|(f, _)| f.name == name);
         let number = |(field, value): (&Field, &Value)| match value.given {
@@ -100,7 +100,7 @@ impl Line {
         fields.map(number).collect()
     }
 
-    /// Whether a field is blank.
+    /// Returns true if a field is blank.
     pub fn is_blank(&self, name: &str) -> bool {
         self.value(name).is_none_or(|v| v.given == Given::Blank)
     }
@@ -110,12 +110,12 @@ impl Line {
     }
 }
 
-/// The cards of one thing: a material, a section, a set.
+/// The cards of one entity: a material, a section, a set.
 #[derive(Clone, Debug)]
 pub struct Record {
     /// Its keyword's row.
     pub row: &'static Row,
-    /// What follows the name.
+    /// Options in the keyword's name.
     pub options: Vec<&'static str>,
     /// The keyword's own line.
     pub head: Place,
@@ -124,47 +124,47 @@ pub struct Record {
 }
 
 impl Record {
-    /// Whether the keyword's name has this option.
+    /// Returns true if the keyword's name has this option.
     pub fn has(&self, option: &str) -> bool {
         self.options.contains(&option)
     }
 
-    /// The keyword as it is called in messages.
+    /// Returns the keyword for messages.
     pub fn name(&self) -> String {
         format!("*{}", self.row.keyword.name)
     }
 
-    /// The line that has a field of this name.
+    /// Returns the first line with a field of this name.
     pub fn line(&self, name: &str) -> Option<&Line> {
         self.lines.iter().find(|l| l.card.index(name).is_some())
     }
 
-    /// The lines that have a field of this name.
+    /// Returns the lines with a field of this name.
     pub fn lines<'r>(&'r self, name: &'r str) -> impl Iterator<Item = &'r Line> + 'r {
         self.lines.iter().filter(move |l| l.card.index(name).is_some())
     }
 
-    /// A whole number by the name of its field; the default if it is blank.
+    /// Returns an integer by the name of its field; the default if it is blank.
     pub fn integer(&self, name: &str) -> i64 {
         self.line(name).map_or_else(|| self.default(name) as i64, |l| l.integer(name))
     }
 
-    /// A number by the name of its field; the default if it is blank.
+    /// Returns a number by the name of its field; the default if it is blank.
     pub fn real(&self, name: &str) -> f64 {
         self.line(name).map_or_else(|| self.default(name), |l| l.real(name))
     }
 
-    /// A word by the name of its field, empty if it is blank.
+    /// Returns a word by the name of its field, empty if it is blank.
     pub fn word(&self, name: &str) -> &str {
         self.line(name).map_or("", |l| l.word(name))
     }
 
-    /// Where a field stands.
+    /// Returns the place of a field.
     pub fn place(&self, name: &str) -> Place {
         self.line(name).map_or(self.head, |l| l.place(name))
     }
 
-    /// Whether a field is blank, or its card not there.
+    /// Returns true if a field is blank or its card is absent.
     pub fn is_blank(&self, name: &str) -> bool {
         self.line(name).is_none_or(|l| l.is_blank(name))
     }
@@ -175,13 +175,13 @@ impl Record {
     }
 }
 
-/// What reading cards takes.
+/// Context for reading cards.
 pub struct Cards<'c> {
     /// The files.
     pub texts: &'c Texts,
     /// Parameters so far.
     pub parameters: &'c Parameters,
-    /// What is wrong.
+    /// Problems.
     pub trouble: &'c mut Trouble,
 }
 
@@ -382,7 +382,7 @@ fn wanted(kind: Kind) -> &'static str {
     }
 }
 
-/// The fields of a card as a message tells them.
+/// Returns the fields of a card for a message.
 pub fn layout(card: &Card, format: Format) -> String {
     let mut names: Vec<&str> = card.fields.iter().map(|f| f.name.as_str()).collect();
     names.dedup();

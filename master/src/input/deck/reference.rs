@@ -1,13 +1,13 @@
-//! The table of keywords as a page for people; a test keeps `cases/DECKS.md` equal to it.
+//! The table of keywords as a page; a test keeps `cases/DECKS.md` equal to it.
 
 use super::keywords::{FAMILIES, OUTPUT};
 use super::table::{Card, Effect, Field, Kind, Times};
 use std::fmt::Write;
 
-/// What stands above the table.
+/// Text above the table.
 const HEAD: &str = include_str!("reference_head.md");
 
-/// The page.
+/// Returns the page.
 pub fn page() -> String {
     let mut page = String::from(HEAD);
     // Writing to a string cannot fail.
@@ -56,8 +56,8 @@ fn write(page: &mut String) -> std::fmt::Result {
     )
 }
 
-/// A card's fields, with columns that are not ten and defaults that are not nought; in brackets
-/// where the card is not always there.
+/// Returns a card's fields, with widths other than ten and defaults other than zero; in brackets
+/// if the card is optional.
 fn fields(card: &str, times: Times) -> String {
     let name = |f: &Field| {
         let width = if f.width == 10 || f.kind == Kind::Line {

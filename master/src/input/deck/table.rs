@@ -1,18 +1,18 @@
-//! What the table of keywords is made of: a keyword, its cards, their fields.
+//! Types of the table of keywords: a keyword, its cards, their fields.
 //!
 //! A card is written as `name:kind width!=default` for each field, such as `nid:i8 x:r16 y:r16
-//! sf:r=1`: kind `i` a whole number, `r` a number, `a` a word, `l` the whole line; ten columns if
-//! no width is given; `!` if it may not be blank. A name that stands twice in a card (`n:i*8`) is a
-//! list.
+//! sf:r=1`. The kind is `i` for an integer, `r` for a real number, `a` for a word, `l` for the
+//! whole line. The default width is ten columns; `!` marks a field that may not be blank. A
+//! repeated field (`n:i*8`) is a list.
 
 use super::record::Record;
 
-/// What a field holds.
+/// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A whole number.
+    /// An integer.
     Integer,
-    /// A number.
+    /// A real number.
     Real,
     /// A word.
     Word,
@@ -23,15 +23,15 @@ pub enum Kind {
 /// A field of a card.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// Name, as manuals of the format call it, in lower case.
+    /// Name as in manuals of the format, in lower case.
     pub name: String,
-    /// What it holds.
+    /// Its type.
     pub kind: Kind,
     /// Columns in the standard format.
     pub width: u16,
-    /// What a blank stands for.
+    /// Value of a blank.
     pub default: f64,
-    /// Whether it may not be blank.
+    /// True if it may not be blank.
     pub needed: bool,
 }
 
@@ -43,10 +43,10 @@ pub struct Card {
 }
 
 impl Card {
-    /// Reads a card as the table writes it.
+    /// Parses a card of the table.
     ///
     /// # Panics
-    /// When it is written wrongly: a mistake in the table, which the tests read as a whole.
+    /// Panics if it is invalid: an error in the table, which the tests parse completely.
     pub fn parse(text: &str) -> Self {
         let mut fields = Vec::new();
         for word in text.split_whitespace() {
@@ -81,33 +81,33 @@ impl Card {
         Card { fields }
     }
 
-    /// Place of a field in the card.
+    /// Returns the index of a field in the card.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.fields.iter().position(|f| f.name == name)
     }
 }
 
-/// How often a card stands in a record.
+/// Number of times that a card appears in a record.
 #[derive(Clone, Copy)]
 pub enum Times {
     /// Once.
     Once,
     /// Once, unless the keyword ends before it: then all its fields are blank.
     Maybe,
-    /// As often as there are lines left.
+    /// For all remaining lines.
     Rest,
-    /// So often, by the cards before it and the options in the keyword's name.
+    /// As a function of the cards before it and the options in the keyword's name.
     Count(fn(&Record) -> usize),
 }
 
-/// What a keyword is to Crumple.
+/// Effect of a keyword in Crumple.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// It is part of the model.
     Model,
-    /// It changes nothing that matters here: a warning says that it is not read.
+    /// It has no effect here; a warning states that it is not read.
     Harmless,
-    /// Its cards are read, but the engine cannot do it yet: an error unless it is allowed.
+    /// Its cards are read, but the engine does not support it yet: an error unless it is allowed.
     NotYet,
 }
 
@@ -115,22 +115,22 @@ pub enum Effect {
 pub struct Keyword {
     /// Name without asterisk and options.
     pub name: &'static str,
-    /// Other names of the same.
+    /// Other names of the keyword.
     pub aliases: &'static [&'static str],
-    /// What may follow the name, in any order.
+    /// Options after the name, in any order.
     pub options: &'static [&'static str],
-    /// What it is to Crumple.
+    /// Its effect.
     pub effect: Effect,
     /// Cards of a record, in order.
     pub cards: &'static [(&'static str, Times)],
-    /// Whether records follow each other until the next keyword.
+    /// True if records follow each other until the next keyword.
     pub repeats: bool,
-    /// What becomes of it, for people.
+    /// Description of the conversion for users.
     pub note: &'static str,
 }
 
 impl Keyword {
-    /// A keyword with one record and no options.
+    /// Creates a keyword with one record and no options.
     pub const fn new(
         name: &'static str,
         cards: &'static [(&'static str, Times)],
@@ -147,25 +147,25 @@ impl Keyword {
         }
     }
 
-    /// The same with other names.
+    /// Returns the keyword with other names.
     pub const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
         self.aliases = aliases;
         self
     }
 
-    /// The same with options.
+    /// Returns the keyword with options.
     pub const fn options(mut self, options: &'static [&'static str]) -> Self {
         self.options = options;
         self
     }
 
-    /// The same with records until the next keyword.
+    /// Returns the keyword with records until the next keyword.
     pub const fn repeats(mut self) -> Self {
         self.repeats = true;
         self
     }
 
-    /// The same with another effect.
+    /// Returns the keyword with another effect.
     pub const fn effect(mut self, effect: Effect) -> Self {
         self.effect = effect;
         self

@@ -1,19 +1,19 @@
-//! The files of a deck and the blocks of lines in them: one block for each keyword, in the order in
-//! which they count.
+//! The files of a deck and their blocks of lines: one block for each keyword, in the order in
+//! which they apply.
 //!
-//! A `*INCLUDE` is replaced by what it names. What stands before `*KEYWORD`, comments (`$`), and
-//! what follows `*END` in its file is left out. Nothing here knows any other keyword.
+//! `*INCLUDE` is replaced by the included file. Text before `*KEYWORD`, comments (`$`), and text
+//! after `*END` in its file are ignored. This module knows no other keyword.
 
 use super::diagnostics::Trouble;
 use super::fields::Format;
 use crate::input::job::tree::Place;
 use std::path::{Path, PathBuf};
 
-/// Largest file [byte]: places in it are kept in 32 bits.
+/// Largest file [byte], because places in it have 32 bits.
 const LARGEST_FILE: u64 = u32::MAX as u64;
-/// Files of one deck, at most.
+/// Maximum number of files of one deck.
 const MOST_FILES: usize = 1000;
-/// Comments that hold keys of a job, see [`Text::fragment`].
+/// Prefix of comments that hold keys of a job, see [`Text::fragment`].
 const FRAGMENT: &[u8] = b"$crumple:";
 
 /// A file of a deck.
@@ -21,10 +21,10 @@ const FRAGMENT: &[u8] = b"$crumple:";
 pub struct Text {
     /// Its name as the user or the deck gave it.
     pub file: String,
-    /// Its text; bytes that are no UTF-8 are replaced by question marks.
+    /// Its text; bytes that are not UTF-8 are replaced by question marks.
     pub text: String,
-    /// The text behind `$crumple:` in its comments, blanks elsewhere so that places stay: keys of a
-    /// job in TOML.
+    /// The text after `$crumple:` in its comments, with blanks elsewhere so that places are kept:
+    /// keys of a job in TOML.
     pub fragment: Option<String>,
 }
 
@@ -37,19 +37,19 @@ pub struct Block {
     pub head: (u32, u32),
     /// Name in capitals, without asterisk.
     pub name: String,
-    /// How its cards are cut.
+    /// Format of its cards.
     pub format: Format,
     /// First byte of each line and one past its last; without comments.
     pub lines: Vec<(u32, u32)>,
 }
 
 impl Block {
-    /// The keyword's own line.
+    /// Returns the place of the keyword's own line.
     pub fn place(&self) -> Place {
         Place::Deck { file: self.file, start: self.head.0, end: self.head.1 }
     }
 
-    /// Bytes of a line.
+    /// Returns the place of a part of a line.
     pub fn span(&self, line: (u32, u32), from: usize, to: usize) -> Place {
         let end = if to > from { line.0 + to as u32 } else { line.1 };
         Place::Deck {
@@ -70,7 +70,7 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// A line of a block.
+    /// Returns a line of a block.
     pub fn line(&self, block: &Block, line: (u32, u32)) -> &[u8] {
         self.files[block.file as usize]
             .text
@@ -79,7 +79,7 @@ impl Texts {
             .unwrap_or_default()
     }
 
-    /// Reads a deck and all that it includes; what is wrong is noted.
+    /// Reads a deck and all files that it includes, and reports problems.
     pub fn read(path: &Path, trouble: &mut Trouble) -> Self {
         let mut reader = Reader {
             texts: Texts::default(),
@@ -94,15 +94,15 @@ impl Texts {
 
 struct Reader<'t> {
     texts: Texts,
-    /// Files that are being read, the innermost last, to notice those that include themselves.
+    /// Files that are being read, the innermost last, to detect files that include themselves.
     open: Vec<PathBuf>,
-    /// Where included files are looked for.
+    /// Folders in which included files are searched.
     folders: Vec<PathBuf>,
     trouble: &'t mut Trouble,
 }
 
 impl Reader<'_> {
-    /// Reads one file; `from` is where it is named.
+    /// Reads one file; `from` is the place where it is named.
     fn file(&mut self, path: &Path, shown: String, from: Option<Place>, format: Format) {
         let place = from.unwrap_or(Place::Whole);
         if self.texts.files.len() >= MOST_FILES {
@@ -133,7 +133,7 @@ impl Reader<'_> {
         self.open.pop();
     }
 
-    /// Cuts a file into blocks.
+    /// Splits a file into blocks.
     fn blocks(&mut self, file: u32, path: &Path, mut format: Format) {
         let text = std::mem::take(&mut self.texts.files[file as usize].text);
         let bytes = text.as_bytes();
@@ -223,14 +223,14 @@ impl Reader<'_> {
                 help,
             );
         }
-        // Blanks were put in for all that is no ASCII outside of the fragment, so that it is UTF-8
-        // as the text is.
+        // All characters outside the fragment that are not ASCII were replaced by blanks, so it
+        // is UTF-8 like the text.
         let fragment = fragment.and_then(|f| String::from_utf8(f).ok());
         let own = &mut self.texts.files[file as usize];
         (own.text, own.fragment) = (text, fragment);
     }
 
-    /// Keeps a block, or reads what it includes.
+    /// Stores a block, or reads the file that it includes.
     fn end_block(&mut self, mut block: Block, text: &str, path: &Path, format: Format) {
         let bytes = text.as_bytes();
         let line = |span: (u32, u32)| {
@@ -264,7 +264,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The file of a name: as it stands, or as other systems write it, in quotes or with
+    /// Returns the file for a name: as it is, or in forms of other systems, in quotes or with
     /// backslashes.
     fn resolve_include(&self, name: &str, beside: &Path) -> PathBuf {
         let bare = name.trim_matches(['"', '\'']);
@@ -275,7 +275,7 @@ impl Reader<'_> {
     }
 }
 
-/// What a name stands for when capitals are not told apart.
+/// Returns the existing path that equals a name except for upper and lower case.
 fn alike(folder: &Path, name: &str) -> Option<String> {
     let mut found = folder.to_path_buf();
     for part in Path::new(name).components() {
@@ -290,7 +290,7 @@ fn alike(folder: &Path, name: &str) -> Option<String> {
     Some(found.strip_prefix(folder).unwrap_or(&found).display().to_string())
 }
 
-/// Names of files, one a line; a name goes on in the next line behind ` +`.
+/// Returns names of files, one per line. A name that ends with ` +` continues in the next line.
 fn names(lines: &[(u32, u32)], text: impl Fn((u32, u32)) -> String) -> Vec<(String, (u32, u32))> {
     let mut names: Vec<(String, (u32, u32))> = Vec::new();
     let mut open = false;
@@ -318,8 +318,8 @@ struct Head {
 }
 
 impl Head {
-    /// Reads the name, and the format that stands behind it: `+` long, `-` standard, `%` with ids
-    /// of ten columns, and on `*KEYWORD` also `LONG=Y` and `I10=Y`.
+    /// Reads the name, and the format after it: `+` long, `-` standard, `%` with ids of ten
+    /// columns, and on `*KEYWORD` also `LONG=Y` and `I10=Y`.
     fn read(line: &[u8], format: Format) -> Self {
         let text = String::from_utf8_lossy(&line[1..]).to_ascii_uppercase();
         let mut words = text.split(|c: char| c.is_ascii_whitespace() || c == ',' || c == '(');
@@ -341,7 +341,7 @@ impl Head {
     }
 }
 
-/// First byte of the line `*KEYWORD`.
+/// Returns the first byte of the line `*KEYWORD`.
 fn first_keyword(bytes: &[u8]) -> Option<usize> {
     let mut at = 0;
     for line in bytes.split(|&b| b == b'\n') {
@@ -370,7 +370,7 @@ fn load(path: &Path) -> Result<String, String> {
         return Err("is larger than 4 GiB".into());
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
-    // Titles in other encodings are common; a byte for a byte keeps the columns.
+    // Titles in other encodings are common; one byte for each byte keeps the columns.
     Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
         let bytes = error.as_bytes().iter().map(|&b| if b.is_ascii() { b } else { b'?' });
         bytes.map(char::from).collect()

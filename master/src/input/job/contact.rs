@@ -1,4 +1,4 @@
-//! `[contact]` and its interfaces: the list form of it, and checks.
+//! `[contact]` and its interfaces: list form and checks.
 
 use super::laws;
 use super::resolve::Numbers;
@@ -7,14 +7,14 @@ use super::validate::nearest;
 use crumple_proto::job::{Contact, Interface, Job};
 use crumple_proto::problem::Problem;
 
-/// Turns `[[contact]]`, a list, into `[contact]` with the rest of the list as its interfaces.
-/// Values keep their places.
+/// Converts the list `[[contact]]` to `[contact]`, with the other entries of the list as its
+/// interfaces. Values keep their places.
 pub fn from_list(tree: &mut Node) {
     let Kind::Table(keys) = &mut tree.kind else { return };
     let Some(entry) = keys.get_mut("contact") else { return };
     let Kind::Array(list) = &mut entry.node.kind else { return };
     if !list.iter().all(|node| matches!(node.kind, Kind::Table(_))) {
-        return; // the check against the schema tells
+        return; // the check against the schema reports it
     }
     let mut list = std::mem::take(list).into_iter();
     let Some(mut first) = list.next() else {
@@ -36,7 +36,7 @@ pub fn from_list(tree: &mut Node) {
     entry.node = first;
 }
 
-/// Ranges, and words that are in tables of the worker.
+/// Checks ranges, and words against the tables of the worker.
 pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     numbers.word("contact.search", &contact.search, &laws::searches());
     numbers.word("contact.weighting", &contact.weighting, &["shape", "mass"]);
@@ -52,7 +52,7 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
         .chain((0..contact.interface.len()).map(|i| format!("contact.interface.{i}")))
         .collect();
     for (i, (path, one)) in said.iter().zip(contact.each()).enumerate() {
-        // What an interface takes over is told where it is written.
+        // Inherited values are reported only where they are written.
         let own = i.checked_sub(1).and_then(|i| toml::Table::try_from(&contact.interface[i]).ok());
         check_one(path, &one, |key| own.as_ref().is_none_or(|own| own.contains_key(key)), numbers);
     }
@@ -96,8 +96,8 @@ pub(super) fn check(contact: &Contact, job: &Job, numbers: &mut Numbers<'_>) {
     hidden(contact, job, &said, numbers);
 }
 
-/// A warning for each interface that no two parts are in: later ones name them all, or nothing has
-/// been named.
+/// Warns of each interface that applies to no pair of parts: later interfaces name all its pairs,
+/// or it names no parts.
 fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'_>) {
     let all: Vec<Contact> = contact.each().collect();
     let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
@@ -120,7 +120,7 @@ fn hidden(contact: &Contact, job: &Job, said: &[String], numbers: &mut Numbers<'
     }
 }
 
-/// `is_own` tells which keys are written for this interface.
+/// Checks one interface. `is_own` returns true for the keys that are written for this interface.
 fn check_one(
     path: &str,
     contact: &Contact,

@@ -1,4 +1,4 @@
-//! What histories a job asks for, in ids, and what is wrong with that.
+//! Requested histories of a job, in ids, and their checks.
 
 use super::state::NodeSets;
 use super::validate::{Findings, nearest};
@@ -10,7 +10,7 @@ use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use std::collections::HashSet;
 
-/// What is to be recorded.
+/// Returns the histories to record.
 pub fn resolve(
     job: &Job,
     mesh: &Mesh,
@@ -81,7 +81,7 @@ fn group(
     whole.then_some(NodeGroup { name, nodes })
 }
 
-/// Whether all these parts are there.
+/// Returns true if all these parts exist. Otherwise reports the missing ones.
 fn are_parts(parts: &[u32], path: &str, what: &str, job: &Job, findings: &mut Findings) -> bool {
     let missing: Vec<_> =
         parts.iter().enumerate().filter(|(_, id)| !job.part.iter().any(|p| p.id == **id)).collect();

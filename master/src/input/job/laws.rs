@@ -1,7 +1,6 @@
-//! The master's way to the worker's tables: which laws and elements there are, and what they make
-//! of a job.
+//! Access to the worker's tables of laws and elements, and construction of the elements of a job.
 //!
-//! Nothing here knows what a law computes; the worker checks its own parameters.
+//! This module does not know the content of a law. The worker checks the parameters of its laws.
 
 use super::validate::Findings;
 use crumple_proto::job::Part;
@@ -14,38 +13,38 @@ use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::{Element, build_block, formulation};
 use crumple_worker::fem::materials;
 
-/// Names of the contact laws.
+/// Returns the names of the contact laws.
 pub fn contact_laws() -> Vec<&'static str> {
     CONTACT_LAWS.iter().map(|law| law.name).collect()
 }
 
-/// Names of the ways in which the Lagrange law iterates.
+/// Returns the names of the iterations of the Lagrange law.
 pub fn iterations() -> Vec<&'static str> {
     ITERATIONS.iter().map(|iteration| iteration.0).collect()
 }
 
-/// Names of the forms of the penalty stiffness.
+/// Returns the names of the forms of the penalty stiffness.
 pub fn penalty_forms() -> &'static [&'static str] {
     PENALTY_FORMS
 }
 
-/// Names of the global searches.
+/// Returns the names of the global searches.
 pub fn searches() -> Vec<&'static str> {
     SEARCHES.iter().map(|search| search.name).collect()
 }
 
-/// Which shapes a part has elements of, by [`Shape`].
+/// True for each [`Shape`] of which a part has elements.
 pub type Used = [bool; Shape::ALL.len()];
 
-/// The elements of every part, as the worker will build them.
+/// The elements of every part, as the worker builds them.
 pub struct Blocks {
     parts: Vec<[Option<Box<dyn Element>>; Shape::ALL.len()]>,
 }
 
 impl Blocks {
-    /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]), and
-    /// of parts without elements for what they could have, so that their numbers are checked too.
-    /// `order[i]` is the place in the job of the part that is the i-th of `settings`.
+    /// Builds the elements of all parts for the shapes in use (`used` per part, by [`Shape`]).
+    /// For parts without elements it builds those that they could have, so that their parameters
+    /// are checked too. `order[i]` is the index in the job of part `i` of `settings`.
     pub fn build(
         settings: &Settings,
         order: &[usize],
@@ -86,7 +85,7 @@ impl Blocks {
                 problems.push(problem);
             }
         }
-        // A material is looked at once for each part that has it.
+        // Each part that uses a material repeats the checks of the material.
         let mut told: Vec<(String, String)> = Vec::new();
         for problem in problems {
             let key = (problem.path.clone(), problem.message.clone());
@@ -98,7 +97,7 @@ impl Blocks {
         Blocks { parts }
     }
 
-    /// Names of the formulations of a part, which is the `index`-th of the settings.
+    /// Returns the names of the formulations of a part with the given index in the settings.
     pub fn names(&self, part: &Part, index: usize) -> Vec<&'static str> {
         let shapes = Shape::ALL.into_iter();
         shapes
@@ -107,13 +106,13 @@ impl Blocks {
             .collect()
     }
 
-    /// The element of a part and shape, if the job has such.
+    /// Returns the element of a part and shape, if the job has one.
     pub fn element(&self, part: usize, shape: Shape) -> Option<&dyn Element> {
         self.parts[part][shape as usize].as_deref()
     }
 }
 
-/// A warning if contact meets shells or beams with less than their thickness.
+/// Warns if contact uses a reduced thickness for shells or beams.
 pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Problem> {
     let (count, least) = initial.thinned?;
     let limit = settings.contact.as_ref()?.thickness_limit;
@@ -126,7 +125,8 @@ pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Pro
     Some(Problem::warning("contact.thickness_limit", message, help))
 }
 
-/// Warnings if nodes start inside the thickness of shells, or solids, that they can touch.
+/// Warns if nodes start inside the thickness of shells, or inside solids, that are in contact
+/// with them.
 pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
     let (unseen, seen): (Vec<_>, Vec<_>) =
         initial.penetrations.iter().copied().partition(|p| p.unseen);

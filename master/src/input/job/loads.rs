@@ -1,5 +1,4 @@
-//! Loads, prescribed motion and planes of symmetry: what is wrong with them, and what they are in
-//! numbers and ids.
+//! Loads, prescribed motion and planes of symmetry: checks, and conversion to numbers and ids.
 
 use super::state::{NodeSets, NodeStart};
 use super::validate::{Findings, nearest};
@@ -13,12 +12,14 @@ use std::collections::HashSet;
 /// Names of the degrees of freedom, in the order of their bits.
 pub const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 
-/// A direction counts as that of an axis if its other components are below this fraction of it.
+/// Largest cross component of a direction, as a fraction, for which it counts as parallel to an
+/// axis.
 const ALONG: f64 = 1e-9;
-/// Nodes count as on a plane of symmetry within this fraction of the smallest side.
+/// Largest distance of a node from a plane of symmetry on which it lies, as a fraction of the
+/// smallest side.
 const ON_PLANE: f64 = 1e-3;
 
-/// Bits of named degrees of freedom; every name that is none is a problem.
+/// Returns the bits of named degrees of freedom. Reports every unknown name.
 pub fn dof_bits(dofs: &[String], path: &str, findings: &mut Findings) -> u64 {
     let mut bits = 0;
     for (place, dof) in dofs.iter().enumerate() {
@@ -37,8 +38,9 @@ pub fn dof_bits(dofs: &[String], path: &str, findings: &mut Findings) -> u64 {
     bits
 }
 
-/// Resolves all loads and motions of a job. Degrees of freedom that are prescribed or lie in planes
-/// of symmetry are marked as not free in `start`. `smallest` is the shortest side of an element.
+/// Resolves all loads and motions of a job. Marks prescribed degrees of freedom and those in
+/// planes of symmetry as fixed in `start`. `smallest` is the shortest side of an element
+/// [length].
 pub fn resolve(
     job: &Job,
     mesh: &Mesh,
@@ -95,7 +97,7 @@ pub fn resolve(
     loads
 }
 
-/// Names of curves, and where their factors start.
+/// Indices of curves by name, and start of their factors.
 pub struct Curves<'j> {
     names: Vec<&'j str>,
     starts: Vec<Option<f64>>,
@@ -135,7 +137,7 @@ impl<'j> Curves<'j> {
         Self::quietly(job)
     }
 
-    /// The same without looking for faults.
+    /// Collects the curves without checks.
     pub fn quietly(job: &'j Job) -> Self {
         let start = |points: &[[f64; 2]]| {
             let after = points.partition_point(|p| p[0] <= 0.0);
@@ -151,7 +153,7 @@ impl<'j> Curves<'j> {
         }
     }
 
-    /// Index of a curve that may be left out.
+    /// Returns the index of an optional curve.
     pub fn find(
         &self,
         name: &Option<String>,
@@ -171,7 +173,8 @@ impl<'j> Curves<'j> {
     }
 }
 
-/// The faces that a pressure acts on, ascending; `None`, and why, if there are none.
+/// Returns the faces on which a pressure acts, ascending. Reports an error and returns `None` if
+/// there are none.
 fn loaded_faces(
     p: &PressureSpec,
     i: usize,
@@ -220,8 +223,8 @@ fn loaded_faces(
     Some(faces)
 }
 
-/// Faces of shells and outer faces of solids of some parts, all of whose nodes are in a set if one
-/// is given: elements by their place in the mesh, with the number of the face.
+/// Returns the faces of shells and outer faces of solids of some parts, as index of the element
+/// and number of the face. With a node set, returns only faces whose nodes are all in the set.
 pub fn faces(
     mesh: &Mesh,
     of_part: impl Fn(u32) -> bool,
@@ -230,7 +233,7 @@ pub fn faces(
     outer_faces(mesh, &free_faces(&mesh.elements), of_part, within)
 }
 
-/// The same where the free faces of the mesh are known.
+/// Returns these faces if the free faces of the mesh are already known.
 pub fn outer_faces(
     mesh: &Mesh,
     free: &[u8],
@@ -252,8 +255,7 @@ pub fn outer_faces(
     faces
 }
 
-/// A motion in numbers, without nodes and degrees of freedom, and the latter as far as they are
-/// given.
+/// Resolves a motion without nodes, and returns its degrees of freedom as far as they are given.
 pub fn motion_form(
     m: &MotionSpec,
     i: usize,
@@ -282,8 +284,8 @@ pub fn motion_form(
     Some((Motion { nodes: Vec::new(), dofs: 0, form, amount, curve }, dofs))
 }
 
-/// Whether a motion is a displacement that is not 0 at time 0; `index` is that of the curve it
-/// names.
+/// Returns true if a motion is a displacement that is not 0 at time 0. `index` is that of its
+/// curve.
 pub fn starts_with_jump(
     form: MotionForm,
     curves: &Curves<'_>,
@@ -294,8 +296,8 @@ pub fn starts_with_jump(
     form == MotionForm::Displacement && first.is_some_and(|y| y != 0.0)
 }
 
-/// A motion of nodes in numbers; its degrees of freedom are marked as not free, and none may be so
-/// already.
+/// Resolves a motion of nodes and marks its degrees of freedom as fixed. None of them may be
+/// fixed already.
 fn motion(
     m: &MotionSpec,
     i: usize,
@@ -335,7 +337,7 @@ fn motion(
     Some(Motion { nodes: nodes.iter().map(|&n| mesh.nodes[n].id).collect(), dofs, ..motion })
 }
 
-/// Fixes the degrees of freedom that planes of symmetry take.
+/// Fixes the degrees of freedom that planes of symmetry constrain.
 fn symmetry(job: &Job, mesh: &Mesh, smallest: f64, start: &mut NodeStart, findings: &mut Findings) {
     for (i, plane) in job.symmetry.iter().enumerate() {
         let path = format!("symmetry.{i}.normal");

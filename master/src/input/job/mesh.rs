@@ -1,5 +1,4 @@
-//! The mesh of a job, from a generator, a file or the job itself, and everything that can be wrong
-//! with it.
+//! The mesh of a job, from a generator, a file or the job itself, and its checks.
 
 use super::validate::Findings;
 use crate::input::deck::Lists;
@@ -10,23 +9,23 @@ use crumple_proto::problem::Problem;
 use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// Problems of one kind that are told one by one.
+/// Maximum number of problems of one kind that are reported singly.
 const TOLD: usize = 20;
-/// Largest id that a float holds exactly.
+/// Largest id that an f64 represents exactly.
 const LARGEST_ID: f64 = 9_007_199_254_740_992.0;
-/// An element whose area is below this fraction of its longest side squared has none but round-off.
+/// Area over the square of the longest side below which the area of an element is only round-off.
 const NO_AREA: f64 = 1e-12;
 
-/// A mesh, and where its entities are written.
+/// A mesh, and the places of its entities in the job.
 pub struct Read {
     /// The mesh.
     pub mesh: Mesh,
-    /// Lists that its elements are written in, with their lengths, if it is written as rows.
+    /// Names and lengths of the lists of its elements, if the mesh is written as rows.
     written: Option<Lists>,
 }
 
 impl Read {
-    /// The mesh of a deck, whose elements are in `lists` one after the other.
+    /// Creates it from the mesh of a deck, whose elements are ordered by `lists`.
     pub fn of_deck(mesh: Mesh, lists: Lists) -> Self {
         Read { mesh, written: Some(lists) }
     }
@@ -55,7 +54,8 @@ impl Read {
     }
 }
 
-/// The mesh that a generator makes with the job's `[scene]`; `None` if it cannot.
+/// Generates the mesh with the job's `[scene]`. Reports an error and returns `None` if this
+/// fails.
 pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> {
     match crumple_cases::generate(name, &job.scene) {
         Ok(mesh) => Some(Read { mesh, written: None }),
@@ -66,7 +66,7 @@ pub fn generate(name: &str, job: &Job, findings: &mut Findings) -> Option<Read> 
     }
 }
 
-/// The mesh that is written as rows of numbers; `None` if a row is no node or no shell.
+/// Creates the mesh from rows of numbers; `None` if a row is not a valid node or element.
 pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     let mut few = Few::new(findings);
     let mut mesh = Mesh::default();
@@ -114,7 +114,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
-    // What refers to a row that was left out would be blamed for that.
+    // Without this, references to an omitted row would be reported as errors.
     let lists = [
         ("shells", source.shells.len()),
         ("solids", source.solids.len()),
@@ -126,7 +126,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut Findings) -> Option<Read> {
     whole.then_some(Read { mesh, written: Some(lists) })
 }
 
-/// Gives shells thicknesses of their own, as the `thicknesses` of a job say.
+/// Assigns individual thicknesses to shells, from the `thicknesses` of a job.
 pub fn with_thicknesses(mut read: Read, rows: &[[f64; 2]], findings: &mut Findings) -> Read {
     thicken(&mut read.mesh, rows, &mut Few::new(findings));
     read
@@ -176,14 +176,15 @@ fn thicken(mesh: &mut Mesh, rows: &[[f64; 2]], few: &mut Few<'_>) {
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";
 const SOLID_ROW: &str = "write [id, part id, n1, ..., n8]: a face's nodes, then those opposite";
 
-/// A list of elements as messages call it.
+/// A list of elements, with its names in messages.
 struct Kind {
     list: &'static str,
     called: &'static str,
     help: &'static str,
 }
 
-/// The element of a row; `None`, and why, if it is none. `shape` tells a shape by its corners.
+/// Returns the element of a row. Reports an error and returns `None` if it is invalid. `shape`
+/// returns the shape for a list of corners.
 fn element(
     row: &[u64],
     kind: &Kind,
@@ -211,11 +212,11 @@ fn element(
 /// Vectors from beams towards their second axes [length].
 type Axes = Vec<(ElemId, [f64; 3])>;
 
-/// Checks ids, connectivity and shapes; leaves out nodes that no element uses, and sorts everything
-/// by id. Beside the mesh, vectors from beams towards their second axes, ascending; beams then have
-/// two nodes.
+/// Checks ids, connectivity and shapes, removes nodes that no element uses, and sorts all
+/// entities by id. Returns the mesh and the vectors from beams towards their second axes,
+/// ascending. Beams have two nodes afterwards.
 ///
-/// `parts` are the ids of the job's parts; `None` if those are faulty themselves.
+/// `parts` are the ids of the job's parts, `None` if the parts have errors.
 pub fn check(read: Read, parts: Option<&[u32]>, findings: &mut Findings) -> (Mesh, Axes) {
     let mut few = Few::new(findings);
     let at = check_nodes(&read, &mut few);
@@ -379,7 +380,7 @@ fn check_elements(
             continue;
         }
         if element.shape == Shape::Line2 {
-            continue; // its part says whether it needs a length
+            continue; // its part defines if it needs a length
         }
         if element.shape == Shape::Beam2 {
             match at.get(&element.nodes[2]) {
@@ -475,7 +476,7 @@ fn check_elements(
     }
 }
 
-/// Tells of a solid whose corners are in a wrong order, or that has no volume.
+/// Reports a solid with a wrong order of corners, or without volume.
 fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>) {
     let one = Mesh {
         nodes: element.corners().iter().zip(x).map(|(&id, &x)| MeshNode { id, x }).collect(),
@@ -499,7 +500,7 @@ fn solid(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
 enum Outline {
     Good,
     Concave,
-    /// Two corners stand in one place.
+    /// Two corners coincide.
     NoSide,
     BowTie,
     NoArea,
@@ -518,7 +519,7 @@ fn outline(x: &[[f64; 3]]) -> Outline {
     let area =
         if n == 4 { cross(sub(x[2], x[0]), sub(x[3], x[1])) } else { cross(side(0), side(1)) };
     let size = dot(area, area);
-    // Fourth powers of lengths are formed below and by the elements.
+    // This function and the elements compute fourth powers of lengths.
     if !(longest * longest).is_finite() || longest > 0.0 && longest * longest < f64::MIN_POSITIVE {
         return Outline::Overflow;
     }
@@ -538,7 +539,7 @@ fn outline(x: &[[f64; 3]]) -> Outline {
     }
 }
 
-/// Tells the first problems of each kind one by one and counts the others.
+/// Reports the first problems of each kind singly and counts the others.
 struct Few<'f> {
     findings: &'f mut Findings,
     told: BTreeMap<&'static str, (usize, String)>,

@@ -1,20 +1,19 @@
-//! From a job as it is written to a [`Model`] that can be cut up and dealt out, or to everything
-//! that is wrong with it.
+//! Converts a job file to a [`Model`] that can be decomposed and distributed, or to a list of all
+//! its errors.
 //!
-//! 1. `tree.rs`: TOML with the place of every value, over that of a deck if the job has one
-//!    (`deck`); `sets.rs` puts in what the command line says
-//! 2. `validate.rs`: unknown keys, types, missing keys, against the schema of
+//! 1. `tree.rs`: TOML with the place of every value, merged over the deck of the job if it has
+//!    one (`deck`); `sets.rs` applies the command line
+//! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
-//! 3. `mesh.rs`: the mesh and its faults; `numbering.rs`: places for meshes that are numbered
-//!    poorly
-//! 4. `resolve.rs`: ranges and defaults; `laws.rs`: what the worker says of materials and elements;
+//! 3. `mesh.rs`: the mesh and its checks; `numbering.rs`: new numbers for badly numbered meshes
+//! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
-//! 5. `state.rs`: what nodes and elements start with, `springs.rs`: and springs; `loads.rs`,
-//!    `walls.rs`: what acts on them; `histories.rs`: what is recorded of them
+//! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
+//!    `loads.rs`, `walls.rs`: loads and walls; `histories.rs`: recorded quantities
 //!
-//! A stage that finds faults mends them as well as it can, so that the next one can look too:
-//! `report.rs` shows all of them at once. Nothing here panics on any input; that would be our
-//! fault.
+//! A stage that finds errors repairs the data as well as possible, so that the next stage can
+//! continue. `report.rs` shows all errors at once. No input may cause a panic here; a panic is a
+//! defect of the program.
 
 mod contact;
 mod histories;
@@ -57,41 +56,40 @@ use std::path::{Path, PathBuf};
 use tree::Node;
 use validate::Findings;
 
-/// Largest job or mesh file that is read [byte]: places in it are kept in 32 bits.
+/// Largest job or mesh file that is read [byte], because places in it have 32 bits.
 const LARGEST_FILE: u64 = u32::MAX as u64;
 
-/// A job that is sound: read, checked, with its mesh and all defaults filled in.
+/// A valid job: read, checked, with its mesh and all defaults.
 pub struct Model {
     /// The job as written, with `--set`.
     pub job: Job,
     /// The mesh, sorted by id, without nodes that no element uses.
     pub mesh: Mesh,
-    /// What every worker gets. `field_dir` is empty: the run fills it in.
+    /// Settings of every worker. `field_dir` is empty until the run sets it.
     pub settings: Settings,
-    /// What the nodes start with, in the order of the mesh.
+    /// Initial state of the nodes, in the order of the mesh.
     pub nodes: NodeStart,
-    /// What the elements start with, in the order of the mesh.
+    /// Initial state of the elements, in the order of the mesh.
     pub elements: ElementStart,
-    /// Shape of the elements.
+    /// Shape quality of the elements.
     pub quality: Quality,
-    /// If nodes and elements go by places, not by the user's ids.
+    /// Data of the renumbering, if nodes and elements were renumbered.
     pub renumbered: Option<Renumbered>,
     /// The formulations of all parts.
     pub blocks: Blocks,
-    /// What the user should know of; [`Model::show`] adds the line in the job. The run may add its
-    /// own.
+    /// Warnings. [`Model::show`] adds the line in the job. The run may add more warnings.
     pub warnings: Vec<Problem>,
-    /// What a deck asks for, and what it gets.
+    /// Requests of a deck, and the settings used for them.
     pub mapping: Vec<deck::Mapping>,
-    /// What a deck has and the run goes on without.
+    /// Content of a deck that is not supported and was ignored.
     pub unsupported: Vec<String>,
     /// The job file that was read.
     pub path: PathBuf,
     sources: Sources,
 }
 
-/// Reads and checks a job: a folder that holds `job.toml`, or a `.toml` file.
-/// `sets` are `key=value` of the command line.
+/// Reads and checks a job: a folder that contains `job.toml`, or a `.toml` file. `sets` are the
+/// `key=value` of the command line.
 pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     let path = job_file(path).map_err(Report::from_problem)?;
     if deck::is_deck(&path) {
@@ -101,8 +99,7 @@ pub fn read(path: &Path, sets: &[String]) -> Result<Model, Report> {
     read_text(path, text, sets)
 }
 
-/// Reads and checks a job that is at hand as text; files that it names are looked for beside
-/// `path`.
+/// Reads and checks a job given as text. Paths in it are relative to the folder of `path`.
 pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, Report> {
     let (tree, errors) = match Node::parse(&text) {
         Ok(tree) => (tree, Vec::new()),
@@ -116,7 +113,7 @@ pub fn read_text(path: PathBuf, text: String, sets: &[String]) -> Result<Model, 
     read_tree(path, job, sets, findings)
 }
 
-/// A job that is nothing but this deck.
+/// Returns a job that consists only of this deck.
 fn deck_job(path: &Path) -> Source {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let whole = tree::Place::Whole;
@@ -183,7 +180,7 @@ struct Built {
     unsupported: Vec<String>,
 }
 
-/// The deck that a job names, read and put under the job's own keys.
+/// Reads the deck of a job and merges the job's own keys over it.
 fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Option<deck::Deck> {
     let mut tree = sources.job.tree.clone();
     if sources.sets.iter().any(|set| set.trim_start().starts_with("mesh.")) {
@@ -213,7 +210,7 @@ fn under_deck(sources: &mut Sources, path: &Path, findings: &mut Findings) -> Op
     Some(deck)
 }
 
-/// All stages after parsing; `None` if there is too little to go on with.
+/// Runs all stages after parsing; returns `None` if there is too little data to continue.
 fn build(
     sources: &mut Sources,
     path: &Path,
@@ -222,8 +219,8 @@ fn build(
 ) -> Option<Built> {
     let mut deck = under_deck(sources, path, findings);
     if let Some(deck) = deck.take_if(|_| findings.any_error()) {
-        // What refers to a card that is wrong would be blamed for that: of the rest, the mesh can
-        // be looked at.
+        // References to a faulty card would be reported as errors. Of the remaining data, only
+        // the mesh can be checked.
         if deck.whole && !deck.mesh.elements.is_empty() {
             mesh::check(mesh::Read::of_deck(deck.mesh, deck.lists), None, findings);
         }
@@ -236,7 +233,7 @@ fn build(
     contact::from_list(&mut sources.job.tree);
     let mut tree = sources.job.tree.clone();
     sets::apply(&mut tree, sets, findings);
-    // Problems are looked up in the tree as it is written, with `--set` but before mending.
+    // Places of problems are looked up in the tree as written, with `--set` but before repairs.
     sources.job.tree = tree.clone();
     validate::job(&mut tree, findings);
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
@@ -316,7 +313,7 @@ fn build(
     })
 }
 
-/// Parts of shells that have a thickness of their own, with the largest of these [length].
+/// Returns the parts with shells of individual thickness, and the largest of these [length].
 fn thickest(mesh: &Mesh) -> BTreeMap<u32, f64> {
     let mut thickest = BTreeMap::new();
     for e in mesh.elements.iter().filter(|e| e.thickness > 0.0) {
@@ -326,7 +323,8 @@ fn thickest(mesh: &Mesh) -> BTreeMap<u32, f64> {
     thickest
 }
 
-/// The mesh from wherever the job says; `None`, and why, if there is none to look at.
+/// Reads the mesh from the source that the job names. Reports errors and returns `None` if there
+/// is no mesh to check.
 fn read_mesh(
     job: &Job,
     path: &Path,
@@ -442,7 +440,7 @@ fn read_mesh_file(
     }
 }
 
-/// The job file that a path on the command line means.
+/// Returns the job file for a path of the command line.
 fn job_file(path: &Path) -> Result<PathBuf, Problem> {
     let shown = path.display();
     if path.is_dir() {
@@ -490,12 +488,12 @@ fn load(path: &Path) -> Result<String, Problem> {
 }
 
 impl Model {
-    /// A problem with the line of the job that it is about.
+    /// Returns a problem with its line in the job.
     pub fn show(&self, problem: &Problem) -> Located {
         self.sources.locate(problem)
     }
 
-    /// Everything as it is dealt out, elements and nodes in ascending id.
+    /// Returns the records for the distribution: elements and nodes by ascending id.
     pub fn records(&self) -> (Vec<ElementRecord>, Vec<NodeRecord>) {
         let free = free_faces(&self.mesh.elements);
         let element = |(i, e): (usize, &crumple_proto::mesh::MeshElement)| ElementRecord {
@@ -528,16 +526,16 @@ impl Model {
         )
     }
 
-    /// Frees what only dealing out the work needs: the mesh, and what its nodes and elements start
-    /// with.
+    /// Frees the data that only the distribution needs: the mesh, and the initial state of its
+    /// nodes and elements.
     pub fn forget_mesh(&mut self) {
         self.mesh = Mesh::default();
         self.nodes = NodeStart::default();
         self.elements = ElementStart::default();
     }
 
-    /// First time step: safety times the smallest stable step, `dt_max` at most [time], and the
-    /// index of the element that sets it.
+    /// Returns the first time step, which is safety times the smallest stable step and at most
+    /// `dt_max` [time], and the index of the element that controls it.
     pub fn first_dt(&self) -> (f64, usize) {
         let (at, dt) =
             state::smallest(&self.elements.stable_dt).expect("a sound model has elements");
@@ -545,28 +543,29 @@ impl Model {
         ((self.settings.safety * dt).min(most), at)
     }
 
-    /// Mass of all elements, without what scaling adds [mass].
+    /// Returns the mass of all elements without mass scaling [mass].
     pub fn structure_mass(&self) -> f64 {
         self.elements.mass.iter().sum()
     }
 
-    /// Mass that scaling to a given step adds [mass].
+    /// Returns the mass added by mass scaling to a given step [mass].
     pub fn scaled_mass(&self) -> f64 {
         state::scaled_mass(&self.elements)
     }
 
-    /// Mass of all `[[mass]]` [mass].
+    /// Returns the mass of all `[[mass]]` [mass].
     pub fn lumped_mass(&self) -> f64 {
         self.nodes.added_mass.iter().sum()
     }
 
-    /// All mass, what scaling adds and `[[mass]]` included [mass].
+    /// Returns the total mass, with mass scaling and `[[mass]]` [mass].
     pub fn total_mass(&self) -> f64 {
         self.structure_mass() + self.scaled_mass() + self.lumped_mass()
     }
 
-    /// How many workers to run: as asked for (by the command line or mpirun), else as the job says,
-    /// else `cores` at most. An error if that is 0 or more than there are elements.
+    /// Returns the number of workers: as requested by the command line or mpirun, otherwise as in
+    /// the job, otherwise at most `cores`. Returns an error if it is 0 or larger than the number
+    /// of elements.
     pub fn workers(&self, asked: Option<usize>, cores: usize) -> Result<usize, Report> {
         let elements = self.mesh.elements.len();
         let from_job = Some(self.job.parallel.workers).filter(|&n| n > 0);

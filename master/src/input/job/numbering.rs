@@ -1,14 +1,14 @@
-//! Places for nodes and elements of a mesh that is numbered so that neighbours lie far apart.
+//! Renumbers nodes and elements of a mesh whose neighbours have distant numbers.
 //!
-//! Columns of nodes and elements lie by ascending id. Where the nodes of consecutive elements are
-//! all over the mesh, each corner is looked up in main memory. Such a mesh is numbered anew, and
-//! its own numbers become labels ([`crumple_proto::ids`]); one in order stays as it is, to the last
-//! bit.
+//! Columns of nodes and elements are in the order of ascending ids. If the nodes of consecutive
+//! elements are scattered over the mesh, each corner is fetched from main memory. Such a mesh is
+//! renumbered, and its own numbers become labels ([`crumple_proto::ids`]). A well numbered mesh
+//! is unchanged to the last bit.
 //!
-//! Nodes are numbered part by part in levels around a node at an end of the part (Cuthill & McKee,
-//! Reducing the bandwidth of sparse symmetric matrices, 1969; the end as in Gibbs, Poole &
-//! Stockmeyer, SIAM J. Numer. Anal. 13, 1976), which gives rows of elements where a mesh has rows;
-//! elements follow their first node.
+//! Nodes are numbered part by part in levels around a node at an end of the part (Cuthill &
+//! McKee, Reducing the bandwidth of sparse symmetric matrices, 1969; the end as in Gibbs, Poole &
+//! Stockmeyer, SIAM J. Numer. Anal. 13, 1976). For a structured mesh this gives rows of elements.
+//! Elements follow their first node.
 
 use super::validate::Findings;
 use crumple_proto::ids::{ElemId, NodeId};
@@ -16,28 +16,28 @@ use crumple_proto::mesh::{Mesh, MeshNode};
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
 
-/// Nodes whose numbers fill a line of the cache.
+/// Number of consecutive nodes in a cache line.
 const LINE: usize = 8;
-/// Lines of each nodal column that a core has at hand beside everything else: 2048 nodes, of which
-/// elements look up coordinates, velocities and spins, nine numbers, take 0.15 MB.
+/// Cache lines of each nodal column that a core keeps in addition to other data: 2048 nodes.
+/// Elements read nine numbers of a node (coordinates, velocities and spins), together 0.15 MB.
 const LINES: u32 = 256;
-/// A mesh is in order when its elements fetch this many lines each, at most. Rows fetch 0.1 to 0.3,
-/// a shuffled mesh 4.
+/// Largest number of lines fetched per element for a well numbered mesh. Rows fetch 0.1 to 0.3, a
+/// shuffled mesh 4.
 const IN_ORDER: f64 = 0.75;
-/// New numbers have to fetch this much less.
+/// Largest ratio of lines fetched after and before for which a mesh is renumbered.
 const WORTH: f64 = 0.6;
 
-/// Why a mesh got places: lines of nodes that an element fetches from main memory in a step.
+/// Effect of renumbering: lines of nodes that an element fetches from main memory in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Renumbered {
     /// In the order of the user's ids.
     pub before: f64,
-    /// In the order of the places.
+    /// In the new order.
     pub after: f64,
 }
 
-/// Puts places in front of the ids of a mesh if that brings its nodes together. `mesh` is sorted by
-/// id, before and after, and so is `axes`. Warns where ids leave no room for places.
+/// Renumbers a mesh if that brings its nodes together. `mesh` and `axes` are sorted by id, before
+/// and after. Warns if the ids are too large for new numbers.
 pub fn renumber(
     mesh: &mut Mesh,
     axes: &mut [(ElemId, [f64; 3])],
@@ -73,7 +73,7 @@ pub fn renumber(
     Some(Renumbered { before, after })
 }
 
-/// New ids by old ones; `None` if one is too large to take a place.
+/// Returns new ids by old ones; `None` if an id is too large.
 fn placed(
     mesh: &Mesh,
     place: &[u32],
@@ -96,7 +96,7 @@ fn rename(
     nodes: &HashMap<NodeId, NodeId>,
     elements: &HashMap<ElemId, ElemId>,
 ) {
-    // A set may name nodes that no element has.
+    // A set may name nodes without elements.
     let node = |id: &mut NodeId| *id = nodes.get(id).copied().unwrap_or(*id);
     mesh.nodes.iter_mut().for_each(|n| node(&mut n.id));
     mesh.nodes.sort_unstable_by_key(|n| n.id);
@@ -113,7 +113,7 @@ fn rename(
     }
 }
 
-/// Lists of numbers, one after the other.
+/// Lists of numbers in one array.
 struct Lists {
     starts: Vec<usize>,
     items: Vec<u32>,
@@ -125,11 +125,11 @@ impl Lists {
     }
 }
 
-/// The nodes of each element, by their positions in the mesh.
+/// Returns the nodes of each element, as indices in the mesh.
 fn corners(mesh: &Mesh) -> Lists {
     let lowest = mesh.nodes.first().map_or(0, |n| n.id.0);
     let position = |id: NodeId| {
-        let close = id.0.wrapping_sub(lowest) as usize; // where ids have no gaps
+        let close = id.0.wrapping_sub(lowest) as usize; // valid for ids without gaps
         let there = mesh.nodes.get(close).is_some_and(|n| n.id == id);
         let found = if there { Ok(close) } else { mesh.nodes.binary_search_by_key(&id, |n| n.id) };
         found.expect("a checked mesh has the nodes of its elements") as u32
@@ -142,7 +142,7 @@ fn corners(mesh: &Mesh) -> Lists {
     lists
 }
 
-/// The elements of each of `nodes` nodes.
+/// Returns the elements at each of `nodes` nodes.
 fn around(corners: &Lists, nodes: usize) -> Lists {
     let mut starts = vec![0; nodes + 1];
     corners.items.iter().for_each(|&n| starts[n as usize + 1] += 1);
@@ -157,9 +157,9 @@ fn around(corners: &Lists, nodes: usize) -> Lists {
     Lists { starts, items }
 }
 
-/// Lines of nodes that an element fetches on average, one after the other in `order`, their nodes
-/// at `place`. A line is there until as many others have been fetched since it was last used as the
-/// cache holds.
+/// Returns the mean number of node lines that an element fetches, for elements in `order` with
+/// nodes at `place`. A line stays in the cache until [`LINES`] others have been fetched since its
+/// last use.
 fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
     let mut used: Vec<Option<u32>> = vec![None; place.len().div_ceil(LINE)];
     let mut fetched = 0u32;
@@ -173,10 +173,10 @@ fn fetched(order: &[u32], corners: &Lists, place: &[u32]) -> f64 {
     f64::from(fetched) / order.len().max(1) as f64
 }
 
-/// Who has come by a node: nobody, a walk by its number, or the one that numbers.
+/// Mark of a numbered node. A visited node has the number of the walk, any other node 0.
 const NUMBERED: u32 = u32::MAX;
 
-/// All nodes, part by part, and in each connected piece of a part in levels from an end of it.
+/// Returns all nodes, part by part, and in each connected piece of a part in levels from an end.
 fn levels(mesh: &Mesh, corners: &Lists) -> Vec<u32> {
     let part = |e: u32| mesh.elements[e as usize].part;
     let around = around(corners, mesh.nodes.len());
@@ -209,8 +209,9 @@ struct Walks<'a> {
 }
 
 impl Walks<'_> {
-    /// Appends nodes without a number in the order in which they are reached from `start` through
-    /// elements of a part, of those reached from the same node the ones with fewest elements first.
+    /// Appends the nodes without a number in the order in which they are reached from `start`
+    /// through elements of a part. Nodes reached from the same node are ordered by their number
+    /// of elements.
     fn walk(&mut self, start: u32, part: u32, walk: u32, order: &mut Vec<u32>) {
         let mut at = order.len();
         self.seen[start as usize] = walk;
@@ -241,8 +242,8 @@ mod tests {
 
     const SIDE: u64 = 120;
 
-    /// A square of quads, ids times `step` modulo their number: 1 leaves them in rows. Its upper
-    /// half is part 2.
+    /// Returns a square of quads, with ids times `step` modulo their number: 1 keeps them in
+    /// rows. Its upper half is part 2.
     fn square(step: u64) -> Mesh {
         let nodes = (SIDE + 1) * (SIDE + 1);
         let id = |i: u64, j: u64| NodeId((i * (SIDE + 1) + j) * step % nodes);
@@ -271,7 +272,7 @@ mod tests {
         mesh
     }
 
-    /// What a mesh says, apart from the places: of nodes, of elements, and of its set.
+    /// Returns the content of a mesh by labels: nodes, elements, and its set.
     fn labels(mesh: &Mesh) -> [BTreeMap<u64, Vec<u64>>; 3] {
         let of = |e: &MeshElement| [&[u64::from(e.part)][..], &e.nodes.map(NodeId::label)].concat();
         [
@@ -288,7 +289,7 @@ mod tests {
         assert_eq!(mesh, square(1));
     }
 
-    /// Rows and layers as large as the cache, or a power of two, are in order too.
+    /// Rows and layers as large as the cache, or of a power of two, are in order too.
     #[test]
     fn long_rows_and_large_layers_stay_as_they_are() {
         for count in [[2047, 6, 0], [2046, 5, 0], [63, 63, 4], [44, 90, 3], [1, 511, 12]] {
@@ -299,7 +300,8 @@ mod tests {
         }
     }
 
-    /// Quads or solids in rows, nodes numbered along the first count, then the second.
+    /// Returns quads or solids in rows, with nodes numbered along the first count, then the
+    /// second.
     fn boxes([a, b, c]: [u64; 3]) -> Mesh {
         let id = |i: u64, j: u64, k: u64| NodeId((k * (b + 1) + j) * (a + 1) + i);
         let face = |i, j, k| [id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)];

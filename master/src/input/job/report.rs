@@ -1,13 +1,13 @@
-//! What is wrong with a job, shown beside the line at fault.
+//! Problems of a job, shown with the faulty line.
 
 use super::tree::{Node, Place};
 use crate::input::deck;
 use crumple_proto::problem::{Problem, Severity};
 use std::fmt;
 
-/// Problems that are printed; the rest is counted.
+/// Maximum number of problems that are printed; the others are counted.
 pub const SHOWN: usize = 50;
-/// Columns of a source line that are printed.
+/// Maximum number of columns of a source line that are printed.
 const WIDTH: usize = 100;
 
 /// A file that was read.
@@ -21,7 +21,7 @@ pub(crate) struct Source {
     pub tree: Node,
 }
 
-/// All that a job came from: the job file, a mesh file, and `--set` from the command line.
+/// All sources of a job: the job file, a mesh file, and `--set` of the command line.
 #[derive(Debug)]
 pub struct Sources {
     pub(crate) job: Source,
@@ -30,17 +30,17 @@ pub struct Sources {
     pub(crate) sets: Vec<String>,
 }
 
-/// The files of a deck, and where its mesh is written.
+/// The files of a deck, and the places of its mesh.
 #[derive(Debug)]
 pub(crate) struct DeckSource {
     pub files: Vec<deck::Text>,
     pub places: deck::Places,
 }
 
-/// How the path of a problem begins that is at a place of a deck.
+/// Prefix of the path of a problem in a deck.
 const DECK: &str = "deck:";
 
-/// The path of a problem that is at a place of a deck, or with the deck as a whole.
+/// Returns the path of a problem at a place of a deck, or of a problem of the whole deck.
 pub(crate) fn deck_path(place: Place) -> String {
     match place {
         Place::Deck { file, start, end } => format!("{DECK}{file}:{start}:{end}"),
@@ -48,18 +48,18 @@ pub(crate) fn deck_path(place: Place) -> String {
     }
 }
 
-/// The place of such a path.
+/// Returns the place in such a path.
 fn deck_place(path: &str) -> Option<Place> {
     let mut numbers = path.strip_prefix(DECK)?.split(':').map(|n| n.parse().ok());
     Some(Place::Deck { file: numbers.next()??, start: numbers.next()??, end: numbers.next()?? })
 }
 
-/// A problem, and its place if that is not simply the place of its path.
+/// A problem, and its place if it differs from the place of its path.
 #[derive(Debug)]
 pub(crate) struct Finding {
     pub problem: Problem,
     pub place: Option<Place>,
-    /// Whether it was found in the mesh file.
+    /// True if it was found in the mesh file.
     pub in_mesh_file: bool,
 }
 
@@ -69,16 +69,16 @@ impl From<Problem> for Finding {
     }
 }
 
-/// A problem and where it is.
+/// A problem and its place.
 #[derive(Clone, Debug)]
 pub struct Located {
-    /// What is wrong.
+    /// The problem.
     pub problem: Problem,
-    /// Where; `None` if no file or argument is at fault.
+    /// Its place; `None` if no file or argument is the cause.
     pub spot: Option<Spot>,
 }
 
-/// A place that a person can go to.
+/// A place for the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spot {
     /// A line of a file.
@@ -91,16 +91,14 @@ pub enum Spot {
         column: usize,
         /// The line, or the part of it around the column.
         text: String,
-        /// First underlined character of `text`, and how many; none if the line as a whole is
-        /// meant.
+        /// First underlined character of `text`, and their number; none for the line as a whole.
         underline: Option<(usize, usize)>,
     },
     /// An argument `--set ...`.
     Set(String),
 }
 
-/// Everything that is wrong with a job. Its text is complete: file, line, what is wrong, what to
-/// do.
+/// All problems of a job. Its text is complete: file, line, problem and advice.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The problems, errors first, then in the order of the file.
@@ -108,10 +106,10 @@ pub struct Report {
 }
 
 impl Report {
-    /// The process ends with this code: bad input.
+    /// Exit code of the process: invalid input.
     pub const EXIT_CODE: u8 = 2;
 
-    /// A report of one problem that is at no place of a file.
+    /// Creates a report of one problem without a place in a file.
     pub fn from_problem(problem: Problem) -> Self {
         Report { problems: vec![Located { problem, spot: None }] }
     }
@@ -122,7 +120,7 @@ impl Report {
         Report { problems }
     }
 
-    /// How many of the problems keep the run from starting.
+    /// Returns the number of problems that prevent the run.
     pub fn errors(&self) -> usize {
         self.problems.iter().filter(|p| p.problem.severity == Severity::Error).count()
     }
@@ -191,7 +189,7 @@ impl Sources {
 
     fn show(&self, finding: Finding) -> Located {
         let Finding { problem, place, in_mesh_file } = finding;
-        // Below these keys a mesh file stands in for the job's [mesh].
+        // Below these keys a mesh file replaces the job's [mesh].
         let inside = ["nodes", "shells", "thicknesses", "node_sets"].iter().any(|key| {
             problem.path.strip_prefix("mesh.").is_some_and(|p| p.split('.').next() == Some(key))
         });
@@ -226,7 +224,7 @@ impl Source {
     }
 }
 
-/// A place in a text by its bytes.
+/// Returns the place of a range of bytes in a text.
 fn spot(file: &str, text: &str, start: usize, end: Option<usize>) -> Spot {
     let mut start = start.min(text.len());
     while !text.is_char_boundary(start) {
@@ -241,7 +239,7 @@ fn spot(file: &str, text: &str, start: usize, end: Option<usize>) -> Spot {
         let length = text[start..].char_indices().take_while(|(i, _)| start + i < end).count();
         (column, length.clamp(1, (line_text.len().saturating_sub(column)).max(1)))
     });
-    // A mesh can stand on one line of a million characters: show what is around the place.
+    // A mesh can be one line of a million characters, so only the part around the place is shown.
     let first = if column > WIDTH / 2 && line_text.len() > WIDTH { column - WIDTH / 4 } else { 0 };
     let shown: String = line_text.iter().skip(first).take(WIDTH).collect();
     let underline = underline
@@ -255,7 +253,7 @@ fn spot(file: &str, text: &str, start: usize, end: Option<usize>) -> Spot {
     }
 }
 
-/// The text with control characters as blanks, so that a stray byte does not disturb a terminal.
+/// Replaces control characters by blanks, because they could disturb a terminal.
 fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! A job's numbers: what is out of range, and what a job leaves to a default is filled in.
+//! The numbers of a job: range checks and defaults.
 
 use super::validate::{Findings, nearest};
 use super::{contact, walls};
@@ -11,11 +11,11 @@ use crumple_proto::problem::Problem;
 use crumple_worker::contact::beams;
 use std::collections::{BTreeMap, HashMap};
 
-/// Field files of one run, at most.
+/// Maximum number of field files of a run.
 const MOST_FIELDS: f64 = 100_000.0;
 
-/// Checks everything of a job that is not its mesh. `workers_given` if the job names a number of
-/// workers.
+/// Checks everything of a job except its mesh. `workers_given` is true if the job sets the number
+/// of workers.
 pub fn check(job: &Job, workers_given: bool, findings: &mut Findings) {
     let mut numbers = Numbers { findings };
     numbers.need(job.end_time > 0.0, "end_time", job.end_time, "above 0");
@@ -184,14 +184,15 @@ fn loads(job: &Job, numbers: &mut Numbers<'_>) {
     }
 }
 
-/// Checks of numbers and words, with what is found wrong with them.
+/// Checks of numbers and words.
 pub(super) struct Numbers<'f> {
-    /// See above.
+    /// The problems found.
     pub findings: &'f mut Findings,
 }
 
 impl Numbers<'_> {
-    /// Notes an error unless the `value` at a path is `right`; `wanted` says what it has to be.
+    /// Reports an error unless `right` is true for the `value` at a path. `wanted` describes the
+    /// valid values.
     pub fn need(&mut self, right: bool, path: &str, value: f64, wanted: &str) {
         if !right {
             let key = path.rsplit('.').next().unwrap_or(path);
@@ -203,7 +204,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// Notes an error unless a word at a path is among the `known` ones.
+    /// Reports an error unless a word at a path is one of the `known` ones.
     pub fn word(&mut self, path: &str, word: &str, known: &[&str]) {
         if !known.contains(&word) {
             let key = path.rsplit('.').next().unwrap_or(path);
@@ -216,17 +217,17 @@ impl Numbers<'_> {
     }
 }
 
-/// The settings that all workers get, defaults filled in; lengths come from the smallest and the
-/// median side of the mesh's elements. Walls, loads and rigid bodies need the mesh and come later;
-/// `own` are the parts of shells with a thickness of their own, with the largest of these [length].
-/// Beside them, for each of their parts its place in the job.
+/// Returns the settings of all workers with defaults, and for each of their parts its index in
+/// the job. Default lengths follow from the smallest and the median side of the mesh's elements.
+/// Walls, loads and rigid bodies need the mesh and are added later. `own` holds the parts with
+/// shells of individual thickness, with the largest of these [length].
 pub fn settings(
     job: &Job,
     sides: Option<(f64, f64)>,
     own: &BTreeMap<u32, f64>,
 ) -> (Settings, Vec<usize>) {
-    /// A buffer of more of the smallest sides would make workers copy much of a fine zone in a
-    /// coarse mesh.
+    /// Largest buffer in smallest sides. With a larger one, workers would copy much of a fine
+    /// zone in a coarse mesh.
     const COARSE: f64 = 4.0;
     let (smallest, median) = sides.unwrap_or((0.0, 0.0));
     let mut order: Vec<usize> = (0..job.part.len()).collect();
@@ -274,7 +275,7 @@ fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
     let number = |v: &toml::Value| v.as_float().or(v.as_integer().map(|i| i as f64)).unwrap_or(0.0);
     let list =
         |v: &toml::Value| v.as_array().map(|items| items.iter().map(number).collect::<Vec<f64>>());
-    // The schema has let numbers, lists and lists of lists through, nothing else.
+    // The schema allows only numbers, lists and lists of lists.
     let param = |v: &toml::Value| match v.as_array() {
         None => Param::Number(number(v)),
         Some(rows) if rows.first().is_some_and(toml::Value::is_array) => {
@@ -294,7 +295,8 @@ fn material(spec: &crumple_proto::job::MaterialSpec) -> Material {
     }
 }
 
-/// Start, end and every interval between, and the further times of the job; ascending, none twice.
+/// Returns the times of field output: start, end, multiples of the interval and the additional
+/// times of the job; ascending, each once.
 fn field_times(job: &Job) -> Vec<f64> {
     let end = job.end_time;
     let interval = match job.output.field_interval {

@@ -1,4 +1,4 @@
-//! Rigid bodies of a job: what is wrong with them, and what they are in numbers and ids.
+//! Rigid bodies of a job: checks, and conversion to numbers and ids.
 
 use super::loads::{Curves, DOFS, dof_bits, motion_form};
 use super::state::{NodeSets, NodeStart};
@@ -15,8 +15,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 /// All degrees of freedom of a node.
 const ALL: u64 = 0b11_1111;
 
-/// Resolves the rigid bodies of a job and the motions that name them; their nodes are marked as not
-/// free in `start`.
+/// Resolves the rigid bodies of a job and their motions. Marks their nodes as fixed in `start`.
 pub fn resolve(
     job: &Job,
     mesh: &Mesh,
@@ -77,7 +76,7 @@ pub fn resolve(
     bodies
 }
 
-/// Names, masses and inertias.
+/// Checks names, masses and inertias.
 fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
     let path = |key: &str| format!("rigid.{i}.{key}");
     if rigid.name.is_empty() {
@@ -119,8 +118,8 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
         }
     }
     if let Some([xx, yy, zz, xy, yz, zx]) = rigid.inertia {
-        // Sylvester: positive definite; then the triangle inequality in these axes, which every
-        // body obeys.
+        // Sylvester's criterion for a positive definite matrix, then the triangle inequality in
+        // these axes, which holds for every body.
         let minor = xx * yy - xy * xy;
         let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
         let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
@@ -131,13 +130,13 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut Findings) {
     }
 }
 
-/// What of a mesh all bodies need.
+/// Data of a mesh that all bodies need.
 struct Ground<'a> {
     mesh: &'a Mesh,
     sets: &'a NodeSets<'a>,
-    /// Elements of each part by their place in the mesh.
+    /// Indices of the elements of each part.
     of_part: HashMap<u32, Vec<usize>>,
-    /// Nodes that turn: they have an inertia of their own.
+    /// Nodes with rotational inertia of their own.
     turning: HashSet<NodeId>,
 }
 
@@ -158,7 +157,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// The nodes of a body, ascending.
+/// Returns the nodes of a body, ascending.
 fn members(rigid: &Rigid, path: &str, ground: &Ground<'_>, findings: &mut Findings) -> Vec<NodeId> {
     let Ground { mesh, sets, of_part, turning } = ground;
     if rigid.parts.is_empty() && rigid.nodes.is_none() {
@@ -201,11 +200,11 @@ fn on_a_line(points: &[[f64; 3]]) -> bool {
         ])
     };
     let far = square(along);
-    // 1e-9 of the length: a line to the digits that meshes are written with.
+    // 1e-9 of the length: a straight line to the digits of mesh files.
     points.iter().map(from).all(|d| off(d) <= 1e-18 * far * far)
 }
 
-/// Motions that name a body.
+/// Resolves the motions that name a body.
 fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut Findings) {
     let curves = Curves::quietly(job);
     for (i, m) in job.motion.iter().enumerate() {

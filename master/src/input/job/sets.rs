@@ -1,14 +1,14 @@
 //! `--set section.key=value`: values of a job from the command line.
 //!
-//! An entry of a list such as `[[part]]` is called by its `name`, by its `id` if such entries have
-//! one, and by its position from 0 if they have none.
+//! An entry of a list such as `[[part]]` is addressed by its `name`, by its `id` if such entries
+//! have one, and by its position from 0 if they have neither.
 
 use super::tree::{Entry, Kind, Node, Place, split_first};
 use super::validate::{Findings, is_list_of_tables, nearest};
 use crumple_proto::problem::Problem;
 
-/// Puts every `key=value` into the tree. Unknown keys are put in as well: the check against the
-/// schema names them.
+/// Inserts every `key=value` into the tree. Unknown keys are inserted too, because the check
+/// against the schema reports them.
 pub fn apply(tree: &mut Node, sets: &[String], findings: &mut Findings) {
     for (index, argument) in sets.iter().enumerate() {
         let place = Place::Set(index as u32);

@@ -1,20 +1,20 @@
-//! Springs: the stable step that the masses at their ends leave them, and nodes that have none.
-//! What shares a node's mass with other elements takes of their step, too: this is where all of it
-//! is reckoned.
+//! Stable steps of springs from the masses at their ends, nodes without mass, and the reduced
+//! steps of other elements at these nodes.
 //!
-//! A node's mass is shared among what is fastened there, since the frequencies of parts of a model
-//! that keep to their shares bound those of the whole (Irons & Treharne 1971). Springs get all of
-//! it where there is nothing else. Otherwise let q be the fraction of it that bears them at the
-//! step of the smallest other element of the model, but at most [`MOST`]: springs get `q / (1 + q)`
-//! of the mass and elements the rest, which costs these `1 / sqrt(1 + q)` of their step. Among each
-//! other springs share by what each of them needs.
+//! The mass of a node is divided among the elements connected to it, because the frequencies of
+//! parts of a model with their own fractions of mass bound those of the whole (Irons & Treharne
+//! 1971). If there are only springs, they get all of it. Otherwise let q be the fraction of the
+//! mass with which the springs are stable at the step of the smallest other element of the model,
+//! but at most [`MOST`]. Springs get `q / (1 + q)` of the mass and elements the rest, which
+//! reduces the step of elements by the factor `1 / sqrt(1 + q)`. Springs divide their part in
+//! proportion to the mass that each of them needs.
 //!
-//! A node that is tied with an offset leaves its elements and springs [`ARM_SHARE`] of the mass
-//! that they have there.
+//! A node that is tied with an offset leaves its elements and springs the fraction [`ARM_SHARE`]
+//! of their mass.
 //!
-//! Elements that have less than their mass count on the step that they bear alone: what a regular
-//! mesh bears beyond that is not known of one with springs or ties. So `time.safety` is not spent
-//! on either.
+//! Elements with less than their mass use the stable step of a single element. A regular mesh is
+//! stable at a larger step, but this is not known for a mesh with springs or ties. `time.safety`
+//! therefore remains available for other effects.
 
 use super::laws::Blocks;
 use super::state::{ElementStart, NodeStart};
@@ -28,29 +28,29 @@ use crumple_worker::constraints::ties::ARM_SHARE;
 use crumple_worker::fem::elements::Discrete;
 use std::collections::HashMap;
 
-/// Most of q, see above: elements lose no more than a tenth of their step, and stiffer springs have
-/// a shorter one.
+/// Largest q, see above: elements lose at most a tenth of their step, and stiffer springs have a
+/// shorter step.
 const MOST: f64 = 0.2;
 
-/// What springs see of a node.
+/// Data of a node for its springs.
 #[derive(Clone, Copy, Default)]
 struct End {
     /// Mass [mass].
     mass: f64,
-    /// Whether other elements are fastened there.
+    /// True if other elements are connected to it.
     shared: bool,
-    /// Whether it is held or led: nothing pushes it.
+    /// True if its motion is fixed or prescribed, so that no force accelerates it.
     held: bool,
-    /// Whether it is tied with an offset.
+    /// True if it is tied with an offset.
     has_arm: bool,
     /// Index of its rigid body.
     body: Option<usize>,
-    /// Fraction of its mass that bears its springs at the step of others.
+    /// Fraction of its mass with which its springs are stable at the step of other elements.
     need: f64,
 }
 
-/// Sets the stable steps of springs in `start`, and what others lose to them and to ties; says
-/// which free nodes have no mass, and which springs no length.
+/// Sets the stable steps of springs in `start`, and the reduced steps of other elements at
+/// springs and ties. Reports free nodes without mass, and springs without length.
 pub fn steps(
     mesh: &Mesh,
     settings: &Settings,
@@ -149,13 +149,13 @@ pub fn steps(
     }
 }
 
-/// Fraction of a mass that springs which need so much of it get beside elements.
+/// Returns the fraction of a mass that springs with this need get in addition to elements.
 fn taken(need: f64) -> f64 {
     let q = need.min(MOST);
     q / (1.0 + q)
 }
 
-/// Masses of all nodes, and what holds them.
+/// Returns the masses of all nodes, and their constraints.
 fn of_nodes(
     mesh: &Mesh,
     settings: &Settings,
@@ -192,7 +192,7 @@ fn of_nodes(
     ends
 }
 
-/// Says which free nodes have no mass.
+/// Reports free nodes without mass.
 fn massless(mesh: &Mesh, ends: &[End], findings: &mut Findings) {
     let without = |i: &usize| ends[*i].mass == 0.0 && !ends[*i].held && ends[*i].body.is_none();
     let found: Vec<usize> = (0..ends.len()).filter(without).collect();
@@ -207,13 +207,13 @@ fn massless(mesh: &Mesh, ends: &[End], findings: &mut Findings) {
     }
 }
 
-/// A rigid body as springs see it.
+/// Mass properties of a rigid body for its springs.
 struct BodyMass {
     mass: f64,
     centre: [f64; 3],
-    /// No more than its smallest moment of inertia [mass length^2].
+    /// Lower bound of its smallest moment of inertia [mass length^2].
     inertia: f64,
-    /// Fraction of its mass that bears its springs at the step of others.
+    /// Fraction of its mass with which its springs are stable at the step of other elements.
     need: f64,
 }
 
@@ -235,14 +235,14 @@ impl BodyMass {
                 moments.iter_mut().zip(of).for_each(|(j, of)| *j += m * of);
             }
         }
-        // The other two moments multiply to no more than the square of half the trace.
+        // The product of the other two moments is at most the square of half the trace.
         let [xx, yy, zz, xy, yz, zx] = moments;
         let determinant =
             xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
         Self { mass, centre, inertia: 4.0 * determinant / (xx + yy + zz).powi(2), need: 0.0 }
     }
 
-    /// No less than the change of velocity at `x` per unit impulse there [1/mass].
+    /// Returns an upper bound of the change of velocity at `x` per unit impulse there [1/mass].
     fn softness(&self, x: &[f64; 3]) -> f64 {
         let arm: f64 = (0..3).map(|c| (x[c] - self.centre[c]).powi(2)).sum();
         1.0 / self.mass + arm / self.inertia

@@ -1,5 +1,5 @@
-//! What nodes and elements start with: added mass, fixed degrees of freedom, velocities, steps and
-//! masses.
+//! Initial state of nodes and elements: added mass, fixed degrees of freedom, velocities, steps
+//! and masses.
 
 use super::laws::{Blocks, Used};
 use super::loads::dof_bits;
@@ -19,9 +19,9 @@ use std::collections::HashMap;
 /// Per node, in the order of the mesh.
 #[derive(Clone, Debug, Default)]
 pub struct NodeStart {
-    /// Lumped mass on top of the elements' [mass].
+    /// Lumped mass in addition to that of the elements [mass].
     pub added_mass: Vec<f64>,
-    /// Bits 0..6: x, y, z, rx, ry, rz held fixed or prescribed.
+    /// Bits 0..6: x, y, z, rx, ry, rz fixed or prescribed.
     pub fixed: Vec<u64>,
     /// Velocity [length/time].
     pub velocity: Vec<[f64; 3]>,
@@ -30,7 +30,7 @@ pub struct NodeStart {
 }
 
 impl NodeStart {
-    /// Holds degrees of freedom of a node fixed: they do not start to move either.
+    /// Fixes degrees of freedom of a node and sets their initial velocity to zero.
     pub fn hold(&mut self, n: usize, bits: u64) {
         self.fixed[n] |= bits;
         for c in 0..3 {
@@ -49,29 +49,28 @@ impl NodeStart {
 pub struct ElementStart {
     /// Index of its part in the settings.
     pub part: Vec<u32>,
-    /// Mass without mass scaling; of rigid elements as the job gives it [mass].
+    /// Mass without mass scaling; for rigid elements as given in the job [mass].
     pub mass: Vec<f64>,
-    /// Factor on its density by mass scaling, or by the mass that is given to a rigid body.
+    /// Factor on its density from mass scaling, or from the given mass of a rigid body.
     pub mass_factor: Vec<f64>,
-    /// Fraction of its mass that its step counts on, below 1 where springs and ties count on the
-    /// rest.
+    /// Fraction of its mass for its stable step, below 1 if springs and ties use the rest.
     pub share: Vec<f64>,
-    /// Stable step with mass scaling, before the safety factor; infinite where rigid or a skin
-    /// [time].
+    /// Stable step with mass scaling, before the safety factor; infinite for rigid elements and
+    /// skins [time].
     pub stable_dt: Vec<f64>,
-    /// Whether it is computed in the first cycle of an outer step only; empty without subcycles.
+    /// True if it is computed in the first cycle of an outer step only; empty without subcycles.
     pub slow: Vec<bool>,
 }
 
-/// The mesh's node sets, for those who look them up by name.
+/// The mesh's node sets, for access by name.
 pub struct NodeSets<'m> {
     mesh: &'m Mesh,
-    /// Places by label.
+    /// Indices by label.
     index: HashMap<u64, usize>,
 }
 
 impl<'m> NodeSets<'m> {
-    /// The sets of a mesh.
+    /// Collects the sets of a mesh.
     pub fn new(mesh: &'m Mesh) -> Self {
         Self {
             mesh,
@@ -79,8 +78,8 @@ impl<'m> NodeSets<'m> {
         }
     }
 
-    /// Places in the mesh of a set's nodes that elements use, ascending; `None`, and why at `path`,
-    /// without such a set.
+    /// Returns the indices of a set's nodes that elements use, ascending. Reports an error at
+    /// `path` and returns `None` if there is no such set.
     pub fn indices(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<usize>> {
         let Some(ids) = self.mesh.node_sets.get(name) else {
             let known: Vec<&str> = self.mesh.node_sets.keys().map(String::as_str).collect();
@@ -107,18 +106,18 @@ impl<'m> NodeSets<'m> {
         Some(nodes)
     }
 
-    /// Place in the mesh of a node that an element uses.
+    /// Returns the index of a node that an element uses.
     pub fn place(&self, id: NodeId) -> Option<usize> {
         self.index.get(&id.label()).copied()
     }
 
-    /// Id of the node that the user's mesh calls so, if an element uses it.
+    /// Returns the id of the node with this label in the user's mesh, if an element uses it.
     pub fn labelled(&self, label: u64) -> Option<NodeId> {
         self.index.get(&label).map(|&n| self.mesh.nodes[n].id)
     }
 
-    /// Ids of a set's nodes that elements use, ascending; `None`, and why at `path`, without such a
-    /// set.
+    /// Returns the ids of a set's nodes that elements use, ascending. Reports an error at `path`
+    /// and returns `None` if there is no such set.
     pub fn ids(&self, name: &str, path: String, findings: &mut Findings) -> Option<Vec<NodeId>> {
         let nodes = self.indices(name, path, findings)?;
         Some(nodes.into_iter().map(|n| self.mesh.nodes[n].id).collect())
@@ -126,12 +125,12 @@ impl<'m> NodeSets<'m> {
 }
 
 impl ElementStart {
-    /// Stable step of an element without mass; infinite for all others [time].
+    /// Returns the stable step of an element without mass, infinite for all others [time].
     pub fn massless_dt(&self, i: usize) -> f64 {
         if self.mass[i] == 0.0 { self.stable_dt[i] } else { f64::INFINITY }
     }
 
-    /// Mass of an element with what scaling adds [mass].
+    /// Returns the mass of an element with mass scaling [mass].
     pub fn mass_with_scaling(&self, i: usize) -> f64 {
         if self.stable_dt[i].is_finite() {
             self.mass[i] * self.mass_factor[i]
@@ -141,7 +140,8 @@ impl ElementStart {
     }
 }
 
-/// What the job's `[[mass]]`, `[[fix]]` and `[[initial_velocity]]` give each node of the mesh.
+/// Returns the initial state of the nodes from the job's `[[mass]]`, `[[fix]]` and
+/// `[[initial_velocity]]`.
 pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Findings) -> NodeStart {
     let count = mesh.nodes.len();
     let mut start = NodeStart {
@@ -209,7 +209,7 @@ pub fn nodes(job: &Job, mesh: &Mesh, sets: &NodeSets<'_>, findings: &mut Finding
     start
 }
 
-/// Masses and stable steps of all elements, with the mass that scaling to a given step adds.
+/// Returns masses and stable steps of all elements, with mass scaling to a given step.
 pub fn elements(
     job: &Job,
     mesh: &Mesh,
@@ -236,7 +236,7 @@ pub fn elements(
             unsound = (unsound.0 + 1, unsound.1.or(Some(element.id)));
         }
         let wanted = job.time.mass_scaling_dt;
-        // The stable step goes with the root of the density.
+        // The stable step is proportional to the square root of the density.
         let factor = if wanted > dt { (wanted / dt).powi(2) } else { 1.0 };
         let rigid = settings.rigid.iter().position(|r| r.parts.contains(&(part as u32)));
         start.part.push(part as u32);
@@ -285,7 +285,7 @@ pub fn elements(
     start
 }
 
-/// Warnings of what the numbers of a sound model show.
+/// Returns warnings about the numbers of a valid model.
 pub fn warnings(
     job: &Job,
     mesh: &Mesh,
@@ -352,7 +352,7 @@ pub fn warnings(
             "take a smaller step, or a mesh without tiny elements",
         ));
     }
-    // Rigid bodies and skins set none.
+    // Rigid bodies and skins have no stable step.
     let mut steps: Vec<f64> =
         elements.stable_dt.iter().copied().filter(|dt| dt.is_finite()).collect();
     let middle = steps.len() / 2;
@@ -373,7 +373,7 @@ pub fn warnings(
     warnings
 }
 
-/// A warning if beams other than welds take no part in contact.
+/// Warns if beams other than welds are not in contact.
 fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) -> Option<Problem> {
     let without = |p: &&Part| {
         let is_bare =
@@ -390,19 +390,19 @@ fn beams_without_contact(contact: &Contact, settings: &Settings, mesh: &Mesh) ->
     (!ids.is_empty()).then(|| Problem::warning("contact.beams", message, help))
 }
 
-/// The largest `sqrt(E/rho)` of a job's materials [length/time].
+/// Returns the largest `sqrt(E/rho)` of a job's materials [length/time].
 pub fn fastest_wave(job: &Job) -> f64 {
     let wave = |m: &MaterialSpec| Some((units::youngs_modulus(m)? / m.density).sqrt());
     job.material.iter().filter_map(wave).fold(0.0, f64::max)
 }
 
-/// Mass that scaling adds to all elements [mass].
+/// Returns the mass added by mass scaling to all elements [mass].
 pub fn scaled_mass(elements: &ElementStart) -> f64 {
     (0..elements.mass.len()).map(|i| elements.mass_with_scaling(i) - elements.mass[i]).sum()
 }
 
-/// Mass of the elements that set a time step, those of rigid bodies left out, before scaling
-/// [mass].
+/// Returns the mass of the elements with a stable step, without those of rigid bodies, before
+/// scaling [mass].
 fn deformable_mass(elements: &ElementStart) -> f64 {
     elements
         .mass
@@ -413,12 +413,12 @@ fn deformable_mass(elements: &ElementStart) -> f64 {
         .sum()
 }
 
-/// The first of the smallest values, and its place.
+/// Returns the index and value of the first of the smallest values.
 pub fn smallest(values: &[f64]) -> Option<(usize, f64)> {
     values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Which shapes each part of the settings has elements of, by [`Shape`].
+/// Returns the shapes in use of each part of the settings, by [`Shape`].
 pub fn shapes_in_use(mesh: &Mesh, settings: &Settings) -> Vec<Used> {
     let part_of: HashMap<u32, usize> =
         settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();

@@ -1,10 +1,10 @@
-//! Which elements are slow: computed in the first cycle of an outer step only
+//! Finds slow elements, which are computed in the first cycle of an outer step only
 //! (`worker/src/fem/assembly.rs`, [`Settings::subcycles`]).
 //!
-//! The slow ones bear the outer step, and do not touch the small ones that set the step: layers of
-//! neighbours lie between. Fast motion that could resonate with the slow forces, of half periods
-//! that fit into the outer step, is too fast to travel in these layers and dies away across them
-//! (`cases/studies/README.md`).
+//! Slow elements are stable at the outer step and do not touch the small elements that control
+//! the step: layers of neighbours are between them. Fast motion that could resonate with the slow
+//! forces has half periods that fit into the outer step. It is too fast to travel in these layers
+//! and decays across them (`cases/studies/README.md`).
 
 use super::state::ElementStart;
 use super::validate::Findings;
@@ -16,45 +16,46 @@ use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
 use std::collections::HashMap;
 
-/// Steps within round-off of the outer step bear it.
+/// Relative round-off by which a stable step may be below the outer step.
 const SLACK: f64 = 1e-9;
-/// Subcycles that are looked at for advice.
+/// Numbers of subcycles that are tried for advice.
 const CHOICES: std::ops::RangeInclusive<u64> = 2..=20;
-/// Fraction of the computations of elements that subcycles have to save to be worth a word.
+/// Smallest fraction of element computations saved for which subcycles are recommended.
 const WORTH: f64 = 0.2;
 
-/// Elements by how often they are computed; those of rigid parts and skins are in neither.
+/// Elements by frequency of computation. Those of rigid parts and skins are in neither class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Classes {
-    /// In each cycle.
+    /// Number of elements computed in each cycle.
     pub fast: usize,
-    /// Once in an outer step.
+    /// Number of elements computed once per outer step.
     pub slow: usize,
 }
 
 impl Classes {
-    /// Counts them.
+    /// Counts the elements of each class.
     pub fn new(elements: &ElementStart) -> Self {
         let slow = elements.slow.iter().filter(|&&slow| slow).count();
         Self { fast: elements.stable_dt.iter().filter(|dt| dt.is_finite()).count() - slow, slow }
     }
 
-    /// Computations of elements in an outer step as a fraction of those without subcycles.
+    /// Returns the element computations in an outer step as a fraction of those without
+    /// subcycles.
     pub fn work(&self, subcycles: u64) -> f64 {
         let all = (self.fast + self.slow).max(1) as f64;
         (self.fast as f64 + self.slow as f64 / subcycles as f64) / all
     }
 }
 
-/// Which nodes, by their places in the mesh, are next to each other.
+/// Connections between nodes, as indices in the mesh.
 struct Neighbours {
-    /// Of each element.
+    /// Nodes of each element.
     elements: Vec<[u32; 8]>,
-    /// That a tie or a rigid body joins: fast motion passes through.
+    /// Groups of nodes that a tie or a rigid body joins; fast motion passes through them.
     joined: Vec<Vec<u32>>,
     nodes: usize,
-    /// Elements that are computed in each cycle whatever their step: contact answers to their
-    /// forces in the cycle in which they come.
+    /// Elements that are computed in each cycle for any step, because contact responds to their
+    /// forces in the same cycle.
     kept: Vec<bool>,
 }
 
@@ -79,8 +80,8 @@ impl Neighbours {
         }
     }
 
-    /// The elements that are slow with so many subcycles, and so many layers of others between them
-    /// and the small ones.
+    /// Returns true for the slow elements, with `subcycles` subcycles and `layers` layers of
+    /// other elements between them and the small ones.
     fn slow(&self, subcycles: u64, layers: u64, stable_dt: &[f64]) -> Vec<bool> {
         let outer = subcycles as f64 * smallest(stable_dt) * (1.0 - SLACK);
         let bears = |(&dt, &kept): (&f64, &bool)| dt.is_finite() && dt >= outer && !kept;
@@ -109,7 +110,8 @@ impl Neighbours {
     }
 }
 
-/// Finds the slow elements; without any, or with one subcycle, all are computed in each cycle.
+/// Finds the slow elements. If there are none, or with one subcycle, all elements are computed in
+/// each cycle.
 pub fn divide(
     time: &Time,
     mesh: &Mesh,
@@ -143,8 +145,8 @@ pub fn divide(
     }
 }
 
-/// The number of subcycles that saves most of the computations of elements, and what it leaves of
-/// them, if that is worth a word.
+/// Returns the number of subcycles that saves most element computations, and the remaining
+/// fraction of them; none if the saving is too small.
 pub fn best(
     time: &Time,
     mesh: &Mesh,
@@ -155,7 +157,7 @@ pub fn best(
     let least = smallest(stable_dt);
     let deformable = stable_dt.iter().filter(|dt| dt.is_finite()).count();
     let work = |slow: usize, m: u64| Classes { fast: deformable - slow, slow }.work(m);
-    // Layers only take from the slow ones.
+    // Layers only reduce the number of slow elements.
     let at_most = |m: u64| {
         stable_dt
             .iter()

@@ -1,5 +1,5 @@
-//! Ties of a job: which nodes stand on which faces, what is wrong with that, and what it is in
-//! numbers and ids.
+//! Ties of a job: search for the face of each tied node, checks, and conversion to numbers and
+//! ids.
 
 use super::loads::outer_faces;
 use super::state::{NodeSets, NodeStart};
@@ -14,23 +14,24 @@ use crumple_proto::tie::Tie;
 use crumple_worker::constraints::ties::project::{Face, Foot, diagonal, feet};
 use std::collections::{HashMap, HashSet};
 
-/// Default tolerance: this fraction of the sum of thicknesses, or of the shorter diagonal of the
+/// Default tolerance, as a fraction of the sum of thicknesses, and of the shorter diagonal of the
 /// face.
 const OF_THICKNESSES: f64 = 0.6;
 const OF_DIAGONAL: f64 = 0.05;
-/// Shares below this are round-off of the projection.
+/// Shape value below which it is round-off of the projection.
 const NO_SHARE: f64 = 1e-12;
-/// Nodes that are moved by more than this fraction of the face's diagonal are told.
+/// Displacement of a node onto its face, as a fraction of the face's diagonal, above which it is
+/// reported.
 const TOLD_MOVE: f64 = 1e-3;
-/// Nodes that start with a velocity that differs by more than this fraction from that of their
-/// carriers are told.
+/// Relative difference between the initial velocities of a node and of its masters above which it
+/// is reported.
 const TOLD_VELOCITY: f64 = 0.01;
-/// Numbers of nodes in a message.
+/// Maximum number of node ids in a message.
 const NAMED: usize = 5;
-/// Ties one on another before they go in a circle.
+/// Length of a chain of ties from which it is a circle.
 const LONGEST_CHAIN: usize = 100;
 
-/// A tied node, the entry of the job that it is from, and what its place is to the mesh.
+/// A tied node with its entry in the job, its index in the mesh, and its position on the face.
 struct Stand {
     tie: Tie,
     entry: usize,
@@ -39,17 +40,17 @@ struct Stand {
     moved: f64,
 }
 
-/// What of a job and its mesh all entries need.
+/// Data of a job and its mesh that all entries need.
 struct Ground<'a> {
     job: &'a Job,
     mesh: &'a Mesh,
     sets: NodeSets<'a>,
     /// Free faces of solids.
     free: Vec<u8>,
-    /// Thickness of each part, and of the thickest shell at each node.
+    /// Thickness of each part, and of the thickest shell at each node [length].
     thick: HashMap<u32, f64>,
     shells: HashMap<NodeId, f64>,
-    /// Nodes that turn.
+    /// Nodes with rotations.
     turning: HashSet<NodeId>,
     /// Parts of rigid bodies.
     rigid: HashSet<u32>,
@@ -78,7 +79,8 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Finds the faces that nodes are tied to and moves the nodes onto them; tied nodes ascending.
+/// Finds the faces to which nodes are tied and moves the nodes onto them. Returns the ties by
+/// ascending node.
 pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> {
     if job.tie.is_empty() {
         return Vec::new();
@@ -109,7 +111,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut Findings) -> Vec<Tie> 
     chained(job, stands, findings)
 }
 
-/// Name of an entry in messages.
+/// Returns the name of an entry in messages.
 fn name(job: &Job, entry: usize) -> String {
     match job.tie[entry].name.as_str() {
         "" => format!("tie {}", entry + 1),
@@ -117,7 +119,7 @@ fn name(job: &Job, entry: usize) -> String {
     }
 }
 
-/// The nodes of one entry.
+/// Returns the tied nodes of one entry.
 fn of_entry(
     spec: &TieSpec,
     entry: usize,
@@ -210,7 +212,7 @@ fn of_entry(
         |f: usize, p: usize| if corners[f].contains(&id(p)) { -1.0 } else { reach(f, of_node(p)) };
     let found = feet(&places, &points, |f| reach(f, thickest), tolerance);
     tell_lost(job, entry, &found, id, findings);
-    // A rigid body takes its members where they are.
+    // A rigid body takes its members at their positions.
     let rigid = |f: usize| ground.rigid.contains(&mesh.elements[surface[f].0].part);
     let stand = |(p, foot): (usize, Option<Foot>)| {
         let foot = foot?;
@@ -241,7 +243,7 @@ fn of_entry(
     stands
 }
 
-/// Tells of nodes that start with other velocities than what carries them.
+/// Warns of nodes whose initial velocity differs from that of their masters.
 fn tell_unlike<'t>(
     ties: impl Iterator<Item = &'t Tie>,
     sets: &NodeSets<'_>,
@@ -272,7 +274,7 @@ fn tell_unlike<'t>(
     }
 }
 
-/// Nodes that have the displacements of another one.
+/// Returns nodes that have the displacements of another node.
 fn to_node(
     spec: &TieSpec,
     carrier: NodeId,
@@ -314,8 +316,8 @@ fn to_node(
     nodes.into_iter().map(stand).collect()
 }
 
-/// Notes which nodes of a surface stand on faces between tied nodes. `reaches` are the surface's
-/// nodes, each with its faces' tolerances.
+/// Notes which nodes of a surface project onto faces between tied nodes. `reaches` holds the
+/// surface's nodes, each with its faces' tolerances [length].
 fn face_back(
     ground: &Ground<'_>,
     stands: &mut [Stand],
@@ -359,12 +361,12 @@ fn face_back(
     }
 }
 
-/// Thickness of a shell.
+/// Returns the thickness of a shell [length].
 fn of_shell(e: &MeshElement, thick: &HashMap<u32, f64>) -> f64 {
     if e.thickness > 0.0 { e.thickness } else { thick.get(&e.part).copied().unwrap_or(0.0) }
 }
 
-/// Thickness of the thickest shell at each node.
+/// Returns the thickness of the thickest shell at each node [length].
 fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
     let mut all: HashMap<NodeId, f64> = HashMap::new();
     for e in mesh.elements.iter().filter(|e| matches!(e.shape, Shape::Quad4 | Shape::Tri3)) {
@@ -377,7 +379,7 @@ fn of_nodes(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap<NodeId, f64> {
     all
 }
 
-/// Shares of a face's nodes, ascending; those of next to nothing are left out.
+/// Returns the shape values of a face's nodes by ascending node, without those of round-off.
 fn shared(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
     let mut shares: Vec<(NodeId, f64)> =
         corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
@@ -385,7 +387,7 @@ fn shared(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
     shares
 }
 
-/// Puts shares in order, one for each node, so that they are 1 together.
+/// Sorts shape values, merges those of the same node, and scales their sum to 1.
 fn whole(shares: &mut Vec<(NodeId, f64)>) {
     shares.sort_by_key(|s| s.0);
     shares.dedup_by(|later, first| {
@@ -449,7 +451,7 @@ fn tell_moved(job: &Job, entry: usize, stands: &[Stand], findings: &mut Findings
     ));
 }
 
-/// Ties on nodes that are tied themselves go on to what carries these.
+/// Replaces masters that are tied nodes themselves by their own masters.
 fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
     let own: HashMap<NodeId, Vec<(NodeId, f64)>> =
         stands.iter().map(|s| (s.tie.node, s.tie.masters.clone())).collect();
@@ -504,14 +506,15 @@ fn chained(job: &Job, stands: Vec<Stand>, findings: &mut Findings) -> Vec<Tie> {
     ties
 }
 
-/// What leads all carriers of a node leads it too: it is no longer led by itself.
+/// Removes tied nodes from motions: if all masters of a node have a prescribed motion, the node
+/// follows them.
 pub fn lead(ties: &[Tie], motions: &mut [Motion]) {
     let tied: HashSet<NodeId> = ties.iter().map(|t| t.node).collect();
     motions.iter_mut().for_each(|m| m.nodes.retain(|n| !tied.contains(n)));
 }
 
-/// Makes nodes that rigid bodies carry members of these; tells of nodes that are held, moved or
-/// rigid already, and so cannot be tied.
+/// Adds tied nodes on rigid bodies to the bodies. Reports nodes that are fixed, moved or rigid
+/// already and so cannot be tied.
 pub fn join(
     ties: &mut Vec<Tie>,
     bodies: &mut [RigidBody],
@@ -535,7 +538,7 @@ pub fn join(
     };
     let rigid = nodes(&|t| body_of.contains_key(&t.node));
     list(rigid, "belong to rigid bodies", "tie the other side's nodes to the body instead");
-    // What holds all carriers holds what they carry.
+    // A constraint of all masters also constrains their node.
     let held = nodes(&|t| {
         let all = t.masters.iter().fold(u64::MAX, |bits, c| bits & fixed(c.0));
         let tied = if t.rotations { 0b11_1111 } else { 0b111 };

@@ -1,10 +1,10 @@
-//! A job file as a tree in which every value remembers where it was written.
+//! A job file as a tree in which every value has its place in the file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// Where a key or a value comes from.
+/// Origin of a key or a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Bytes of the file.
@@ -25,13 +25,13 @@ pub enum Place {
     },
     /// The numbered `--set` of the command line.
     Set(u32),
-    /// The whole file, where no key is at fault.
+    /// The whole file, if no key is the cause.
     Whole,
 }
 
 impl Place {
     fn from_span(span: Range<usize>) -> Self {
-        // Files beyond 4 GiB are refused before they are parsed.
+        // Files beyond 4 GiB are rejected before they are parsed.
         Place::File { start: span.start as u32, end: span.end as u32 }
     }
 }
@@ -39,13 +39,13 @@ impl Place {
 /// A value and its place; for a table the place of its header.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// Where it is written.
+    /// Its place.
     pub place: Place,
 }
 
-/// What a value is.
+/// Kind and content of a value.
 #[derive(Clone, Debug)]
 pub enum Kind {
     /// Keys and values.
@@ -54,30 +54,30 @@ pub enum Kind {
     Array(Vec<Node>),
     /// Text.
     String(String),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// A number with a fraction or exponent; also a whole number too large for 64 bits.
+    /// A number with a fraction or exponent; also an integer too large for 64 bits.
     Float(f64),
     /// True or false.
     Boolean(bool),
-    /// A date or time, of which a job has none.
+    /// A date or time, which no job key has.
     Datetime(toml::value::Datetime),
 }
 
 /// A key's place and its value.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Where the key is written.
+    /// Place of the key.
     pub key: Place,
     /// The value.
     pub node: Node,
 }
 
-/// A syntax error: what is wrong, what to do, and where.
+/// A syntax error: message, advice, and place.
 pub type SyntaxError = (String, &'static str, Place);
 
 impl Node {
-    /// Parses TOML; gives all syntax errors at once.
+    /// Parses TOML; returns all syntax errors at once.
     pub fn parse(text: &str) -> Result<Node, Vec<SyntaxError>> {
         let (table, errors) = DeTable::parse_recoverable(text);
         let mut errors: Vec<SyntaxError> = errors
@@ -97,14 +97,14 @@ impl Node {
         if errors.is_empty() { Ok(root) } else { Err(errors) }
     }
 
-    /// Parses one value as it would stand behind `key =`; `None` if it is no TOML value.
+    /// Parses one value as after `key =`; `None` if it is not a TOML value.
     pub fn parse_value(text: &str, place: Place) -> Option<Node> {
         let line = format!("value = {text}");
         let table = DeTable::parse(&line).ok()?;
         let mut errors = Vec::new();
         let mut root = from_table(table.get_ref(), place, &mut errors);
         let Kind::Table(entries) = &mut root.kind else { return None };
-        // A line break in `text` could smuggle in further keys.
+        // A line break in `text` could insert further keys.
         if entries.len() != 1 || !errors.is_empty() {
             return None;
         }
@@ -113,7 +113,7 @@ impl Node {
         Some(node)
     }
 
-    /// An empty table.
+    /// Creates an empty table.
     pub fn table(place: Place) -> Node {
         Node { kind: Kind::Table(BTreeMap::new()), place }
     }
@@ -132,7 +132,7 @@ impl Node {
         }
     }
 
-    /// Says that all its bytes are those of a file of the deck.
+    /// Marks all its places as those of a file of the deck.
     pub fn move_to(&mut self, file: u32) {
         let moved = |place: &mut Place| {
             if let Place::File { start, end } = *place {
@@ -152,7 +152,7 @@ impl Node {
         }
     }
 
-    /// The value of `key` if this is a table that has it.
+    /// Returns the value of `key` if this is a table with this key.
     pub fn get(&self, key: &str) -> Option<&Node> {
         match &self.kind {
             Kind::Table(entries) => entries.get(key).map(|e| &e.node),
@@ -160,8 +160,7 @@ impl Node {
         }
     }
 
-    /// Where the value at a dotted path is written, or what holds it as near as the path can be
-    /// followed.
+    /// Returns the place of the value at a dotted path, or of the nearest table that contains it.
     pub fn locate(&self, path: &str) -> Place {
         let (mut node, mut rest, mut found) = (self, path, self.place);
         while !rest.is_empty() {
@@ -189,8 +188,8 @@ impl Node {
         found
     }
 
-    /// The same without places. Numbers that TOML cannot hold do not occur: the reader has refused
-    /// them.
+    /// Converts the tree to a value without places. Numbers that TOML cannot hold do not occur,
+    /// because the reader rejects them.
     pub fn to_value(&self) -> toml::Value {
         match &self.kind {
             Kind::Table(entries) => toml::Value::Table(
@@ -207,7 +206,7 @@ impl Node {
 }
 
 impl Entry {
-    /// The place to point at when the value is at fault: `key = value` if both stand together.
+    /// Returns the place to show for a faulty value: `key = value` if both are together.
     pub fn place(&self) -> Place {
         match (&self.node.kind, self.key, self.node.place) {
             (Kind::Table(_), _, place) => place,
@@ -221,7 +220,8 @@ impl Entry {
     }
 }
 
-/// Splits a dotted path after its first key, which is one of `keys`; a key may itself hold dots.
+/// Splits a dotted path after its first key, which is one of `keys`; a key may itself contain
+/// dots.
 pub fn split_first<'p, 'k>(
     path: &'p str,
     keys: impl Iterator<Item = &'k str>,

@@ -1,15 +1,15 @@
-//! Whether a material's numbers can be meant in the units that the job states.
+//! Checks if the numbers of a material are plausible in the units of the job.
 
 use crumple_proto::job::{Job, MaterialSpec};
 use crumple_proto::problem::Problem;
 
-/// Densities of solids that are built with, from foam to osmium [kg/m^3].
+/// Densities of solid construction materials, from foam to osmium [kg/m^3].
 const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=23_000.0;
-/// Wave speeds `sqrt(E/rho)`, from soft rubber to diamond, and of what is as dense as a metal, from
-/// lead on [m/s].
+/// Wave speeds `sqrt(E/rho)`, from soft rubber to diamond, and those of materials as dense as a
+/// metal, from lead on [m/s].
 const WAVE_SPEEDS: std::ops::RangeInclusive<f64> = 5.0..=19_000.0;
 const OF_METALS: std::ops::RangeInclusive<f64> = 1000.0..=19_000.0;
-/// Nothing soft is denser [kg/m^3].
+/// Largest density of soft materials [kg/m^3].
 const SOFT: f64 = 2600.0;
 
 /// Units of length, time and mass, in SI.
@@ -20,13 +20,13 @@ struct Units {
     mass: f64,
 }
 
-/// Warns of every material whose density or wave speed no real material has in the stated units.
+/// Warns of every material whose density or wave speed does not exist in the stated units.
 pub fn check(job: &Job) -> Vec<Problem> {
     let Some(units) = read(&job.units) else {
         return Vec::new();
     };
     let mut problems = Vec::new();
-    // What bears nothing may have any numbers.
+    // A material that carries no load may have any numbers.
     let bears = |name: &str| {
         let mut own = job.part.iter().filter(|p| p.material == name).peekable();
         own.peek().is_none() || own.any(|p| !p.skin)
@@ -61,19 +61,19 @@ pub fn check(job: &Job) -> Vec<Problem> {
     problems
 }
 
-/// Wave speeds [m/s] that there are at a density [kg/m^3].
+/// Returns the wave speeds [m/s] that exist at a density [kg/m^3].
 fn wave_speeds(density: f64) -> &'static std::ops::RangeInclusive<f64> {
     if density > SOFT { &OF_METALS } else { &WAVE_SPEEDS }
 }
 
-/// Young's modulus of a material that has one [force/length^2].
+/// Returns Young's modulus of a material that has one [force/length^2].
 pub fn youngs_modulus(material: &MaterialSpec) -> Option<f64> {
     let given = material.parameters.get("youngs_modulus")?;
     given.as_float().or(given.as_integer().map(|i| i as f64))
 }
 
-/// Whether a solid can have this density [mass/length^3] and Young's modulus [force/length^2] in
-/// these units; a density that is not above 0 fits in any.
+/// Returns true if a solid can have this density [mass/length^3] and Young's modulus
+/// [force/length^2] in these units. A density of 0 or less is accepted.
 pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
     let Some(units) = read(units) else { return false };
     let speed = (youngs_modulus / density).sqrt() * units.length / units.time;
@@ -83,8 +83,8 @@ pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
         || (DENSITIES.contains(&density) && (wave_speeds(density).contains(&speed) || speed == 0.0))
 }
 
-/// Reads `mm, ms, kg` and the like; `None` if the text does not name one unit each of length, time
-/// and mass.
+/// Reads `mm, ms, kg` and similar texts; `None` if the text does not name one unit each of
+/// length, time and mass.
 fn read(text: &str) -> Option<Units> {
     let words: Vec<&str> = text
         .split(|c: char| !c.is_alphanumeric() && c != 'µ')
@@ -113,8 +113,8 @@ fn read(text: &str) -> Option<Units> {
 mod tests {
     use super::*;
 
-    /// 7850 and 207 are steel in no units: a metal is stiffer than that in the only ones in which
-    /// it would be as dense.
+    /// 7850 and 207 are steel in no system of units: in the only ones with such a density, a
+    /// metal is stiffer.
     #[test]
     fn metals_are_not_as_soft_as_rubber() {
         assert!(fit("m, ms, kg", 7850.0, 207e3) && !fit("m, ms, kg", 7850.0, 207.0));

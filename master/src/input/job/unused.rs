@@ -1,5 +1,5 @@
-//! Settings that are written in a job and that nothing in it uses: told, since whoever wrote them
-//! expects an effect.
+//! Warns of settings in a job that no feature of the job uses, because the user expects an
+//! effect.
 
 use super::laws::Used;
 use super::tree::{Kind, Node, Place};
@@ -8,7 +8,7 @@ use crumple_proto::job::{Contact, HourglassForm, Job, Part};
 use crumple_proto::mesh::Shape;
 use crumple_proto::problem::Problem;
 
-/// Keys of `[contact]` and the laws that use them; all others are used by all.
+/// Keys of `[contact]` and the laws that use them. All laws use the other keys.
 const OF_LAWS: &[(&str, &[&str])] = &[
     ("iteration", &["lagrange"]),
     ("weighting", &["lagrange"]),
@@ -22,10 +22,10 @@ const OF_LAWS: &[(&str, &[&str])] = &[
     ("penalty_cap", &["penalty", "mortar"]),
 ];
 
-/// What uses a key of a part, and whether this part has that.
+/// Key, description of its users, and a function that returns true if a part has such a user.
 type User = (&'static str, &'static str, fn(&Part, &Used) -> bool);
 
-/// Keys of `[[part]]`, what uses them in words, and whether it is there.
+/// Keys of `[[part]]` and their users.
 const OF_PARTS: &[User] = &[
     ("warping", "shells with element = \"belytschko_tsay\"", |p, u| {
         has(u, Shape::Quad4) && controlled(p)
@@ -56,13 +56,13 @@ fn shells(used: &Used) -> bool {
     has(used, Shape::Quad4) || has(used, Shape::Tri3)
 }
 
-/// Whether quads of a part have an hourglass control to be chosen.
+/// Returns true if quads of a part have a selectable hourglass control.
 fn controlled(part: &Part) -> bool {
     part.element.as_deref() == Some("belytschko_tsay")
 }
 
-/// Tells of them. `used` are the shapes of each part of the job; what a deck says is its own
-/// business, and reported there.
+/// Reports unused settings. `used` are the shapes of each part of the job. Settings of a deck are
+/// not checked here, because the deck reader reports them.
 pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
     let written = |table: &Node, path: &str, key: &str| {
         table.get(key).is_some()
@@ -80,7 +80,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
         };
         let all: Vec<Contact> = contact.each().collect();
         for (key, laws) in OF_LAWS {
-            // What it says is taken over by its interfaces.
+            // Interfaces inherit this value.
             if written(table, "contact", key) && !all.iter().any(|one| used_by(one, laws)) {
                 tell(format!("contact.{key}"), key, &contact.law, laws);
             }
@@ -98,7 +98,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
     }
     let Some(Kind::Array(parts)) = tree.get("part").map(|node| &node.kind) else { return };
     for (index, ((table, part), used)) in parts.iter().zip(&job.part).zip(used).enumerate() {
-        // Of a part without elements this is not what is wrong.
+        // Parts without elements are reported elsewhere.
         if !used.contains(&true) {
             continue;
         }
@@ -120,7 +120,7 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut Findings) {
 mod tests {
     use crate::input::job::read_text;
 
-    /// Warnings of the colliding bars, shells of 2 points, with some settings.
+    /// Returns the warnings for the colliding bars (shells with 2 points) with some settings.
     fn warned(sets: &[&str]) -> Vec<String> {
         let text = include_str!("../../../../cases/bars/job.toml").to_string();
         let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();

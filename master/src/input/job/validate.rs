@@ -1,8 +1,8 @@
-//! Compares a job as written with the schema of a job: unknown keys, wrong types, missing keys,
-//! numbers that are none.
+//! Compares a job with the schema of jobs: unknown keys, wrong types, missing keys, invalid
+//! numbers.
 //!
-//! What is wrong is noted and then taken out or replaced, so that the checks that follow can look
-//! at all the rest.
+//! Faulty values are reported and then removed or replaced, so that later checks can look at the
+//! rest.
 
 use super::report::Finding;
 use super::tree::{Entry, Kind, Node, Place};
@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 static SCHEMA: LazyLock<Value> = LazyLock::new(crumple_proto::job::Job::schema);
 
-/// What is wrong so far, and below which paths nothing more can be said.
+/// The problems so far, and the paths below which nothing more is reported.
 #[derive(Debug, Default)]
 pub struct Findings {
     /// The problems.
@@ -22,27 +22,27 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Notes a problem, unless its path, or something in it, is known to be faulty already.
+    /// Adds a problem, unless its path, or a path below it, is known to be faulty already.
     pub fn add(&mut self, problem: Problem) {
         if !self.is_faulty(&problem.path) && !self.any_faulty_below(&problem.path) {
             self.list.push(Finding::from(problem));
         }
     }
 
-    /// Notes a problem at a given place, and that nothing more is to be said of its path.
+    /// Adds a problem at a given place, and suppresses further problems of its path.
     pub fn add_faulty(&mut self, problem: Problem, place: Option<Place>) {
         self.faulty.push(problem.path.clone());
         self.list.push(Finding { problem, place, in_mesh_file: self.in_mesh_file });
     }
 
-    /// Whether the value at `path`, or what holds it, is faulty.
+    /// Returns true if the value at `path`, or a table that contains it, is faulty.
     pub fn is_faulty(&self, path: &str) -> bool {
         self.faulty.iter().any(|f| {
             path.strip_prefix(f.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('.'))
         })
     }
 
-    /// Whether anything at or below `path` is faulty.
+    /// Returns true if anything at or below `path` is faulty.
     pub fn any_faulty_below(&self, path: &str) -> bool {
         self.faulty
             .iter()
@@ -53,18 +53,18 @@ impl Findings {
         self.faulty.iter().map(|f| f.matches('.').count()).max().unwrap_or(0)
     }
 
-    /// Whether any problem is an error.
+    /// Returns true if any problem is an error.
     pub fn any_error(&self) -> bool {
         self.list.iter().any(|f| f.problem.severity == crumple_proto::problem::Severity::Error)
     }
 }
 
-/// Checks a whole job and mends it so that it can be read as a job.
+/// Checks a whole job and repairs it so that it can be read as a job.
 pub fn job(tree: &mut Node, findings: &mut Findings) {
     walk(tree, &SCHEMA, "", findings);
 }
 
-/// Checks a mesh file, whose keys are those of the job's `[mesh]`.
+/// Checks and repairs a mesh file, whose keys are those of the job's `[mesh]`.
 pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
     findings.in_mesh_file = true;
     walk(tree, &SCHEMA["$defs"]["MeshSource"], "mesh", findings);
@@ -78,7 +78,7 @@ pub fn mesh_file(tree: &mut Node, findings: &mut Findings) {
     findings.in_mesh_file = false;
 }
 
-/// Notes the syntax errors of the mesh file.
+/// Adds the syntax errors of the mesh file.
 pub fn mesh_file_syntax(errors: Vec<super::tree::SyntaxError>, findings: &mut Findings) {
     findings.in_mesh_file = true;
     for (message, help, place) in errors {
@@ -87,7 +87,7 @@ pub fn mesh_file_syntax(errors: Vec<super::tree::SyntaxError>, findings: &mut Fi
     findings.in_mesh_file = false;
 }
 
-/// Whether the job has a list of tables (`[[key]]`) under this key.
+/// Returns true if jobs have a list of tables (`[[key]]`) with this key.
 pub fn is_list_of_tables(key: &str) -> bool {
     let property = resolve(&SCHEMA["properties"][key]);
     property["type"] == "array" && resolve(&property["items"])["type"] == "object"
@@ -166,7 +166,7 @@ fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings:
         return wrong(node, schema, path, findings);
     }
     let item_schema = &resolved["items"];
-    // Millions of numbers in a mesh: no path is put together for those that are right.
+    // A mesh has millions of numbers, so no path is built for valid ones.
     let plain = resolve(item_schema)["type"].as_str().map(str::to_string);
     for (index, item) in items.iter_mut().enumerate() {
         match (plain.as_deref(), &item.kind) {
@@ -180,7 +180,7 @@ fn list(node: &mut Node, resolved: &Value, schema: &Value, path: &str, findings:
 
 fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findings: &mut Findings) {
     let choices = || choices.iter().filter(|c| c["type"] != "null");
-    // A word that may be left out.
+    // An optional word.
     if choices().count() == 1
         && let Some(words) = choices().find_map(|c| resolve(c)["oneOf"].as_array())
     {
@@ -194,7 +194,7 @@ fn any_of(node: &mut Node, choices: &[Value], schema: &Value, path: &str, findin
         if tried.list.is_empty() {
             return;
         }
-        // The choice that fails deepest inside the value is nearest to what was meant.
+        // The choice that fails deepest inside the value is nearest to the intended one.
         if !tried.is_faulty(path) && best.as_ref().is_none_or(|(_, b)| tried.depth() > b.depth()) {
             best = Some((copy, tried));
         }
@@ -228,7 +228,7 @@ fn one_word_of(node: &mut Node, choices: &[Value], path: &str, findings: &mut Fi
     };
 }
 
-/// Notes that a value is of the wrong type and puts one of the right type in its place.
+/// Reports a value of the wrong type and replaces it by one of the right type.
 fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     let what = match last(path).parse::<usize>() {
         Ok(_) => format!("an entry of `{}`", last(list_path(path))),
@@ -260,7 +260,7 @@ fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut Findings) {
     *node = stand_in(schema, node.place);
 }
 
-/// A value of the right type, so that reading can go on.
+/// Returns a value of the right type, so that reading can continue.
 fn stand_in(schema: &Value, place: Place) -> Node {
     let resolved = resolve(schema);
     let first =
@@ -290,7 +290,7 @@ fn stand_in(schema: &Value, place: Place) -> Node {
     Node { kind, place }
 }
 
-/// The schema that `$ref` points to, or the schema itself.
+/// Returns the schema that `$ref` points to, or the schema itself.
 fn resolve(schema: &Value) -> &Value {
     match schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
         Some(name) => &SCHEMA["$defs"][name],
@@ -298,7 +298,7 @@ fn resolve(schema: &Value) -> &Value {
     }
 }
 
-/// The type's name; of a type that may be left out, the other one.
+/// Returns the name of the type; of an optional type the one that is not null.
 fn kind_of(schema: &Value) -> &str {
     match &schema["type"] {
         Value::String(name) => name,
@@ -367,13 +367,13 @@ fn given(node: &Node) -> String {
     }
 }
 
-/// What a key means, by its documentation in the schema.
+/// Returns the description of a key in the schema.
 fn description(schema: &Value) -> String {
     let own = schema["description"].as_str().or_else(|| resolve(schema)["description"].as_str());
     own.unwrap_or_default().replace('\n', " ").trim_end_matches('.').to_string()
 }
 
-/// What the list means that an entry such as `mesh.nodes.3.1` belongs to.
+/// Returns the description of the list that contains an entry such as `mesh.nodes.3.1`.
 fn list_description(path: &str) -> String {
     let mut schema: &Value = &SCHEMA;
     for key in list_path(path).split('.') {
@@ -402,7 +402,7 @@ fn unknown_message(key: &str, path: &str) -> String {
 fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
     let near = near(key, known);
     if near.is_none() {
-        // Perhaps it is right but stands in the wrong section.
+        // It may be correct but in the wrong section.
         for (name, property) in SCHEMA["properties"].as_object().into_iter().flatten() {
             let resolved = resolve(property);
             let object = match resolved["anyOf"].as_array() {
@@ -429,7 +429,7 @@ fn unknown_help(key: &str, path: &str, known: &[&str]) -> String {
     suggestion(near, "keys here", known)
 }
 
-/// "did you mean ...", and everything there is.
+/// Returns "did you mean ...", and all known words.
 pub fn nearest(word: &str, known: &[&str]) -> String {
     suggestion(near(word, known), "known", known)
 }
@@ -447,7 +447,7 @@ fn suggestion(near: Option<&str>, intro: &str, known: &[&str]) -> String {
     }
 }
 
-/// The known word that is most like this one, if any is like it.
+/// Returns the known word that is most similar to this one, if any is similar.
 pub fn near<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let word = word.to_lowercase();
     let score = |k: &str| {
@@ -460,7 +460,7 @@ pub fn near<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     (best >= 0.6).then_some(near)
 }
 
-/// The table at `path`, as a person would call it.
+/// Returns the name of the table at `path` for messages.
 fn section(path: &str) -> String {
     let mut parts = path.split('.');
     let head = parts.next().unwrap_or_default();
@@ -473,7 +473,7 @@ fn section(path: &str) -> String {
     }
 }
 
-/// The path of a list from the path of a number in it.
+/// Returns the path of a list from the path of a number in it.
 fn list_path(path: &str) -> &str {
     path.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.')
 }

@@ -1,4 +1,4 @@
-//! Rigid walls of a job: what is wrong with them, and what they are in numbers and ids.
+//! Rigid walls of a job: checks, and conversion to numbers and ids.
 
 use super::loads::{Curves, starts_with_jump};
 use super::state::{NodeSets, NodeStart};
@@ -12,12 +12,14 @@ use crumple_proto::problem::Problem;
 use crumple_proto::wall::{Wall, WallForm, WallMotion};
 use std::collections::HashSet;
 
-/// Nodes that a wall would throw out with more than this fraction of the wave speed are told; less
-/// is round-off of the mesh.
+/// Speed at which a wall expels a node, as a fraction of the wave speed, above which it is
+/// reported. Smaller speeds are round-off of the mesh.
 const TOLD_SPEED: f64 = 1e-6;
-/// With more than this, as by a strain that nothing bears, the run would fail.
+/// Fraction of the wave speed above which the run would fail, because no material carries such a
+/// strain.
 const THROWN: f64 = 0.1;
-/// An edge counts as along the normal if its part across is below this fraction of it.
+/// Largest part of an edge across the normal, as a fraction, for which it counts as parallel to
+/// the normal.
 const ALONG: f64 = 1e-6;
 
 /// Checks everything of the walls that needs no mesh.
@@ -34,7 +36,7 @@ pub fn check(job: &Job, findings: &mut Findings) {
     }
 }
 
-/// Key at fault (empty for the whole wall), what is wrong, what to do.
+/// Faulty key (empty for the whole wall), message, advice.
 type Fault = (&'static str, String, &'static str);
 
 fn faults(wall: &WallSpec) -> Vec<Fault> {
@@ -141,7 +143,7 @@ fn faults(wall: &WallSpec) -> Vec<Fault> {
     found
 }
 
-/// The walls of a job that [`check`] has found no fault with.
+/// Resolves the walls of a job in which [`check`] has found no errors.
 pub fn resolve(job: &Job, sets: &NodeSets<'_>, findings: &mut Findings) -> Vec<Wall> {
     let curves = Curves::quietly(job);
     let mut walls = Vec::new();
@@ -187,8 +189,8 @@ fn join(i: usize, key: &str) -> String {
     if key.is_empty() { format!("wall.{i}") } else { format!("wall.{i}.{key}") }
 }
 
-/// The unit vector along `v`, if it has a direction. Scaled by the largest component first, so that
-/// tiny and huge ones do too.
+/// Returns the unit vector along `v`, if it has a direction. The vector is scaled by its largest
+/// component first, so that very small and very large vectors work too.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let scaled = v.map(|c| c / largest);
@@ -196,7 +198,7 @@ fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     (largest > 0.0 && length.is_finite()).then(|| scaled.map(|c| c / length))
 }
 
-/// The edge of a rectangle, made square to its unit normal.
+/// Returns the edge of a rectangle, made perpendicular to its unit normal.
 fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
     let edge = unit(wall.edge?)?;
     let along: f64 = (0..3).map(|c| edge[c] * normal[c]).sum();
@@ -205,8 +207,8 @@ fn square(wall: &WallSpec, normal: &[f64; 3]) -> Option<[f64; 3]> {
     if size > ALONG { unit(across) } else { None }
 }
 
-/// Tells of nodes that start behind planes without end, which push them out in the first step of
-/// length `dt`. What would come out faster than a tenth of the `wave` in the materials is an error.
+/// Reports nodes that start behind infinite planes, which expel them in the first step of length
+/// `dt` [time]. A speed of more than a tenth of the `wave` speed of the materials is an error.
 pub fn behind(
     settings: &Settings,
     mesh: &Mesh,

@@ -1,4 +1,4 @@
-//! The reference of jobs as a page: every key with type, dimension, default and meaning.
+//! Reference page of jobs: every key with type, dimension, default and meaning.
 
 use super::schema;
 use crumple_cases::GENERATORS;
@@ -8,7 +8,7 @@ use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
 
-/// Words that dimensions are made of.
+/// Words of which dimensions consist.
 const DIMENSIONS: [&str; 6] = ["length", "time", "mass", "force", "energy", "temperature"];
 
 const INTRODUCTION: &str = "\
@@ -24,7 +24,7 @@ A key without which there is no job, or no such table, is *needed*.
 Editors know these keys too, see [the README](../README.md#job-files-in-an-editor).
 ";
 
-/// The whole page.
+/// Returns the whole page.
 pub fn page() -> String {
     let schema = schema();
     let mut page = Page { schema: &schema, text: INTRODUCTION.to_string() };
@@ -38,7 +38,7 @@ struct Page<'s> {
 }
 
 impl Page<'_> {
-    /// A table of keys and the tables in it. `name` is what its heading says, in brackets.
+    /// Writes a table of keys and its subtables. `name` is the heading, in brackets.
     fn table(&mut self, name: &str, table: &Value) {
         let properties = table["properties"].as_object().into_iter().flatten();
         let needed =
@@ -87,7 +87,7 @@ impl Page<'_> {
         }
     }
 
-    /// The table that a property holds, and whether it may stand several times.
+    /// Returns the table that a property holds, and true if it may appear several times.
     fn inner<'a>(&'a self, property: &'a Value) -> Option<(&'a Value, bool)> {
         let resolved = self.resolve(property);
         if resolved["type"] == "array" {
@@ -108,7 +108,7 @@ impl Page<'_> {
         }
     }
 
-    /// What is said where it is used, else of the type.
+    /// Returns the description at the place of use, otherwise that of the type.
     fn description(&self, property: &Value) -> String {
         let of_type = || self.resolve(property)["description"].as_str();
         property["description"].as_str().or_else(of_type).unwrap_or_default().replace('\n', " ")
@@ -123,7 +123,7 @@ impl Page<'_> {
         }
     }
 
-    /// What is written for a value.
+    /// Returns the form of the values of a property.
     fn form(&self, property: &Value) -> String {
         let resolved = self.resolve(property);
         let choices = ["enum", "oneOf"].iter().find_map(|k| resolved[*k].as_array());
@@ -237,8 +237,8 @@ impl Page<'_> {
     }
 }
 
-/// A meaning without its dimension, and that: what stands in brackets and is made of nothing but
-/// dimensions.
+/// Splits a description into the meaning and the dimension. The dimension is a text in brackets
+/// that consists only of dimension words.
 fn split(meaning: &str) -> (String, Option<String>) {
     let is_dimension = |inside: &str| {
         let mut words =
@@ -260,7 +260,7 @@ fn split(meaning: &str) -> (String, Option<String>) {
     (meaning.to_string(), None)
 }
 
-/// A default as it would be written.
+/// Formats a default as in a job file.
 fn default(value: &Value) -> String {
     match value {
         Value::Null => "none".into(),
@@ -295,7 +295,7 @@ mod tests {
         assert_eq!(cut("Two, `[0.06, 1.5]`."), ("Two, `[0.06, 1.5]`.".into(), None));
     }
 
-    /// Every key of every table has a meaning, and whoever adds one without sees it here.
+    /// Every key of every table needs a description; a new key without one fails here.
     #[test]
     fn every_key_has_a_meaning() {
         let page = page();

@@ -1,5 +1,5 @@
-//! The schema of a job, with what its types do not know: names of laws, formulations and
-//! generators, and their keys.
+//! The schema of a job, completed with names of laws, formulations and generators, and with their
+//! keys.
 
 use crumple_cases::GENERATORS;
 use crumple_proto::job::{Contact, Job};
@@ -10,10 +10,10 @@ use crumple_worker::fem::elements::ELEMENTS;
 use crumple_worker::fem::materials::{DefaultValue, ELASTIC, LAWS, ParameterRow};
 use serde_json::{Map, Value, json};
 
-/// The draft that most editors know; nothing in the schema needs a later one.
+/// The draft that most editors support. The schema needs no later one.
 const DRAFT: &str = "http://json-schema.org/draft-07/schema#";
 
-/// The JSON Schema of jobs for editors.
+/// Returns the JSON Schema of jobs for editors.
 pub fn schema() -> Value {
     let mut schema = Job::schema();
     schema["$schema"] = DRAFT.into();
@@ -37,7 +37,7 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Only these words are allowed; none where the key may be left out.
+/// Restricts a property to these words, or to null if the key is optional.
 fn words(property: &mut Value, allowed: impl Iterator<Item = &'static str>) {
     let mut list: Vec<Value> = allowed.map(Value::from).collect();
     if property["type"].is_array() {
@@ -46,7 +46,7 @@ fn words(property: &mut Value, allowed: impl Iterator<Item = &'static str>) {
     property["enum"] = list.into();
 }
 
-/// The parameters of a law, where a material has it.
+/// Returns the schema of the parameters of a law, for materials with this law.
 fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
     let all = || ELASTIC.iter().chain(parameters);
     let needed: Vec<&str> =
@@ -67,7 +67,7 @@ fn of_law(name: &str, parameters: &[ParameterRow]) -> Value {
     })
 }
 
-/// The options of a generator, where a job names it.
+/// Returns the schema of the options of a generator, for jobs with this generator.
 fn of_generator(generator: &crumple_cases::Generator) -> Value {
     let entry = |&(key, default, meaning): &crumple_cases::OptionRow| {
         (key.to_string(), json!({ "type": "number", "default": default, "description": meaning }))

@@ -1,51 +1,51 @@
-//! The words of LS-DYNA's state database (*LS-DYNA Database: Binary Output Files*, Livermore
-//! Software Technology Corporation 2017, chapter "State database"): single precision, the geometry
-//! in the first file, states in the next.
+//! Binary layout of LS-DYNA's state database (*LS-DYNA Database: Binary Output Files*, Livermore
+//! Software Technology Corporation 2017, chapter "State database"): single precision, the
+//! geometry in the first file, states in the following ones.
 //!
-//! A file is a run of 4-byte words: 64 control words, coordinates, connectivity, the users'
-//! numbers, titles; then for each state its time, global values, nodal values, those of solids and
-//! shells, and which elements are left. Numbers inside are counted from 1 in the order of the file.
-//! A file ends with a marker, and noughts up to a whole block.
+//! A file is a sequence of 4-byte words: 64 control words, coordinates, connectivity, user
+//! numbers, titles; then for each state its time, global values, nodal values, values of solids
+//! and shells, and the deletion table. Internal numbers count from 1 in the order of the file. A
+//! file ends with a marker and is filled with zeros to a whole block.
 
 use super::source::{Mesh, State};
 use std::io::{self, Write};
 
-/// What ends the geometry and every file.
+/// Marker at the end of the geometry and of every file.
 const MARKER: f32 = -999_999.0;
-/// Words of a block.
+/// Words per block.
 const BLOCK: usize = 512;
-/// Global words of a state: kinetic, internal and total energy, and the velocity of the whole,
-/// which is left nought.
+/// Global words of a state: kinetic, internal and total energy, and the velocity of the model,
+/// which is left zero.
 const GLOBAL: usize = 6;
-/// Words of a solid: six stresses and the plastic strain.
+/// Words per solid: six stresses and the plastic strain.
 const SOLID: usize = 7;
-/// Words of a shell: those of its point, the largest von Mises stress over the thickness as its
-/// further variable, then thickness, two that no element has, and the internal energy.
+/// Words per shell: those of its point, the largest von Mises stress over the thickness as
+/// additional variable, then thickness, two unused variables, and the internal energy.
 const SHELL: usize = SOLID + 1 + 4;
 
-/// The layout for one mesh.
+/// Layout of the database for one mesh.
 pub struct Format {
     mesh: Mesh,
 }
 
 impl Format {
-    /// For this mesh.
+    /// Creates the layout for this mesh.
     pub fn new(mesh: Mesh) -> Self {
         Self { mesh }
     }
 
-    /// Words of one state.
+    /// Returns the number of words of one state.
     fn state_words(&self) -> usize {
         let (solids, shells) = (self.mesh.solids.len(), self.mesh.shells.len());
         1 + GLOBAL + 6 * self.mesh.nodes.len() + solids * (SOLID + 1) + shells * (SHELL + 1)
     }
 
-    /// Bytes of one state.
+    /// Returns the number of bytes of one state.
     pub fn state_bytes(&self) -> u64 {
         4 * self.state_words() as u64
     }
 
-    /// The first file: control words, geometry, numbers, titles.
+    /// Writes the first file: control words, geometry, user numbers, titles.
     pub fn write_geometry(&self, out: &mut dyn Write) -> io::Result<()> {
         let m = &self.mesh;
         let mut words = self.control();
@@ -79,21 +79,21 @@ impl Format {
         let all_parts = m.parts.len() as i32;
         let mut w = Words::default();
         w.text(&m.title, 10);
-        w.ints([0, 1, 0]); // when it was run: not said; the kind of file; version of the source
+        w.ints([0, 1, 0]); // run time not set; the kind of file; version of the source
         w.text("R7", 1);
         w.float(971.0);
-        w.ints([4, m.nodes.len() as i32, 6, GLOBAL as i32]); // unpacked connectivity in three dimensions
+        w.ints([4, m.nodes.len() as i32, 6, GLOBAL as i32]); // unpacked, three dimensions
         w.ints([0, 1, 1, 0]); // no temperatures; coordinates; velocities; no accelerations
         w.ints([solids, solid_parts, 0, 0, SOLID as i32]);
         w.ints([0, 0, 0]); // beams
         w.ints([shells, all_parts - solid_parts, SHELL as i32]);
-        w.ints([0, 1]); // further variables of solids and of shells
-        w.int(-10_001); // one point through the thickness, and which elements are left
-        w.ints([0, 0, self.number_words() as i32]); // particles; the users' numbers
+        w.ints([0, 1]); // additional variables of solids and of shells
+        w.int(-10_001); // one point through the thickness, and the deletion table
+        w.ints([0, 0, self.number_words() as i32]); // particles; the user numbers
         w.ints([0, 0, 0]); // thick shells
-        w.ints([1000, 1000, 0, 1000]); // stress, plastic strain, no resultants, thickness and energy
+        w.ints([1000, 1000, 0, 1000]); // stress, plastic strain, no resultants, thickness, energy
         w.ints([0, 0, 0, 0, all_parts]); // multi-material, fluids, adaptivity; parts
-        w.ints([0; 12]); // nothing of the rest
+        w.ints([0; 12]); // no other data
         debug_assert_eq!(w.bytes.len(), 4 * 64);
         w
     }
@@ -103,7 +103,7 @@ impl Format {
         16 + m.nodes.len() + m.solids.len() + m.shells.len() + 3 * m.parts.len()
     }
 
-    /// The users' numbers: where each list starts, how long it is, then the lists.
+    /// Writes the user numbers: start and length of each list, then the lists.
     fn numbers(&self, words: &mut Words) {
         let m = &self.mesh;
         let (nodes, solids, shells) =
@@ -112,7 +112,7 @@ impl Format {
         let after_nodes = 1 + nodes;
         let after_solids = after_nodes + solids;
         let after_shells = after_solids + shells;
-        // A first number below nought says that numbers of parts follow.
+        // A negative first number means that numbers of parts follow.
         words.ints([-1, after_nodes, after_solids, after_solids, after_shells]);
         words.ints([nodes, solids, 0, shells, 0]);
         words.ints([after_shells, after_shells + parts, after_shells + 2 * parts, parts, 0, parts]);
@@ -120,12 +120,12 @@ impl Format {
         words.ints(m.solids.iter().map(|e| e.id));
         words.ints(m.shells.iter().map(|e| e.id));
         let ids = || m.parts.iter().map(|p| p.0);
-        words.ints(ids()); // ascending, as they come, and which is which
+        words.ints(ids()); // ascending, as they come, and their order
         words.ints(ids());
         words.ints(1..=parts);
     }
 
-    /// One state; gives its words.
+    /// Writes one state and returns the number of its words.
     pub fn write_state(&self, out: &mut dyn Write, state: &State) -> io::Result<usize> {
         let m = &self.mesh;
         let mut words = Words::default();
@@ -149,7 +149,7 @@ impl Format {
                 0.0,
             ]);
         }
-        // The number of its part for what is left, nought for what is gone.
+        // The part number of an existing element, zero of a deleted one.
         let left = |(element, values): (&super::source::Element, &super::source::Values)| {
             if values.alive { m.part_of(element.part) as f32 } else { 0.0 }
         };
@@ -160,7 +160,7 @@ impl Format {
         Ok(self.state_words())
     }
 
-    /// Ends a file of so many words.
+    /// Ends a file of `words` words.
     pub fn end(&self, out: &mut dyn Write, words: usize) -> io::Result<()> {
         out.write_all(&MARKER.to_ne_bytes())?;
         out.write_all(&vec![0; 4 * ((words + 1).next_multiple_of(BLOCK) - words - 1)])
@@ -190,14 +190,15 @@ impl Words {
         values.into_iter().for_each(|v| self.float(v));
     }
 
-    /// Text in so many words, cut or filled with blanks; what is not ASCII becomes a question mark.
+    /// Adds a text of `words` words, cut or filled with blanks. A character that is not ASCII
+    /// becomes a question mark.
     fn text(&mut self, text: &str, words: usize) {
         let plain =
             text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c as u8 } else { b'?' });
         self.bytes.extend(plain.chain(std::iter::repeat(b' ')).take(4 * words));
     }
 
-    /// Noughts up to a whole block.
+    /// Fills the last block with zeros.
     fn fill(&mut self) {
         self.bytes.resize(self.bytes.len().next_multiple_of(4 * BLOCK), 0);
     }

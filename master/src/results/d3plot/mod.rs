@@ -1,12 +1,12 @@
-//! `crumple export-d3plot`: the fields of a run as LS-DYNA's state database, for post-processors
-//! that read it.
+//! `crumple export-d3plot`: exports the fields of a run as LS-DYNA's state database, for
+//! post-processors that read it.
 //!
-//! Made from the field files after the run: `source.rs` reads them, `format.rs` lays out the words.
-//! Written are coordinates, velocities, of solids and shells stress and plastic strain, of shells
-//! the thickness, and which elements are gone. Fields hold one stress per element, at a shell's
-//! middle surface, and the largest plastic strain over the thickness: the database says that there
-//! is one point, and that is what is in it. The internal energy of single elements is not known and
-//! nought. Global energies are those of `history.csv`, interpolated.
+//! The export uses the field files after the run: `source.rs` reads them, `format.rs` defines the
+//! layout. It contains coordinates, velocities, stress and plastic strain of solids and shells,
+//! thickness of shells, and the deletion table. Fields have one stress per element (at the middle
+//! surface of a shell) and the largest plastic strain over the thickness, so the database has one
+//! integration point with these values. The internal energy of single elements is not known and
+//! is written as zero. Global energies are those of `history.csv`, interpolated.
 
 mod format;
 mod source;
@@ -17,12 +17,12 @@ use source::Source;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Name of the first file; those of states add a number to it.
+/// Name of the first file. Files of states add a number to it.
 pub const NAME: &str = "d3plot";
-/// Largest file of a family, unless one state needs more [MB].
+/// Maximum size of a file of a family, unless one state needs more [MB].
 pub const FILE_SIZE: u64 = 256;
 
-/// Exports the run in `dir`, prints what was written; gives the exit code.
+/// Exports the run in `dir`, prints the files written, and returns the exit code.
 pub fn run(dir: &Path, file_size: u64) -> u8 {
     match export(dir, file_size * 1_000_000) {
         Ok(said) => {
@@ -36,12 +36,12 @@ pub fn run(dir: &Path, file_size: u64) -> u8 {
     }
 }
 
-/// Writes the database of the run in `dir` beside its fields, in files of at most `limit` bytes or
-/// one state. Says what was written.
+/// Writes the database of the run in `dir` next to its fields, in files of at most `limit` bytes
+/// or one state. Returns a message about the files.
 ///
 /// # Errors
-/// There are no fields or they cannot be read, an id does not fit into the format, or a file cannot
-/// be written.
+/// There are no fields or they cannot be read, an id does not fit into the format, or a file
+/// cannot be written.
 pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
     let mut source = Source::open(dir)?;
     let format = Format::new(source.mesh()?);
@@ -68,7 +68,7 @@ pub fn export(dir: &Path, limit: u64) -> Result<String, String> {
     Ok(format!("d3plot: {states} states in {files} files; open {}", path.display()))
 }
 
-/// Takes away what an earlier export has left.
+/// Removes the files of an earlier export.
 fn remove_family(dir: &Path) -> io::Result<()> {
     let belongs = |path: &PathBuf| {
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

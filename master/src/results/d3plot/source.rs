@@ -1,4 +1,4 @@
-//! Mesh and states out of the field files of a run.
+//! Reads mesh and states from the field files of a run.
 
 use crate::results::field_file::Piece;
 use crate::results::fields::COLLECTION;
@@ -6,38 +6,38 @@ use crumple_worker::vtu;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Nodes, elements and parts, in ascending ids.
+/// Nodes, elements and parts, by ascending ids.
 #[derive(Debug, Default)]
 pub struct Mesh {
-    /// A line about the run.
+    /// Title of the run.
     pub title: String,
     /// Ids of nodes.
     pub nodes: Vec<i32>,
     /// Initial coordinates [length].
     pub x: Vec<[f32; 3]>,
-    /// Solids, and the places of their nodes.
+    /// Solids.
     pub solids: Vec<Element>,
-    /// See `solids`.
+    /// Indices of the nodes of the solids.
     pub solid_corners: Vec<[i32; 8]>,
-    /// Shells, and the places of their nodes; a triangle repeats its third.
+    /// Shells.
     pub shells: Vec<Element>,
-    /// See `shells`.
+    /// Indices of the nodes of the shells. A triangle repeats its third node.
     pub shell_corners: Vec<[i32; 4]>,
     /// Ids and names of parts.
     pub parts: Vec<(i32, String)>,
 }
 
-/// An element's numbers.
+/// Ids of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
-    /// Its id.
+    /// Id of the element.
     pub id: i32,
     /// Id of its part.
     pub part: i32,
 }
 
 impl Mesh {
-    /// Number of a part from 1.
+    /// Returns the index of a part, from 1.
     pub fn part_of(&self, id: i32) -> i32 {
         self.parts.binary_search_by_key(&id, |p| p.0).map_or(0, |i| i as i32 + 1)
     }
@@ -54,16 +54,16 @@ pub struct State {
     pub x: Vec<[f32; 3]>,
     /// Velocities [length/time].
     pub v: Vec<[f32; 3]>,
-    /// Per solid.
+    /// Values per solid.
     pub solids: Vec<Values>,
-    /// Per shell.
+    /// Values per shell.
     pub shells: Vec<Values>,
 }
 
 /// Values of an element.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Values {
-    /// Whether it is still there.
+    /// False if the element is deleted.
     pub alive: bool,
     /// Stress xx, yy, zz, xy, yz, zx [force/length^2].
     pub stress: [f32; 6],
@@ -75,7 +75,7 @@ pub struct Values {
     pub thickness: f32,
 }
 
-/// Where an element's values go.
+/// Position of an element's values in the state.
 #[derive(Clone, Copy)]
 enum Place {
     Solid(usize),
@@ -95,7 +95,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// The run in `dir`.
+    /// Opens the run in `dir`.
     pub fn open(dir: &Path) -> Result<Self, String> {
         let fields = dir.join("fields");
         let collection = fields.join(COLLECTION);
@@ -122,7 +122,7 @@ impl Source {
         Ok(Self { dir: dir.to_owned(), steps, energies, nodes, elements, state })
     }
 
-    /// Number of states.
+    /// Returns the number of states.
     pub fn states(&self) -> usize {
         self.steps.len()
     }
@@ -140,7 +140,7 @@ impl Source {
         }
     }
 
-    /// The mesh, as the first step has it. To be asked for before any state.
+    /// Returns the mesh of the first step. Must be called before any state is read.
     pub fn mesh(&mut self) -> Result<Mesh, String> {
         let pieces = self.pieces(0)?;
         let id = |id: f64| -> Result<i32, String> {
@@ -210,8 +210,8 @@ impl Source {
         })
     }
 
-    /// The state of a step. What has failed keeps its last values, and a node that nothing has any
-    /// more its last place.
+    /// Returns the state of a step. A failed element keeps its last values, and a node without
+    /// elements its last position.
     pub fn state(&mut self, step: usize) -> Result<&State, String> {
         let pieces = self.pieces(step)?;
         let s = &mut self.state;
@@ -250,7 +250,7 @@ impl Source {
     }
 }
 
-/// Ids of the parts of elements, ascending, with the names that the run's summary gives them.
+/// Returns the ids of the parts of elements, ascending, with the names in the summary of the run.
 fn parts(dir: &Path, elements: impl Iterator<Item = Element>) -> Vec<(i32, String)> {
     let text = std::fs::read_to_string(dir.join("summary.json")).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
@@ -264,7 +264,8 @@ fn parts(dir: &Path, elements: impl Iterator<Item = Element>) -> Vec<(i32, Strin
     ids.into_iter().map(|id| (id, name(id).unwrap_or_else(|| format!("part {id}")))).collect()
 }
 
-/// Time, kinetic and internal energy of each row of a history; none if there is none to be read.
+/// Returns time, kinetic and internal energy of each row of a history; empty if the file cannot
+/// be read.
 fn energies(path: &Path) -> Vec<[f64; 3]> {
     let Ok(mut reader) = csv::Reader::from_path(path) else { return Vec::new() };
     let header = reader.headers().cloned().unwrap_or_default();
@@ -282,7 +283,7 @@ fn energies(path: &Path) -> Vec<[f64; 3]> {
     reader.records().filter_map(|r| r.ok().and_then(row)).collect()
 }
 
-/// Kinetic, internal and total energy at a time, between the rows around it.
+/// Interpolates kinetic, internal and total energy at a time.
 fn at(rows: &[[f64; 3]], time: f64) -> [f64; 3] {
     let next = rows.partition_point(|r| r[0] < time);
     let (Some(a), Some(b)) = (rows.get(next.saturating_sub(1)), rows.get(next).or(rows.last()))

@@ -1,12 +1,12 @@
-//! The scene as bytes for the page: whole numbers of 16 bits, as differences from the time before,
+//! Encodes the scene for the page: 16-bit integers, as differences from the previous time,
 //! compressed.
 //!
-//! In the order of the file: corners of the faces (u32, each less the one before), their two owners
-//! (u32, plus one, nought for none), the parts of the elements (u16, index into the list of the
-//! description); then for each time: states of the elements (u8), workers (u16), the scalars (u16),
-//! x, y and z of the nodes (u16). Each column is the difference from the same column at the time
-//! before, in zigzag (0, -1, 1, -2, ...), lowest bytes of all numbers first: what changes little is
-//! then mostly noughts. `decode.js` is the other side of this.
+//! Order of the file: corners of the faces (u32, each minus the one before); their two owners
+//! (u32, plus one, zero for none); the parts of the elements (u16, index into the list of the
+//! description). Then for each time: states of the elements (u8), workers (u16), the scalars
+//! (u16), x, y and z of the nodes (u16). Each column is the difference from the same column at
+//! the previous time, in zigzag coding (0, -1, 1, -2, ...), the lowest bytes of all numbers
+//! first, so that small changes give mostly zeros. `decode.js` is the decoder.
 
 use super::scene::Scene;
 use super::series::{ABSENT, SCALARS, Series};
@@ -15,12 +15,12 @@ use flate2::{Compression, write::ZlibEncoder};
 use serde::Serialize;
 use std::io::Write;
 
-/// A scalar that is no number.
+/// Code of a scalar that is not a number.
 const NO_VALUE: u16 = u16::MAX;
-/// The largest whole number of a scalar.
+/// Largest integer of a scalar.
 const MOST_VALUE: f32 = (u16::MAX - 1) as f32;
 
-/// What the page has to know to read the bytes.
+/// Data that the page needs to decode the bytes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Description {
     /// Number of faces.
@@ -31,28 +31,29 @@ pub struct Description {
     pub nodes: usize,
     /// Ids of the parts.
     pub parts: Vec<u32>,
-    /// Lowest and highest value of each scalar at all times; none if it has no value anywhere.
+    /// Minimum and maximum of each scalar over all times; none if it has no value.
     pub ranges: Vec<Option<[f32; 2]>>,
     /// Times.
     pub frames: Vec<Grid>,
-    /// Elements that are hidden at some time because a node of theirs is nowhere.
+    /// Number of elements that are hidden at some time because a node has no finite coordinates.
     pub nowhere: usize,
 }
 
-/// Where the whole numbers of one time's coordinates lie.
+/// Mapping between integers and the coordinates of one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Grid {
     /// Simulated time [time].
     pub time: f64,
-    /// Coordinates of nought [length].
+    /// Coordinates of the integer 0 [length].
     pub origin: [f64; 3],
-    /// Length of one [length].
+    /// Length of one unit [length].
     pub unit: f64,
 }
 
 impl Grid {
-    /// The grid of 16 bits around the coordinates. Its unit is a power of two and its origin a
-    /// multiple of it, so that they are alike at most times and the differences small.
+    /// Returns the 16-bit grid around the coordinates. Its unit is a power of two and its origin
+    /// a multiple of the unit, so that the grid is the same at most times and differences are
+    /// small.
     fn around(time: f64, positions: impl Iterator<Item = [f32; 3]>) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for x in positions.filter(|x| x.iter().all(|c| c.is_finite())) {
@@ -61,7 +62,7 @@ impl Grid {
             }
         }
         let size = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
-        // One number is left at each end for what rounding adds.
+        // One integer at each end is reserved for rounding.
         let unit =
             if size > 0.0 { (size / f64::from(u16::MAX - 2)).log2().ceil().exp2() } else { 1.0 };
         let origin = low.map(|c| if c.is_finite() { (c / unit).floor() * unit } else { 0.0 });
@@ -69,11 +70,11 @@ impl Grid {
     }
 
     fn number(&self, x: f32, c: usize) -> u16 {
-        ((f64::from(x) - self.origin[c]) / self.unit).round() as u16 // what is beyond stops at the ends
+        ((f64::from(x) - self.origin[c]) / self.unit).round() as u16 // values outside are clamped
     }
 }
 
-/// Bytes and their description.
+/// Encodes a scene; returns the description and the bytes.
 pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
     let mut out = Packed(ZlibEncoder::new(Vec::new(), Compression::new(LEVEL)));
     let corners: Vec<u32> = scene.faces.iter().flat_map(|f| f.corners).collect();
@@ -117,11 +118,11 @@ pub fn encode(series: &Series, scene: &Scene) -> (Description, Vec<u8>) {
     (description, out.finish())
 }
 
-/// Compression: level 9 saves half a per cent of the pictures of the brick wall and the jeep frame,
-/// and takes two to three times as long.
+/// Compression level. Level 9 saves half a per cent of the pictures of the brick wall and the
+/// jeep frame, and takes two to three times as long.
 const LEVEL: u32 = 6;
 
-/// One time in whole numbers.
+/// One time in integers.
 struct Columns {
     state: Vec<u8>,
     /// Workers, scalars, coordinates.
@@ -129,7 +130,7 @@ struct Columns {
 }
 
 impl Columns {
-    /// What the first time differs from.
+    /// Creates the columns from which the first time is subtracted.
     fn new(scene: &Scene) -> Self {
         let of_elements = || vec![0; scene.elements.len()];
         let columns = 1 + SCALARS.len();
@@ -181,7 +182,7 @@ impl Columns {
     }
 }
 
-/// Lowest and highest value of a scalar at the times of the scene.
+/// Returns minimum and maximum of a scalar over the times of the scene.
 fn range(series: &Series, scene: &Scene, scalar: usize) -> Option<[f32; 2]> {
     let of_frame = |&k: &usize| {
         scene.elements.iter().filter_map(move |&e| series.frames[k].scalars[scalar].get(e as usize))
@@ -202,7 +203,7 @@ fn zigzag32(difference: u32) -> u32 {
     ((signed << 1) ^ (signed >> 31)) as u32
 }
 
-/// Columns on their way through compression, which cannot fail: it writes to memory.
+/// Columns on their way to compression, which cannot fail because it writes to memory.
 struct Packed(ZlibEncoder<Vec<u8>>);
 
 impl Packed {
@@ -232,7 +233,7 @@ mod tests {
     use super::*;
     use std::io::Read;
 
-    /// The bytes read again, as `decode.js` reads them.
+    /// The decoded bytes, read as by `decode.js`.
     struct Unpacked {
         bytes: Vec<u8>,
         at: usize,
@@ -323,8 +324,8 @@ mod tests {
         assert_eq!(read.at, read.bytes.len());
     }
 
-    /// A grid has no more than twice the unit that 16 bits need, and the same one while the model
-    /// only travels.
+    /// A grid has at most twice the unit that 16 bits need, and stays the same while the model
+    /// only translates.
     #[test]
     fn a_travelling_model_keeps_its_grid() {
         let positions =

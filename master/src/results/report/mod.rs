@@ -1,10 +1,9 @@
-//! `crumple report`: one page that shows a run, made of what the run left in its folder, and of
-//! nothing else.
+//! `crumple report`: one page that shows a run, made only from the files in its folder.
 //!
-//! - `sources`: summary, history and log; `plots`, `things`, `tables`: what the page makes of them
-//! - `series`: the field files, joined; `surface`: what can be seen of them
-//! - `scene`: what of that goes into the page; `encode`: as bytes
-//! - `page`: the page; its scripts lie in `master/assets/report`
+//! - `sources`: summary, history and log; `plots`, `single_forces`, `tables`: their display
+//! - `series`: the field files, joined; `surface`: the visible faces
+//! - `scene`: the selection for the page; `encode`: the selection as bytes
+//! - `page`: the page; its scripts are in `master/assets/report`
 
 mod encode;
 mod page;
@@ -29,31 +28,33 @@ use std::time::{Duration, Instant};
 
 /// Name of the page in the folder of a run.
 pub const FILE: &str = "report.html";
-/// The page is never larger: a browser opens that at once, and it can be sent by mail.
+/// Maximum size of the page [bytes]. A browser opens such a page at once, and it can be sent by
+/// mail.
 pub const MOST_BYTES: usize = 20_000_000;
-/// Times that a page shows at most: more are not told apart in a film of some seconds.
+/// Maximum number of times on a page. More cannot be distinguished in an animation of some
+/// seconds.
 const MOST_TIMES: usize = 300;
-/// Before there are fewer times than this, the mesh becomes coarser.
+/// Minimum number of times. If the page is still too large, the mesh becomes coarser.
 const LEAST_TIMES: usize = 12;
-/// What is left for the description of the picture, which grows with the number of times.
+/// Reserve for the description of the picture, which grows with the number of times [bytes].
 const DESCRIPTION: usize = 100_000;
-/// Nothing is said of work that takes less, and then no more often.
+/// Minimum interval between progress messages.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A page that was made.
+/// A finished page.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// Its file.
+    /// File of the page.
     pub path: PathBuf,
-    /// Its size.
+    /// Size [bytes].
     pub bytes: usize,
-    /// What it took.
+    /// Time to make it.
     pub took: Duration,
-    /// What could not be read, and is missing.
+    /// Files that could not be read, and are missing.
     pub problems: Vec<String>,
 }
 
-/// Makes the page of the run in `dir`; gives the exit code.
+/// Makes the page of the run in `dir` and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
     match write(dir, false) {
         Ok(made) => {
@@ -79,11 +80,11 @@ impl std::fmt::Display for Made {
     }
 }
 
-/// Makes the page of the run in `dir`, whether the run has completed or not. Unless `quiet` it says
-/// on standard error what takes longer than a second.
+/// Makes the page of the run in `dir`, completed or not. Unless `quiet` is true, prints progress
+/// to standard error if it takes longer than a second.
 ///
 /// # Errors
-/// There is nothing of a run in the folder, or the page cannot be written.
+/// The folder has no results, or the page cannot be written.
 pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
     let began = Instant::now();
     let mut last = began;
@@ -117,12 +118,12 @@ pub fn write(dir: &Path, quiet: bool) -> Result<Made, String> {
     Ok(Made { path, bytes: page.len(), took: began.elapsed(), problems })
 }
 
-/// Takes away the page of an older run.
+/// Removes the page of an older run.
 pub fn forget(dir: &Path) {
-    let _ = std::fs::remove_file(dir.join(FILE)); // there may be none
+    let _ = std::fs::remove_file(dir.join(FILE)); // the file may not exist
 }
 
-/// The page, no larger than `room`, and what is wrong.
+/// Makes the page, of at most `room` bytes, and lists the problems.
 fn make(
     sources: &Sources,
     series: &Series,
@@ -170,7 +171,7 @@ fn make(
     if series.frames.is_empty() {
         return (bare, problems);
     }
-    // Four letters of the page stand for three bytes.
+    // Base64: four characters of the page per three bytes.
     let bytes = room.saturating_sub(bare.len() + DESCRIPTION) / 4 * 3;
     let (scene, description, picture) = fit(series, bytes, say);
     if description.nowhere > 0 {
@@ -183,7 +184,7 @@ fn make(
     (write(&warnings, &left_out, Some(&description), &picture), problems)
 }
 
-/// The scene with as many times and faces as there is room for.
+/// Returns the scene with as many times and faces as fit into `room` bytes.
 fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Description, Vec<u8>) {
     let whole = Scene::new(series, surface::faces(series));
     let least = LEAST_TIMES.min(whole.frames.len());
@@ -197,7 +198,7 @@ fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Descr
         if picture.len() <= room || cubes == Some(1) {
             return (scene, description, picture);
         }
-        // What is a little below the share that has room: fewer times differ more from each other.
+        // Slightly below the share that fits, because fewer times differ more from each other.
         let share = 0.95 * room as f64 / picture.len() as f64;
         if times > least {
             times = ((times as f64 * share) as usize).clamp(least, times - 1);
@@ -208,7 +209,7 @@ fn fit(series: &Series, room: usize, say: &mut dyn FnMut(&str)) -> (Scene, Descr
     }
 }
 
-/// What the picture does not show.
+/// Lists the content that the picture does not show.
 fn left_out_of(
     series: &Series,
     scene: &Scene,
@@ -249,7 +250,7 @@ fn left_out_of(
     out
 }
 
-/// What the scripts read.
+/// Returns the data for the scripts.
 fn facts(sources: &Sources, model: Option<&Description>) -> String {
     let [length, stress] = sources.length_and_stress();
     let unit = |dimension| match dimension {
@@ -279,7 +280,7 @@ mod tests {
     fn a_page_stays_below_its_limit_and_says_what_was_left_out() {
         let mut series = row_of_cubes(400, &[1; 400]);
         let frame = series.frames[1].clone();
-        // Motion that does not compress, by a congruential generator.
+        // Motion that does not compress, from a congruential generator.
         let mut state = 1u32;
         for k in 2..40 {
             let mut next = frame.clone();

@@ -1,5 +1,4 @@
-//! The page: a template with markers, scripts and styles that lie beside the code, and text that is
-//! made harmless.
+//! The page: a template with markers, scripts and styles, and escaped text.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use serde::Serialize;
@@ -21,26 +20,26 @@ const SCRIPTS: [&str; 9] = [
     include_str!("../../../assets/report/main.js"),
 ];
 
-/// What differs from report to report.
+/// Content that differs between reports.
 #[derive(Clone, Debug, Default)]
 pub struct Content<'a> {
     /// Title, as text.
     pub title: &'a str,
-    /// What stands below it, as text.
+    /// Subtitle, as text.
     pub subtitle: &'a str,
-    /// Warnings, the gravest first, as text.
+    /// Warnings, the most severe first, as text.
     pub warnings: &'a [String],
-    /// What was left out, as text.
+    /// Omitted content, as text.
     pub left_out: &'a [String],
     /// Tables, as HTML.
     pub tables: &'a str,
-    /// What the scripts read, as JSON.
+    /// Data for the scripts, as JSON.
     pub facts: &'a str,
-    /// The picture, packed.
+    /// The picture, compressed.
     pub picture: &'a [u8],
 }
 
-/// The whole page.
+/// Returns the complete page.
 pub fn page(content: &Content<'_>) -> String {
     let items =
         |all: &[String]| all.iter().map(|w| format!("<li>{}</li>", escape(w))).collect::<String>();
@@ -68,7 +67,7 @@ pub fn page(content: &Content<'_>) -> String {
     )
 }
 
-/// The template with each `{{name}}` replaced, once: what is put in is not looked at again.
+/// Returns the template with each `{{name}}` replaced once. Inserted text is not searched again.
 fn fill(template: &str, values: &[(&str, &str)]) -> String {
     let mut out =
         String::with_capacity(template.len() + values.iter().map(|v| v.1.len()).sum::<usize>());
@@ -82,7 +81,7 @@ fn fill(template: &str, values: &[(&str, &str)]) -> String {
     out + rest
 }
 
-/// Text that HTML shows as it is, inside elements and quoted attributes.
+/// Escapes text for HTML, inside elements and quoted attributes.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -98,8 +97,8 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// JSON that can stand inside a script element, whatever its strings hold. Numbers that are not
-/// finite are null.
+/// Returns JSON that is safe inside a script element for any strings. Numbers that are not finite
+/// become null.
 pub fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_else(|_| "null".into()).replace('<', "\\u003c")
 }
@@ -142,7 +141,7 @@ mod tests {
         }
     }
 
-    /// The page asks the network for nothing: no file, font or picture has an address.
+    /// The page makes no network request: no file, font or picture has an address.
     #[test]
     fn the_page_is_whole() {
         let page = page(&Content::default());

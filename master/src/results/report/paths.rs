@@ -1,10 +1,10 @@
-//! Where rigid walls go: their displacement over time, out of `walls.csv`.
+//! Displacement of rigid walls over time, from `walls.csv`.
 
 use super::plots::named;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Times that a path has at most; of longer histories every so many-th row.
+/// Maximum number of times of a path. Longer histories are thinned.
 const MOST_TIMES: usize = 1000;
 
 /// Displacement of a wall over time.
@@ -12,19 +12,19 @@ const MOST_TIMES: usize = 1000;
 pub struct WallPath {
     /// Ascending times [time].
     pub times: Vec<f64>,
-    /// How far it has gone by then [length].
+    /// Displacement at these times [length].
     pub moved: Vec<[f64; 3]>,
 }
 
 impl WallPath {
-    /// Whether the wall ever leaves its place.
+    /// Returns true if the wall ever moves.
     pub fn moves(&self) -> bool {
         self.moved.iter().any(|u| *u != [0.0; 3])
     }
 }
 
-/// Paths of the walls in their order, as far as the file is whole; none where it is missing, or of
-/// a version that does not write them.
+/// Reads the paths of the walls in their order, as far as the file is intact. Returns none if it
+/// is missing, or from a version that does not write displacements.
 pub fn read(file: &Path) -> Vec<WallPath> {
     let Ok(mut reader) = csv::ReaderBuilder::new().flexible(true).from_path(file) else {
         return Vec::new();
@@ -76,7 +76,7 @@ mod tests {
         for row in 0..=2500 {
             text += &format!("{row}.0,a,1.0,{row}.5,0,0\n{row}.0,a,1.0,0,0,0\n");
         }
-        text += "2501.0,a,1.0,7"; // torn
+        text += "2501.0,a,1.0,7"; // truncated
         std::fs::write(&file, text).unwrap();
         let paths = read(&file);
         assert_eq!((paths.len(), paths[0].moves(), paths[1].moves()), (2, true, false));

@@ -1,18 +1,18 @@
-//! Plots of `history.csv`: which columns stand together, and what is reckoned from them.
+//! Plots of `history.csv`: groups of columns, and derived values.
 
 use serde::Serialize;
 use std::path::Path;
 
-/// Rows that a plot shows; of longer histories every so many-th.
+/// Maximum number of rows in a plot. Longer histories are thinned.
 pub const MOST_ROWS: usize = 4000;
 
-/// A file of columns under names with units.
+/// A file of columns whose names contain units.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     columns: Vec<Column>,
-    /// Rows of the file; the columns may have fewer.
+    /// Number of rows of the file; the columns may have fewer.
     pub rows: usize,
-    /// What is wrong with the file behind these rows.
+    /// Damage of the file after these rows.
     pub damage: Option<String>,
 }
 
@@ -23,31 +23,31 @@ struct Column {
     values: Vec<f64>,
 }
 
-/// Lines over one axis.
+/// Lines over a common axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plot {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Unit of its lines.
     pub unit: String,
-    /// What to know about it.
+    /// Note for the reader.
     pub note: String,
     /// Lines.
     pub lines: Vec<Line>,
 }
 
-/// Values over the rows; what is not finite is a gap.
+/// Values over the rows. A value that is not finite is a gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Line {
     /// Name in the legend.
     pub label: String,
-    /// One value for each row.
+    /// One value per row.
     pub values: Vec<f64>,
-    /// Whether it holds its value until the next.
+    /// True if the value is constant up to the next row.
     pub steps: bool,
 }
 
-/// All plots, over one axis of time.
+/// All plots, over a common time axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Plots {
     /// Unit of the time.
@@ -58,8 +58,8 @@ pub struct Plots {
     pub plots: Vec<Plot>,
 }
 
-/// Energies as `history.csv` names them, with the sign in which they stand in the balance; friction
-/// is part of contact.
+/// Energies as named in `history.csv`, with their sign in the energy balance. Friction is part of
+/// contact.
 const ENERGIES: [(&str, f64); 7] = [
     ("kinetic", 1.0),
     ("internal", 1.0),
@@ -72,10 +72,10 @@ const ENERGIES: [(&str, f64); 7] = [
 const TOTAL: &str = "total";
 
 impl History {
-    /// Reads the file as far as it is whole; a field that is no number is a gap.
+    /// Reads the intact part of the file. A field that is not a number is a gap.
     ///
     /// # Errors
-    /// It is missing, or has no times.
+    /// The file is missing, or has no times.
     pub fn read(path: &Path) -> Result<Self, String> {
         let cannot = |error: csv::Error| match error.into_kind() {
             csv::ErrorKind::Io(error) => format!("{}: {error}", path.display()),
@@ -121,7 +121,7 @@ impl History {
         }
     }
 
-    /// Rows that plots have.
+    /// Returns the number of rows in plots.
     pub fn shown(&self) -> usize {
         self.columns.first().map_or(0, |c| c.values.len())
     }
@@ -130,7 +130,7 @@ impl History {
         self.columns.iter().find(|c| c.name == name)
     }
 
-    /// Unit of a column, empty if there is none.
+    /// Returns the unit of a column, empty if it has none.
     pub fn unit(&self, name: &str) -> &str {
         self.column(name).map_or("", |c| &c.unit)
     }
@@ -143,7 +143,7 @@ impl History {
         Some(Line { label: label.into(), values: self.values(name)?.to_vec(), steps: false })
     }
 
-    /// All plots for which there are columns; imbalance is one among so many workers.
+    /// Returns all plots whose columns exist. The number of workers is needed for the imbalance.
     pub fn plots(&self, workers: Option<u64>) -> Plots {
         let time = self.values("time").unwrap_or_default().to_vec();
         let all = [
@@ -173,7 +173,7 @@ impl History {
                 .zip(self.values(name).unwrap_or_default())
                 .for_each(|(t, v)| *t += sign * v);
         }
-        // Lines that are nought throughout say nothing.
+        // Lines that are zero everywhere are omitted.
         lines.retain(|line| line.values.iter().any(|v| *v != 0.0));
         lines.insert(0, Line { label: TOTAL.into(), values: total, steps: false });
         let note = "total = kinetic + internal + hourglass, less the work of contact, walls and loads: it should not change. \
@@ -198,7 +198,7 @@ impl History {
         })
     }
 
-    /// Of every force its length; of a single one its components as well.
+    /// Plots the magnitude of every force; of a single force the components as well.
     fn forces(&self) -> Option<Plot> {
         let of: Vec<&str> =
             self.columns.iter().filter_map(|c| c.name.strip_suffix(" force x")).collect();
@@ -236,7 +236,7 @@ impl History {
         Some(Plot { title: "Time step".into(), unit, note: String::new(), lines })
     }
 
-    /// CPU time of the slowest worker over the mean of all, since the row before.
+    /// Plots the CPU time of the slowest worker over the mean of all, since the row before.
     fn imbalance(&self, workers: Option<u64>) -> Option<Plot> {
         let (all, critical) =
             (self.values("cpu of all workers")?, self.values("cpu of the critical path")?);
@@ -298,7 +298,7 @@ impl Column {
     }
 }
 
-/// Name and unit of a column called `name [unit]`; without a unit that is empty.
+/// Returns name and unit of a column called `name [unit]`. The unit is empty if there is none.
 pub fn named(header: &str) -> [String; 2] {
     match header.rsplit_once(" [") {
         Some((name, rest)) => [name.into(), rest.strip_suffix(']').unwrap_or(rest).into()],

@@ -1,28 +1,28 @@
-//! The faces, nodes, elements and times that go into the page, and how they become fewer when it
-//! would be too large.
+//! The faces, nodes, elements and times of the page, and their reduction if the page would be too
+//! large.
 
 use super::series::{Series, spread};
 use super::surface::{Face, NOBODY, without_repeats};
 use std::collections::{HashMap, HashSet};
 
-/// A choice out of a series. Faces refer to positions in `nodes` and `elements`, which hold numbers
-/// of the series.
+/// A selection from a series. Faces refer to indices in `nodes` and `elements`, which hold
+/// indices in the series.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Faces.
     pub faces: Vec<Face>,
-    /// Nodes that faces have.
+    /// Nodes of the faces.
     pub nodes: Vec<u32>,
     /// Elements that own faces.
     pub elements: Vec<u32>,
     /// Times.
     pub frames: Vec<usize>,
-    /// Faces before any were merged.
+    /// Number of faces before any were merged.
     pub faces_seen: usize,
 }
 
 impl Scene {
-    /// All faces at all times.
+    /// Selects all faces at all times.
     pub fn new(series: &Series, faces: Vec<Face>) -> Self {
         let faces_seen = faces.len();
         let mut scene =
@@ -33,15 +33,15 @@ impl Scene {
         scene
     }
 
-    /// The same with at most so many times.
+    /// Returns the selection with at most `most` times.
     pub fn with_times(&self, most: usize) -> Self {
         let frames = spread(self.frames.len(), most).into_iter().map(|i| self.frames[i]).collect();
         Self { frames, ..self.clone() }
     }
 
-    /// The same with the nodes in each cube of a grid taken for one of them, and the faces that are
-    /// left then. The grid has as many cubes along the longest side of the model, as it is at
-    /// first, as `cubes` says.
+    /// Returns a coarser selection. The nodes in each cube of a grid are replaced by one of them;
+    /// degenerate faces are removed. The grid has `cubes` cubes along the longest side of the
+    /// initial model.
     pub fn coarser(&self, series: &Series, cubes: usize) -> Self {
         let (low, size) = extent(series, &self.nodes);
         let side = (size / cubes as f32).max(f32::MIN_POSITIVE);
@@ -49,8 +49,8 @@ impl Scene {
             position(series, node).map(|x| std::array::from_fn(|c| (x[c] - low[c]) / side))
         };
         let cube = |node: u32| place(node).map(|p: [f32; 3]| p.map(|c| c as i32));
-        // Of the nodes in a cube the one nearest to its middle stands for all: its motion is that
-        // of the model.
+        // The node nearest to the middle of a cube replaces the others, because its motion is
+        // that of the model.
         let mut of_cube: HashMap<[i32; 3], (f32, u32)> = HashMap::new();
         for (at, &node) in self.nodes.iter().enumerate() {
             let Some(p) = place(node) else { continue };
@@ -82,13 +82,13 @@ impl Scene {
     }
 }
 
-/// Where a node is at first.
+/// Returns the initial position of a node [length].
 fn position(series: &Series, node: u32) -> Option<[f32; 3]> {
     let x = series.frames.iter().find_map(|f| f.position.get(node as usize))?;
     x.iter().all(|c| c.is_finite()).then_some(*x)
 }
 
-/// Lowest corner of the box around the nodes at first, and its longest side.
+/// Returns the lowest corner of the box around the initial nodes, and its longest side [length].
 fn extent(series: &Series, nodes: &[u32]) -> ([f32; 3], f32) {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for x in nodes.iter().filter_map(|&node| position(series, node)) {
@@ -99,7 +99,7 @@ fn extent(series: &Series, nodes: &[u32]) -> ([f32; 3], f32) {
     (low, (0..3).map(|c| high[c] - low[c]).fold(0.0, f32::max))
 }
 
-/// Numbers anew from nought in ascending order of the old numbers, which it gives back.
+/// Renumbers from zero in ascending order of the old numbers, which are returned.
 fn renumber<'a>(numbers: impl Iterator<Item = &'a mut u32>) -> Vec<u32> {
     let mut places: Vec<&mut u32> = numbers.filter(|n| **n != NOBODY).collect();
     let mut old: Vec<u32> = places.iter().map(|n| **n).collect();
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(scene.faces[1], Face { corners: [0, 2, 3, 4], owners: [1, 0] });
     }
 
-    /// A square of 16 by 16 quads of side 1, merged two by two: of each four quads one is left.
+    /// A square of 16 by 16 quads of side 1, merged two by two: one of four quads is left.
     #[test]
     fn a_coarser_scene_has_the_same_outline() {
         let node = |i: u32, j: u32| 17 * i + j;

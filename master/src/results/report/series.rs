@@ -1,25 +1,25 @@
-//! What the field files of a run hold, joined over workers and times: every node and element once,
-//! with a number of its own, and what it is and has at each time.
+//! The field files of a run, joined over workers and times. Every node and element has one index;
+//! its data are stored for each time.
 
 use crate::results::field_file::{self, Piece, Step};
 use crumple_worker::vtu::{self, Array};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A number per element that the page can show.
+/// A scalar per element that the page can show.
 pub struct Scalar {
     /// Its array in the field files.
     pub array: &'static Array,
-    /// What the page calls it.
+    /// Its title on the page.
     pub title: &'static str,
-    /// What it is measured in.
+    /// Its dimension.
     pub dimension: Dimension,
 }
 
-/// What a number is measured in; the page puts the job's own units for it.
+/// Dimension of a scalar. The page shows it in the units of the job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
-    /// Nothing.
+    /// Dimensionless.
     None,
     /// Length.
     Length,
@@ -27,14 +27,14 @@ pub enum Dimension {
     Stress,
 }
 
-/// Numbers per element, in the order in which the page offers them.
+/// Scalars per element, in the order of the page.
 pub const SCALARS: [Scalar; 3] = [
     Scalar { array: &vtu::PLASTIC_STRAIN, title: "plastic strain", dimension: Dimension::None },
     Scalar { array: &vtu::VON_MISES, title: "von Mises stress", dimension: Dimension::Stress },
     Scalar { array: &vtu::THICKNESS, title: "thickness", dimension: Dimension::Length },
 ];
 
-/// What an element is, by the number that VTK has for it.
+/// Shape of an element, from its VTK cell type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Two corners.
@@ -48,7 +48,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Number of corners.
+    /// Returns the number of corners.
     pub fn corners(self) -> usize {
         match self {
             Self::Line => 2,
@@ -69,27 +69,27 @@ impl Shape {
     }
 }
 
-/// An element: what of it does not change.
+/// Constant data of an element.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     /// Shape.
     pub shape: Shape,
-    /// Numbers of its nodes, as many as the shape has corners.
+    /// Indices of its nodes, as many as the shape has corners.
     pub corners: [u32; 8],
     /// Id of its part.
     pub part: u32,
 }
 
-/// An element that is not there, in [`Frame::state`]; one that is has its class plus one.
+/// Code of an absent element in [`Frame::state`]. The code of a present one is its class plus
+/// one.
 pub const ABSENT: u8 = 0;
 
-/// One time. Nodes and elements that came later in the series are missing at the ends of the
-/// columns.
+/// Data of one time. Columns are shorter if nodes and elements appear later in the series.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Simulated time [time].
     pub time: f64,
-    /// Coordinates, not finite where a node is not there [length].
+    /// Coordinates, not finite for an absent node [length].
     pub position: Vec<[f32; 3]>,
     /// [`ABSENT`], or the class plus one.
     pub state: Vec<u8>,
@@ -102,24 +102,24 @@ pub struct Frame {
 /// All times.
 #[derive(Debug, Default)]
 pub struct Series {
-    /// Elements by their numbers.
+    /// Elements by index.
     pub elements: Vec<Element>,
     /// Number of nodes.
     pub nodes: usize,
     /// Times in their order.
     pub frames: Vec<Frame>,
-    /// Times that the run wrote, of which `frames` may be a choice.
+    /// Number of times that the run wrote. `frames` may be a selection of them.
     pub written: usize,
-    /// Elements of shapes that are not known here.
+    /// Number of elements of unknown shapes.
     pub unknown_shapes: usize,
 }
 
-/// Numbers that are kept before anything is compressed: what a page could hold several times over,
-/// and memory bears.
+/// Maximum number of values before compression: several times the content of a page, and small
+/// enough for memory.
 const MOST_NUMBERS: usize = 40_000_000;
 
-/// Reads the series that a collection names. Steps that cannot be read are left out and told in
-/// `problems`; where there are more times than `most`, or than memory should bear, they are thinned
+/// Reads the series that a collection names. Steps that cannot be read are omitted and listed in
+/// `problems`. If there are more times than `most`, or too many for memory, they are thinned
 /// evenly.
 pub fn read(
     collection: &Path,
@@ -142,7 +142,7 @@ pub fn read(
             Err(whys) => problems.extend(whys),
         }
         if at == 0 {
-            // All times are about as large as the first.
+            // All times have about the size of the first.
             let s = &reader.series;
             let each = 3 * s.nodes + (SCALARS.len() + 1) * s.elements.len();
             chosen = spread(steps.len(), most.min(MOST_NUMBERS / each.max(1)).max(2));
@@ -152,8 +152,8 @@ pub fn read(
     reader.series
 }
 
-/// `most` of the numbers below `count`, evenly spread, with the first and the last; all of them if
-/// they are no more.
+/// Returns `most` of the numbers below `count`, evenly spaced, with the first and the last; all
+/// of them if they are no more.
 pub fn spread(count: usize, most: usize) -> Vec<usize> {
     match most {
         _ if count <= most => (0..count).collect(),
@@ -162,7 +162,7 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
     }
 }
 
-/// A series in the making: ids of nodes and elements to their numbers.
+/// A series under construction: indices of nodes and elements by id.
 #[derive(Default)]
 struct Reader {
     series: Series,
@@ -171,7 +171,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// Joins the pieces of a step. Nothing of the step counts if one of them cannot be read.
+    /// Joins the pieces of a step. The step is rejected if one of them cannot be read.
     fn frame(&mut self, step: &Step) -> Result<Frame, Vec<String>> {
         let files = field_file::pieces(&step.file).map_err(|why| vec![why])?;
         let (pieces, whys): (Vec<_>, Vec<_>) =
@@ -231,7 +231,7 @@ impl Reader {
     }
 }
 
-/// Puts a value at its place in a column, which grows up to there.
+/// Stores a value in a column, which is extended if necessary.
 fn put<T: Clone>(column: &mut Vec<T>, place: u32, value: T, none: T) {
     let place = place as usize;
     if column.len() <= place {

@@ -1,6 +1,6 @@
-//! Plots of forces on single things: parts in contact (`contacts.csv`), force transducers
-//! (`transducers.csv`) and sections (`sections.csv`), which have a row for each thing and time: the
-//! time, what names the thing, `force x`, `force y`, `force z`, and what else there is.
+//! Plots of forces on single objects: parts in contact (`contacts.csv`), force transducers
+//! (`transducers.csv`) and sections (`sections.csv`). These files have one row per object and
+//! time: the time, the name of the object, `force x`, `force y`, `force z`, and other columns.
 
 use super::plots::{Line, Plot, named};
 use std::collections::{BTreeMap, HashMap};
@@ -20,10 +20,11 @@ const KINDS: [[&str; 3]; 3] = [
     ],
     ["sections.csv", "Forces of sections", "The length of the force on one side of each section."],
 ];
-/// Lines of a plot; of more things those with the largest forces.
+/// Maximum number of lines of a plot. If there are more objects, those with the largest forces
+/// are shown.
 const MOST_LINES: usize = 8;
 
-/// A plot for each of the files that are there, over the times of the history.
+/// Returns a plot for each of the existing files, over the times of the history.
 pub fn plots(dir: &Path, time: &[f64], problems: &mut Vec<String>) -> Vec<Plot> {
     let mut plots = Vec::new();
     for [file, title, note] in KINDS {
@@ -49,7 +50,8 @@ pub fn plots(dir: &Path, time: &[f64], problems: &mut Vec<String>) -> Vec<Plot> 
     plots
 }
 
-/// Unit and lines, those with the largest forces first; things without any force are left out.
+/// Returns unit and lines, those with the largest forces first. Objects without any force are
+/// omitted.
 fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<Line>), String> {
     let mut reader =
         csv::ReaderBuilder::new().flexible(true).from_path(path).map_err(|e| e.to_string())?;
@@ -57,7 +59,7 @@ fn read(path: &Path, time: &[f64]) -> Result<(String, Vec<Line>), String> {
         reader.headers().map_err(|e| e.to_string())?.iter().map(named).collect();
     let first = header.iter().position(|[name, _]| name == "force x").filter(|&first| first > 1);
     let first = first.ok_or("has no forces of named things")?;
-    // Times are written alike in all files, so that equal ones have equal bits.
+    // Times are written alike in all files, so equal times have equal bits.
     let row_of: HashMap<u64, usize> =
         time.iter().enumerate().map(|(row, t)| (t.to_bits(), row)).collect();
     let mut things: BTreeMap<String, Vec<f64>> = BTreeMap::new();
@@ -93,7 +95,7 @@ mod tests {
                 4 * part
             );
         }
-        text += "1.5e0,99"; // torn
+        text += "1.5e0,99"; // truncated
         std::fs::write(dir.path().join("contacts.csv"), text).unwrap();
         std::fs::write(dir.path().join("sections.csv"), "time [ms],section,moment x\n").unwrap();
         let mut problems = Vec::new();

@@ -1,5 +1,4 @@
-//! What stands in the folder of a run beside its fields: how it ended, what it said, what its job
-//! is called.
+//! Files in the folder of a run other than the fields: summary, histories, log and job.
 
 use super::paths::{self, WallPath};
 use super::plots::{History, Plots};
@@ -8,53 +7,53 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Warnings of the log that the page shows.
+/// Maximum number of warnings of the log on the page.
 const MOST_SAID: usize = 50;
-/// Largest error of the balance of energy that crash codes accept, a fraction.
+/// Largest relative energy error that crash codes accept.
 const ACCEPTED_ERROR: f64 = 0.01;
 
-/// All of it, as far as it is there.
+/// All files that exist.
 #[derive(Debug, Default)]
 pub struct Sources {
     /// `summary.json`.
     pub summary: Option<Map<String, Value>>,
     /// `history.csv`.
     pub history: Option<History>,
-    /// Paths of the walls, in their order, out of `walls.csv`.
+    /// Paths of the walls, in their order, from `walls.csv`.
     pub paths: Vec<WallPath>,
-    /// Plots of it, and of the files with forces beside it.
+    /// Plots of the history and of the files with forces.
     pub plots: Plots,
-    /// Warnings of the run, the gravest first.
+    /// Warnings of the run, the most severe first.
     pub warnings: Vec<String>,
-    /// What could not be read.
+    /// Files that could not be read.
     pub problems: Vec<String>,
 }
 
-/// A rigid wall: a plane, a rectangle of it, or a cylinder, as `[[wall]]` of the job describes it.
+/// A rigid wall: a plane, a rectangle, or a cylinder, as in `[[wall]]` of the job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wall {
-    /// A point of it: of a rectangle a corner, of a cylinder the start of its axis [length].
+    /// A point of the wall: a corner of a rectangle, the start of a cylinder's axis [length].
     pub point: [f64; 3],
     /// Normal of a plane or rectangle, towards the model.
     pub normal: Option<[f64; 3]>,
-    /// Direction of the first side of a rectangle; that of the second is normal x edge.
+    /// Direction of the first side of a rectangle. The direction of the second is normal x edge.
     pub edge: Option<[f64; 3]>,
-    /// Lengths of the sides, 0 for one without end [length].
+    /// Lengths of the sides, 0 for an infinite one [length].
     pub lengths: Option<[f64; 2]>,
     /// Direction of the axis of a cylinder.
     pub axis: Option<[f64; 3]>,
-    /// Its radius [length].
+    /// Radius of a cylinder [length].
     pub radius: Option<f64>,
-    /// Its length, 0 for one without end [length].
+    /// Length of a cylinder, 0 for an infinite one [length].
     #[serde(default)]
     pub length: f64,
-    /// Where it goes, if it does.
+    /// Displacement of a moving wall.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<WallPath>,
 }
 
 impl Sources {
-    /// Reads what is in the folder.
+    /// Reads the files in the folder.
     pub fn read(dir: &Path) -> Self {
         let mut sources = Self::default();
         match summary(&dir.join("summary.json")) {
@@ -114,17 +113,17 @@ impl Sources {
         self.summary.as_ref().and_then(|s| s.get(key)).and_then(Value::as_str).unwrap_or("")
     }
 
-    /// Title of the job, empty if it is not known.
+    /// Returns the title of the job, empty if it is not known.
     pub fn title(&self) -> &str {
         self.text("title")
     }
 
-    /// Units of the job as it states them.
+    /// Returns the units of the job as it states them.
     pub fn units(&self) -> &str {
         self.text("units")
     }
 
-    /// How the run ended, in a line.
+    /// Returns one line about the end of the run.
     pub fn ending(&self) -> String {
         let Some(summary) = &self.summary else { return String::new() };
         let number = |key: &str| {
@@ -140,19 +139,19 @@ impl Sources {
         )
     }
 
-    /// Number of workers.
+    /// Returns the number of workers.
     pub fn workers(&self) -> Option<u64> {
         self.summary.as_ref()?.get("workers")?.as_u64()
     }
 
-    /// Names of parts by their ids.
+    /// Returns the names of parts by their ids.
     pub fn part_names(&self) -> Map<String, Value> {
         let parts = self.summary.as_ref().and_then(|s| s.get("parts")?.as_array());
         let named = |p: &Value| Some((p.get("id")?.as_u64()?.to_string(), p.get("name")?.clone()));
         parts.into_iter().flatten().filter_map(named).collect()
     }
 
-    /// Rigid walls, with their paths where these are known.
+    /// Returns the rigid walls, with their known displacements.
     pub fn walls(&self) -> Vec<Wall> {
         let with_path = |(w, value): (usize, &Value)| {
             let path = self.paths.get(w).filter(|path| path.moves()).cloned();
@@ -161,7 +160,7 @@ impl Sources {
         self.all_walls().iter().enumerate().filter_map(with_path).collect()
     }
 
-    /// Whether a wall moves, freely or as prescribed, of which it is not known where it goes.
+    /// Returns true if a wall moves, freely or as prescribed, and its displacement is not known.
     pub fn walls_move_unseen(&self) -> bool {
         let moves = |w: &Value| {
             ["mass", "velocity", "displacement"]
@@ -175,8 +174,8 @@ impl Sources {
         self.summary.as_ref().and_then(|s| s.get("walls")?.as_array()).map_or(&[], Vec::as_slice)
     }
 
-    /// Labels of length and stress in the job's units, by their first three words: length, time,
-    /// mass.
+    /// Returns labels of length and stress in the job's units, from their first three words:
+    /// length, time, mass.
     pub fn length_and_stress(&self) -> [String; 2] {
         let words: Vec<&str> =
             self.units().split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
@@ -196,7 +195,7 @@ fn summary(path: &Path) -> Result<Map<String, Value>, String> {
     serde_json::from_str(&text).map_err(|e| format!("{shown}: {e}"))
 }
 
-/// Warnings and errors among the events of the log. A run without a log has said nothing.
+/// Returns warnings and errors among the events of the log, none without a log.
 fn log(path: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let events = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());

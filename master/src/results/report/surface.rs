@@ -1,27 +1,27 @@
-//! What of the elements can be seen: shells and lines as they are, of solids the faces that are
-//! outside at some time.
+//! The visible faces of the elements: shells and lines, and the faces of solids that are outside
+//! at some time.
 
 use super::series::{ABSENT, Series, Shape};
 use std::collections::HashMap;
 
-/// A face with up to four corners; a triangle repeats its third, a line its second.
+/// A face with up to four corners. A triangle repeats its third, a line its second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
-    /// Numbers of its nodes.
+    /// Indices of its nodes.
     pub corners: [u32; 4],
-    /// Numbers of the elements on its two sides: it is seen while exactly one of them is there.
+    /// Indices of the elements on its two sides. The face is visible while exactly one of them is
+    /// present.
     pub owners: [u32; 2],
 }
 
-/// No element on that side.
+/// Code of a side without element.
 pub const NOBODY: u32 = u32::MAX;
 
-/// Faces of a hexahedron by its corners, as `Shape::faces` of the mesh has them, in no particular
-/// sense.
+/// Faces of a hexahedron by its corners, as in `Shape::faces` of the mesh, in any orientation.
 const OF_HEXAHEDRON: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-/// Faces that are seen at some time, in the order of their elements.
+/// Returns the faces that are visible at some time, in the order of their elements.
 pub fn faces(series: &Series) -> Vec<Face> {
     let mut faces: Vec<Face> = Vec::new();
     let mut between: HashMap<[u32; 4], usize> = HashMap::new();
@@ -64,7 +64,8 @@ pub fn faces(series: &Series) -> Vec<Face> {
     faces
 }
 
-/// The face with each corner once, its last one repeated up to four; none if it has no area.
+/// Returns the face with each corner once and the last one repeated up to four; none if it has no
+/// area.
 pub fn without_repeats(corners: [u32; 4]) -> Option<[u32; 4]> {
     let mut once = Vec::with_capacity(4);
     for corner in corners {
@@ -84,7 +85,8 @@ pub mod tests {
     use super::super::series::{Element, Frame, SCALARS};
     use super::*;
 
-    /// So many cubes in a row, all there at the first time and those of `later` at the second.
+    /// Returns a row of `count` cubes. All are present at the first time, and those of `later` at
+    /// the second.
     pub fn row_of_cubes(count: u32, later: &[u8]) -> Series {
         let node = |i: u32, j: u32| 4 * i + j;
         let cube = |i: u32| Element {
@@ -120,8 +122,8 @@ pub mod tests {
 
     #[test]
     fn faces_between_solids_are_kept_only_where_they_come_to_light() {
-        // Cubes 0..5; the third fails: both of its inner faces are seen then, the other two inner
-        // ones never.
+        // Cubes 0..5; the third one fails. Both of its inner faces then become visible; the other
+        // two inner faces never are.
         let series = row_of_cubes(5, &[1, 1, 0, 2, 1]);
         let faces = faces(&series);
         let inner: Vec<[u32; 2]> =

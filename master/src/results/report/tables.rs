@@ -1,11 +1,11 @@
-//! `summary.json` as tables of the page: whatever it holds, in its own words.
+//! Tables of the page from any content of `summary.json`, with its own keys as names.
 
 use super::page::escape;
 use serde_json::{Map, Value};
 
-/// Keys that stand elsewhere on the page.
+/// Keys that appear elsewhere on the page.
 const ELSEWHERE: [&str; 2] = ["title", "walls"];
-/// Keys that come first where they are, in this order.
+/// Keys that come first if they exist, in this order.
 const FIRST: [&str; 14] = [
     "status",
     "reason",
@@ -23,7 +23,7 @@ const FIRST: [&str; 14] = [
     "law",
 ];
 
-/// The tables as HTML.
+/// Returns the tables as HTML.
 pub fn tables(summary: &Map<String, Value>) -> String {
     let keys = || ordered(summary).into_iter().filter(|k| !ELSEWHERE.contains(k));
     let mut out = String::new();
@@ -43,7 +43,7 @@ pub fn tables(summary: &Map<String, Value>) -> String {
     out
 }
 
-/// Objects, and lists of objects.
+/// Returns true for objects and for lists of objects.
 fn is_table(value: &Value) -> bool {
     match value {
         Value::Object(_) => true,
@@ -72,7 +72,7 @@ fn pairs<'a>(rows: impl Iterator<Item = (&'a str, &'a Value)>) -> String {
     rows.map(row).collect()
 }
 
-/// A row for each object; its columns are the keys of all.
+/// Returns a table with a row for each object. Its columns are the keys of all objects.
 fn grid<'a>(rows: impl Iterator<Item = (Option<&'a str>, &'a Value)>) -> String {
     let rows: Vec<_> = rows.collect();
     let mut all = Map::new();
@@ -95,7 +95,7 @@ fn grid<'a>(rows: impl Iterator<Item = (Option<&'a str>, &'a Value)>) -> String 
     format!("<thead><tr>{corner}{head}</tr></thead><tbody>{body}</tbody>")
 }
 
-/// `phase_s` as `phase [s]`, `wall_ns` alike.
+/// Returns `phase_s` as `phase [s]`, `wall_ns` likewise.
 fn words(key: &str) -> String {
     for unit in ["s", "ns"] {
         if let Some(name) = key.strip_suffix(&format!("_{unit}")) {
@@ -129,7 +129,7 @@ fn text(value: &Value) -> String {
     }
 }
 
-/// Five digits, with an exponent where there would be many noughts.
+/// Formats a number with five digits, with an exponent if it would have many zeros.
 pub fn short(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 {

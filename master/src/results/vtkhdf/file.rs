@@ -1,4 +1,4 @@
-//! Steps appended to a VTKHDF file. What a step shares with the one before, its cells, is written
+//! Appends steps to a VTKHDF file. A topology that is the same as in the step before is written
 //! once.
 
 use super::snapshot::{Column, Snapshot, Topology};
@@ -8,13 +8,13 @@ use std::path::Path;
 
 type Result<T> = std::result::Result<T, Hdf5Error>;
 
-/// Rows of a chunk: some ten kilobytes.
+/// Rows per chunk: some ten kilobytes.
 const CHUNK: usize = 4096;
 
 /// A data set that grows along its first axis.
 struct Growing {
     set: H5Dataset,
-    /// Numbers of a row; `None` for a set of one axis.
+    /// Numbers per row; `None` for a one-dimensional set.
     width: Option<usize>,
     rows: usize,
 }
@@ -64,7 +64,7 @@ impl Growing {
     }
 }
 
-/// Arrays on points or cells, with where each step's values begin.
+/// Arrays on points or cells, with the start of each step's values.
 struct Arrays {
     values: Vec<Growing>,
     offsets: Vec<Growing>,
@@ -103,12 +103,12 @@ impl Arrays {
     }
 }
 
-/// A data set with a number for each step.
+/// Creates a data set with a number for each step.
 fn per_step<T: H5Type>(group: &H5Group, name: &str) -> Result<Growing> {
     Growing::create::<T>(group, name, None, 256)
 }
 
-/// The file in the making.
+/// The file under construction.
 pub struct Writer {
     file: H5File,
     steps: H5Group,
@@ -122,17 +122,17 @@ pub struct Writer {
     on_points: Arrays,
     on_cells: Arrays,
     times: Growing,
-    /// Per step where its topology begins: part; cells; corners. And its number of parts.
+    /// Start of the topology of each step: part; cells; corners. Also its number of parts.
     part_offsets: Growing,
     topology_offsets: [Growing; 2],
     parts: Growing,
     point_offsets: Growing,
-    /// The topology of the last step, and where it begins.
+    /// Topology of the last step, and its start.
     last: (Topology, [i64; 3]),
 }
 
 impl Writer {
-    /// Begins a file.
+    /// Creates a file.
     pub fn create(path: &Path) -> Result<Self> {
         let file = H5File::create(path)?;
         let root = file.create_group("VTKHDF")?;
@@ -143,7 +143,7 @@ impl Writer {
         let steps = root.create_group("Steps")?;
         let number = |name: &str| per_step::<i64>(&root, name);
         let of_step = |name: &str| per_step::<i64>(&steps, name);
-        // One column, for the one topology that a grid has.
+        // One column, for the one topology of a grid.
         let of_topology = |name: &str| Growing::create::<i64>(&steps, name, Some(1), 256);
         Ok(Self {
             numbers: [
@@ -169,7 +169,7 @@ impl Writer {
         })
     }
 
-    /// Adds a step.
+    /// Appends a step.
     pub fn append(&mut self, snapshot: Snapshot) -> Result<()> {
         let topology = &snapshot.topology;
         if self.count == 0 || *topology != self.last.0 {

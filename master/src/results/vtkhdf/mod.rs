@@ -1,9 +1,9 @@
-//! `crumple export-vtkhdf`: the fields of a run as one temporal VTKHDF file, with the cargo feature
-//! `vtkhdf`.
+//! `crumple export-vtkhdf`: exports the fields of a run as one temporal VTKHDF file, with the
+//! cargo feature `vtkhdf`.
 //!
-//! Made from the field files after the run: `snapshot.rs` joins the workers' pieces of a step,
-//! `file.rs` appends steps to the file. Format: VTK File Formats, VTKHDF, version 2.0, unstructured
-//! grids with `Steps`.
+//! The export uses the field files after the run: `snapshot.rs` joins the workers' pieces of a
+//! step, `file.rs` appends steps to the file. Format: VTK File Formats, VTKHDF, version 2.0,
+//! unstructured grids with `Steps`.
 
 #[cfg(feature = "vtkhdf")]
 mod file;
@@ -14,14 +14,14 @@ use std::path::Path;
 
 /// Name of the file.
 pub const NAME: &str = "fields.vtkhdf";
-/// Whether this build can write it.
+/// True if this build can write the file.
 pub const BUILT: bool = cfg!(feature = "vtkhdf");
-/// Why it cannot, where it cannot.
+/// Error message of a build without the feature.
 pub const MISSING: &str = "this crumple was built without VTKHDF";
-/// What to do then.
+/// Advice in this case.
 pub const HELP: &str = "build it with `cargo build --release --features vtkhdf`";
 
-/// Exports the run in `dir`, prints what was written; gives the exit code.
+/// Exports the run in `dir`, prints the file written, and returns the exit code.
 pub fn run(dir: &Path) -> u8 {
     match export(dir) {
         Ok(said) => {
@@ -35,17 +35,17 @@ pub fn run(dir: &Path) -> u8 {
     }
 }
 
-/// Writes the fields of the run in `dir` as one file. Says what was written.
+/// Writes the fields of the run in `dir` as one file. Returns a message about the file.
 ///
 /// # Errors
-/// There are no fields or they cannot be read, the file cannot be written, or this build cannot do
-/// it.
+/// There are no fields or they cannot be read, the file cannot be written, or this build lacks
+/// the feature.
 #[cfg(not(feature = "vtkhdf"))]
 pub fn export(_: &Path) -> Result<String, String> {
     Err(format!("{MISSING}; {HELP}"))
 }
 
-/// Writes the fields of the run in `dir` as one file. Says what was written.
+/// Writes the fields of the run in `dir` as one file. Returns a message about the file.
 ///
 /// # Errors
 /// There are no fields or they cannot be read, or the file cannot be written.

@@ -1,9 +1,9 @@
-//! One step of all workers as one mesh: nodes and elements once, in ascending ids.
+//! One step of all workers as one mesh: nodes and elements once, by ascending ids.
 
 use crate::results::field_file::{Piece, Step, pieces};
 use crumple_worker::vtu::{self, Array, CELL_ARRAYS, Kind, POINT_ARRAYS};
 
-/// Numbers of one array, all components of a point or cell side by side.
+/// Numbers of one array, all components of a point or cell together.
 #[derive(Debug, PartialEq)]
 pub enum Column {
     /// 32-bit floats.
@@ -16,16 +16,16 @@ pub enum Column {
     U8(Vec<u8>),
 }
 
-/// What cells there are, by places of their points.
+/// The cells, by the indices of their points.
 #[derive(Debug, Default, PartialEq)]
 pub struct Topology {
-    /// Ids of the points: another set of points is another topology.
+    /// Ids of the points. Another set of points is another topology.
     pub nodes: Vec<i64>,
     /// Corners of all cells.
     pub connectivity: Vec<i64>,
-    /// Where the corners of each cell begin, and the end of the last.
+    /// Start of the corners of each cell, and the end of the last.
     pub offsets: Vec<i64>,
-    /// VTK's types of the cells.
+    /// VTK types of the cells.
     pub types: Vec<u8>,
 }
 
@@ -34,7 +34,7 @@ pub struct Topology {
 pub struct Snapshot {
     /// Simulated time [time].
     pub time: f64,
-    /// Current coordinates, three a point [length].
+    /// Current coordinates, three per point [length].
     pub points: Vec<f32>,
     /// Cells.
     pub topology: Topology,
@@ -44,7 +44,7 @@ pub struct Snapshot {
     pub cell_arrays: Vec<Column>,
 }
 
-/// Where something is: piece and place in it.
+/// Position of an entity: piece and index in it.
 type Source = (usize, usize);
 
 impl Snapshot {
@@ -95,7 +95,7 @@ impl Snapshot {
     }
 }
 
-/// Ids of all pieces in ascending order, each once, and where each is.
+/// Returns the ids of all pieces in ascending order, each once, and their positions.
 fn ascending(ids: &[Vec<i64>]) -> (Vec<i64>, Vec<Source>) {
     let of = |(piece, ids): (usize, &Vec<i64>)| {
         ids.iter().enumerate().map(|(i, &id)| (id, (piece, i))).collect::<Vec<_>>()

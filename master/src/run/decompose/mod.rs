@@ -1,4 +1,5 @@
-//! Where the boxes are. One method per file; so far recursive coordinate bisection.
+//! Decomposition of space into boxes. One method per file; at present recursive coordinate
+//! bisection.
 
 mod rcb;
 
@@ -9,21 +10,23 @@ use crumple_proto::message::{ToMaster, ToWorker};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
 
-/// An entry of a growing tree, an axis, and the lower and upper end of a histogram.
+/// Leaf entry of a growing tree, axis, and lower and upper end of a histogram [length].
 pub type HistogramRange = (usize, usize, f64, f64);
 
-/// What a method may ask about the load. Only boxes and histograms pass, never the mesh.
+/// The load as a decomposition method sees it. Only boxes and histograms are exchanged, never the
+/// mesh.
 pub trait Load {
-    /// Box around the element centres in each of these leaf entries of the growing tree.
+    /// Returns the box around the element centres in each of these leaf entries of the growing
+    /// tree.
     ///
     /// # Errors
-    /// A worker is gone.
+    /// A worker was lost.
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost>;
 
-    /// Load per bin along an axis in leaf entries of the growing tree.
+    /// Returns the load per bin along an axis in leaf entries of the growing tree.
     ///
     /// # Errors
-    /// A worker is gone.
+    /// A worker was lost.
     fn histograms(
         &mut self,
         tree: &CutTree,
@@ -32,17 +35,17 @@ pub trait Load {
     ) -> Result<Vec<Vec<f64>>, RankLost>;
 }
 
-/// Adds up per bin.
+/// Adds histograms bin by bin.
 fn add(sum: &mut [Vec<f64>], part: &[Vec<f64>]) {
     for (s, p) in sum.iter_mut().zip(part) {
         s.iter_mut().zip(p).for_each(|(a, b)| *a += b);
     }
 }
 
-/// Element centres that are at hand, all of one load: the master's before the start.
+/// Element centres in this process, all with equal load: those of the master before the start.
 pub struct Centres(pub Vec<[f64; 3]>);
 
-/// Element centres that are at hand, with the load of each.
+/// Element centres in this process, each with its load.
 pub struct Loads(pub Vec<([f64; 3], f64)>);
 
 impl Load for Centres {
@@ -75,7 +78,7 @@ impl Load for Loads {
     }
 }
 
-/// Place of each entry of a tree in a list of some of them; `usize::MAX` for the others.
+/// Returns the index of each entry of a tree in `entries`, `usize::MAX` for those not in it.
 fn places(tree: &CutTree, entries: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut place = vec![usize::MAX; tree.entries.len()];
     entries.enumerate().for_each(|(i, e)| place[e] = i);
@@ -115,13 +118,13 @@ fn histograms(
     histograms
 }
 
-/// Workers that have stopped for a low redecomposition and answer questions.
+/// Workers that have stopped for a low redecomposition and answer requests.
 pub struct Workers<'a> {
-    /// The master's end.
+    /// The master's end of the connection.
     pub comm: &'a mut dyn Transport,
-    /// Cost of a contact pair in units of an element's.
+    /// Cost of a contact pair over that of an element.
     pub pair_weight: f64,
-    /// Messages of other kinds that came in between, with the worker that sent them.
+    /// Messages of other kinds that arrived meanwhile, with the worker that sent them.
     pub aside: Vec<(usize, ToMaster)>,
 }
 
@@ -179,9 +182,9 @@ impl Load for Workers<'_> {
     }
 }
 
-/// The tree with every plane moved along its axis with what lies under it: `drift` per worker,
-/// weighed by `elements`. It still tiles space. A frame that flies takes its boxes along and
-/// redecomposes for its crash only.
+/// Returns the tree with every plane moved along its axis by the mean drift of the workers below
+/// it: `drift` per worker [length], weighted by `elements`. The boxes still tile space. Boxes
+/// follow a structure in flight, so that it is redecomposed only for its deformation.
 pub fn drifted(tree: &CutTree, drift: &[[f64; 3]], elements: &[u64]) -> CutTree {
     let mut moved = tree.clone();
     for i in 0..tree.entries.len() {

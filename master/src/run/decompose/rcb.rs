@@ -1,27 +1,26 @@
-//! Recursive coordinate bisection (Berger & Bokhari 1987): cut across the longest extent so that
-//! both sides carry load in proportion to the workers that they get. Any number of workers; all
-//! cuts of a level are made together.
+//! Recursive coordinate bisection (Berger & Bokhari 1987). Each cut is made across the longest
+//! extent, so that the load of both sides is proportional to their numbers of workers. Any number
+//! of workers is possible. All cuts of a level are made together.
 //!
-//! A plane cannot divide a flat wall that lies along it. Where the longest extent leaves the sides
-//! uneven for that reason, the next longest is tried, unless it is so much shorter that the cut
-//! would be a long one.
+//! A plane cannot divide a flat wall that is parallel to it. If the cut across the longest extent
+//! is uneven for this reason, the next longest extent is tried, unless it is so much shorter that
+//! the cut would have a large area.
 
 use super::Load;
 use crumple_proto::boxes::{Aabb, Cut, CutTree};
 use crumple_proto::transport::RankLost;
 
-/// Bins of a histogram: a cut is placed to this fraction of the extent.
+/// Number of bins of a histogram. The position of a cut is exact to this fraction of the extent.
 const BINS: usize = 512;
-/// Load that a side may have more or less than it should, as a fraction, before another axis is
-/// tried.
+/// Load on the wrong side, as a fraction, above which another axis is tried.
 const UNEVEN: f64 = 0.01;
 /// Shortest extent that is cut across, as a fraction of the longest.
 const SHORTEST: f64 = 0.25;
 
-/// Boxes for `workers` workers.
+/// Returns the boxes for `workers` workers.
 ///
 /// # Errors
-/// A worker is gone.
+/// A worker was lost.
 pub fn bisect(load: &mut dyn Load, workers: usize) -> Result<CutTree, RankLost> {
     let mut tree = CutTree::single();
     // Leaf entry, first worker, number of workers.
@@ -80,11 +79,11 @@ struct Place {
     axis: usize,
     /// Coordinate [length].
     at: f64,
-    /// Load that is on the wrong side, as a fraction of what the smaller side should have.
+    /// Load on the wrong side, as a fraction of the load that the smaller side should have.
     uneven: f64,
 }
 
-/// Axes, the longest extent first.
+/// Returns the axes, the one with the longest extent first.
 fn by_length(b: &Aabb) -> [usize; 3] {
     let length = |c: usize| b.max[c] - b.min[c];
     let mut axes = [0, 1, 2];
@@ -92,17 +91,17 @@ fn by_length(b: &Aabb) -> [usize; 3] {
     axes
 }
 
-/// Whether the axis at this place in [`by_length`] is long enough to be cut across.
+/// Returns true if the axis with this index in [`by_length`] is long enough for a cut across it.
 fn worth(b: &Aabb, rank: usize) -> bool {
     let axes = by_length(b);
     let length = |c: usize| b.max[c] - b.min[c];
     !b.is_empty() && length(axes[rank]) >= SHORTEST * length(axes[0])
 }
 
-/// Where along the histogram the given fraction of the load, at most a half, lies below: the bin
-/// edge that comes nearest, 0 to 1, and how much is on the wrong side then, as a fraction of that
-/// load. Among edges that are equally near, the middle one: a cut through empty space keeps off
-/// both sides.
+/// Returns the position of a cut in a histogram, 0 to 1, and the load on the wrong side as a
+/// fraction of the wanted load. The position is the bin edge at which the load below comes
+/// nearest to `fraction` (at most 0.5) of the sum. Of equally good edges the middle one is taken,
+/// so that a cut through empty space has a distance from both sides.
 fn place(histogram: &[f64], fraction: f64) -> (f64, f64) {
     let wanted = fraction * histogram.iter().sum::<f64>();
     let mut below = 0.0;
@@ -139,8 +138,8 @@ mod tests {
         }
     }
 
-    /// A square tube, longer across the walls that lie along the cut than otherwise: all of such a
-    /// wall is on one side.
+    /// A square tube that is longer across the walls parallel to the cut than otherwise. Such a
+    /// wall is on one side as a whole.
     #[test]
     fn a_wall_along_the_cut_is_divided_along_another_axis() {
         let on = |i: usize, n: usize, length: f64| (i % n) as f64 / (n - 1) as f64 * length;

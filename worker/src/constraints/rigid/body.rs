@@ -1,11 +1,12 @@
-//! One rigid body: its state, and how it moves.
+//! State and motion of one rigid body.
 //!
-//! The state is momentum and angular momentum in space, at mid-steps, and place and orientation at
-//! whole steps. Momenta change by impulses only, so a free body keeps them to the last bit.
-//! Orientation follows by the implicit midpoint rule with Cayley's map (Austin, Krishnaprasad &
-//! Wang 1993): the angular momentum P in the body obeys `P1 - P0 = dt (P0 + P1)/2 x J^-1 (P0 +
-//! P1)/2`, which keeps the energy of a free body too. Where rotations are held or prescribed the
-//! exponential map is taken instead, so that a prescribed turn is exact.
+//! The state consists of momentum and angular momentum in space at mid-steps, and of position
+//! and orientation at whole steps. Only impulses change momenta, so a free body conserves them
+//! to the last bit. Orientation follows from the implicit midpoint rule with Cayley's map
+//! (Austin, Krishnaprasad & Wang 1993): the angular momentum P in body axes satisfies `P1 - P0
+//! = dt (P0 + P1)/2 x J^-1 (P0 + P1)/2`, which conserves the energy of a free body too. Where
+//! rotations are fixed or prescribed, the exponential map is used instead, so that a prescribed
+//! rotation is exact.
 
 use crate::constraints::prescribed::MotionCurve;
 use crate::energy::Work;
@@ -15,22 +16,23 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 type V3 = Vector3<f64>;
 
-/// Most Newton steps and fixed-point steps of a rotation: convergence is quadratic, or by a factor
-/// of the angle per step.
+/// Largest numbers of Newton steps and of fixed-point steps of a rotation. Newton converges
+/// quadratically, the fixed-point iteration by a factor of the angle per step.
 const NEWTON: usize = 12;
 const FIXED_POINT: usize = 40;
 
-/// A body.
+/// Rigid body.
 #[derive(Debug)]
 pub struct Body {
     /// Mass [mass].
     pub mass: f64,
-    /// Inertia about the centre, in the axes that are the space's at time 0 [mass length^2].
+    /// Inertia about the centre in body axes, which are the axes of space at time 0 [mass
+    /// length^2].
     pub inertia: Matrix3<f64>,
     inverse: Matrix3<f64>,
-    /// Largest change of rotational velocity per unit of angular impulse [1/(mass length^2)].
+    /// Largest change of rotational velocity per unit angular impulse [1/(mass length^2)].
     pub softest: f64,
-    /// Held or prescribed: translations, rotations.
+    /// True for each fixed or prescribed degree of freedom: translations, then rotations.
     held: [bool; 6],
     courses: Vec<(u64, MotionCurve)>,
     start: V3,
@@ -39,21 +41,21 @@ pub struct Body {
     /// See `last_spin`.
     pub next_spin: V3,
     next_turn: UnitQuaternion<f64>,
-    /// Angular impulse of what leads the body in the step.
+    /// Angular impulse of the prescribed motion in the step [mass length^2/time].
     led_angular: V3,
     /// Centre of mass [length].
     pub centre: V3,
-    /// Orientation against time 0.
+    /// Orientation relative to time 0.
     pub turn: UnitQuaternion<f64>,
     /// Velocity and angular momentum about the centre at the last mid-step.
     pub last: Momentum,
-    /// The same at the next mid-step.
+    /// Velocity and angular momentum about the centre at the next mid-step.
     pub next: Momentum,
-    /// Change of rotational velocity per angular impulse at the present orientation, zero where
-    /// held.
+    /// Change of rotational velocity per unit angular impulse at the present orientation, zero
+    /// along fixed axes.
     mobility: Matrix3<f64>,
-    /// Rotational velocity without any angular momentum: what is prescribed, and what follows from
-    /// it [1/time].
+    /// Rotational velocity at zero angular momentum: the prescribed part and its consequences
+    /// [1/time].
     base: V3,
 }
 
@@ -64,19 +66,19 @@ pub struct Momentum {
     pub velocity: V3,
     /// Angular momentum [mass length^2/time].
     pub angular: V3,
-    /// Impulse of the step so far, also along what is held [force time].
+    /// Impulse of the step so far, including constrained directions [force time].
     lead: V3,
 }
 
 impl Momentum {
-    /// From velocity and angular momentum.
+    /// Builds it from velocity and angular momentum.
     pub fn new(velocity: V3, angular: V3) -> Self {
         Self { velocity, angular, lead: V3::zeros() }
     }
 }
 
 impl Body {
-    /// A body at time 0.
+    /// Builds a body at time 0.
     pub fn new(
         job: &BodyJob,
         curves: &[Vec<[f64; 2]>],
@@ -118,23 +120,25 @@ impl Body {
         }
     }
 
-    /// Whether nothing can push it.
+    /// Returns true if all degrees of freedom are fixed or prescribed.
     pub fn is_prescribed(&self) -> bool {
         self.held.iter().all(|&h| h)
     }
 
-    /// Prepares a step: what is held and prescribed, and how the body answers impulses where it is.
+    /// Prepares a step: fixed and prescribed velocities, and the mobility at the present
+    /// orientation.
     pub fn start_step(&mut self, time: f64, dt: f64) {
         self.next = self.last;
-        let (velocity, spin) = self.applied_impulse(time, dt);
+        let (velocity, spin) = self.prescribed_velocities(time, dt);
         for c in (0..3).filter(|&c| self.held[c]) {
             self.next.velocity[c] = velocity[c];
         }
         (self.mobility, self.base) = self.answer(&self.turn, &spin);
     }
 
-    /// What held and prescribed degrees of freedom do in the step.
-    fn applied_impulse(&self, time: f64, dt: f64) -> (V3, V3) {
+    /// Returns the velocity and rotational velocity of fixed and prescribed degrees of freedom
+    /// in the step.
+    fn prescribed_velocities(&self, time: f64, dt: f64) -> (V3, V3) {
         let (mut velocity, mut spin) = (V3::zeros(), V3::zeros());
         for (dofs, course) in &self.courses {
             let (now, next) = (course.amount(time), course.amount(time + dt));
@@ -151,8 +155,8 @@ impl Body {
         (velocity, spin)
     }
 
-    /// Mobility and base at an orientation. With free axes S and the prescribed velocity p,
-    /// `w = p + S (S' J S)^-1 S' (L - J p)`.
+    /// Returns mobility and base at an orientation. With free axes S and the prescribed
+    /// rotational velocity p, `w = p + S (S' J S)^-1 S' (L - J p)`.
     fn answer(&self, turn: &UnitQuaternion<f64>, spin: &V3) -> (Matrix3<f64>, V3) {
         let r = turn.to_rotation_matrix().into_inner();
         let held = &self.held[3..];
@@ -182,7 +186,7 @@ impl Body {
         self.next.lead += impulse;
     }
 
-    /// Damps by `b` (see `loads.rs`); returns the impulses.
+    /// Applies damping by `b` (see `loads.rs`); returns the impulses.
     pub fn damp(&mut self, b: f64) -> (V3, V3) {
         if b == 0.0 {
             return (V3::zeros(), V3::zeros());
@@ -192,8 +196,8 @@ impl Body {
         self.apply_damping(impulse, (self.next.angular + self.last.angular) * by)
     }
 
-    /// Adds impulses of damping, which does not act where the body is held; returns those that did
-    /// act.
+    /// Applies damping impulses, which are zero in constrained directions; returns the applied
+    /// ones.
     pub fn apply_damping(&mut self, mut impulse: V3, angular: V3) -> (V3, V3) {
         for c in (0..3).filter(|&c| self.held[c]) {
             impulse[c] = 0.0;
@@ -202,23 +206,26 @@ impl Body {
         (impulse, angular)
     }
 
-    /// Rotational velocity with an angular momentum at the present orientation [1/time].
+    /// Returns the rotational velocity at an angular momentum and the present orientation
+    /// [1/time].
     pub fn spin(&self, angular: &V3) -> V3 {
         self.base + self.mobility * angular
     }
 
-    /// Rotational velocity at the next mid-step, as it is felt at the present orientation [1/time].
+    /// Returns the rotational velocity at the next mid-step, with the mobility at the present
+    /// orientation [1/time].
     pub fn present_spin(&self) -> V3 {
         self.spin(&self.next.angular)
     }
 
-    /// Velocity at the next mid-step of a point that is `arm` off the centre, as it is felt at the
-    /// present orientation.
+    /// Returns the velocity at the next mid-step of a point at `arm` from the centre, with the
+    /// mobility at the present orientation [length/time].
     pub fn velocity_at(&self, arm: &V3) -> V3 {
         self.next.velocity + self.present_spin().cross(arm)
     }
 
-    /// Change of velocity along `direction` at `arm` per unit impulse in that direction.
+    /// Returns the change of velocity along `direction` at `arm` per unit impulse in that
+    /// direction [1/mass].
     pub fn compliance(&self, arm: &V3, direction: &V3) -> f64 {
         let moved: f64 = (0..3)
             .filter(|&c| !self.held[c])
@@ -228,12 +235,12 @@ impl Body {
         moved + lever.dot(&(self.mobility * lever))
     }
 
-    /// Finds the orientation at the end of the step and the rotational velocity that takes the body
-    /// there.
+    /// Computes the orientation at the end of the step, and the rotational velocity that leads
+    /// to it.
     pub fn rotate(&mut self, time: f64, dt: f64) {
         (self.next_turn, self.next_spin) = self.rotated(time, dt);
         if self.held[3..].contains(&true) {
-            // What is led has the angular momentum that this takes.
+            // Along constrained axes the angular momentum follows from the motion.
             let r = self.turn.to_rotation_matrix().into_inner();
             let taken = r * self.inertia * r.transpose() * self.next_spin;
             self.led_angular = V3::zeros();
@@ -244,18 +251,18 @@ impl Body {
         }
     }
 
-    /// Centre and rotation at present: a member is at `c + R r` with its place r against the centre
-    /// at time 0.
+    /// Returns the centre and the rotation R at present: a member is at `c + R r`, where r is
+    /// its position relative to the centre at time 0.
     pub fn frame(&self) -> (V3, Matrix3<f64>) {
         (self.centre, self.turn.to_rotation_matrix().into_inner())
     }
 
-    /// The same at the end of the step.
+    /// Returns the centre and the rotation at the end of the step.
     pub fn next_frame(&self, dt: f64) -> (V3, Matrix3<f64>) {
         (self.centre + self.next.velocity * dt, self.next_turn.to_rotation_matrix().into_inner())
     }
 
-    /// Work of impulses in the step.
+    /// Returns the work of impulses in the step.
     pub fn work(&self, impulse: &V3, angular: &V3) -> Work {
         let with = |velocity: &V3, spin: &V3| 0.5 * (impulse.dot(velocity) + angular.dot(spin));
         Work {
@@ -264,8 +271,8 @@ impl Body {
         }
     }
 
-    /// Work of what leads the body in the step.
-    pub fn prescribed_velocity(&self) -> Work {
+    /// Returns the work of the prescribed motion in the step.
+    pub fn prescribed_work(&self) -> Work {
         let mut impulse = (self.next.velocity - self.last.velocity) * self.mass - self.next.lead;
         for c in (0..3).filter(|&c| !self.held[c]) {
             impulse[c] = 0.0;
@@ -278,7 +285,7 @@ impl Body {
         if !self.held[3..].contains(&true) {
             return self.rotated_without_moment(&momentum, dt);
         }
-        let (_, spin) = self.applied_impulse(time, dt);
+        let (_, spin) = self.prescribed_velocities(time, dt);
         let mut w = self.spin(&momentum);
         for _ in 0..FIXED_POINT {
             let middle = UnitQuaternion::from_scaled_axis(w * (0.5 * dt)) * self.turn;
@@ -294,7 +301,7 @@ impl Body {
     }
 
     fn rotated_without_moment(&self, momentum: &V3, dt: f64) -> (UnitQuaternion<f64>, V3) {
-        // In the body: Newton for the mean P of the body's angular momentum before and after.
+        // In body axes: Newton's method for the mean P of the angular momenta before and after.
         let start = self.turn.inverse_transform_vector(momentum);
         let mut mean = start;
         for _ in 0..NEWTON {
@@ -310,7 +317,7 @@ impl Body {
         }
         let w = self.inverse * mean;
         let half = w * (0.5 * dt);
-        // Cayley's rotation, as a quaternion.
+        // Cayley's map, as a quaternion.
         let by = UnitQuaternion::from_quaternion(Quaternion::new(1.0, half.x, half.y, half.z));
         let turn = UnitQuaternion::from_quaternion((self.turn * by).into_inner());
         (turn, self.turn * w)
@@ -324,7 +331,8 @@ impl Body {
         self.last_spin = self.next_spin;
     }
 
-    /// Kinetic energy of a free body at the present orientation with the last momenta [energy].
+    /// Returns the kinetic energy of a free body at the present orientation with the last
+    /// momenta [energy].
     pub fn energy(&self) -> f64 {
         let own = self.turn.inverse_transform_vector(&self.last.angular);
         0.5 * (self.mass * self.last.velocity.norm_squared() + own.dot(&(self.inverse * own)))

@@ -1,11 +1,12 @@
 //! Rigid bodies: nodes that move together, on any number of workers.
 //!
-//! Every worker has all bodies and computes the same for each, to the bit: what acts on members is
-//! gathered from their owners and added up in ascending node id. Contact is coupled within its
-//! sweeps: all forces on a body are felt by all of its nodes before any is updated again.
+//! Every worker has all bodies and computes the same bits for each: the forces on members are
+//! gathered from their owners and summed in ascending node id. Contact is coupled within its
+//! sweeps: all forces on a body change the velocities of all its nodes before any force is
+//! updated again.
 //!
-//! Members are not free to anything else; their velocities are those that take them from place to
-//! place, `x = c + R r`, exactly.
+//! No other force moves members. Their velocities take them exactly from position to position,
+//! `x = c + R r`.
 
 pub mod body;
 #[cfg(test)]
@@ -26,10 +27,10 @@ use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
 use nalgebra::Matrix3;
 use walls::{WallContact, WallImpulse};
 
-/// Marks a node that is no member.
+/// Index that marks a node that is no member.
 const NONE: u32 = u32::MAX;
 
-/// What acts on a member: force and moment, or a contact force alone.
+/// Force and moment on a member, about the centre of the body.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 struct NodalWrench {
@@ -39,7 +40,7 @@ struct NodalWrench {
     angular: [f64; 3],
 }
 
-/// A member as all workers learn of it at the start.
+/// A member, as it is sent to all workers at the start.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireMember {
@@ -52,18 +53,18 @@ struct WireMember {
     w: [f64; 3],
 }
 
-/// A member that is local here.
+/// A member that is present here.
 #[derive(Clone, Copy, Debug)]
 struct Member {
     local: u32,
     body: u32,
-    /// Place in the body's list.
+    /// Index in the body's list.
     index: u32,
 }
 
-/// Words of what acts on a member, and of what contact touches of a body, in messages.
+/// Words of the force and moment on a member in messages.
 pub const ACTING_WORDS: usize = size_of::<NodalWrench>() / 8;
-/// See [`ACTING_WORDS`].
+/// Words per body in the messages of [`Bodies::prepare_contact`].
 pub const MET_WORDS: usize = 2;
 
 /// All rigid bodies.
@@ -72,44 +73,45 @@ pub struct Bodies {
     jobs: Vec<BodyJob>,
     /// The bodies, in the order of the job.
     pub bodies: Vec<Body>,
-    /// Inertia that a job gives beyond that of the nodal masses, which the sums over nodes leave
-    /// out.
+    /// Difference between the inertia that the job prescribes and that of the nodal masses;
+    /// sums over nodes do not contain it.
     beyond: Vec<Matrix3<f64>>,
-    /// Places of all members against the centre at time 0, per body in ascending node id [length].
+    /// Positions of all members relative to the centre at time 0, per body in ascending node id
+    /// [length].
     arms: Vec<Vec<V3>>,
     members: Vec<Member>,
-    /// Exterior copies of members.
+    /// Ghosts that are members.
     copies: Vec<Member>,
-    /// Body of each local node; empty without bodies.
+    /// Body of each node here; empty without bodies.
     body_of: Vec<u32>,
     /// Momenta without contact and walls.
     free: Vec<Momentum>,
-    /// Factor on the compliance of single nodal masses that contact sees, per body.
+    /// Factor on the compliance of single nodal masses that contact uses, per body.
     share: Vec<f64>,
-    /// Whether contact pairs touch a body in this step.
+    /// True if contact pairs involve a body in this step.
     coupled: bool,
-    /// What damping gave each body in this step: without contact, and against its forces.
+    /// Damping impulses on each body in this step: without contact, and on its contact forces.
     damped: Vec<[(V3, V3); 2]>,
     /// Impulses of walls in this step.
     pushes: Vec<WallImpulse>,
-    /// Velocities of walls as bodies leave them.
+    /// Velocities of walls after the impulses of bodies.
     wall_velocities: Vec<V3>,
     acting: Vec<NodalWrench>,
     words: Vec<u64>,
 }
 
-/// Work on bodies that sums over nodes do not see.
+/// Work on bodies that sums over nodes do not contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyWork {
-    /// Of walls.
+    /// Work of walls.
     pub wall: Work,
-    /// Of damping and of what leads bodies.
+    /// Work of damping and prescribed motion.
     pub external: Work,
 }
 
 impl Bodies {
-    /// Local nodes of the members that something acts on, contact apart: workers tell each other of
-    /// their own.
+    /// Returns the local indices of members with forces or moments, contact excepted. Workers
+    /// send these to each other for owned nodes.
     pub fn acted_on<'a>(&'a self, nodes: &'a Nodes) -> impl Iterator<Item = u32> + 'a {
         let pushed = |n: usize| {
             nodes.force[n] != [0.0; 4] || nodes.moment.get(n).is_some_and(|m| *m != [0.0; 4])
@@ -117,7 +119,7 @@ impl Bodies {
         self.members.iter().map(|m| m.local).filter(move |&n| pushed(n as usize))
     }
 
-    /// Learns of all members from the workers that own them; all workers call this together.
+    /// Builds all bodies; their members come from the workers that own them. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -164,7 +166,7 @@ impl Bodies {
         Ok(all)
     }
 
-    /// Finds the members that are here.
+    /// Finds the members that are present here.
     pub fn bind_local(&mut self, nodes: &Nodes) {
         self.members.clear();
         self.copies.clear();
@@ -185,23 +187,24 @@ impl Bodies {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no bodies.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// The body of local node `n`.
+    /// Returns the body of node `n`, if it is a member.
     pub fn body_of(&self, n: u32) -> Option<usize> {
         self.body_of.get(n as usize).filter(|&&b| b != NONE).map(|&b| b as usize)
     }
 
-    /// Whether a node and a segment belong to one body: they cannot move against each other.
+    /// Returns true if a node and a segment belong to one body, so that they cannot move
+    /// relative to each other.
     pub fn share_body(&self, slave: u32, segment: &[u32; 4]) -> bool {
         self.body_of(slave).is_some_and(|b| segment.iter().all(|&n| self.body_of(n) == Some(b)))
     }
 
-    /// Momenta at the next mid-step without contact and walls, and velocities of held members with
-    /// them.
+    /// Computes the momenta at the next mid-step without contact and walls, and the velocities
+    /// of local members from them.
     ///
     /// # Errors
     /// A worker is gone.
@@ -219,7 +222,7 @@ impl Bodies {
         for m in self.members.iter().filter(|m| nodes.is_owned(m.local as usize)) {
             let i = m.local as usize;
             if nodes.force[i] == [0.0; 4] && nodes.moment[i] == [0.0; 4] {
-                continue; // most members: their elements bear nothing
+                continue; // as for most members
             }
             let (force, moment) = (V3::from(xyz(&nodes.force[i])), V3::from(xyz(&nodes.moment[i])));
             let arm = V3::from(xyz(&nodes.x[i])) - self.bodies[m.body as usize].centre;
@@ -254,7 +257,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// Lets held members spin as their bodies do without contact.
+    /// Sets the rotational velocities of local members to those of their bodies.
     pub fn turn(&self, nodes: &mut Nodes) {
         for m in &self.members {
             nodes.w_next[m.local as usize] =
@@ -262,19 +265,19 @@ impl Bodies {
         }
     }
 
-    /// Before the sweeps of contact over the local nodes `touched`: whether any pair touches a
-    /// body, on any worker.
+    /// Prepares the contact sweeps over the nodes `touched`. Returns true if contact pairs
+    /// involve a body on any worker.
     ///
-    /// Simultaneous updates converge if the compliances they assume bound the real one. The nodal
-    /// masses of a body, were they loose, do so; and so do the compliances of its k touched nodes,
-    /// each times k. The smaller bound is taken, as a factor on the former. With `couples` forces F
-    /// come with moments m: with the arm r of a node to the centre and the inverse s of the least
-    /// inertia a body answers by `|F|^2/M + s |r x F + m|^2 <= |F|^2 (1/M + 2 s r^2) + 2 s |m|^2`
-    /// at most.
+    /// Simultaneous updates converge if the assumed compliances bound the real one. Two bounds
+    /// hold: the compliances of the body's nodal masses as if they were not connected, and the
+    /// compliances of its k touched nodes, each times k. The smaller bound is used, as a factor
+    /// on the former. With `couples`, forces F come with moments m. With the arm r from the
+    /// centre to a node and the inverse s of the smallest inertia, the response of a body is at
+    /// most `|F|^2/M + s |r x F + m|^2 <= |F|^2 (1/M + 2 s r^2) + 2 s |m|^2`.
     ///
     /// # Errors
     /// A worker is gone.
-    pub fn contact_walls(
+    pub fn prepare_contact(
         &mut self,
         comm: &mut dyn Transport,
         touched: &[u32],
@@ -315,7 +318,7 @@ impl Bodies {
         Ok(self.coupled)
     }
 
-    /// Inverse mass that contact sees at local node `n`.
+    /// Returns the inverse mass that contact uses at local node `n` [1/mass].
     pub fn inv_mass(&self, n: u32, nodes: &Nodes) -> Row {
         match self.body_of(n) {
             Some(b) if nodes.mass[n as usize] > 0.0 => [self.share[b] / nodes.mass[n as usize]; 4],
@@ -323,7 +326,8 @@ impl Bodies {
         }
     }
 
-    /// Inverse rotational inertia that contact sees at local node `n`.
+    /// Returns the inverse rotational inertia that contact uses at local node `n` [1/(mass
+    /// length^2)].
     pub fn inv_inertia(&self, n: u32, nodes: &Nodes) -> Row {
         match self.body_of(n) {
             Some(b) if nodes.inertia[n as usize] > 0.0 => {
@@ -333,9 +337,9 @@ impl Bodies {
         }
     }
 
-    /// Lets bodies feel the contact forces `total` on the nodes `touched`, and the `couples` there
-    /// if there are any, and walls; brings these nodes' velocities up to date. Returns whether
-    /// `changed` holds on any worker.
+    /// Applies the contact forces `total` on the nodes `touched` to bodies, with the `couples`
+    /// there if there are any, then the walls; updates the velocities of these nodes. Returns
+    /// true if `changed` is true on any worker.
     ///
     /// # Errors
     /// A worker is gone.
@@ -379,8 +383,8 @@ impl Bodies {
         Ok(changed)
     }
 
-    /// Lets walls with a mass feel what bodies have given them while contact iterated; nodes meet
-    /// them after that.
+    /// Applies the impulses of bodies during the contact iteration to walls that have a mass;
+    /// nodes come into contact with these walls afterwards.
     pub fn add_wall_impulses(&self, walls: &mut Walls) {
         if self.coupled {
             self.push_walls(walls);
@@ -391,9 +395,9 @@ impl Bodies {
         self.pushes.iter().for_each(|p| walls.give_way(p.wall, &p.impulse));
     }
 
-    /// Where bodies go in the step, once all that acts is known: velocities of members and their
-    /// copies. Returns the work on bodies that sums over nodes do not see, on the first worker
-    /// only.
+    /// Computes the motion of bodies in the step, once all forces are known, and the velocities
+    /// of members, ghosts included. Returns the work on bodies that sums over nodes do not
+    /// contain, on the first worker only.
     pub fn finish(
         &mut self,
         nodes: &mut Nodes,
@@ -409,7 +413,8 @@ impl Bodies {
             self.push_walls(walls);
         }
         self.bodies.iter_mut().for_each(|b| b.rotate(time, steps.dt));
-        // Copies too: contact remembers how far pairs have slipped, whoever owns their nodes.
+        // Ghosts too: contact stores the slip of pairs, independent of the owner of their
+        // nodes.
         let frames: Vec<(V3, Matrix3<f64>)> =
             self.bodies.iter().map(|b| b.next_frame(steps.dt)).collect();
         let per_dt = 1.0 / steps.dt;
@@ -424,10 +429,10 @@ impl Bodies {
         if nodes.me == 0 { self.book(walls, steps) } else { BodyWork::default() }
     }
 
-    /// Books impulses of walls and gives the work of walls, damping and constraints.
+    /// Records the impulses of walls and returns the work of walls, damping and constraints.
     fn book(&self, walls: &mut Walls, steps: StepSizes) -> BodyWork {
         let mut work = BodyWork::default();
-        // What a wall gives, and what damping takes of it.
+        // Impulse of a wall, without the part that damping takes.
         let given = steps.given();
         for p in &self.pushes {
             let body = &self.bodies[p.body];
@@ -437,7 +442,7 @@ impl Bodies {
             (0..3).for_each(|c| walls.impulse[p.wall][c] += p.impulse[c] * given);
         }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
-            work.external += body.prescribed_velocity();
+            work.external += body.prescribed_work();
             for (impulse, angular) in damped {
                 work.external += body.work(impulse, angular);
             }
@@ -445,7 +450,7 @@ impl Bodies {
         work
     }
 
-    /// Ends the step: bodies and their held members are at their new places.
+    /// Ends the step: moves bodies and their local members to their new positions.
     pub fn advance(&mut self, nodes: &mut Nodes, dt: f64) {
         self.bodies.iter_mut().for_each(|b| b.advance(dt));
         let frames: Vec<(V3, Matrix3<f64>)> = self.bodies.iter().map(Body::frame).collect();
@@ -456,8 +461,8 @@ impl Bodies {
         }
     }
 
-    /// Kinetic energy and angular momentum of inertia beyond that of nodal masses, before and after
-    /// the step.
+    /// Returns kinetic energy and angular momentum of the inertia that nodal masses do not
+    /// contain; the energy uses the rotational velocities before and after the step.
     pub fn beyond(&self) -> (f64, V3) {
         let (mut energy, mut angular) = (0.0, V3::zeros());
         for (body, inertia) in self.bodies.iter().zip(&self.beyond) {
@@ -469,7 +474,7 @@ impl Bodies {
         (energy, angular)
     }
 
-    /// Adds the impulses of what acts, in ascending node id.
+    /// Applies the impulses of the gathered forces, in ascending node id.
     fn push_all(&mut self, mid: f64) {
         for run in self.acting.chunk_by(|a, b| a.body == b.body) {
             let (force, angular) = added_up(run);
@@ -477,7 +482,7 @@ impl Bodies {
         }
     }
 
-    /// Lets damping take its part of the forces that have just been added.
+    /// Applies damping to the forces that have just been added.
     fn slow_all(&mut self, steps: StepSizes) {
         let by = steps.dt_damped - steps.dt_velocity;
         if by == 0.0 {
@@ -490,8 +495,8 @@ impl Bodies {
         }
     }
 
-    /// Adds what acts on other workers' members, in ascending (body, node); returns whether any
-    /// worker says `flag`.
+    /// Gathers the forces on other workers' members, in ascending (body, node). Returns true if
+    /// `flag` is true on any worker.
     fn gather(&mut self, comm: &mut dyn Transport, flag: bool) -> Result<bool, RankLost> {
         let mine = comm.rank();
         let mut any = flag;
@@ -510,7 +515,7 @@ impl Bodies {
         Ok(any)
     }
 
-    /// Keeps members out of walls.
+    /// Keeps members in front of walls.
     fn keep_out(&mut self, walls: &Walls, dt: f64) {
         self.pushes.clear();
         if walls.is_empty() {
@@ -532,14 +537,14 @@ impl Bodies {
     }
 }
 
-/// Force and moment of what acts on one body, in order.
+/// Returns the sum of forces and moments on one body, in order.
 fn added_up(run: &[NodalWrench]) -> (V3, V3) {
     run.iter().fold((V3::zeros(), V3::zeros()), |sum, a| {
         (sum.0 + V3::from(a.force), sum.1 + V3::from(a.angular))
     })
 }
 
-/// Notes what acts on an own member, if anything.
+/// Appends the force and moment on an owned member, unless both are zero.
 fn act(acting: &mut Vec<NodalWrench>, body: usize, node: NodeId, force: &V3, angular: &V3) {
     if *force != V3::zeros() || *angular != V3::zeros() {
         acting.push(NodalWrench {
@@ -551,8 +556,8 @@ fn act(acting: &mut Vec<NodalWrench>, body: usize, node: NodeId, force: &V3, ang
     }
 }
 
-/// A body from its members in ascending node id, with the nodes' velocities, and its inertia beyond
-/// theirs.
+/// Builds a body from its members in ascending node id, with the momenta of the nodes. Returns
+/// it with its inertia minus theirs.
 fn assemble(
     job: &BodyJob,
     curves: &[Vec<[f64; 2]>],
@@ -577,7 +582,7 @@ fn assemble(
         .map(|[xx, yy, zz, xy, yz, zx]| Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz));
     let inertia = given.unwrap_or(own);
     if given.is_some() {
-        // The spin that the nodes' velocities describe, with the inertia that is given.
+        // Rotational velocity of the nodes, with the prescribed inertia.
         angular = inertia * own.try_inverse().map_or(V3::zeros(), |i| i * angular);
     }
     (Body::new(job, curves, mass, inertia, centre, Momentum::new(velocity, angular)), inertia - own)

@@ -1,4 +1,4 @@
-//! One body without a mesh: what must be kept is kept, what is led goes where it must.
+//! Tests of one body without a mesh: conservation, and prescribed motion.
 
 use super::body::{Body, Momentum};
 use crate::contact::geometry::V3;
@@ -10,7 +10,7 @@ fn job() -> RigidBody {
     RigidBody { nodes: Vec::new(), parts: Vec::new(), fixed: 0, inertia: None, motions: Vec::new() }
 }
 
-/// Three different moments, axes askew.
+/// Three different principal moments, axes not aligned with space.
 fn inertia() -> Matrix3<f64> {
     let r = nalgebra::Rotation3::from_euler_angles(0.3, -0.7, 1.1).into_inner();
     r * Matrix3::from_diagonal(&V3::new(1.0, 2.0, 2.7)) * r.transpose()
@@ -33,9 +33,9 @@ fn run(
     body
 }
 
-/// A free body that tumbles about its middle axis, which is unstable, for 1e5 steps of 1/30 radian:
-/// angular momentum and velocity keep every bit, energy stays to round-off. Round-off of
-/// orientation changes the energy by some eps a step, at random: sqrt(1e5) eps = 7e-14.
+/// A free body rotates about its middle axis, which is unstable, for 1e5 steps of 1/30 radian.
+/// Angular momentum and velocity keep every bit; energy is constant to round-off. Round-off of
+/// the orientation changes the energy by some eps per step, at random: sqrt(1e5) eps = 7e-14.
 #[test]
 fn a_free_body_keeps_energy_and_momentum() {
     let moves = Momentum::new(V3::new(0.1, -0.2, 0.3), V3::new(0.5, 1.8, -0.4));
@@ -58,8 +58,7 @@ fn a_free_body_keeps_energy_and_momentum() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// The scheme is of second order: halving the step quarters the error of the orientation after a
-/// while.
+/// The scheme is of second order: half the step gives a quarter of the orientation's error.
 #[test]
 fn orientation_converges_with_the_square_of_the_step() {
     let moves = Momentum::new(V3::zeros(), V3::new(0.5, 1.8, -0.4));
@@ -69,7 +68,8 @@ fn orientation_converges_with_the_square_of_the_step() {
     assert!((coarse / fine - 4.0).abs() < 0.05, "{coarse} {fine}");
 }
 
-/// With two rotations held a body turns about the third axis of space with L / J there, steadily.
+/// With two rotations fixed, a body rotates about the third axis of space steadily, with L / J
+/// about this axis.
 #[test]
 fn a_guided_body_turns_about_what_is_left() {
     let held = RigidBody { fixed: 0b01_1101, ..job() };
@@ -89,7 +89,7 @@ fn a_guided_body_turns_about_what_is_left() {
     assert!((body.centre.y - 22.0).abs() < 1e-11);
 }
 
-/// A prescribed turn and way, with the third translation free.
+/// Prescribed rotation and displacement, with the third translation free.
 #[test]
 fn a_led_body_goes_where_it_must() {
     let motion = |form, dofs, amount| Motion { nodes: Vec::new(), dofs, form, amount, curve: None };

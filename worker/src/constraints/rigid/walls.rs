@@ -1,32 +1,33 @@
-//! Rigid bodies against rigid walls: no member may end a step behind one. Coulomb friction.
+//! Contact of rigid bodies with rigid walls: no member may end a step behind a wall. Coulomb
+//! friction.
 //!
-//! Impulses on the members by projected Gauss-Seidel (Moreau 1988; Jean 1999), in ascending (wall,
-//! node). All workers have all members' places, so all compute the same. Like that of single nodes
-//! the impact is plastic.
+//! The impulses on members are found by projected Gauss-Seidel (Moreau 1988; Jean 1999), in
+//! ascending (wall, node). All workers have the positions of all members, so all compute the
+//! same. The impact is plastic, as it is for single nodes.
 
 use super::body::Body;
 use crate::constraints::walls::Walls;
 use crate::contact::geometry::V3;
 use crumple_proto::ids::NodeId;
 
-/// Most sweeps, and the relative change at which they end.
+/// Largest number of sweeps, and the relative change at which they end.
 const SWEEPS: usize = 200;
 const SETTLED: f64 = 1e-10;
 
-/// The impulse of a wall on a member.
+/// Impulse of a wall on a member.
 #[derive(Clone, Copy, Debug)]
 pub struct WallImpulse {
-    /// The body.
+    /// Index of the body.
     pub body: usize,
-    /// The wall.
+    /// Index of the wall.
     pub wall: usize,
-    /// Place of the member against the centre [length].
+    /// Position of the member relative to the centre [length].
     pub arm: V3,
     /// Impulse [force time].
     pub impulse: V3,
 }
 
-/// A member near a wall.
+/// Member near a wall.
 struct WallCandidate {
     wall: usize,
     arm: V3,
@@ -37,22 +38,22 @@ struct WallCandidate {
     sheared: V3,
 }
 
-/// Walls as bodies meet them one after the other.
+/// Contact of all walls with the bodies, one after the other.
 pub struct WallContact<'a> {
     /// The walls.
     pub walls: &'a Walls,
-    /// Their velocities; of those that have a mass, what the bodies so far have left of it
-    /// [length/time].
+    /// Velocities of the walls, changed by the impulses of the bodies so far if a wall has a
+    /// mass [length/time].
     pub velocity: &'a mut [V3],
-    /// Step [time].
+    /// Step size [time].
     pub dt: f64,
     /// Impulses so far.
     pub pushes: &'a mut Vec<WallImpulse>,
 }
 
 impl WallContact<'_> {
-    /// Keeps the members of body number `index` out of all walls; notes the impulses. `members` are
-    /// places against the centre at time 0, with ids.
+    /// Keeps the members of body number `index` in front of all walls and records the impulses.
+    /// `members` are positions relative to the centre at time 0, with ids.
     pub fn enforce(&mut self, index: usize, body: &mut Body, members: (&[V3], &[NodeId])) {
         let dt = self.dt;
         let mut near = self.find_candidates(body, members);
@@ -95,7 +96,7 @@ impl WallContact<'_> {
         }));
     }
 
-    /// Members that walls may stop in the step, in ascending (wall, node).
+    /// Returns the members that walls may stop in the step, in ascending (wall, node).
     fn find_candidates(&self, body: &Body, (arms, ids): (&[V3], &[NodeId])) -> Vec<WallCandidate> {
         let far = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
         let mut near: Vec<WallCandidate> = Vec::new();
@@ -104,7 +105,8 @@ impl WallContact<'_> {
         {
             let speed =
                 (body.next.velocity - velocity).norm() + far * body.spin(&body.next.angular).norm();
-            // Twice what the body can move in the step: impulses of other walls may speed it up.
+            // Twice the largest motion of the body in the step: impulses of other walls may
+            // accelerate it.
             let reach = 2.0 * self.dt * speed;
             if wall.surface.distance(&body.centre) - far > reach {
                 continue;

@@ -1,30 +1,30 @@
-//! Tied nodes: each is carried by the nodes of a face, on any number of workers.
+//! Tied nodes: each slave follows the nodes of a face (its masters), on any number of workers.
 //!
-//! A node s has a share `N_k > 0` of each carrier k, together 1, and goes as they do: `v_s = sum
-//! N_k v_k`. At the start its mass goes to them, `M_k += N_k m_s`, and in every step the force on
-//! it, `f_k += N_k f_s`. So momentum is kept, and with `f_s v_s = sum N_k f_s v_k` energy too. The
-//! stable step does not shrink: of the elements at s the largest eigenvalue with the masses of its
-//! carriers is no larger than with its own, since `m_s |sum N_k v_k|^2 <= sum N_k m_s |v_k|^2`
-//! (Jensen).
+//! A slave s has a weight `N_k > 0` for each master k; the weights sum to 1. Its velocity is
+//! `v_s = sum N_k v_k`. At the start its mass is added to the masters, `M_k += N_k m_s`, and in
+//! every step its force, `f_k += N_k f_s`. This conserves momentum and, because `f_s v_s = sum
+//! N_k f_s v_k`, energy. The stable step does not decrease: the largest eigenvalue of the
+//! elements at s with the masses of the masters is at most the one with the slave's own mass,
+//! because `m_s |sum N_k v_k|^2 <= sum N_k m_s |v_k|^2` (Jensen).
 //!
-//! A node with an offset stands at the end of an arm d from its carriers' mean place, which turns
-//! with their mean rotation: `v_s = sum N_k (v_k + w_k x d)`, and `d x f_s` is a moment on them,
-//! `N_k` on each, so that angular momentum is kept too. Their inertias grow by `ARM_INERTIA` times
-//! `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a) |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step of
-//! the elements at s is then at least `1/sqrt(1 + a)` of their own, which the master reckons with
-//! (`share` of their records).
+//! A slave with an offset is at the end of an arm d from the weighted mean position of its
+//! masters. The arm rotates with their mean rotation: `v_s = sum N_k (v_k + w_k x d)`. The
+//! moment `d x f_s` acts on the masters, `N_k` of it on each, which conserves angular momentum.
+//! Their inertias increase by `ARM_INERTIA` times `N_k m_s d^2`: with `|v + w x d|^2 <= (1 + a)
+//! |v|^2 + (1 + 1/a) d^2 |w|^2` the stable step of the elements at s is at least `1/sqrt(1 +
+//! a)` of their own. The master rank takes this into account (`share` of their records).
 //!
-//! A node that starts with another velocity than its carriers gives them the difference as an
-//! impulse, so that momentum is what the mesh came with. When the element of its face fails the
-//! node is free again and takes back its mass, and the momentum that this had at the face.
+//! If a slave starts with another velocity than its masters, the difference acts on them as an
+//! impulse, so that the momentum of the mesh is conserved. When the element of its face fails,
+//! the slave is released. It takes back its mass, and the momentum of this mass at the face.
 //!
-//! Contact sees a tied node with the mass that it had, which is less than what carries it: too
-//! little is given back in one step rather than too much. Its forces go to the carriers after the
-//! sweeps, before these meet rigid walls. Walls do not see tied nodes.
+//! Contact uses the original mass of a slave, which is less than the mass of its masters.
+//! Contact forces of one step are therefore too small rather than too large. They are added to
+//! the masters after the sweeps and before rigid walls act on these. Walls ignore slaves.
 //!
-//! Every worker knows all ties. Forces on tied nodes come from the workers that own these,
-//! velocities of carriers likewise; they are added up in ascending id of the tied nodes, and of a
-//! node's carriers, so that all compute the same bits.
+//! Every worker has all ties. Forces on slaves come from the workers that own them, and so do
+//! the velocities of masters. They are summed in ascending id of the slaves, and of the masters
+//! of a slave, so that all workers compute the same bits.
 
 pub mod project;
 
@@ -41,15 +41,16 @@ use crumple_proto::transport::{RankLost, Tag, Transport, exchange_all};
 use nalgebra::Rotation3;
 use std::collections::{BTreeSet, HashSet};
 
-/// Stands for a node that is not local.
+/// Index of a node that is not present here.
 const NONE: u32 = u32::MAX;
-/// `1 / (1 + a)`: what is fastened to the end of an arm counts on so much of the mass there, and
-/// has 0.9 of the step that it would have without. More would make carriers still heavier to turn.
+/// `1 / (1 + a)`: fraction of the mass at the end of an arm on which the stable step of the
+/// elements there is based. Their step is 0.9 of the one without the arm. A larger value would
+/// increase the inertia of the masters further.
 pub const ARM_SHARE: f64 = 0.81;
 /// `1 + 1/a`.
 const ARM_INERTIA: f64 = ARM_SHARE / (1.0 - ARM_SHARE) + 1.0;
 
-/// A tied node or a carrier as all workers learn of it at the start.
+/// A slave or master, as it is sent to all workers at the start.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct PackedNode {
@@ -62,7 +63,7 @@ struct PackedNode {
     w: [f64; 3],
 }
 
-/// What goes to and comes from another worker in every step, by numbers of ties and of carriers.
+/// Data exchanged with another worker in every step, by numbers of ties and of masters.
 #[derive(Debug, Default)]
 struct Link {
     worker: usize,
@@ -76,38 +77,38 @@ struct Link {
 #[derive(Debug, Default)]
 pub struct Ties {
     definitions: Vec<Tie>,
-    /// Whether any ties rotations or has an arm, and whether any has an arm.
+    /// True if any tie includes rotations or has an offset; and true if any has an offset.
     turn: bool,
     arms: bool,
-    /// Masses and inertias that tied nodes had, and the inertias that carriers have of them.
+    /// Original mass and inertia of each slave, and the inertia that it adds to its masters.
     slave_masses: Vec<[f64; 2]>,
     added_inertia: Vec<f64>,
-    /// All carriers, ascending.
+    /// All masters, ascending.
     masters: Vec<NodeId>,
-    /// Carriers of each tie by their number, with their shares.
+    /// Masters of each tie by number, with their weights.
     shares: Vec<Vec<(u32, f64)>>,
-    /// Local numbers of tied nodes and of carriers.
+    /// Local indices of slaves and of masters.
     slave_index: Vec<u32>,
     master_index: Vec<u32>,
-    /// Ties whose node is local, and those of which a carrier is.
+    /// Ties whose slave is present here, and ties with a master that is present here.
     local_slaves: Vec<u32>,
     force_sources: Vec<u32>,
     links: Vec<Link>,
-    /// For each local node, the start of its run in `partners`: those of a tied node, and the tied
-    /// nodes of which it is one.
+    /// For each node here, the start of its range in `partners`: the partners of a slave, or
+    /// the slaves of which the node is a partner.
     partner_start: Vec<u32>,
     partners: Vec<u32>,
-    /// Force and moment on each tied node, as far as they are known here.
+    /// Force and moment on each slave, as far as they are known here.
     slave_loads: Vec<[V3; 2]>,
-    /// Velocities of carriers that others own, and their places.
+    /// Velocities of masters that other workers own, and their positions.
     master_velocities: Vec<[[f64; 3]; 2]>,
     master_positions: Vec<[f64; 3]>,
-    /// Contact forces that carriers were given in this step.
+    /// Contact forces of this step that were added to masters.
     contact_forces: Vec<V3>,
     words: Vec<u64>,
 }
 
-/// What contact does not look at: nodes and segments that cannot move against each other.
+/// Nodes and segments that cannot move relative to each other and are excluded from contact.
 #[derive(Clone, Copy)]
 pub struct ContactExclusions<'a> {
     /// Rigid bodies.
@@ -117,14 +118,15 @@ pub struct ContactExclusions<'a> {
 }
 
 impl ContactExclusions<'_> {
-    /// Whether a node and a segment belong to one body, or one is tied to the other.
+    /// Returns true if the node and the segment belong to one rigid body, or if one is tied to
+    /// the other.
     pub fn excludes(&self, slave: u32, segment: &[u32; 4]) -> bool {
         self.bodies.share_body(slave, segment) || self.ties.are_tied(slave, segment)
     }
 }
 
 impl Ties {
-    /// Ties nodes: masses go to carriers, velocities follow. All workers call this together.
+    /// Builds all ties: adds masses to masters and sets the velocities of slaves. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -214,8 +216,8 @@ impl Ties {
         Ok(all)
     }
 
-    /// Gives carriers, whose masses are still their own, the momentum that tied nodes have beyond
-    /// what they have as they follow.
+    /// Adds the momentum of slaves, minus the one they have when they follow their masters, to
+    /// the masters. The masters in `carrying` have their own masses.
     fn share_momentum(&self, tied: &[PackedNode], arms: &[V3], carrying: &mut [PackedNode]) {
         let mut totals: Vec<[f64; 2]> = carrying.iter().map(|c| [c.mass, c.inertia]).collect();
         let mut pushes = vec![[V3::zeros(); 2]; carrying.len()];
@@ -246,8 +248,8 @@ impl Ties {
         }
     }
 
-    /// Adds mass and inertia of a tied node to its local carriers, or with a factor of -1 takes it
-    /// from them.
+    /// Adds mass and inertia of a slave to its masters here, multiplied by `factor`; -1 removes
+    /// them.
     fn add_masses(&self, t: usize, factor: f64, nodes: &mut Nodes) {
         for &(c, share) in &self.shares[t] {
             let Some(n) = nodes.index_of(self.masters[c as usize]).map(|n| n as usize) else {
@@ -261,8 +263,8 @@ impl Ties {
         }
     }
 
-    /// Lets nodes go whose faces are of elements that have just failed here or elsewhere.
-    /// Membership has to be settled anew afterwards. All workers call this together.
+    /// Releases slaves whose face belongs to an element that has just failed on any worker. The
+    /// local mesh must be built again afterwards. Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -287,8 +289,8 @@ impl Ties {
             self.add_masses(t, -1.0, nodes);
             if let Some(n) = nodes.index_of(self.definitions[t].node).map(|n| n as usize) {
                 if self.arms && self.definitions[t].offset {
-                    // Carriers have had its mass at the foot of the arm: with their velocity it
-                    // takes the momentum that it gave.
+                    // The masters had the mass at the foot of the arm: with their velocity the
+                    // slave takes back the momentum that it gave.
                     let held = |c: usize| {
                         Some(self.master_index[c] as usize).filter(|&k| k < nodes.local_count)
                     };
@@ -315,7 +317,8 @@ impl Ties {
         Ok(())
     }
 
-    /// Finds what is here, and what goes where. All workers call this together.
+    /// Finds the slaves and masters that are present here, and sets up the exchange.
+    /// Collective.
     ///
     /// # Errors
     /// A worker is gone.
@@ -344,12 +347,12 @@ impl Ties {
             nodes.inv_mass[n] =
                 if mass > 0.0 { [free(0), free(1), free(2), 0.0] } else { [0.0; 4] };
         }
-        self.link_workers(nodes);
+        self.list_partners(nodes);
         self.link(comm, nodes)
     }
 
-    /// Lists who is tied to whom, by local numbers.
-    fn link_workers(&mut self, nodes: &Nodes) {
+    /// Lists the partners of each node, by local index.
+    fn list_partners(&mut self, nodes: &Nodes) {
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for &t in &self.local_slaves {
             let tied = self.slave_index[t as usize];
@@ -363,7 +366,8 @@ impl Ties {
         self.partners = pairs.into_iter().map(|p| p.1).collect();
     }
 
-    /// Tells other workers what is needed here, and learns what they will send.
+    /// Requests the required data from other workers, and receives the lists of data they will
+    /// send.
     fn link(&mut self, comm: &mut dyn Transport, nodes: &Nodes) -> Result<(), RankLost> {
         let (workers, me) = (comm.size() - 1, comm.rank() - 1);
         let is_held = |n: u32| (n as usize) < nodes.local_count;
@@ -410,12 +414,13 @@ impl Ties {
         Ok(())
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no ties.
     pub fn is_empty(&self) -> bool {
         self.definitions.is_empty()
     }
 
-    /// Whether a node is tied and the segment has one of its partners, or the other way round.
+    /// Returns true if the node is a slave and the segment has one of its partners, or vice
+    /// versa.
     pub fn are_tied(&self, node: u32, segment: &[u32; 4]) -> bool {
         let run = match self.partner_start.get(node as usize..node as usize + 2) {
             Some(&[from, to]) => &self.partners[from as usize..to as usize],
@@ -424,8 +429,8 @@ impl Ties {
         !run.is_empty() && segment.iter().any(|corner| run.binary_search(corner).is_ok())
     }
 
-    /// Gives the forces and moments on tied nodes to their carriers, when all but those of contact
-    /// are there.
+    /// Distributes the forces and moments on slaves to their masters, once all but contact
+    /// forces are known.
     ///
     /// # Errors
     /// A worker is gone.
@@ -470,7 +475,8 @@ impl Ties {
         Ok(())
     }
 
-    /// Gives the contact forces on tied nodes to their carriers, whose velocities feel them.
+    /// Distributes the contact forces on slaves to their masters and updates the velocities of
+    /// these.
     ///
     /// # Errors
     /// A worker is gone.
@@ -514,8 +520,8 @@ impl Ties {
         Ok(())
     }
 
-    /// Adds what carriers have felt of contact on tied nodes to velocities of local nodes without
-    /// it.
+    /// Adds the effect of [`Ties::contact_force_on_master`] to velocities of local nodes that
+    /// do not include it.
     pub fn add_contact_forces(
         &self,
         velocities: &mut [(u32, Row)],
@@ -529,19 +535,20 @@ impl Ties {
         }
     }
 
-    /// Contact force in this step on what is tied to local node `n` [force].
+    /// Returns the contact force of this step on the slaves of local node `n` [force].
     pub fn contact_force_on_master(&self, n: u32, nodes: &Nodes) -> V3 {
         self.masters
             .binary_search(&nodes.id[n as usize])
             .map_or(V3::zeros(), |c| self.contact_forces[c])
     }
 
-    /// Whether a tie gives moments to its carriers.
+    /// Returns true if a tie exerts moments on its masters.
     fn turns(&self, t: usize) -> bool {
         self.turn && (self.definitions[t].rotations || self.definitions[t].offset)
     }
 
-    /// From the place of its carriers to a local tied node; nought if it has no offset [length].
+    /// Returns the vector from the mean position of the masters to a slave here; zero without
+    /// an offset [length].
     fn arm(&self, t: usize, nodes: &Nodes) -> V3 {
         if !(self.arms && self.definitions[t].offset) {
             return V3::zeros();
@@ -554,7 +561,7 @@ impl Ties {
         V3::from(xyz(&nodes.x[self.slave_index[t] as usize])) - V3::from(xyz(&foot))
     }
 
-    /// Brings the velocities of local tied nodes to those of their carriers.
+    /// Sets the velocities of the slaves here from those of their masters.
     ///
     /// # Errors
     /// A worker is gone.
@@ -604,7 +611,7 @@ impl Ties {
                 nodes.w_next[n] = spin;
             }
             if arm != V3::zeros() {
-                // As far as the end of the arm goes when it keeps its length.
+                // Displacement of the arm's end at constant length, over the step.
                 let moved = (Rotation3::new(V3::from(xyz(&spin)) * dt) * arm - arm) / dt;
                 (0..3).for_each(|k| nodes.v_next[n][k] += moved[k]);
             }
@@ -612,7 +619,7 @@ impl Ties {
         Ok(())
     }
 
-    /// Learns where carriers are that others own.
+    /// Exchanges the positions of masters that other workers own.
     fn exchange_positions(
         &mut self,
         comm: &mut dyn Transport,
@@ -634,7 +641,7 @@ impl Ties {
         Ok(())
     }
 
-    /// Sends what acts on own tied nodes to those who have their carriers.
+    /// Sends the forces on owned slaves to the workers that have their masters.
     fn exchange_slave_forces(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let width = if self.turn { 6 } else { 3 };
         for link in self.links.iter().filter(|l| !l.slaves_out.is_empty()) {
@@ -656,24 +663,24 @@ impl Ties {
     }
 }
 
-/// Takes entries out by their numbers.
+/// Removes the entries whose numbers are in `out`.
 fn keep<T>(list: &mut Vec<T>, out: &BTreeSet<usize>) {
     let mut number = 0..;
     list.retain(|_| number.next().is_none_or(|n| !out.contains(&n)));
 }
 
-/// Two vectors from three or six words; the second is nought without its own.
+/// Decodes two vectors from three or six words; with three, the second vector is zero.
 fn pair(words: &[u64]) -> [[f64; 3]; 2] {
     let at = |k: usize| words.get(k).map_or(0.0, |&w| f64::from_bits(w));
     [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
 }
 
-/// A list that is led by its length, and what follows it.
+/// Splits a list, preceded by its length, from the list that follows it.
 fn halves(words: &[u64]) -> (&[u64], &[u64]) {
     words.split_first().map_or((&[], &[]), |(&count, rest)| rest.split_at(count as usize))
 }
 
-/// What a node has of its carriers' velocities, in ascending order.
+/// Returns the weighted mean of the masters' vectors, summed in ascending order.
 fn blend(shares: &[(u32, f64)], of: impl Fn(usize) -> [f64; 3]) -> Row {
     let mut sum = [0.0; 4];
     for &(c, share) in shares {
@@ -683,7 +690,7 @@ fn blend(shares: &[(u32, f64)], of: impl Fn(usize) -> [f64; 3]) -> Row {
     sum
 }
 
-/// The states of nodes, in the order of `ids`, from the workers that own them.
+/// Returns the states of nodes, in the order of `ids`, from the workers that own them.
 fn of_owners(
     comm: &mut dyn Transport,
     nodes: &Nodes,

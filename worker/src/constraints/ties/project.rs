@@ -1,30 +1,30 @@
-//! Where nodes stand on a surface, before the start.
+//! Projection of nodes onto a surface, before the start.
 
 use crate::contact::geometry::{V3, nearest};
 use crate::contact::search::linked_cells;
 use crumple_proto::boxes::Aabb;
 
-/// How far beyond the rim of a face a node may be, along the face, as a fraction of its shorter
-/// diagonal: surfaces that curve gape between their faces.
+/// Largest distance of a node beyond the edge of a face, along the face, over the shorter
+/// diagonal of the face. Faces of a curved surface leave such gaps between them.
 const BESIDE: f64 = 0.05;
 
-/// A face: its corners, of a triangle the third one twice [length].
+/// Corners of a face; a triangle repeats the third [length].
 pub type Face = [[f64; 3]; 4];
 
-/// Where a point stands on a face.
+/// Projection of a point onto a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
-    /// Number of the face.
+    /// Index of the face.
     pub face: usize,
     /// Shape values at its corners, none below 0; they sum to 1.
     pub shape: [f64; 4],
-    /// The point of the face that is nearest [length].
+    /// Nearest point of the face [length].
     pub point: [f64; 3],
-    /// How far that is [length].
+    /// Distance to that point [length].
     pub distance: f64,
 }
 
-/// The shorter diagonal of a face, of a triangle its shortest side [length].
+/// Returns the shorter diagonal of a face, or the shortest side of a triangle [length].
 pub fn diagonal(face: &Face) -> f64 {
     let between = |a: usize, b: usize| (V3::from(face[a]) - V3::from(face[b])).norm();
     if face[2] == face[3] {
@@ -34,9 +34,10 @@ pub fn diagonal(face: &Face) -> f64 {
     }
 }
 
-/// The nearest face of each point that is within the tolerance for the two, the first one of
-/// equals; `tolerance` is given a face and a point by their numbers, and nought where they may not
-/// meet. `widest` is the largest of a face's tolerances.
+/// Projects each point onto the nearest face that is within the tolerance; of equally near
+/// faces the first one counts. `tolerance` gets the indices of a face and a point, and returns
+/// zero for a pair that is excluded [length]. `widest` returns the largest tolerance of a face
+/// [length].
 pub fn feet(
     faces: &[Face],
     points: &[[f64; 3]],
@@ -65,7 +66,7 @@ pub fn feet(
 mod tests {
     use super::*;
 
-    /// Two squares side by side, and a triangle beyond them.
+    /// Two adjacent squares, followed by a triangle.
     const FACES: [Face; 3] = [
         [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [1.0, 1.0, 0.0]],

@@ -1,12 +1,13 @@
-//! Walls that have a mass: what nodes give them in a step.
+//! Walls with a mass: impulses of nodes on them in a step.
 //!
-//! A node of mass m that would be behind the wall goes on with the wall's velocity V, plastically,
-//! and closes its gap g: it gets the impulse `m (V - u)` with `u = v + g / dt`, the velocity of the
-//! wall at which the two would just touch. The wall gets the opposite, `M (V0 - V) = sum m (V - u)`
-//! over all nodes with u < V. The sum grows with V, so there is one solution: the nodes join in
-//! ascending u until the next one is ahead of the wall.
+//! A node of mass m that would end behind the wall takes the wall's velocity V in a plastic
+//! impact and closes its gap g. It receives the impulse `m (V - u)` with `u = v + g / dt`, the
+//! velocity of the wall at which both would just touch. The wall receives the opposite, `M (V0
+//! - V) = sum m (V - u)` over all nodes with u < V. The sum increases with V, so there is one
+//! solution: nodes are added in ascending u until the next one moves ahead of the wall.
 //!
-//! Every worker tells every other of its own nodes that may touch, and all solve alike, to the bit.
+//! Every worker sends its owned nodes that may touch the wall to all others, and all solve for
+//! the same bits.
 
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::NodeId;
@@ -24,7 +25,7 @@ pub struct RecoilCandidate {
     pub touching: f64,
 }
 
-/// Adds the nodes of all other workers.
+/// Adds the candidates of all other workers.
 ///
 /// # Errors
 /// A worker is gone.
@@ -45,8 +46,8 @@ pub fn collect(
     Ok(())
 }
 
-/// Velocity along its normal of a wall of mass `mass` that came with `speed`, after it has met the
-/// nodes [length/time].
+/// Returns the velocity along the normal, after the impact of nodes, of a wall of mass `mass`
+/// with the initial velocity `speed` [length/time].
 pub fn speed_after(mass: f64, speed: f64, near: &mut [RecoilCandidate]) -> f64 {
     near.sort_unstable_by(|a, b| a.touching.total_cmp(&b.touching).then(a.node.cmp(&b.node)));
     let (mut together, mut momentum, mut after) = (mass, mass * speed, speed);

@@ -1,17 +1,17 @@
-//! Where a wall is: planes, rectangles, cylinders.
+//! Shapes of walls: planes, rectangles, cylinders.
 //!
-//! A plane without end pushes out whatever is behind it. What is limited has a behind where nodes
-//! may be: it stops those only that come from outside. A node counts as coming from there if it is
-//! no deeper than it moves against the wall in a step, so that none is ever thrown out with more
+//! An infinite plane pushes out every node behind it. Nodes may be behind a limited surface, so
+//! it stops only nodes that come from outside. A node comes from outside if it is no deeper
+//! than its motion relative to the wall in one step. Therefore no node is pushed out faster
 //! than its own speed.
 
 use crate::contact::geometry::V3;
 use crumple_proto::wall::{Wall as WallJob, WallForm};
 
-/// Depth of round-off, as a fraction of the wall's size.
+/// Depth due to round-off, over the size of the wall.
 const ROUNDING: f64 = 1e-9;
 
-/// A wall's surface where it is now.
+/// Surface of a wall at the present time.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Unit normal, or unit vector along the axis.
@@ -25,17 +25,17 @@ pub struct Surface {
 #[derive(Clone, Copy, Debug)]
 enum Form {
     Plane,
-    /// Directions and lengths of the sides; infinite without end.
+    /// Directions and lengths of the sides; unlimited lengths are infinite.
     Rectangle([(V3, f64); 2]),
     Cylinder {
         radius: f64,
-        /// Infinite without end.
+        /// Length; infinite if unlimited [length].
         length: f64,
     },
 }
 
 impl Surface {
-    /// At time 0.
+    /// Builds the surface at time 0.
     pub fn new(job: &WallJob) -> Self {
         let direction = V3::from(job.direction).normalize();
         let ends = |length: f64| if length > 0.0 { length } else { f64::INFINITY };
@@ -54,18 +54,19 @@ impl Surface {
         surface
     }
 
-    /// Its point [length].
+    /// Returns the reference point [length].
     pub fn position(&self) -> V3 {
         self.place
     }
 
-    /// Brings its point to `place`.
+    /// Moves the reference point to `place`.
     pub fn move_to(&mut self, place: &V3) {
         self.place = *place;
         self.offset = self.direction.dot(place);
     }
 
-    /// How far `x` is in front of the surface, continued beyond its ends; negative behind [length].
+    /// Returns the distance of `x` in front of the surface, continued beyond its ends; negative
+    /// behind [length].
     #[inline]
     pub fn distance(&self, x: &V3) -> f64 {
         match self.form {
@@ -74,19 +75,19 @@ impl Surface {
         }
     }
 
-    /// Unit normal at `x`, and how far `x` is in front of the surface, if it stops what is there
-    /// and moves by `moved` at most in a step.
+    /// Returns the unit normal at `x` and the distance of `x` in front of the surface [length],
+    /// if the surface stops nodes there that move by at most `moved` in a step.
     pub fn near(&self, x: &V3, moved: f64) -> Option<(V3, f64)> {
         let gap = self.distance(x);
         let normal = match self.form {
             Form::Plane | Form::Rectangle(_) => self.direction,
             Form::Cylinder { .. } => self.off_axis(&(x - self.place)).try_normalize(0.0)?,
         };
-        self.constrain_velocity(x, gap, moved).then_some((normal, gap))
+        self.is_constrained(x, gap, moved).then_some((normal, gap))
     }
 
-    /// Whether a point at `x` with velocity `v` against the surface is in front of it after `dt`
-    /// for certain: the quick answer for nearly all nodes.
+    /// Returns true if a point at `x` with velocity `v` relative to the surface is certainly in
+    /// front of it after `dt`: the fast test for nearly all nodes.
     #[inline(always)]
     pub fn cannot_reach(&self, x: &V3, v: &V3, dt: f64) -> bool {
         !matches!(self.form, Form::Cylinder { .. }) && self.gap_after(x, v, dt) >= 0.0
@@ -97,15 +98,15 @@ impl Surface {
         self.direction.dot(x) - self.offset + dt * self.direction.dot(v)
     }
 
-    /// Unit normal and depth, negative, at which a point at `x` would be after `dt`, if the surface
-    /// keeps it from there. `v` is its velocity against the surface in the step, `before` that
-    /// against the surface in the step before.
+    /// Returns the unit normal and the gap, negative, of a point at `x` after `dt`, if the
+    /// surface stops it. `v` is its velocity relative to the surface in the step, `before` the
+    /// one in the step before.
     pub fn contact_point(&self, x: &V3, v: &V3, before: &V3, dt: f64) -> Option<(V3, f64)> {
         if let Form::Cylinder { radius, .. } = self.form {
             let from = self.off_axis(&(x - self.place));
             let to = from + self.off_axis(v) * dt;
             let gap = to.norm() - radius;
-            if gap >= 0.0 || !self.constrain_velocity(x, from.norm() - radius, dt * before.norm()) {
+            if gap >= 0.0 || !self.is_constrained(x, from.norm() - radius, dt * before.norm()) {
                 return None;
             }
             return Some((to.try_normalize(0.0).or_else(|| from.try_normalize(0.0))?, gap));
@@ -113,16 +114,16 @@ impl Surface {
         let gap = self.gap_after(x, v, dt);
         let limited = !matches!(self.form, Form::Plane);
         if gap >= 0.0
-            || limited && !self.constrain_velocity(x, self.distance(x), dt * before.norm())
+            || limited && !self.is_constrained(x, self.distance(x), dt * before.norm())
         {
             return None;
         }
         Some((self.direction, gap))
     }
 
-    /// Whether the surface reaches as far as `x`, which is `gap` in front of it, and `x` comes from
-    /// outside if it has moved by `moved` against it.
-    fn constrain_velocity(&self, x: &V3, gap: f64, moved: f64) -> bool {
+    /// Returns true if the surface extends to `x`, at the distance `gap` in front of it, and
+    /// `x` comes from outside when it has moved by `moved` relative to the surface.
+    fn is_constrained(&self, x: &V3, gap: f64, moved: f64) -> bool {
         let from = x - self.place;
         let within = |along: &V3, length: f64| {
             (0.0..=length).contains(&along.dot(&from)) || length.is_infinite()

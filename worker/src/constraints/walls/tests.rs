@@ -1,4 +1,4 @@
-//! Single masses against walls of all kinds.
+//! Tests of single masses against walls of all shapes.
 
 use super::*;
 use crumple_proto::loads::{Motion, MotionForm};
@@ -10,7 +10,7 @@ fn wall(friction: f64) -> Walls {
     Walls::new(&[WallJob::plane([0.0, 0.0, 1.0], [0.0, 0.0, 2.0], friction)], &[])
 }
 
-/// Masses at some places with some velocities.
+/// Builds nodes from positions, velocities and masses.
 fn masses(of: &[([f64; 3], [f64; 3], f64)]) -> Nodes {
     let record = |(id, &(at, v, mass)): (u64, &([f64; 3], [f64; 3], f64))| NodeRecord {
         id: NodeId(id),
@@ -23,13 +23,13 @@ fn masses(of: &[([f64; 3], [f64; 3], f64)]) -> Nodes {
     Nodes::new(&(1..).zip(of).map(record).collect::<Vec<_>>(), 0, true)
 }
 
-/// The velocity that walls leave a mass of 1.
+/// Returns the velocity of a mass of 1 after the walls.
 fn stop(walls: &Walls, x: [f64; 3], v: [f64; 3], dt: f64) -> Row {
     walls.stop(&masses(&[(x, v, 1.0)]), 0, row(v), dt)
 }
 
-/// One step of nodes and walls on one worker that begins at `time`; returns the work on nodes and
-/// on walls with a mass.
+/// Computes one step of nodes and walls on one worker, starting at `time`; returns the work on
+/// nodes and on walls with a mass.
 fn step(walls: &mut Walls, nodes: &mut Nodes, time: f64, dt: f64) -> [Work; 2] {
     let mut comm = threads::connect(2).remove(1);
     nodes.accelerate(dt);
@@ -59,8 +59,8 @@ fn node_ends_on_the_wall_and_friction_obeys_the_cone() {
     assert_eq!(v, [1.0, 0.0, 0.1, 0.0], "leaves freely");
 }
 
-/// A mass on the wall under a constant force, for `steps` steps of 1e-3. Returns velocity, place
-/// and booked work.
+/// Slides a mass on the wall under a constant force, for `steps` steps of 1e-3. Returns
+/// velocity, position and recorded work.
 fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
     let mut nodes = masses(&[([0.0, 0.0, 1.0], v, 2.0)]);
     nodes.force[0] = row(force);
@@ -68,9 +68,9 @@ fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row,
     (nodes.v[0], nodes.x[0], work)
 }
 
-/// A07: friction slows a sliding block of mass m under a force N with `mu N / m` until it rests,
-/// holds it against a pull below mu N and lets it go above. The wall's force is constant, so steps
-/// add no error but round-off, and the last of them, in which the block stops.
+/// A07: friction decelerates a sliding block of mass m under a force N by `mu N / m` until it
+/// stops. It holds the block against a pull below mu N and releases it above. The wall's force
+/// is constant, so the only errors are round-off and the last step, in which the block stops.
 #[test]
 fn coulomb_friction_slows_holds_and_lets_go() {
     let (mu, n, m) = (0.3, 50.0, 2.0);
@@ -102,8 +102,8 @@ fn coulomb_friction_slows_holds_and_lets_go() {
     assert!((v[0] - 0.1 * slowing).abs() < 1e-10, "let go: {v:?}");
 }
 
-/// Coming down on the wall is a plastic impact: all of the normal part of the energy is lost,
-/// friction takes its part of the sliding at once, and no more than the cone allows.
+/// The impact on the wall is plastic: the whole normal part of the energy is lost. Friction
+/// takes its part of the sliding energy at once, and no more than the cone allows.
 #[test]
 fn an_impact_loses_its_normal_part_and_friction_its_share() {
     for mu in [0.0, 0.2, 5.0] {
@@ -121,7 +121,7 @@ fn an_impact_loses_its_normal_part_and_friction_its_share() {
     }
 }
 
-/// In the corner of two walls a node keeps out of both; one that is held fixed is not moved by any.
+/// In the corner of two walls a node stays in front of both; no wall moves a fixed node.
 #[test]
 fn a_corner_keeps_out_and_a_held_node_stays() {
     let to = |normal| WallJob::plane([0.0; 3], normal, 0.0);
@@ -132,10 +132,10 @@ fn a_corner_keeps_out_and_a_held_node_stays() {
     assert_eq!(corner.stop(&Nodes::new(&[held], 0, true), 0, [0.0; 4], 0.1), [0.0; 4]);
 }
 
-/// Masses that meet a wall of mass M, two at once and one later, are a perfectly plastic impact
-/// each time: they go on with the wall at the velocity that momentum gives, and the energy that is
-/// lost is booked. The first two are not held when the third slows the wall down. One that is
-/// ahead, and one in the set of those that pass, are left alone.
+/// Masses hit a wall of mass M, two at once and one later; each time it is a perfectly plastic
+/// impact. They continue with the wall at the velocity that follows from momentum, and the lost
+/// energy is recorded. The first two separate when the third slows down the wall. A node ahead
+/// of the wall and one in the excluded set do not change.
 #[test]
 fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
     let (mass, speed, dt) = (3.0, 4.0, 1e-3);
@@ -194,8 +194,8 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
     assert!((work + lost).abs() < 1e-12 * before && lost > 0.0, "booked {work}, lost {lost}");
 }
 
-/// A wall that is led pushes what it meets to its own velocity, sideways within the cone of
-/// friction, and does the work.
+/// A wall with prescribed motion accelerates a node to its own velocity, tangentially within
+/// the cone of friction, and does the work.
 #[test]
 fn a_led_wall_takes_along_what_it_meets() {
     let dt = 1e-3;
@@ -236,8 +236,8 @@ fn a_led_wall_takes_along_what_it_meets() {
     assert!((x[2] - 0.55).abs() < 1e-9, "the integral of the curve: {x:?}");
 }
 
-/// A rectangle stops what comes down on it, lets pass what is beside it, and does not throw out
-/// what gets behind it from the side.
+/// A rectangle stops nodes that fall on it, ignores nodes outside its edges, and does not push
+/// out nodes that get behind it from the side.
 #[test]
 fn a_rectangle_ends_where_it_ends() {
     let form = WallForm::Rectangle { edge: [1.0, 0.0, 0.0], lengths: [2.0, 1.0] };
@@ -266,10 +266,10 @@ fn a_rectangle_ends_where_it_ends() {
     assert_eq!(stop(&long, [-1e6, 0.5, 0.0], down, 0.1)[2], 0.0, "a side without end");
 }
 
-/// A cylinder stops what comes from any side as far as it reaches; what a force presses on it
-/// without friction runs around it: a mass that is pressed on at the angle a from the top is at
-/// rest against the normal, and one that slides off with a speed v leaves when gravity no longer
-/// holds it, at cos a = 2/3 from the top (a textbook case). What is inside stays.
+/// A cylinder stops nodes from all sides within its length. A mass on it moves around it
+/// without friction under gravity. It leaves the cylinder when gravity no longer holds it on
+/// the surface, at cos a = 2/3 for the angle a from the top (a textbook case). Nodes inside
+/// stay there.
 #[test]
 fn a_cylinder_catches() {
     let form = WallForm::Cylinder { radius: 1.0, length: 3.0 };
@@ -285,7 +285,7 @@ fn a_cylinder_catches() {
         step(&mut walls, &mut nodes, i as f64 * 1e-3, 1e-3);
     }
     let off = |i: usize| (nodes.x[i][0].powi(2) + nodes.x[i][2].powi(2)).sqrt();
-    // The normal part of 5 is lost where it lands, the rest slides off along the tangent.
+    // The normal part of 5 is lost at the impact, the rest remains along the tangent.
     let v = nodes.v[0];
     assert!((v[0].hypot(v[2]) - 5.0 * 0.6).abs() < 0.02 && off(0) > 1.0, "to a step: {v:?}");
     assert!(
@@ -307,6 +307,7 @@ fn a_cylinder_catches() {
             break;
         }
     }
-    // It is 1e-6 off after t = 0.015 by 3 g sin(a) v t^3 / 6 R: 0.01 later in the cosine.
+    // The distance reaches 1e-6 at t = 0.015 by 3 g sin(a) v t^3 / 6 R: 0.01 later in the
+    // cosine.
     assert!(left.is_some_and(|cosine| (cosine - (2.0 / 3.0 - 0.01)).abs() < 2e-3), "{left:?}");
 }

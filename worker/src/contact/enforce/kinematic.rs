@@ -1,35 +1,37 @@
-//! Partitioned kinematic predictor-corrector (Taylor & Flanagan 1989; Attaway et al. 1998, eq. 18
-//! to 27).
+//! Partitioned kinematic predictor-corrector (Taylor & Flanagan 1989; Attaway et al. 1998, eq.
+//! 18 to 27).
 //!
-//! Predict: with the velocities at hand a node s ends the step by `delta` inside a segment. If the
-//! segment stood still, `f_s = m_s delta / (dt mid)` would put the node on its surface. Correct:
-//! under all first guesses the segment's nodes move by `a_i = sum_s N_i f_s / (m_i + sum_s N_i
-//! m_s)`, the contact point by `a_p = sum_i N_i a_i`, so that `f = f_s - m_s a_p` is enough. Each
-//! force acts on the node and, with the opposite sign, on the segment: momentum is kept to
-//! round-off. The source makes one such pass per step (`sweeps = 1`) and leaves what remains to the
-//! next; further passes start from what the last one left, and may take back what was too much.
+//! Predictor: with the present velocities a node s ends the step by `delta` inside a segment. If
+//! the segment stood still, `f_s = m_s delta / (dt dt_damped)` would put the node on its
+//! surface. Corrector: under all predictor forces the segment's nodes move by
+//! `a_i = sum_s N_i f_s / (m_i + sum_s N_i m_s)` and the contact point by `a_p = sum_i N_i a_i`.
+//! Therefore `f = f_s - m_s a_p` is enough. Each force acts on the node and, with the opposite
+//! sign, on the segment, so that momentum is conserved to round-off. The source makes one such
+//! pass per step (`sweeps = 1`) and leaves the residual to the next step. Further passes start
+//! from the result of the last one, and may take back an excess.
 //!
-//! Two things go beyond the source.
-//! - The correction is exact for nodes at the centre of a segment of equal masses and too strong
-//!   elsewhere, by up to `sum_i m_i / m` for a heavy node near a corner of a light segment. So no
-//!   correction is larger than the one that would close the pair's own gap alone, `f_s / (m_s c)`
-//!   with the compliance c = 1/m_s + sum N_i^2/m_i.
-//! - A node that is held fixed has no mass of use; it counts as a very heavy one (`HELD` in
+//! Two points differ from the source.
+//! - The correction is exact for nodes at the centre of a segment of equal masses. Elsewhere it
+//!   is too strong, by up to `sum_i m_i / m` for a heavy node near a corner of a light segment.
+//!   Therefore no correction is larger than the one that would close the pair's own gap alone,
+//!   `f_s / (m_s c)` with the compliance c = 1/m_s + sum N_i^2/m_i.
+//! - A fixed node has no usable mass; it counts as a very heavy one (`FIXED_MASS_RATIO` in
 //!   `pairs.rs`).
 //!
-//! **Partition.** Where two surfaces meet, either is slave of the other, and both would close the
+//! **Partition.** Where two surfaces touch, each is slave of the other, and both would close the
 //! gap. The surface of the lower part, or of the lower segment within a part, takes the fraction
-//! beta of each correction, the other one 1 - beta. A pair is one-sided, and is corrected whole, if
-//! no node of its segment is pushed back by a pair from the same side: a node at mid-face of a
-//! coarse mesh whose corners touch nothing closes its gap in the first pass. If corners do touch
-//! elsewhere, a pair at mid-face gets its fraction only, and each further pass leaves 1 - beta or
-//! beta of what was left: gaps are never closed twice. With one pass per step such pairs sink in
-//! while the bodies decelerate. Where one surface is held, the free one takes all: held nodes that
-//! share the load let a block creep on them under a pull below mu N.
+//! beta of each correction, the other surface 1 - beta. A pair is one-sided, and gets the whole
+//! correction, if no node of its segment is pushed back by a pair from the same side. Example: a
+//! node at mid-face of a coarse mesh whose corners touch nothing closes its gap in the first
+//! pass. If corners do touch elsewhere, a pair at mid-face gets its fraction only, and each
+//! further pass leaves 1 - beta or beta of the residual: gaps are never closed twice. With one
+//! pass per step such pairs sink in while the bodies decelerate. Where one surface is fixed, the
+//! free one takes the whole correction: fixed nodes with a share of the load would let a block
+//! creep on them under a pull below mu N.
 //!
-//! Friction is the same for the tangential distance from the stick point, its total within the
-//! cone. Where it turns nodes the slave's mass is that of its middle and its spin together, `1 /
-//! (1/m_s + a^2/I_s)` with the lever arm a.
+//! Friction is computed in the same way from the tangential distance to the stick point, with
+//! its total within the cone. Where friction turns nodes, the slave's mass is that of its
+//! translation and its rotation together, `1 / (1/m_s + a^2/I_s)` with the lever arm a.
 
 use super::{
     ContactLaw, GAP, Iteration, LawRow, StepSizes, no_longer, overlap, split, stuck, within_cone,
@@ -52,11 +54,12 @@ struct Kinematic {
     tolerance: f64,
 }
 
-/// Round-off leaves this fraction of a force open, whatever the tolerance.
+/// Fraction of a force that round-off leaves open, whatever the tolerance.
 const LITTLE: f64 = 1e-6;
 
-/// Force that takes the slave's mass to the surface and to the stick point within the step, if the
-/// segment moves as `velocity` says. Friction that turns the slave moves a smaller mass.
+/// Returns the force that moves the slave's mass to the surface and to the stick point within
+/// the step, normal and tangential, if the segment moves as `velocity` says [force]. Friction
+/// that turns the slave moves a smaller mass.
 fn needed(pair: &Pair, velocity: &V3, steps: StepSizes) -> (f64, V3) {
     let (opening, sliding) = split(velocity, &pair.normal);
     let per_step = -pair.slave_mass / steps.dt_damped;
@@ -87,11 +90,11 @@ impl ContactLaw for Kinematic {
         pair.normal * more + within_cone(sheared + pull, pressed + more, pair) - sheared
     }
 
-    /// Here `velocity` is that of the node relative to the contact point as all guesses together
-    /// would move it.
+    /// Here `velocity` is the velocity of the node relative to the contact point under all
+    /// predictor forces.
     fn update(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<V3> {
         let (guess_n, guess_t) = split(&pair.predictor_force, &pair.normal);
-        // Fractions of the guesses that close this pair's gap alone.
+        // Fractions of the predictor forces that close this pair's gap alone.
         let [alone_n, alone_t] =
             pair.compliance.map(|c| if c > 0.0 { 1.0 / (pair.slave_mass * c) } else { 0.0 });
         let (more, pull) = needed(pair, velocity, steps);
@@ -107,8 +110,7 @@ impl ContactLaw for Kinematic {
         let new_pressed = (pressed + pair.partition_factor * more).max(0.0);
         let new_sheared = within_cone(sheared + pull * pair.partition_factor, new_pressed, pair);
         let change = (new_pressed - pressed).abs();
-        // Friction under a light load is small against the gap's tolerance, and wanted all the
-        // same.
+        // Friction under a light load is small against the gap's tolerance, but it is needed.
         let turns =
             (new_sheared - sheared).norm() > self.tolerance * pair.friction_force(new_pressed);
         let floor =

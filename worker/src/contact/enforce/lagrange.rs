@@ -1,10 +1,12 @@
-//! Local Lagrange multipliers (Wang, Wang, Cheng & Yao 2007, eq. 10 to 14): the force that closes
-//! the gap at the end of the step, given what all other pairs do, iterated over all pairs.
+//! Local Lagrange multipliers (Wang, Wang, Cheng & Yao 2007, eq. 10 to 14): the force that
+//! closes the gap at the end of the step, given the forces of all other pairs, iterated over all
+//! pairs.
 //!
-//! With the compliance c = 1/M1 + 1/M2 of the pair eq. 10 reads `df_n = -(g/dt + n.v) / (mid c)`,
-//! where v is the relative mid-step velocity with all present forces felt. The total normal force
-//! may not pull; the tangential one sticks to the stick point within the cone mu f_n. How pairs
-//! take turns, and whose masses c is made of, is [`Iteration`].
+//! With the compliance c = 1/M1 + 1/M2 of the pair, eq. 10 reads
+//! `df_n = -(g/dt + n.v) / (dt_damped c)`, where v is the relative mid-step velocity with all
+//! present forces applied. The total normal force may not pull. The tangential force sticks to
+//! the stick point within the cone mu f_n. [`Iteration`] defines the order of the pairs and the
+//! masses in c.
 
 use super::{ContactLaw, GAP, Iteration, LawRow, StepSizes, overlap, split, stuck, within_cone};
 use crate::contact::geometry::V3;
@@ -21,24 +23,25 @@ pub(super) const LAW: LawRow = LawRow {
     },
 };
 
-/// Ways to iterate, as a job names them.
+/// Methods of iteration with their names in a job.
 pub const ITERATIONS: &[(&str, Iteration)] =
     &[("split", Iteration::Split), ("gauss_seidel", Iteration::GaussSeidel)];
 
-/// Fraction of the last step's normal force that sweeps start from if none are accelerated. Where
-/// they do not settle, as with a light layer between heavy ones, a force that pushes too much dies
-/// out in a few steps; carried on whole it throws the layers apart (`cases/studies/README.md`,
-/// sandwich).
+/// Fraction of the last step's normal force with which sweeps start if none are accelerated.
+/// Where sweeps do not converge, as with a light layer between heavy ones, a force that pushes
+/// too much decays in a few steps. If it were carried over completely, it would throw the layers
+/// apart (`cases/studies/README.md`, sandwich).
 const CARRY: f64 = 0.5;
 
-/// Accelerated sweeps follow where plain ones leave more than this fraction of the velocity that a
-/// force is there to change. Smaller rests are taken up by the next step's sweeps, which start from
-/// the forces of this one. Jeep frame to 12 ms, tolerance 1e-7: 1239 of 7033 steps are accelerated
-/// if any rest above it is, 322 with 1e-4, 25 with 1e-3; penetration is the same. With 1e-3 bricks
-/// that `split` has not settled push each other off (A07).
+/// Residual of plain sweeps above which accelerated sweeps follow, as a fraction of the velocity
+/// that a force has to change. Smaller residuals are removed by the next step's sweeps, which
+/// start from the forces of this step. Jeep frame to 12 ms, tolerance 1e-7: 1239 of 7033 steps
+/// are accelerated if any residual above the tolerance triggers it, 322 with 1e-4, 25 with 1e-3;
+/// penetration is the same. With 1e-3, bricks for which `split` has not converged push each
+/// other apart (A07).
 const COARSE: f64 = 1e-4;
 
-/// What a force that ends leaves undone at least, over what may be left.
+/// Smallest residual of a force that drops to zero, as a multiple of the permitted residual.
 const ENDS: f64 = 2.0;
 
 struct Lagrange {
@@ -78,7 +81,7 @@ impl ContactLaw for Lagrange {
     fn refine(&self, pair: &Pair, velocity: &V3, steps: StepSizes) -> Option<(V3, f64)> {
         let [soft_n, soft_t] = pair.compliance.map(|c| steps.dt_damped * c);
         if soft_n <= 0.0 {
-            return None; // both sides are held fixed
+            return None; // both sides are fixed
         }
         let (pressed, sheared) = split(&pair.force, &pair.normal);
         let (opening, sliding) = split(velocity, &pair.normal);
@@ -88,16 +91,17 @@ impl ContactLaw for Lagrange {
         } else {
             V3::zeros()
         };
-        // The velocity that is left to be changed, over what the pair is there to change: its
-        // approach, and what its force does to the side that answers less. Where masses differ much
-        // a small change of the force is no small velocity for the lighter side.
+        // Velocity that is still to be changed, over the velocity that the pair has to change:
+        // its approach, and the effect of its force on the side with the smaller compliance.
+        // Where masses differ much, a small change of the force is not a small velocity for the
+        // lighter side.
         let left =
             (soft_n * (new_pressed - pressed).abs()).max(soft_t * (new_sheared - sheared).norm());
         let whole = pair
             .approach_speed
             .max(steps.dt_damped * pair.stiffer_compliance * new_pressed.max(pressed));
-        // A force that has nothing left to do ends, however small: left as it is, it would go on
-        // pushing.
+        // A force that drops to zero is updated, however small it is: unchanged, it would
+        // continue to push.
         let ends = pressed > 0.0 && new_pressed == 0.0;
         let left = left / (GAP * pair.contact_thickness / steps.dt).max(self.tolerance * whole);
         Some((pair.normal * new_pressed + new_sheared, if ends { left.max(ENDS) } else { left }))

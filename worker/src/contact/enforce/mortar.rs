@@ -1,30 +1,32 @@
-//! Segment to segment: pressure by penetration over the area where segments have gone into each
-//! other.
+//! Segment to segment contact: pressure from penetration over the area where segments penetrate
+//! each other.
 //!
 //! Where two segments face each other, each pair is a quarter of one over a quarter of the other
-//! (`contact/facets.rs`, `contact/overlap.rs`). Its pressure is `p = k_n d` with the depth d; the
-//! nodes of both sides are pressed by `int p N da` over what the two have in common. This is the
+//! (`contact/facets.rs`, `contact/overlap.rs`). Its pressure is `p = k_n d` with the depth d.
+//! The nodes of both sides get the forces `int p N da` over the common area. This is the
 //! kinematic description of mortar methods (Puso & Laursen 2004; for explicit dynamics Yang,
-//! Laursen & Meng 2005) with the penalty in place of multipliers, as in Fischer & Wriggers (2005).
-//! Both sides are treated alike: no pass, and no half weight.
+//! Laursen & Meng 2005) with the penalty in place of multipliers, as in Fischer & Wriggers
+//! (2005). Both sides are treated equally, without two passes and without half weights.
 //!
-//! `k_n = k / A` follows from [`super::penalty`] with the area A of the pair, in both of its forms:
+//! `k_n = k / A` follows from [`super::penalty`] with the area A of the pair, in both of its
+//! forms:
 //! - *soft*: with nodal masses split among pairs in proportion to their areas, the pair's
-//!   compliance is c = (1/A) sum_r N_r A_r/m_r, with the area in contact A_r of each node and its
-//!   mass m_r, so that `k_n = scale / (dt^2 sum_r N_r A_r/m_r)`: uniform where the masses per area
-//!   are;
+//!   compliance is c = (1/A) sum_r N_r A_r/m_r, with the contact area A_r of each node and its
+//!   mass m_r. Therefore `k_n = scale / (dt^2 sum_r N_r A_r/m_r)`; it is uniform where the
+//!   masses per area are uniform;
 //! - *stiffness*: `k_n = scale E / d` of the softer side.
 //!
-//! Its bound holds with these masses: for the springs `k_n A_p b_p b_p^T` of all pairs p, Cauchy's
-//! inequality with the parts `m_r A_p N_pr / A_r` of the masses gives `omega^2 <= max_p k_n sum_r
-//! N_pr A_r/m_r`. Half of it is left as reserve, since pressure varies within a pair where that has
-//! one spring. Dashpot, friction and stick point are those of the penalty, a pair at a time.
+//! Its stability bound holds with these masses. For the springs `k_n A_p b_p b_p^T` of all pairs
+//! p, Cauchy's inequality with the fractions `m_r A_p N_pr / A_r` of the masses gives `omega^2
+//! <= max_p k_n sum_r N_pr A_r/m_r`. Half of it is kept as reserve, since pressure varies within
+//! a pair where the bound assumes one spring. Dashpot, friction and stick point are those of the
+//! penalty law, per pair.
 //!
-//! Nodes and edges that no segment covers, such as the rim of a shell on a face, meet by the
-//! penalty law; they count for the area `scale^2` of their contact.
+//! Nodes and edges that no segment covers, such as the rim of a shell on a face, touch by the
+//! penalty law; their area is `contact_thickness^2`.
 //!
-//! Left out: forces from the change of the area itself, with which a body that slides off an edge
-//! while it is pressed down would give back what its springs hold.
+//! Not included: forces from the change of the area itself, with which a body that slides off an
+//! edge while it is pressed down would release the energy of its springs.
 
 use super::penalty::Penalty;
 use super::{ContactLaw, Iteration, LawRow, StepSizes};

@@ -1,5 +1,5 @@
-//! What contact laws must and must not do, on hand-made scenes: nodes that are masses, segments
-//! between them, no elements. The search and the sweeps are those of a real run.
+//! Tests of contact laws on scenes made by hand: nodes with masses, segments between them, no
+//! elements. Search and sweeps are those of a real run.
 
 mod couple;
 mod kinematic;
@@ -28,12 +28,13 @@ use crumple_proto::transport::threads::{Threads, connect};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use std::sync::Arc;
 
-/// Half thickness of everything; two surfaces touch at a distance of twice that.
+/// Half thickness of all segments and nodes; two surfaces touch at a distance of twice this
+/// value.
 const HALF: f64 = 0.05;
 const THICK: f64 = 2.0 * HALF;
 /// Young's modulus of all segments.
 const MODULUS: f64 = 1.0;
-/// Wave speed of all segments: penetration is taken out at most at 4e-5 of it.
+/// Wave speed of all segments: penetration is removed at 4e-5 of it at most.
 const SPEED: f64 = 500.0;
 /// Fixed in all directions.
 const HELD: u64 = 0b111;
@@ -46,7 +47,7 @@ fn held(x: [f64; 3]) -> NodeRecord {
     NodeRecord { fixed: HELD, ..mass(x, [0.0; 3], 1.0) }
 }
 
-/// Every law, in every form that a job can give it.
+/// Returns every law, in every form that a job can select.
 fn all_laws() -> Vec<(String, ContactJob)> {
     let lagrange = |iteration: &str| ContactJob { iteration: iteration.into(), ..job("lagrange") };
     let mut jobs = vec![lagrange("split"), lagrange("gauss_seidel"), job("kinematic")];
@@ -65,14 +66,14 @@ fn job(law: &str) -> ContactJob {
     ContactJob { law: law.into(), skin: 0.5, penalty_damping: 0.0, ..ContactJob::default() }
 }
 
-/// Nodes, segments between them, and the nodes that may touch these.
+/// Nodes, segments between them, and the nodes that may touch these segments.
 struct Scene {
     nodes: Nodes,
     contact: Contact,
     comm: Threads,
     _master: Vec<Threads>,
     steps: StepSizes,
-    /// Force on each node, springs left out.
+    /// Force on each node, without springs [force].
     load: Vec<V3>,
     /// Springs along z between two nodes: stiffness, and length without force.
     springs: Vec<(usize, usize, f64, f64)>,
@@ -125,7 +126,7 @@ impl Scene {
         Self { nodes, contact, comm, _master: ends, steps, load, springs: Vec::new(), work: 0.0 }
     }
 
-    /// One step as in `step.rs`, elements and walls left out.
+    /// Runs one step as in `step.rs`, without elements and walls.
     fn step(&mut self) -> ContactWork {
         let Self { nodes, contact, comm, steps, load, springs, .. } = self;
         nodes.force.iter_mut().zip(load.iter()).for_each(|(f, l)| *f = row([l.x, l.y, l.z]));
@@ -145,8 +146,8 @@ impl Scene {
         if contact.laws.iterations().contains(&Iteration::GaussSeidel)
             && contact.sweeps - before < contact.laws.sweeps() as u64
         {
-            // Pairs are passed over while no node of theirs feels anything new: none of them may
-            // have been left behind.
+            // Pairs are skipped while the forces on their nodes do not change. No pair that
+            // needs an update may have been skipped.
             let update =
                 |p: &Pair| contact.laws.of_pair(p).update(p, &p.relative_velocity(nodes), *steps);
             let at_rest = |p: &Pair| update(p).is_none();
@@ -161,7 +162,7 @@ impl Scene {
         work
     }
 
-    /// Steps in which nodes lose the fraction `loss` of their velocities.
+    /// Runs steps in which nodes lose the fraction `loss` of their velocities.
     fn settle(&mut self, steps: usize, loss: f64) {
         for _ in 0..steps {
             self.step();
@@ -198,16 +199,15 @@ impl Scene {
     }
 }
 
-/// A square of side 2 around the origin with nodal masses `of`, and nodes just touching it from
-/// above.
+/// Returns a square of side 2 around the origin with nodal masses `of`.
 fn square(of: [f64; 4]) -> Vec<NodeRecord> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     corners.iter().zip(of).map(|(c, m)| mass([c[0], c[1], 0.0], [0.0; 3], m)).collect()
 }
 
-/// Different nodes at different places of two segments with an edge in common: sweeps reach the
-/// solution of the whole system `sum_j A_ij f_j = -v_i / mid`, where A couples pairs through the
-/// segments' nodes.
+/// Different nodes at different points of two segments with a common edge. Sweeps reach the
+/// solution of the whole system `sum_j A_ij f_j = -v_i / dt_velocity`, where A couples pairs
+/// through the segments' nodes.
 #[test]
 fn sweeps_reach_the_solution_of_the_coupled_system() {
     for iteration in ["split", "gauss_seidel"] {
@@ -243,8 +243,8 @@ fn coupled_system(iteration: &str) {
     let exact = a.lu().solve(&DVector::from_element(5, 10.0 / dt)).unwrap();
     assert!(exact.iter().all(|&f| f > 0.0), "all stay in contact: {exact}");
     for (p, f) in pairs.iter().zip(exact.iter()) {
-        // Left over: 1e-4 of the thickness per step is 1e-3 of the approach; the light node feels
-        // it most.
+        // Residual: 1e-4 of the thickness per step is 1e-3 of the approach. It is largest for
+        // the light node.
         assert!((p.force.z / f - 1.0).abs() < 5e-3, "{} and not {f}", p.force.z);
     }
     assert!(
@@ -262,9 +262,9 @@ fn coupled_system(iteration: &str) {
     );
 }
 
-/// Shares N_k act at the contact point, so they keep both momenta. Shares m_k/M2 (Wang 2007, eq. 7)
-/// act where the masses are: they keep linear momentum only, unless all masses are equal. Here with
-/// masses 1, 2, 4, 8.
+/// Weights N_k act at the contact point, so they conserve both momenta. Weights m_k/M2 (Wang
+/// 2007, eq. 7) act where the masses are: they conserve linear momentum only, unless all masses
+/// are equal. Here with masses 1, 2, 4, 8.
 #[test]
 fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     let change = |weighting: &str, of: [f64; 4]| {
@@ -300,8 +300,8 @@ fn shape_weights_keep_both_momenta_and_mass_weights_the_linear_one() {
     assert!(p < 1e-13 && l < 1e-13, "equal masses, equal shares: {p:e} {l:e}");
 }
 
-/// Zero gap at the end of the step is a perfectly plastic impact of two nodes: `1/2 m_red v^2` is
-/// lost, whatever part of the step the approach takes.
+/// Zero gap at the end of the step is a perfectly plastic impact of two nodes: `1/2 m_red v^2`
+/// is lost, for any length of the approach within the step.
 #[test]
 fn an_impact_loses_what_a_plastic_one_loses() {
     for open in [0.0, 0.3, 0.99] {
@@ -311,17 +311,18 @@ fn an_impact_loses_what_a_plastic_one_loses() {
         let mut scene = Scene::new(&job("lagrange"), &points, &[[0, 1, 2, 3]], &[4], dt);
         let before = scene.energy();
         (0..20).for_each(|_| _ = scene.step());
-        let reduced = 1.0 / (1.0 / m + 1.0 / 2.0); // the contact point at the centre has the mass of all four
+        // The contact point at the centre has the mass of all four nodes.
+        let reduced = 1.0 / (1.0 / m + 1.0 / 2.0);
         let lost = before - scene.energy();
-        // The velocity left over is 1e-3 of the approach at most, energy has its square.
+        // The residual velocity is 1e-3 of the approach at most; energy has its square.
         assert!((lost / (0.5 * reduced * v * v) - 1.0).abs() < 1e-5, "open {open}: {lost}");
         assert!((lost + scene.work).abs() < 1e-12 * before, "as booked");
         assert!(scene.pairs().is_empty() || scene.pairs()[0].penetration < 1e-3 * THICK);
     }
 }
 
-/// C02: a light node on a heavy segment and a heavy node on a light one; both end with the common
-/// velocity.
+/// C02: a light node on a heavy segment and a heavy node on a light one; both end with the
+/// common velocity.
 #[test]
 fn light_on_heavy_and_heavy_on_light_keep_momentum() {
     for (m, segment) in [(1e-6, 1.0), (1.0, 1e-6), (1.0, 1.0)] {
@@ -345,18 +346,18 @@ fn light_on_heavy_and_heavy_on_light_keep_momentum() {
     }
 }
 
-/// C15a: a node between two plates that close symmetrically holds both, and all end at rest.
+/// C15a: a node between two plates that close symmetrically stops both, and all end at rest.
 ///
-/// The two pairs feel each other through the node: sweeps with split masses leave `1 - 1/4M / (2/m
-/// + 1/4M)` of the error, near 1 for a light node, sweeps in order its square root. With sweeps to
-/// spare the plates rest and the node is where symmetry wants it. What 20 sweeps leave over lets
-/// the plates come nearer and pushes the node aside, towards the plate whose pair comes first; it
-/// does not throw the plates back.
+/// The two pairs are coupled through the node. Sweeps with split masses leave
+/// `1 - 1/4M / (2/m + 1/4M)` of the error, near 1 for a light node; sweeps in order leave its
+/// square root. With enough sweeps the plates come to rest and the node is at its symmetric
+/// position. With 20 sweeps the residual lets the plates come nearer and pushes the node to the
+/// side, towards the plate whose pair comes first. It does not throw the plates back.
 #[test]
 fn a_node_between_two_plates_ends_at_rest() {
     let v = 10.0;
-    // Largest velocity at the end as a fraction of the approach, and how far the node is from its
-    // place.
+    // Largest velocity at the end as a fraction of the approach, and distance of the node from
+    // its symmetric position.
     let rebound = |m: f64, sweeps: usize| {
         let at = |z: f64, v: f64| {
             square([1.0; 4]).into_iter().map(move |p| mass([p.x[0], p.x[1], z], [0.0, 0.0, v], 1.0))
@@ -377,8 +378,8 @@ fn a_node_between_two_plates_ends_at_rest() {
     for m in [0.01, 0.3, 1.0, 100.0] {
         let left = [20, 100, 10_000].map(|sweeps| rebound(m, sweeps));
         eprintln!("node of {m} between plates of 4: {left:.4?} with 20, 100, 10000 sweeps");
-        // In order from one side, with a change of 1e-6 left: (1e-6 / 0.01) of the approach over a
-        // step for the lightest.
+        // In order from one side, with a residual change of 1e-6: (1e-6 / 0.01) of the approach
+        // over a step for the lightest node.
         assert!(left[2].0 < 1e-3 && left[2].1 < 1e-3, "node of {m}: {left:?}");
         assert!(
             left.iter().all(|l| l.0 < 0.1),
@@ -388,9 +389,9 @@ fn a_node_between_two_plates_ends_at_rest() {
     }
 }
 
-/// C03: where a node lands on a flat patch of segments does not matter: on a facet, an edge, a
-/// vertex, or a hair's breadth beside. The patch is heavy, so that the normal impulse is m v
-/// anywhere; it is turned off all axes.
+/// C03: the position at which a node hits a flat patch of segments does not matter: a facet, an
+/// edge, a vertex, or very near to one of these. The patch is heavy, so that the normal impulse
+/// is m v everywhere; it is rotated out of all axes.
 #[test]
 fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
@@ -421,8 +422,8 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
                 pressed -= force.dot(&down);
                 sideways += force + down * -force.dot(&down);
             }
-            // Lagrange and kinematic end at rest; penalty throws the node back, to what its steps
-            // lose and gain (see below).
+            // Lagrange and kinematic end at rest. Penalty throws the node back, up to the energy
+            // error of its steps (see below).
             let (expected, within) =
                 if law == "penalty" { (2.0 * m * v, 0.05) } else { (m * v, 0.01) };
             assert!(
@@ -439,8 +440,8 @@ fn an_impact_does_not_feel_where_on_the_patch_it_is() {
     }
 }
 
-/// A node that slides over a ridge turns around it on a circle of the contact thickness: its normal
-/// turns by no more than `v dt / thickness` per step, and contact does not break.
+/// A node that slides over a ridge turns around it on a circle of the contact thickness: its
+/// normal turns by at most `v dt / thickness` per step, and contact does not break.
 #[test]
 fn the_normal_turns_continuously_over_a_ridge() {
     for slope in [15.0f64, 30.0, 60.0] {
@@ -459,8 +460,8 @@ fn the_normal_turns_continuously_over_a_ridge() {
             Scene::new(&job("lagrange"), &points, &[[0, 2, 3, 1], [2, 4, 5, 3]], &[6], dt);
         let mut last: Option<V3> = None;
         let mut worst = 0.0f64;
-        // Driven along at a steady speed and pressed on along the normal, more than m v^2 /
-        // thickness = 40.
+        // Driven at a steady speed and pressed along the normal with more than m v^2 / thickness
+        // = 40.
         for step in 0..300 {
             let normal = last.unwrap_or(V3::new(-s, 0.0, c));
             scene.load[6] = normal * -100.0;
@@ -484,15 +485,16 @@ fn the_normal_turns_continuously_over_a_ridge() {
             "slope {slope}: on the other side at {}",
             scene.x(6)
         );
-        // 1 in the limit of small steps; the secant of a step and the gap left over add to it.
+        // The value is 1 in the limit of small steps; the secant of a step and the residual gap
+        // add to it.
         eprintln!("slope {slope}: the normal turns by at most {worst:.3} v dt / thickness");
         assert!(worst < 1.1, "slope {slope}: turned by {worst} times what the motion explains");
     }
 }
 
-/// Two squares side by side and a node that is past the middle of the first: it is still on its
-/// side on the second one, and when it is found again after some steps in which it was not, but not
-/// after many.
+/// Two neighbouring squares and a node past the middle surface of the first. It keeps its side
+/// on the second square. It also keeps its side if it is found again after some steps without
+/// contact, but not after many.
 #[test]
 fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
     let points: Vec<NodeRecord> = [0.0, 1.0, 2.0]
@@ -520,7 +522,7 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
     assert!(side(60, 0.9) < 0.0, "for sixty: it is new, and below");
 }
 
-/// What a law is called in a job is in the table once.
+/// The table has the name of each law once.
 #[test]
 fn the_table_of_laws_has_all() {
     let names: Vec<&str> = CONTACT_LAWS.iter().map(|l| l.name).collect();

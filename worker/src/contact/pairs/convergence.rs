@@ -1,41 +1,43 @@
-//! When workers that have pairs in common, one with the next, know that nothing changes any more.
+//! Distributed convergence detection for workers that are connected by shared pairs, directly or
+//! through other workers.
 //!
-//! News travels one worker per round. So all of them are quiet when nobody has changed anything for
-//! as many rounds as the two that are farthest apart are from each other, and one more. How far
-//! that is they learn in the same rounds: each tells its neighbours whom it has pairs in common
-//! with, and what it has newly heard of others.
+//! Information travels by one worker per round. So all workers have converged after d + 1 rounds
+//! without a change on any of them, where d is the largest distance between two workers. The
+//! workers find this distance in the same rounds: each worker sends to its neighbours the list
+//! of its own neighbours, and all lists that it has newly received.
 
 use std::collections::{BTreeMap, VecDeque};
 
-/// Rounds since anything changed, and who has pairs in common with whom.
+/// Number of rounds since the last change, and the graph of workers that share pairs.
 #[derive(Debug, Default)]
 pub struct ConvergenceDetector {
     rounds: u64,
-    /// Neighbours of each worker that is known, itself left out; both by number.
+    /// Neighbours of each known worker, without the worker itself; all by worker number.
     neighbours: BTreeMap<u64, Vec<u64>>,
-    /// Workers that others have not been told of yet.
+    /// Workers whose neighbours have not been sent to other workers yet.
     fresh: Vec<u64>,
-    /// What has been heard in the round at hand.
+    /// Workers whose neighbours have been received in the current round.
     heard: Vec<u64>,
-    /// Rounds that it takes; none while somebody's neighbours are not known.
+    /// Number of rounds without a change that is needed; `None` while the neighbours of a worker
+    /// are unknown.
     enough: Option<u64>,
-    /// What was known in the end the last time, and how many rounds it takes: mostly the same
-    /// again.
+    /// Graph of the last step and the number of rounds that it needs. The graph rarely changes.
     last: (BTreeMap<u64, Vec<u64>>, u64),
 }
 
 impl ConvergenceDetector {
-    /// Worker `me` has pairs in common with `neighbours` and knows of nobody else.
+    /// Starts with worker `me` and its `neighbours`, with which it shares pairs; no other worker
+    /// is known.
     pub fn start(&mut self, me: usize, neighbours: impl Iterator<Item = usize>) {
         let mine: Vec<u64> = neighbours.map(|w| w as u64).collect();
-        // Alone there is nobody to hear from.
+        // A worker without neighbours receives nothing.
         self.enough = mine.is_empty().then_some(1);
         self.neighbours = BTreeMap::from([(me as u64, mine)]);
         self.fresh = vec![me as u64];
         self.rounds = 0;
     }
 
-    /// A new round of changes, such as another kind of them.
+    /// Resets the number of rounds, for example before changes of another kind.
     pub fn restart(&mut self) {
         self.rounds = 0;
     }
@@ -45,7 +47,7 @@ impl ConvergenceDetector {
         self.rounds = if changed { 0 } else { self.rounds + 1 };
     }
 
-    /// Leads a message to a neighbour.
+    /// Writes the header of a message to a neighbour.
     pub fn write(&self, words: &mut Vec<u64>) {
         words.extend([self.rounds, self.fresh.len() as u64]);
         for w in &self.fresh {
@@ -55,7 +57,7 @@ impl ConvergenceDetector {
         }
     }
 
-    /// Takes what leads a neighbour's message off it.
+    /// Reads the header of a neighbour's message and returns the rest of the message.
     pub fn read<'a>(&mut self, words: &'a [u64]) -> &'a [u64] {
         self.rounds = self.rounds.min(words[0]);
         let mut rest = &words[2..];
@@ -70,7 +72,7 @@ impl ConvergenceDetector {
         rest
     }
 
-    /// Ends a round in which all neighbours have been read.
+    /// Ends a round after the messages of all neighbours have been read.
     pub fn end_round(&mut self) {
         std::mem::swap(&mut self.fresh, &mut self.heard);
         self.heard.clear();
@@ -87,13 +89,13 @@ impl ConvergenceDetector {
         }
     }
 
-    /// Whether all are quiet; they all say so in the same round.
+    /// Returns true if all workers have converged; it does so in the same round on all of them.
     pub fn has_converged(&self) -> bool {
         self.enough.is_some_and(|enough| self.rounds >= enough)
     }
 }
 
-/// Rounds that news from a worker takes to each that it reaches.
+/// Returns the number of rounds that information from a worker needs to reach each other worker.
 pub fn distances(neighbours: &BTreeMap<u64, Vec<u64>>, from: u64) -> BTreeMap<u64, u64> {
     let mut distance = BTreeMap::from([(from, 0u64)]);
     let mut queue = VecDeque::from([from]);
@@ -114,9 +116,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Among workers with these connections `first` changes something, in the next round its
-    /// neighbours do, and so on for `reach` rounds; the round in which each says that all are
-    /// quiet.
+    /// Simulates workers with these connections: `first` makes a change, its neighbours do so in
+    /// the next round, and so on for `reach` rounds. Returns the round in which each worker
+    /// detects convergence.
     fn rounds(edges: &[(usize, usize)], workers: usize, first: usize, reach: usize) -> Vec<usize> {
         let of = |w: usize| {
             let mut all: Vec<usize> = edges
@@ -132,8 +134,7 @@ mod tests {
             (0..workers).map(|_| ConvergenceDetector::default()).collect();
         quiet.iter_mut().enumerate().for_each(|(w, q)| q.start(w, of(w).into_iter()));
         let mut over = vec![usize::MAX; workers];
-        // A wave of changes that starts at `first` and goes on from neighbour to neighbour for
-        // `reach` rounds.
+        // Workers that make a change in this round.
         let mut wave = vec![first];
         for round in 0..4 * workers + reach {
             quiet.iter_mut().enumerate().for_each(|(w, q)| q.record_change(wave.contains(&w)));
@@ -167,8 +168,8 @@ mod tests {
     }
 
     proptest! {
-        /// Nobody ends before the last change, and those that are connected end in the same round,
-        /// soon after it.
+        /// No worker detects convergence before the last change. Connected workers detect it in
+        /// the same round, soon after the last change.
         #[test]
         fn all_end_together_after_the_last_change(
             edges in prop::collection::vec((0usize..9, 0usize..9), 0..20),

@@ -1,4 +1,4 @@
-//! A pair, what it is called, what its slave remembers of it, and what others are told.
+//! A contact pair, its key, the history that its slave keeps, and its form in messages.
 
 use crate::contact::geometry::V3;
 use crate::contact::surface::NOT_LOCAL;
@@ -7,47 +7,48 @@ use crate::nodes::{Nodes, Row, row, xyz};
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::ids::{NodeId, SegmentId};
 
-/// A node that is held fixed counts as this many times the mass of the segment that it meets.
+/// Mass assigned to a fixed slave node, as a multiple of the segment's mass.
 pub const FIXED_MASS_RATIO: f64 = 1e6;
 
-/// Most roles of a pair: the corners of two segments.
+/// Largest number of roles of a pair: the corners of two segments.
 pub const MAX_PAIR_NODES: usize = 8;
-/// Stands for the other node of a slave edge where the slave is a segment; no node is called so.
+/// Value of [`PairKey::slave_end`] if the slave is a segment; no node has this id.
 const SLAVE_SEGMENT: NodeId = NodeId(u64::MAX);
 
-/// Values of the first roles, and nought for the others.
+/// Returns the values of the first roles, followed by zeros for the other roles.
 pub fn padded<const N: usize>(values: [f64; N]) -> [f64; MAX_PAIR_NODES] {
     std::array::from_fn(|r| values.get(r).copied().unwrap_or(0.0))
 }
 
-/// What a pair is called wherever it is known. Pairs are in ascending order of it, on any number of
-/// workers.
+/// Globally unique key of a pair. Pairs are sorted in ascending order of their keys, for any
+/// number of workers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
 #[repr(C)]
 pub struct PairKey {
-    /// The node, or the node of the slave edge with the lower id, or the number of the slave
+    /// The slave node, or the node of the slave edge with the lower id, or the id of the slave
     /// segment.
     pub slave: NodeId,
-    /// The other node of the slave edge; 0 where the slave is a node, as no edge has, and the
-    /// largest number where it is a segment.
+    /// The other node of the slave edge. It is 0 if the slave is a node (no edge has this value)
+    /// and the largest number if the slave is a segment.
     pub slave_end: NodeId,
-    /// The segment and 0, or the nodes of the edge that is met, ascending; or the segment, and
-    /// which quarters of the slave and of it.
+    /// For a node: the segment and 0. For an edge: the two nodes of the target edge, ascending.
+    /// For a segment: the target segment, and the number that combines the quarter of the slave
+    /// and the quarter of the target.
     pub target: [u64; 2],
 }
 
 impl PairKey {
-    /// A node on a segment.
+    /// Returns the key of a node and a segment.
     pub fn of_node(slave: NodeId, segment: SegmentId) -> Self {
         Self { slave, slave_end: NodeId(0), target: [segment.0, 0] }
     }
 
-    /// An edge on an edge, both by their nodes in ascending order.
+    /// Returns the key of two edges, each given by its nodes in ascending order.
     pub fn of_edges(slave: [NodeId; 2], other: [NodeId; 2]) -> Self {
         Self { slave: slave[0], slave_end: slave[1], target: other.map(|n| n.0) }
     }
 
-    /// A quarter of a segment on a quarter of another one.
+    /// Returns the key of a quarter of a segment and a quarter of another segment.
     pub fn of_segments([slave, met]: [SegmentId; 2], [of_slave, of_met]: [usize; 2]) -> Self {
         Self {
             slave: NodeId(slave.0),
@@ -56,135 +57,142 @@ impl PairKey {
         }
     }
 
-    /// Whether the slave is a segment.
+    /// Returns true if the slave is a segment.
     pub fn is_segment(&self) -> bool {
         self.slave_end == SLAVE_SEGMENT
     }
 
-    /// The slave segment, and which quarter of it.
+    /// Returns the slave segment and the number of its quarter.
     pub fn slave_quarter(&self) -> (SegmentId, usize) {
         (SegmentId(self.slave.0), (self.target[1] / 4) as usize)
     }
 
-    /// Whether the slave is a node.
+    /// Returns true if the slave is a node.
     pub fn is_node(&self) -> bool {
         self.slave_end == NodeId(0)
     }
 
-    /// The nodes of the slave edge and of the other one.
+    /// Returns the nodes of the slave edge, then those of the target edge.
     pub fn edge_nodes(&self) -> [NodeId; 4] {
         [self.slave, self.slave_end, NodeId(self.target[0]), NodeId(self.target[1])]
     }
 
-    /// Whether the slave is an edge.
+    /// Returns true if the slave is an edge.
     pub fn is_edge(&self) -> bool {
         !self.is_node() && !self.is_segment()
     }
 }
 
-/// A node on a segment, or a point of an edge (the slave edge) on a point of another one, or what
-/// two quarters of segments have over each other.
+/// A contact pair: a node and a segment, or a point of the slave edge and a point of another
+/// edge, or the overlap of a quarter of one segment with a quarter of another.
 ///
-/// The local nodes of a pair have roles. A slave node has role 0, the segment's nodes 1 to 4. A
-/// slave edge has roles 0 and 1, the other edge 2 and 3. A slave segment has roles 0 to 3, the
-/// other segment 4 to 7. What is left is empty. The force acts on the slave's roles by their
-/// shares, and with the opposite sign on the others.
+/// Each node of a pair has a role, the index of the node in the pair. A slave node has role 0,
+/// the nodes of the segment have roles 1 to 4. A slave edge has roles 0 and 1, the other edge
+/// has roles 2 and 3. A slave segment has roles 0 to 3, the other segment has roles 4 to 7.
+/// Unused roles are empty. The force acts on the slave's nodes by their force weights, and with
+/// the opposite sign on the nodes of the other side.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// Which pair it is.
+    /// Key of the pair.
     pub key: PairKey,
-    /// The segment, or the lowest one that has the edge which is met.
+    /// The segment, or the segment with the lowest id that has the target edge.
     pub segment: SegmentId,
     /// Local numbers of the nodes by role, or [`NOT_LOCAL`].
     pub nodes: [u32; MAX_PAIR_NODES],
-    /// Shape values N_k of the contact point by role; they sum to 1 on either side.
+    /// Shape values N_k of the contact point by role; they sum to 1 on each side.
     pub shape: [f64; MAX_PAIR_NODES],
-    /// Shares of the nodes in the contact force by role; they sum to 1 on either side.
+    /// Force weights of the nodes by role; they sum to 1 on each side.
     pub weight: [f64; MAX_PAIR_NODES],
-    /// What the pair counts for where nodal masses are split: the area that two segments have in
-    /// contact, 0 while there is none, and 1 where no segments meet segments [length^2].
+    /// Weight of the pair when nodal masses are split among pairs. For two segments it is the
+    /// area of their contact, 0 while there is no contact. For other pairs it is the square of
+    /// the contact thickness if the table can have pairs of two segments, else 1 [length^2].
     pub area: f64,
     /// Unit normal that points to the slave's side.
     pub normal: V3,
-    /// Lever arms of friction, which acts between the middle surfaces: how far its point is off
-    /// that of the slave and off that of the other side, along the normal. Together they are the
-    /// distance of both, or both nought where no couple is taken; see [`Pair::lever`] [length].
+    /// Lever arms of friction, which acts between the middle surfaces. They are the distances
+    /// along the normal from the friction point to the point of the slave and to the point of
+    /// the other side. Their sum is the distance of both points. Both are zero if the pair has
+    /// no friction couple; see [`Pair::lever`] [length].
     pub lever_arms: [f64; 2],
-    /// Side of the slave along the segment's own normal, or the cross product of the two edges, +1
-    /// or -1.
+    /// Side of the slave: +1 or -1 along the segment's own normal, or along the cross product of
+    /// the two edges.
     pub side: f64,
-    /// Gap that the law is to close, tolerated penetration taken off [length].
+    /// Gap that the contact law closes: the gap of the surfaces less the tolerated gap [length].
     pub gap: f64,
-    /// Penetration of the surfaces, negative when open [length].
+    /// Penetration of the surfaces, negative if open [length].
     pub penetration: f64,
-    /// Penetration that is let be, 0 or negative [length].
+    /// Penetration that stays without force, 0 or negative [length].
     pub tolerated_gap: f64,
-    /// The part of it that the run started with, which is let be until the gap opens by itself
-    /// [length].
+    /// Part of the tolerated gap that was there at the start of the run. It stays without force
+    /// until the gap opens by itself [length].
     pub initial_gap: f64,
-    /// Length that gaps are judged by: the sum of the half thicknesses, or what stands for them
-    /// where a side is a solid's ([`crate::contact::surface::Segment::scale`]) [length].
+    /// Length by which gaps are judged: the sum of the half thicknesses, or the value used in
+    /// their place for a side that belongs to a solid
+    /// ([`crate::contact::surface::Segment::scale`]) [length].
     pub contact_thickness: f64,
-    /// The slower wave speed of the two sides [length/time].
+    /// Lower of the wave speeds of the two sides [length/time].
     pub speed: f64,
-    /// Its interface; others are not told.
+    /// Index of the interface; not sent to other workers.
     pub interface: u16,
-    /// Coefficient of friction in this step; others are not told.
+    /// Coefficient of friction in this step; not sent to other workers.
     pub friction_coefficient: f64,
-    /// Most tangential force, infinite unless friction is limited and the pressure not yet known;
-    /// others are not told [force].
+    /// Largest tangential force. It is infinite unless friction is limited and the pressure is
+    /// not known yet; not sent to other workers [force].
     pub max_friction_force: f64,
-    /// Normal pressure of all pairs around the slave node, as a mean over the last steps; nought if
-    /// it is not known. Where friction is limited only, and others are not told [force/length^2].
+    /// Normal pressure of all pairs at the slave node, as a mean over the last steps; zero if it
+    /// is not known. It is set only if friction is limited, and is not sent to other workers
+    /// [force/length^2].
     pub pressure: f64,
     /// Force on the slave [force].
     pub force: V3,
     /// Tangential distance of the slave from its stick point [length].
     pub slip: V3,
-    /// Relative velocity change per unit impulse, normal and tangential, with nodal masses split
-    /// among their pairs.
+    /// Normal and tangential compliance: relative velocity change per unit impulse, with nodal
+    /// masses split among their pairs [1/mass].
     pub compliance: [f64; 2],
-    /// The part of the tangential compliance that is of nodes which friction turns.
+    /// Part of the tangential compliance due to the rotation of nodes by friction [1/mass].
     pub rotational_compliance: f64,
-    /// The part of the normal compliance that is of the side which answers less, 0 if that is held.
+    /// Normal compliance of the stiffer side, 0 if this side is fixed [1/mass].
     pub stiffer_compliance: f64,
-    /// Speed at which the gap would be passed in the step without contact, 0 if it would not be
-    /// [length/time].
+    /// Relative normal velocity that closes the gap beyond zero in the step without contact, 0
+    /// if the gap is not closed [length/time].
     pub approach_speed: f64,
-    /// What is to be added to the force if the segment stands still, and the fraction of the
-    /// correction that this pair gets, for laws that predict and correct [force].
+    /// Force to be added if the segment stands still, for laws that predict and correct [force].
     pub predictor_force: V3,
-    /// See `guess`.
+    /// Fraction of the correction that this pair gets, for laws that predict and correct.
     pub partition_factor: f64,
-    /// Mass of the slave along the normal, with what holds it [mass].
+    /// Mass of the slave along the normal, including the constraints on it [mass].
     pub slave_mass: f64,
-    /// The same across it: less than that where friction turns the slave [mass].
+    /// Mass of the slave in the tangent plane. It is less than [`Pair::slave_mass`] if friction
+    /// rotates the slave [mass].
     pub slave_sliding_mass: f64,
-    /// Most tangential force that a correction may add where friction turns nodes, for laws that
-    /// predict and correct [force].
+    /// Largest tangential force that a correction may add if friction rotates nodes, for laws
+    /// that predict and correct [force].
     pub max_tangential_correction: f64,
-    /// Whether the slave is held fixed, or led, along the normal; others are told.
+    /// True if the slave is fixed or has a prescribed motion along the normal; sent to other
+    /// workers.
     pub slave_is_fixed: bool,
-    /// Stiffness of the segment, for laws that have one for it [force/length].
+    /// Stiffness of the segment, for laws that define one [force/length].
     pub stiffness: f64,
-    /// Whether the node's surface comes before the segment's, by part and then by segment.
+    /// True if the slave's surface comes before the segment's surface, ordered by part and then
+    /// by segment.
     pub slave_surface_first: bool,
-    /// Whether this worker owns the pair.
+    /// True if this worker owns the pair.
     pub is_owned: bool,
 }
 
-/// What a slave remembers of a pair of the last step.
+/// History of a pair of the last step or of a lost pair, kept by its slave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairHistory {
-    /// See [`Pair::name`].
+    /// See [`Pair::key`].
     pub name: PairKey,
     /// See [`Pair::side`].
     pub side: f64,
-    /// See [`Pair::tolerated`].
+    /// See [`Pair::tolerated_gap`].
     pub tolerated: f64,
-    /// See [`Pair::kept`].
+    /// See [`Pair::initial_gap`].
     pub kept: f64,
-    /// See [`Pair::depth`].
+    /// See [`Pair::penetration`].
     pub depth: f64,
     /// See [`Pair::normal`].
     pub normal: V3,
@@ -192,55 +200,58 @@ pub struct PairHistory {
     pub force: V3,
     /// See [`Pair::slip`].
     pub slip: V3,
-    /// See [`Pair::thickness`].
+    /// See [`Pair::contact_thickness`].
     pub thickness: f64,
     /// See [`Pair::pressure`].
     pub pressure: f64,
-    /// Steps since the pair was lost, 0 for one of the last step.
+    /// Number of steps since the pair was lost, 0 for a pair of the last step.
     pub age: u32,
 }
 
-/// Share of a step in the mean pressure: forces change from one to the next where bodies vibrate.
+/// Weight of one step in the mean pressure. A mean is needed because forces change from step to
+/// step if bodies vibrate.
 const PRESSURE_SHARE: f64 = 0.1;
-/// A pair that is lost is remembered for so many steps, if it was deeper than this fraction of its
-/// thickness.
+/// Number of steps for which the history of a lost pair is kept, if its penetration was larger
+/// than the fraction [`KEPT_PENETRATION`] of its contact thickness.
 const KEPT_STEPS: u32 = 50;
 const KEPT_PENETRATION: f64 = 0.01;
-/// What is lost may have moved by this fraction of its scale until it counts as new.
+/// Distance that a lost pair may have moved before it counts as new, as a fraction of its scale.
 const KEPT_DISTANCE: f64 = 0.5;
 
 impl PairHistory {
-    /// Words of a memory in a message.
+    /// Number of words of a pair history in a message.
     pub const WORDS: usize = 20;
 
-    /// What is left of it a step later in which there is no such pair: on which side it was, how
-    /// deep, and what of that is let be. Found again it does not begin anew. What was not deep is
-    /// on no side that could not be seen.
+    /// Returns the history after one more step in which the pair does not exist. It keeps the
+    /// side, the penetration and the tolerated gap, so that a pair that is found again continues
+    /// from them. Returns `None` if the pair is lost for too long, or if its penetration was
+    /// small: then the side can be found from the geometry.
     pub fn after_loss(self) -> Option<Self> {
         let kept = self.age < KEPT_STEPS && self.depth > KEPT_PENETRATION * self.thickness;
         kept.then(|| Self { age: self.age + 1, force: V3::zeros(), slip: V3::zeros(), ..self })
     }
 
-    /// Whether the pair was there in the last step, or cannot have gone far since by what it moves
-    /// in one, `moved` [length].
+    /// Returns true if the pair existed in the last step, or cannot have moved far since it was
+    /// lost. `moved` is its relative motion per step [length], `scale` the length to compare
+    /// with [length].
     pub fn is_fresh(&self, moved: f64, scale: f64) -> bool {
         f64::from(self.age) * moved <= KEPT_DISTANCE * scale
     }
 
-    /// The remembered force turned to a new normal: same normal part, tangential part within the
-    /// new tangent plane.
+    /// Returns the stored force for a new normal: the same normal part, and the tangential part
+    /// projected onto the new tangent plane [force].
     pub fn force_along(&self, normal: &V3) -> V3 {
         let pressed = self.force.dot(&self.normal);
         let sheared = self.force - self.normal * pressed;
         normal * pressed.max(0.0) + (sheared - normal * normal.dot(&sheared))
     }
 
-    /// The remembered slip within a new tangent plane.
+    /// Returns the stored slip projected onto a new tangent plane [length].
     pub fn slip_along(&self, normal: &V3) -> V3 {
         self.slip - normal * normal.dot(&self.slip)
     }
 
-    /// As words.
+    /// Returns the history as words of a message.
     pub fn to_words(&self) -> [u64; Self::WORDS] {
         let mut w = [0; Self::WORDS];
         w[..NAME_WORDS].copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&self.name)));
@@ -260,17 +271,17 @@ impl PairHistory {
         w
     }
 
-    /// The segment that a node met.
+    /// Returns the target segment of a slave node.
     pub fn segment(&self) -> SegmentId {
         SegmentId(self.name.target[0])
     }
 
-    /// Whether it is of the slave's pair with a segment.
+    /// Returns true if the history belongs to the slave's pair with this segment.
     pub fn is_of(&self, segment: SegmentId) -> bool {
         self.name.target == [segment.0, 0]
     }
 
-    /// From [`Memory::to_words`].
+    /// Reads a history that [`PairHistory::to_words`] has written.
     pub fn from_words(w: &[u64]) -> Self {
         let (name, rest) = w.split_at(NAME_WORDS);
         let at = |i: usize| f64::from_bits(rest[i]);
@@ -291,19 +302,19 @@ impl PairHistory {
     }
 }
 
-/// What is pushed back from a pair's side among the nodes that its slave meets, which are slaves
-/// themselves.
+/// Pairs that push back from the side of a given pair. Their slaves are nodes of the target of
+/// that pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpposingPairs {
-    /// Whether some are free, and whether some are held.
+    /// True if at least one slave of these pairs is free.
     pub free: bool,
-    /// See `free`.
+    /// True if at least one slave of these pairs is fixed.
     pub held: bool,
-    /// Whether the free ones need no more than a small part of their forces.
+    /// True if the predictor forces of all free slaves are a small part of their forces.
     pub settled: bool,
 }
 
-/// A pair as others need it.
+/// Part of a pair that is sent to other workers.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WirePair {
@@ -318,15 +329,16 @@ struct WirePair {
     thickness: f64,
     force: [f64; 3],
     mass: f64,
-    /// Bits: [`Pair::held`], and whether a [`WireLever`] follows.
+    /// Bit 0: [`Pair::slave_is_fixed`]. Bit 1: a [`WireLever`] follows.
     flags: u64,
 }
 const NAME_WORDS: usize = size_of::<PairKey>() / 8;
-/// Roles of a pair in [`WirePair`], and those of two segments that follow it in [`WireRest`].
+/// Number of roles of a pair in [`WirePair`]. The other roles of two segments follow in
+/// [`WireRest`].
 const FIRST: usize = 5;
 const REST: usize = MAX_PAIR_NODES - FIRST;
 
-/// What is told of two segments beside.
+/// Additional data that is sent for a pair of two segments.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireRest {
@@ -334,7 +346,7 @@ struct WireRest {
     weight: [f64; REST],
     area: f64,
 }
-/// What is told beside of pairs whose friction turns nodes.
+/// Additional data that is sent for a pair whose friction rotates nodes.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct WireLever {
@@ -346,9 +358,9 @@ const REST_WORDS: usize = size_of::<WireRest>() / 8;
 const LEVER_WORDS: usize = size_of::<WireLever>() / 8;
 
 impl Pair {
-    /// With the gap between the surfaces [length] and what is remembered of the pair: the force and
-    /// the slip from the stick point, turned to its normal, and the penetration that is let be, 0
-    /// or negative [length].
+    /// Returns the pair with the gap between the surfaces [length] and the history of the pair:
+    /// the force and the slip from the stick point, projected for the new normal, and the
+    /// tolerated gap, 0 or negative [length].
     pub fn with_history(self, old: Option<&PairHistory>, gap: f64, tolerated: f64) -> Self {
         let kept = old.map_or(0.0, |m| m.kept.max(gap.min(0.0)));
         let tolerated = tolerated.min(kept);
@@ -364,7 +376,7 @@ impl Pair {
         }
     }
 
-    /// A pair of which no more is known.
+    /// Returns a pair with a key, a segment and nodes; all other fields have default values.
     pub fn new<const N: usize>(name: PairKey, segment: SegmentId, nodes: [u32; N]) -> Self {
         Self {
             key: name,
@@ -404,11 +416,12 @@ impl Pair {
         }
     }
 
-    /// Holds the friction of this step to a shear stress [force/length^2] on the area of the slave
-    /// node [length^2]. Where two surfaces are slaves of each other the load is shared in any way
-    /// between their pairs, so that what a pair bears tells nothing of the pressure: the
-    /// coefficient is held to the limit over the pressure, once that is known. Two segments have
-    /// their own area, and no pressure is noted of them.
+    /// Limits the friction of this step to a shear stress [force/length^2] on the area of the
+    /// slave node [length^2]. If two surfaces are slaves of each other, the load is divided
+    /// arbitrarily between their pairs, so the force of one pair does not give the pressure.
+    /// Therefore the coefficient of friction is limited to the shear stress over the pressure as
+    /// soon as the pressure is known. A pair of two segments has its own area, and its pressure
+    /// is not recorded.
     pub fn limit_friction(&mut self, limit: f64, area: f64) {
         if self.pressure > 0.0 {
             self.friction_coefficient = self.friction_coefficient.min(limit / self.pressure);
@@ -417,19 +430,20 @@ impl Pair {
         }
     }
 
-    /// Takes the normal force on the slave node in this step [force] into the mean of its pressure.
+    /// Updates the mean pressure with the normal force on the slave node in this step [force]
+    /// and the area of the node [length^2].
     pub fn note_pressure(&mut self, pressed: f64, area: f64) {
         let now = if area > 0.0 { pressed.max(0.0) / area } else { 0.0 };
         let share = if self.pressure > 0.0 { PRESSURE_SHARE } else { 1.0 };
         self.pressure += share * (now - self.pressure);
     }
 
-    /// Most tangential force under the normal force `pressed` [force].
+    /// Returns the largest tangential force under the normal force `pressed` [force].
     pub fn friction_force(&self, pressed: f64) -> f64 {
         (self.friction_coefficient * pressed).min(self.max_friction_force)
     }
 
-    /// Number of roles on the slave's side.
+    /// Returns the number of roles on the slave's side.
     pub fn slave_node_count(&self) -> usize {
         match self.key.slave_end {
             NodeId(0) => 1,
@@ -438,7 +452,7 @@ impl Pair {
         }
     }
 
-    /// Number of roles.
+    /// Returns the number of roles.
     pub fn node_count(&self) -> usize {
         match self.key.slave_end {
             NodeId(0) => 5,
@@ -447,45 +461,47 @@ impl Pair {
         }
     }
 
-    /// Whether role `r` is on the slave's side.
+    /// Returns true if role `r` is on the slave's side.
     pub(super) fn is_slave_role(&self, r: u8) -> bool {
         usize::from(r) < self.slave_node_count()
     }
 
-    /// Share of the pair's force that the node in role `r` takes.
+    /// Returns the force weight of the node in role `r`.
     pub(super) fn share(&self, r: usize) -> f64 {
         self.weight[r]
     }
 
-    /// How far the point on its side follows the node in role `r`.
+    /// Returns the shape value of the node in role `r`, by which the point on its side moves
+    /// with the node.
     pub(super) fn follows(&self, r: usize) -> f64 {
         self.shape[r]
     }
 
-    /// Whether its friction turns nodes.
+    /// Returns true if friction of the pair rotates nodes.
     pub fn has_couple(&self) -> bool {
         self.lever_arms != [0.0; 2]
     }
 
-    /// Lever arm of the side of role `r` [length].
+    /// Returns the lever arm of the side of role `r` [length].
     pub(super) fn lever_arm_of(&self, r: usize) -> f64 {
         self.lever_arms[usize::from(r >= self.slave_node_count())]
     }
 
-    /// Moment of the pair's force on both of its sides together, per lever arm [force].
+    /// Returns the moment of the pair's force on both sides together, per unit lever arm
+    /// [force].
     ///
-    /// Friction F acts on the slave at `x_s - a n` and with the opposite sign on the other side at
-    /// `x_m + b n`, with the arms a and b. About `x_s` and `x_m` that is `-a n x F` and `-b n x F`,
-    /// which the nodes take by their shares in F.
+    /// Friction F acts on the slave at `x_s - a n` and with the opposite sign on the other side
+    /// at `x_m + b n`, with the lever arms a and b. The moments about `x_s` and `x_m` are `-a n
+    /// x F` and `-b n x F`. They are divided among the nodes by the force weights.
     pub(super) fn twist(&self, force: &V3) -> V3 {
         -self.normal.cross(force)
     }
 
-    /// Sets the lever arms of the own pair from what they are to each other, as `arm` has it.
-    /// Together they span the distance of the points of both sides along the normal: the couple of
-    /// forces on the middle surfaces is then taken to round-off. A side without rotational inertia
-    /// at a node that the force acts on can take none of it, and leaves it to the other one; where
-    /// neither can, the couple stays.
+    /// Sets the lever arms of the own pair from the ratio of their values before the call. Their
+    /// sum becomes the distance of the points of both sides along the normal, so that the couple
+    /// of the forces on the middle surfaces is balanced to round-off. A side takes no moment if
+    /// a node that the force acts on has no rotational inertia; then the other side takes all of
+    /// it. If neither side can take a moment, the couple is not balanced.
     pub fn lever(&mut self, nodes: &Nodes) {
         if !self.has_couple() {
             return;
@@ -514,10 +530,10 @@ impl Pair {
         self.lever_arms = arm.map(|a| a * apart);
     }
 
-    /// Share of the own pair's correction where both surfaces are slaves of each other: `partition`
-    /// for the first one, the rest for the other. Where one of them is held, the free one closes
-    /// the gap; the held one takes what is left when the free one has settled, such as a held node
-    /// between the free ones of a coarser face.
+    /// Returns the partition factor of the own pair. If both surfaces are slaves of each other,
+    /// it is `partition` for the first surface and the rest for the other. If one of the slaves
+    /// is fixed, the free slave closes the gap. The fixed slave corrects the rest after the free
+    /// slave has settled, for example a fixed node between the free nodes of a coarser face.
     pub fn partition_factor_of(&self, partition: f64, met: OpposingPairs) -> f64 {
         match (self.slave_is_fixed, met) {
             (_, OpposingPairs { free: false, held: false, .. })
@@ -533,7 +549,7 @@ impl Pair {
         }
     }
 
-    /// Notes the slave's mass along the normal and across it; own pairs only.
+    /// Sets the slave's mass along the normal and in the tangent plane; own pairs only.
     pub fn set_slave_mass(&mut self, nodes: &Nodes) {
         let met = self.nodes[self.slave_node_count()..].iter().filter(|&&n| n != NOT_LOCAL);
         let segment: f64 = met.map(|&n| nodes.contact_mass(n as usize)).sum();
@@ -560,7 +576,7 @@ impl Pair {
         }
     }
 
-    /// Local nodes that the pair's force acts on.
+    /// Returns the local nodes that the pair's force acts on.
     pub fn local_nodes(&self) -> impl Iterator<Item = u32> + '_ {
         self.nodes[..self.node_count()]
             .iter()
@@ -569,8 +585,8 @@ impl Pair {
             .map(|(_, &n)| n)
     }
 
-    /// Velocity at the next mid-step of the slave where friction acts on it, own pairs only
-    /// [length/time].
+    /// Returns the velocity of the slave at the next mid-step, at the point where friction acts
+    /// on it; own pairs only [length/time].
     pub fn slave_velocity(&self, nodes: &Nodes) -> V3 {
         let middle = self.slave_mean(&nodes.v_next);
         if self.lever_arms[0] == 0.0 {
@@ -579,7 +595,7 @@ impl Pair {
         middle - self.slave_mean(&nodes.w_next).cross(&self.normal) * self.lever_arms[0]
     }
 
-    /// Mean of the vectors at the slave's nodes by their shape values.
+    /// Returns the mean of the vectors at the slave's nodes, weighted by the shape values.
     fn slave_mean(&self, v: &[Row]) -> V3 {
         let at = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize]));
         match self.key.slave_end {
@@ -589,7 +605,8 @@ impl Pair {
         }
     }
 
-    /// The same at the nodes of the other side.
+    /// Returns the mean of the vectors at the nodes of the other side, weighted by the shape
+    /// values.
     fn met_mean(&self, v: &[Row]) -> V3 {
         let part = |r: usize| V3::from(xyz(&v[self.nodes[r] as usize])) * self.shape[r];
         match self.key.slave_end {
@@ -599,15 +616,16 @@ impl Pair {
         }
     }
 
-    /// Mean of the vectors at four nodes from a role on, by their shape values.
+    /// Returns the mean of the vectors at four consecutive roles from `from` on, weighted by the
+    /// shape values.
     fn mean(&self, v: &[Row], from: usize) -> V3 {
         let part =
             |r: usize| V3::from(xyz(&v[self.nodes[from + r] as usize])) * self.shape[from + r];
         part(0) + part(1) + part(2) + part(3)
     }
 
-    /// Velocity at the next mid-step of the slave relative to the other side, both where friction
-    /// acts on them; own pairs only [length/time].
+    /// Returns the velocity of the slave relative to the other side at the next mid-step, both
+    /// at the points where friction acts; own pairs only [length/time].
     pub fn relative_velocity(&self, nodes: &Nodes) -> V3 {
         let relative = self.slave_velocity(nodes) - self.met_mean(&nodes.v_next);
         if self.lever_arms[1] == 0.0 {
@@ -616,8 +634,8 @@ impl Pair {
         relative - self.met_mean(&nodes.w_next).cross(&self.normal) * self.lever_arms[1]
     }
 
-    /// Work of its force on its nodes over `mid`, the time from one mid-step to the next; own pairs
-    /// only.
+    /// Returns the work of the pair's force on its nodes over `mid`, the time from one mid-step
+    /// to the next [time]; own pairs only.
     pub fn work(&self, nodes: &Nodes, mid: f64) -> Work {
         let on = |r: usize| {
             let share = if r < self.slave_node_count() { self.share(r) } else { -self.share(r) };
@@ -640,7 +658,7 @@ impl Pair {
             .sum()
     }
 
-    /// What the slave remembers of this pair.
+    /// Returns the history of this pair for the next step.
     pub fn to_history(&self) -> PairHistory {
         PairHistory {
             name: self.key,
@@ -659,13 +677,13 @@ impl Pair {
 }
 
 impl Pair {
-    /// Words of the pair in a message to others.
+    /// Returns the number of words of the pair in a message to another worker.
     pub fn words(&self) -> usize {
         let rest = if self.key.is_segment() { REST_WORDS } else { 0 };
         WIRE_WORDS + rest + if self.has_couple() { LEVER_WORDS } else { 0 }
     }
 
-    /// Appends what others need of it.
+    /// Appends the data of the pair that other workers need.
     pub(super) fn pack(&self, nodes: &Nodes, words: &mut Vec<u64>) {
         let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
         let first = WirePair {
@@ -697,7 +715,7 @@ impl Pair {
         }
     }
 
-    /// The first pair in a message, and what follows it.
+    /// Reads the first pair of a message. Returns it with the rest of the message.
     pub(super) fn unpack<'a>(words: &'a [u64], nodes: &Nodes) -> (Self, &'a [u64]) {
         let local = |id: NodeId| nodes.index_of(id).unwrap_or(NOT_LOCAL);
         let (first, mut after) = words.split_at(WIRE_WORDS);

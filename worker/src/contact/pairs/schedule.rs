@@ -1,44 +1,44 @@
-//! The order in which pairs are updated one by one, so that each feels all pairs before it wherever
-//! they touch.
+//! Schedule of Gauss-Seidel sweeps: pairs are updated one by one, and each update includes the
+//! new forces of all earlier pairs with common nodes.
 //!
-//! The order is that of the pairs' names, on any number of workers. Two pairs without a common node
-//! do not feel each other, so only pairs that touch wait for one another: a pair comes in a later
-//! *phase* than the pairs of other workers that it touches and that come before it, and not before
-//! own ones. Within a phase every worker goes through its own pairs in ascending order, but for
-//! those that would answer as when they were last asked, then forces travel. What is computed is
-//! what one worker alone computes, to the last bit; phases are a timetable and nothing of them is
-//! left in the result.
+//! The order is that of the pair keys, for any number of workers. Two pairs without a common
+//! node are independent, so only pairs with a common node must wait for each other. A pair is in
+//! a later *phase* than the pairs of other workers that it touches and that come before it in
+//! the order, and not in an earlier phase than such own pairs. In each phase every worker
+//! updates its own pairs in ascending order; then the forces are exchanged. Pairs whose update
+//! would give the same result as their last one are skipped. The result is bitwise equal to that
+//! of a single worker; phases only determine when a pair is computed.
 
 use super::{MAX_PAIR_NODES, NodalLoad, Pair, PairTable};
 use crate::contact::geometry::V3;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 
-/// Marks a role of a pair that touches no local node.
+/// Value for a role of a pair that has no local node.
 const NOWHERE: u32 = u32::MAX;
 
-/// When which pair is updated.
+/// Schedule of the updates of pairs.
 #[derive(Debug, Default)]
 pub struct SweepSchedule {
     /// Phase of each pair.
     phase: Vec<u32>,
-    /// For each pair the places of its nodes in the table's `touched`, or [`NOWHERE`].
+    /// Indices of the nodes of each pair in the table's `touched`, or [`NOWHERE`].
     slots: Vec<[u32; MAX_PAIR_NODES]>,
-    /// Own pairs in ascending (phase, name).
+    /// Own pairs in ascending order of (phase, key).
     own: Vec<u32>,
-    /// Number of phases of the pairs that are known here.
+    /// Number of phases of the pairs that this worker knows.
     phases: u32,
-    /// Number of forces that have changed so far, from 1.
+    /// Counter of changed forces, starting at 1.
     turn: u64,
-    /// The turn in which the node at each place of `touched` last felt a new force, and that in
-    /// which each pair was last looked at, 0 for never.
+    /// Value of `turn` when a new force last acted on the node at each index of `touched`, and
+    /// value of `turn` when each pair was last updated, 0 for never.
     felt: Vec<u64>,
     looked: Vec<u64>,
 }
 
 impl SweepSchedule {
-    /// Whether a pair may find something to do: a node of it has felt a new force since it was
-    /// looked at. So work goes on where pairs hang together with such as still change, and ends
-    /// elsewhere.
+    /// Returns true if a pair may have to change its force: a new force has acted on one of its
+    /// nodes since its last update. So work continues only where pairs are connected to pairs
+    /// that still change.
     fn is_scheduled(&self, i: u32, pair: &Pair) -> bool {
         let mut roles =
             self.slots[i as usize].iter().zip(pair.shape).filter(|(_, shape)| *shape != 0.0);
@@ -47,7 +47,7 @@ impl SweepSchedule {
 }
 
 impl PairTable {
-    /// Lays down the phases of all pairs that are known here.
+    /// Computes the phases of all pairs that this worker knows.
     ///
     /// # Errors
     /// A worker is gone.
@@ -62,8 +62,8 @@ impl PairTable {
         }
         order.phase.clear();
         order.phase.resize(self.pairs.len(), 0);
-        // Phases only rise, from the lowest that others' may be. They stand when nobody raises one
-        // any more.
+        // Phases only increase, from their lower bound. They are final if no worker increases
+        // one.
         loop {
             let changed = self.raise_levels(&mut order);
             if !self.has_shared_pairs() {
@@ -89,7 +89,7 @@ impl PairTable {
         Ok(())
     }
 
-    /// Brings the phases of own pairs up to date with all that come before them; whether one has
+    /// Updates the phases of own pairs from those of all earlier pairs. Returns true if one has
     /// changed.
     fn raise_levels(&self, order: &mut SweepSchedule) -> bool {
         let mut earliest = vec![0u32; self.touched.len()];
@@ -129,15 +129,16 @@ impl PairTable {
         Ok(())
     }
 
-    /// Lets all pairs be looked at in the next sweep: nodes have moved otherwise than by their
-    /// forces.
+    /// Marks all pairs for an update in the next sweep, because velocities have changed other
+    /// than by the forces of the pairs.
     pub fn mark_all_changed(&mut self) {
         self.schedule.looked.fill(0);
     }
 
-    /// One sweep in order over the pairs that may find something to do. `update` gives a pair's new
-    /// force, if it has one; `feel` takes a place in `touched`, the node there and the total force
-    /// and moment that it is to feel. Whether a force of an own pair has changed.
+    /// Sweeps in order over the pairs that may have to change. `update` returns the new force of
+    /// a pair, if there is one, and its residual relative to the tolerance. `feel` applies
+    /// forces to a node: it takes an index in `touched`, the node there, and its total force and
+    /// moment. Returns the largest residual of the own pairs, relative to the tolerance.
     ///
     /// # Errors
     /// A worker is gone.
@@ -200,7 +201,7 @@ impl PairTable {
         Ok(undone)
     }
 
-    /// Gives a pair a new force and lets its nodes feel it.
+    /// Sets a new force of a pair and applies it to the nodes of the pair.
     fn apply_force<S>(
         &mut self,
         i: u32,

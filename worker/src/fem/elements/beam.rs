@@ -1,33 +1,34 @@
-//! Two-node beam in a frame that goes with it (Belytschko, Schwer & Klein 1977), its cross section
+//! Two-node beam in a corotational frame (Belytschko, Schwer & Klein 1977), with its cross section
 //! integrated over fibres as in Hughes & Liu 1981.
 //!
-//! Each node has a triad that turns with it. The frame has its first axis along the line between
-//! the nodes and its second one, square to that, between the second axes of the triads. What is
-//! left of length and triads against the frame deforms the beam: `u = L - L0`, the rotations of its
-//! ends about second and third axis, the twist. They are measured, not summed up, so that no
-//! rotation leaves a strain. With the cubic shape of a thin beam (Euler, Bernoulli), at `x = s L0`,
+//! Each node has a triad that rotates with it. The first axis of the frame is along the line
+//! between the nodes. The second one is perpendicular to it, between the second axes of the triads.
+//! The length and the triads relative to the frame give the deformation of the beam: `u = L - L0`,
+//! the rotations of its ends about the second and third axis, and the twist. They are measured, not
+//! summed up, so that no rotation leaves a strain. With the cubic shape of a thin beam (Euler,
+//! Bernoulli), at `x = s L0`,
 //! ```text
 //! kappa(s) = ((6 s - 4) theta_1 + (6 s - 2) theta_2)/L0,   eps = u/L0 + z kappa_y - y kappa_z
 //! ```
 //! integrated by Lobatto's rule at both ends and the middle: bending is exact for forces on the
-//! nodes, and a plastic hinge comes at the very end. Fibres have a law in plane stress without
-//! stress across. Those of tubes bear the torque as shear, with the law; in other sections it stays
-//! elastic. A weld breaks when the forces at its end reach `(N/S_n)^n + (V/S_s)^m + (M/S_b)^2 +
-//! (T/S_t)^2 = 1`, tension only.
+//! nodes, and a plastic hinge forms exactly at the end. Fibres have a law in plane stress, with
+//! zero stress across. Those of tubes carry the torque as shear, with the law; in other sections
+//! the torque stays elastic. A weld breaks when the forces at its end reach
+//! `(N/S_n)^n + (V/S_s)^m + (M/S_b)^2 + (T/S_t)^2 = 1`, tension only.
 //!
-//! Where areas for it are given shear deforms the beam too, elastically (Timoshenko 1921): `gamma =
-//! (m_1 + m_2)/(L G A_s)` is taken from the rotations of both ends before they bend it. With `phi =
-//! 12 E I/(G A_s L^2)` the step `d theta` of their mean brings `d gamma = (phi d theta + (m_1 +
-//! m_2)/(L G A_s) - gamma)/(1 + phi)`, which is exact while fibres are elastic, and follows the
-//! moments that they have left when they yield.
+//! If shear areas are given, shear also deforms the beam, elastically (Timoshenko 1921):
+//! `gamma = (m_1 + m_2)/(L G A_s)` is subtracted from the rotations of both ends before they bend
+//! the beam. With `phi = 12 E I/(G A_s L^2)` the increment `d theta` of their mean gives `d gamma =
+//! (phi d theta + (m_1 + m_2)/(L G A_s) - gamma)/(1 + phi)`. This is exact while the fibres are
+//! elastic, and follows their remaining moments when they yield.
 //!
-//! Forces are those of virtual work, and shear forces from the moments, so that they keep momentum
-//! and angular momentum: `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
+//! Forces follow from virtual work, and shear forces from the moments, so that they conserve
+//! momentum and angular momentum: `f_2 = N e_1 + e_1 x (m_1 + m_2)/L`.
 //!
-//! Stable step with masses m/2 and inertias J at the ends: axial `w^2 = 4 E/(rho L^2)`, bending of
-//! both ends alike `w^2 = 6 E I/L (1/J + 8/(m L^2))`, which is above that of ends that bend against
-//! each other, and twist `w^2 = 2 G J_t/(L J)`; with the length at the start, or the present one
-//! where that is shorter.
+//! Stable step with masses m/2 and inertias J at the ends: axial `w^2 = 4 E/(rho L^2)`, bending
+//! with equal rotations of both ends `w^2 = 6 E I/L (1/J + 8/(m L^2))`, which is above that with
+//! opposite rotations, and twist `w^2 = 2 G J_t/(L J)`; with the length at the start, or the
+//! present one if that is shorter.
 
 mod section;
 #[cfg(test)]
@@ -59,34 +60,35 @@ pub const ROW: ElementEntry = ElementEntry {
 type V3 = Vector3<f64>;
 type Turn = UnitQuaternion<f64>;
 
-/// Columns of an element: whether it has started (0 or 1), length then [length], triads as
-/// quaternions (before the start a vector towards the second axis), deformation, forces at its
-/// corners, whether it has broken (0 or 1), shear; then those of its fibres.
+/// Columns of an element: 1 if it has started, else 0; length then [length]; triads as quaternions
+/// (before the start a vector towards the second axis); deformation; forces at its corners; 1 if it
+/// is broken, else 0; shear; then those of its fibres.
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const TRIADS: usize = 2;
 const DEFORMED: usize = 10;
 const FORCES: usize = 16;
 const BROKEN: usize = 25;
-/// Shear strains by which ends turn about the second and the third axis without bending, and the
-/// sums of their moments.
+/// Rotations of the ends about the second and the third axis due to shear, and the sums of their
+/// moments.
 const SHEARED: usize = 26;
 const SUMS: usize = 28;
 const FIBRES: usize = 30;
-/// Ends.
+/// Number of ends.
 const ENDS: usize = 2;
-/// Lobatto's weights at s = 0, 1/2, 1, and the factors of the ends' rotations in the curvature
-/// there.
+/// Weights of Lobatto's rule at s = 0, 1/2, 1, and the factors of the rotations of the ends in the
+/// curvature there.
 const SECTIONS: [(f64, f64, f64); 3] =
     [(1.0 / 6.0, -4.0, -2.0), (2.0 / 3.0, -1.0, 1.0), (1.0 / 6.0, 2.0, 4.0)];
-/// Columns of stress of a fibre, before the law's own: along, across, shear.
+/// Number of stress columns of a fibre, before those of the law: along, across, shear.
 const STRESS: usize = 3;
-/// Most columns of a fibre.
+/// Largest number of columns of a fibre.
 const MOST: usize = 8;
-/// Corrections of the strain across a fibre, and the stress across that is left, over the modulus.
+/// Largest number of corrections of the strain across a fibre, and the residual stress across that
+/// is accepted, over the modulus.
 const CORRECTIONS: usize = 20;
 const SETTLED: f64 = 1e-13;
-/// Largest strain increment of a healthy step.
+/// Largest strain increment of a valid step.
 const STRAIN_LIMIT: f64 = 0.5;
 
 /// Parameters of beams.
@@ -94,13 +96,15 @@ pub struct Beam {
     law: Box<dyn PlaneStress>,
     elastic: Elastic,
     section: Section,
-    /// Area, second moments about second and third axis, torsion constant.
+    /// Area [length^2]; second moments about the second and third axis, torsion constant
+    /// [length^4].
     moments: [f64; 4],
-    /// Areas that shear forces deform, for bending about the second and the third axis; 0 for none.
+    /// Shear areas for bending about the second and the third axis [length^2]; 0 for no shear
+    /// deformation.
     shear_areas: [f64; 2],
-    /// Columns of a fibre.
+    /// Number of columns of a fibre.
     stride: usize,
-    /// Where a fibre keeps its effective plastic strain, and where it marks that it has failed.
+    /// Columns of a fibre with its effective plastic strain, and with the mark of its failure.
     plastic_strain: Option<usize>,
     failed: Option<usize>,
     weld: Option<Weld>,
@@ -232,14 +236,15 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     }))
 }
 
-/// Where a beam is, and how its ends move.
+/// Coordinates and velocities of the ends of a beam.
 struct Ends {
     x: [V3; ENDS],
     v: [V3; ENDS],
     w: [V3; ENDS],
 }
 
-/// What a beam gives its nodes: forces on the second, moments on both, and whether it is sound.
+/// Results of a beam for its nodes: force on the second one, moments on both, and true if it is
+/// finite and its strain increments are within the limit.
 struct Response {
     force: V3,
     moments: [V3; 2],
@@ -328,7 +333,8 @@ impl Beam {
         Response { force, moments, sound: sum.is_finite() && largest <= STRAIN_LIMIT }
     }
 
-    /// What of a step of the ends' mean rotation about the second (0) or third (1) axis is shear.
+    /// Returns the part of an increment of the mean rotation of the ends about the second (0) or
+    /// third (1) axis that is shear.
     fn shear(&self, state: &mut [f64], axis: usize, turned: f64, length: f64) -> f64 {
         let stiffness = self.elastic.shear_modulus() * self.shear_areas[axis] * length;
         if stiffness == 0.0 {
@@ -342,8 +348,8 @@ impl Beam {
         strain
     }
 
-    /// Updates fibres with no stress across: the strain across follows, by secants from the elastic
-    /// one.
+    /// Updates fibres for zero stress across. The strain across is found by the secant method, from
+    /// the elastic one.
     fn strain(&self, states: &mut [f64], strain: &mut [[f64; 3]], dt: f64) {
         let n = strain.len();
         let stiff = self.elastic.plane_stress()[0];
@@ -378,7 +384,7 @@ impl Beam {
     }
 }
 
-/// Whether the forces and moments at a weld's end break it.
+/// Returns true if the forces and moments at the end of a weld break it.
 fn weld_is_broken(weld: &Weld, axial: f64, across: f64, bent: f64, torque: f64) -> bool {
     let part = |load: f64, limit: f64, exponent: f64| {
         if limit > 0.0 { (load / limit).powf(exponent) } else { 0.0 }
@@ -388,7 +394,7 @@ fn weld_is_broken(weld: &Weld, axial: f64, across: f64, bent: f64, torque: f64) 
     forces + part(bent, weld.bending, 2.0) + part(torque.abs(), weld.torsion, 2.0) >= 1.0
 }
 
-/// The rotation that takes the axes of space to a first and a second axis, and the third one.
+/// Returns the rotation of the axes of space to a first and a second axis, and the third one.
 fn frame(first: &V3, second: &V3) -> Turn {
     let axes = [*first, *second, first.cross(second)];
     Turn::from_rotation_matrix(&Rotation3::from_basis_unchecked(&axes))
@@ -415,7 +421,7 @@ impl Element for Beam {
         self.masses((V3::from(x[1]) - V3::from(x[0])).norm())
     }
 
-    /// One by one: a scene has few.
+    /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
         let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
@@ -512,16 +518,17 @@ impl Element for Beam {
 }
 
 impl Beam {
-    /// Mass of an end and its rotational inertia, of a beam of this length at the start.
+    /// Returns the mass of an end and its rotational inertia, for a beam of this length at the
+    /// start.
     fn masses(&self, length: f64) -> (f64, f64) {
         let [area, iy, iz, _] = self.moments;
         let line = self.elastic.density * length;
-        // A half of the beam about its end; the section's own for any axis.
+        // Half of the beam about its end; the section's own inertia is used for any axis.
         (0.5 * line * area, line * (area * length * length / 24.0 + 0.5 * iy.max(iz)))
     }
 
-    /// Stable step of a beam of this length. Mass and axial stiffness are those of the length at
-    /// the start, and shear forces go with the length now: that of the shorter one is safe.
+    /// Returns the stable step of a beam of this length. Mass and axial stiffness depend on the
+    /// length at the start, and shear forces on the present one; the shorter of them is safe.
     fn step(&self, length: f64) -> f64 {
         let [area, iy, iz, torsion] = self.moments;
         let (mass, inertia) = (self.elastic.density * area * length, self.masses(length).1);
@@ -534,7 +541,7 @@ impl Beam {
         if largest.is_finite() { 2.0 / largest.sqrt() } else { f64::NAN }
     }
 
-    /// Whether it has broken, or all of its fibres have failed.
+    /// Returns true if it is broken or all of its fibres have failed.
     fn is_gone(&self, state: &[f64]) -> bool {
         let of_all = |column: usize| {
             state[FIBRES..].chunks_exact(self.stride).all(|fibre| fibre[column] > 0.5)

@@ -1,19 +1,20 @@
 //! Four-node shell of Belytschko, Lin & Tsay 1984 with one point in its plane, stabilised.
 //!
 //! Frame, strains and corner forces are those of `quad.rs`. Options and additions:
-//! - Hourglass, after Flanagan & Belytschko 1981, with stiffness `r E t^3 A BB/192` of tx and ty,
-//!   `r 5/6 G t^3 BB/12` of vz, `r E t A BB/8` of vx and vy (BB = B1 B1 + B2 B2), which for r = 1
-//!   is about that of full integration. In the viscous form the coefficient is `(r/2) sqrt(K m)`, K
-//!   the stiffness at r = 1 and m the mass (or inertia): the fraction r of critical damping of the
-//!   mode. In plastic parts these forces are bounded by [`STRENGTH`] of what the section bears in
-//!   their modes (`bounds.rs`): elastic ones would grow without end in folds.
-//! - Warping of Belytschko, Wong & Chiang 1992: curvature gets `Bc1 vx, Bc2 vy, Bc2 vx + Bc1 vy`
-//!   with `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here less what
-//!   in-plane spin adds.
+//! - Hourglass control after Flanagan & Belytschko 1981, with stiffness `r E t^3 A BB/192` of tx
+//!   and ty, `r 5/6 G t^3 BB/12` of vz, `r E t A BB/8` of vx and vy (BB = B1 B1 + B2 B2), which for
+//!   r = 1 is about that of full integration. In the viscous form the coefficient is
+//!   `(r/2) sqrt(K m)`, with K the stiffness at r = 1 and m the mass (or inertia): r is the
+//!   fraction of critical damping of the mode. In plastic parts these forces are bounded by
+//!   [`STRENGTH`] times the capacity of the section in their modes (`bounds.rs`): elastic ones
+//!   would grow without bound in folds.
+//! - Warping of Belytschko, Wong & Chiang 1992: `Bc1 vx, Bc2 vy, Bc2 vx + Bc1 vy` is added to the
+//!   curvature, with `Bc1 = (2 z0/A^2) [x13, x42, x31, x24]`, Bc2 likewise with y, z0 = h z/4; here
+//!   the contribution of in-plane spin is subtracted.
 //!
-//! Left out: a shear projection, so bending patches of distorted quads fail; `stabilised_quad.rs`
-//! has it. Thin twisted strips do not lock, as the hourglass rates leave rigid rotation out; coarse
-//! ones are stiff (`shell_benchmarks.rs`).
+//! Not included: a shear projection, so bending patches of distorted quads fail;
+//! `stabilised_quad.rs` has one. Thin twisted strips do not lock, as the hourglass rates exclude
+//! rigid rotation; coarse ones are stiff (`shell_benchmarks.rs`).
 
 use super::bounds::{self, Capacity};
 use super::quad::{
@@ -35,16 +36,16 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Largest hourglass force of a plastic part, as a fraction of what full integration would bear.
-/// Crushed tubes (B11, B12) have 3 to 4 % of hourglass energy with it, 6 % with 0.1, and no shell
-/// of theirs collapses.
+/// Largest hourglass force of a plastic part, as a fraction of the capacity under full integration.
+/// With it crushed tubes (B11, B12) have 3 to 4 % of hourglass energy, 6 % with 0.1, and none of
+/// their shells collapses.
 const STRENGTH: f64 = 0.03;
-/// The mode of vz bends like a twist `vz/(A)`: `2 M_xy` of a plastic section, `sig t^2/(2 sqrt 3)`,
-/// over `sig t^2/16`.
+/// Factor for the mode of vz, which bends like a twist `vz/(A)`: `2 M_xy` of a plastic section,
+/// `sig t^2/(2 sqrt 3)`, over `sig t^2/16`.
 const TWIST: f64 = 4.618_802_153_517_006;
 
-/// Parameters of the four-node shell. Its own columns, after those of the section: hourglass
-/// resultants of tx, ty [force length], vz, vx, vy [force], then the drilling moments.
+/// Parameters of the four-node shell. Its own columns, after those of the section, are the
+/// hourglass resultants of tx, ty [force length], vz, vx, vy [force], then the drilling moments.
 pub struct BelytschkoTsay {
     section: Section,
     hourglass: HourglassForm,
@@ -62,7 +63,7 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
 }
 
 /// Coupling of in-plane velocity to curvature in a warped element: corner values 1 and 2 of Bc1 and
-/// Bc2 [1/length^2], and what they make of the coordinates.
+/// Bc2 [1/length^2], and their products with the coordinates.
 struct Warping<R> {
     bc1: [R; 2],
     bc2: [R; 2],
@@ -80,8 +81,8 @@ impl<R: Real> Warping<R> {
         Self { bc1, bc2, on_x: [on(bc1, g.x), on(bc1, g.y), on(bc2, g.y)] }
     }
 
-    /// Curvature increments from displacement increments in the plane, less those of the rigid part
-    /// of K, which is what remains of it without the strain.
+    /// Returns curvature increments from displacement increments in the plane, minus those of the
+    /// rigid part of K, which is K without the strain.
     #[inline(always)]
     fn curvature(&self, motion: &Motion<R>) -> [R; 3] {
         let Motion { u, k, almansi: e, .. } = motion;
@@ -98,7 +99,7 @@ impl<R: Real> Warping<R> {
         ]
     }
 
-    /// Couple of the moments `m` on the spin.
+    /// Returns the couple of the moments `m` on the spin.
     #[inline(always)]
     fn couple(&self, [mx, my, mxy]: [R; 3]) -> R {
         let [xx, xy, yy] = self.on_x;
@@ -123,10 +124,10 @@ impl Kernel for BelytschkoTsay {
     ) -> Response<R> {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (hourglass, drill) = own[..HOURGLASS + DRILLING].split_at_mut(HOURGLASS);
-        // Nothing has moved before the first step: no time, no rate.
+        // Before the first step nothing has moved, so all rates are zero.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
 
-        // 1. Frame, and everything that moves as seen in it.
+        // 1. Frame, and all motions in its axes.
         let g = Geometry::new(&modes.x);
         let (motion, mut strains) = Motion::new(&g, modes, dt);
         let warping = if self.warping { Some(Warping::new(&g)) } else { None };
@@ -190,7 +191,7 @@ impl Kernel for BelytschkoTsay {
 }
 
 impl BelytschkoTsay {
-    /// Coefficients of tx, ty, vz, vx, vy.
+    /// Returns the coefficients of tx, ty, vz, vx, vy.
     #[inline(always)]
     fn hourglass_stiffness<R: Real>(&self, g: &Geometry<R>, t: R) -> [R; HOURGLASS] {
         let elastic = &self.section.elastic;

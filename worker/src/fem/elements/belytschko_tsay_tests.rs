@@ -1,4 +1,4 @@
-//! What is particular to the four-node shell.
+//! Tests of the properties that only the four-node shell of Belytschko, Lin & Tsay has.
 
 use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
@@ -19,8 +19,8 @@ const SKEW: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.1, 0.1, 0.0], [1.3, 0.9, 0.0], 
 
 #[test]
 fn bending_patch_is_exact_on_rectangles() {
-    // w = 1e-3 (x^2 + xy + y^2)/2 and its slopes, at a millionth so that squared slopes do not
-    // count.
+    // w = 1e-3 (x^2 + xy + y^2)/2 and its slopes, scaled by 1e-6 so that squared slopes are
+    // negligible.
     let (nodes, quads) = grid(2, 2, 0.24, 0.12);
     let mut patch = Patch::new(part(0.001), elastic(1e12, 0.25, 1.0), &nodes, &quads);
     for (x, (v, w)) in patch.x.iter().zip(patch.v.iter_mut().zip(&mut patch.w)) {
@@ -61,8 +61,8 @@ fn hourglass_forces_vanish_in_linear_fields() {
                 let l: [[f64; 3]; 3] =
                     std::array::from_fn(|_| std::array::from_fn(|_| 1e-9 * noise.next()));
                 for (node, at) in nodes.into_iter().enumerate() {
-                    // Linear in the coordinates of the plane; off the plane, the rotation that goes
-                    // with it.
+                    // Linear in the coordinates of the plane; out of the plane, the corresponding
+                    // rotation.
                     let x = g.frame.local(at);
                     let v: [f64; 3] = std::array::from_fn(|i| l[i][0] * x[0] + l[i][1] * x[1]);
                     let v = [v[0] - l[2][0] * x[2], v[1] - l[2][1] * x[2], v[2]];
@@ -84,7 +84,7 @@ fn hourglass_forces_vanish_in_linear_fields() {
     }
 }
 
-/// Each of the five modes alone is resisted with its stiffness.
+/// Each of the five modes alone has its stiffness.
 #[test]
 fn hourglass_modes_have_their_stiffness() {
     let (t, l, r, size) = (0.1, 2.0, 0.05, 1e-9);
@@ -116,8 +116,8 @@ fn hourglass_modes_have_their_stiffness() {
     }
 }
 
-/// Each mode, and the spin of the nodes, driven far beyond yield and back: a plastic part bears its
-/// fraction of the plastic capacity of a square, an elastic one goes on.
+/// Each mode and the spin of the nodes are driven far beyond yield and back. A plastic part reaches
+/// its fraction of the plastic capacity of a square; the force of an elastic part keeps growing.
 #[test]
 fn stabilising_forces_of_a_plastic_part_are_bounded() {
     let (t, l, sig, size) = (0.1, 2.0, 0.25, 1.0);
@@ -142,7 +142,7 @@ fn stabilising_forces_of_a_plastic_part_are_bounded() {
                     _ => patch.w[node][2] = sense * size,
                 }
             }
-            // Fast enough that the viscous form, too, is at its bound.
+            // Fast enough that the viscous form also reaches its bound.
             patch.forces(1e-3);
         }
         let (force, moment) = patch.corner(0, 0);
@@ -160,8 +160,8 @@ fn stabilising_forces_of_a_plastic_part_are_bounded() {
     }
 }
 
-/// One point needs the area between the diagonals only: a concave quad has its strain from any
-/// linear field.
+/// One point needs only the area between the diagonals: a concave quad has the strain of any linear
+/// field.
 #[test]
 fn concave_quads_are_sound_and_collapsed_ones_are_trouble() {
     let dart = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
@@ -176,7 +176,7 @@ fn concave_quads_are_sound_and_collapsed_ones_are_trouble() {
     assert!(quad(part(0.1), elastic(E, NU, 1.0), line).forces(1.0).trouble.is_some());
 }
 
-/// The one kernel, run on single numbers and on lanes.
+/// The kernel gives the same bits on scalars and on lanes.
 #[test]
 fn lanes_are_the_scalar_kernel() {
     let rate = ("cowper_symonds".to_string(), Param::List(vec![0.04, 5.0]));
@@ -225,7 +225,7 @@ fn stable_step_is_that_of_waves_or_little_more_than_a_lone_element_bears() {
     };
     let square = [[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 5.0, 0.0], [0.0, 5.0, 0.0]];
     assert_close(step(square), 1.05 * 5.0 / (1.0 + NU).sqrt(), 1e-12, "round-off");
-    // Area over the longest side where a lone element bears more than 0.952 of it.
+    // Area over the longest side, for which a single element is stable to more than 0.952 of it.
     assert_close(step(square.map(|x| [3.0 * x[0], x[1], 0.0])), 5.0, 1e-12, "round-off");
     let trapezoid = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [3.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
     assert_close(step(trapezoid), 6.0 / 4.0, 1e-12, "round-off");

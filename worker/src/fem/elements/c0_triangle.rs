@@ -1,14 +1,14 @@
 //! Three-node C0 shell of Belytschko, Stolarski & Carpenter 1984 with one point in its plane.
 //!
 //! Frame at x(t): normal along `r21 x r31`, and e1 along `sqrt(3) s1 + n x (s3 - s2)` with s1, s2,
-//! s3 the sides from corner 1 on. That is the polar rotation of the map from the equilateral
-//! triangle, so it turns with the material and numbering an element from another corner only turns
-//! its axes by 120 degrees.
+//! s3 the sides from corner 1 on. This is the polar rotation of the map from the equilateral
+//! triangle, so it rotates with the material, and numbering an element from another corner only
+//! rotates its axes by 120 degrees.
 //!
-//! Membrane strains are constant, finite and logarithmic as in the four-node shell; so are
-//! curvatures, `kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]`. Transverse shear is that of the three
-//! edges, tangential at each, at the centroid. With b = (ty, -tx), its mean bm, `b21 = b2 - b1` and
-//! so on:
+//! Membrane strains are constant, finite and logarithmic as in the four-node shell. So are
+//! curvatures, `kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]`. Transverse shear is interpolated from
+//! the tangential shear of the three edges, at the centroid. With b = (ty, -tx), its mean bm,
+//! `b21 = b2 - b1` and so on:
 //! ```text
 //! gamma = grad w + bm + grad applied to the edge values
 //!         ([b21 (x21 - x31) - b31 x21] / 6,  [b31 (x31 - x21) - b21 x31] / 6)
@@ -16,20 +16,21 @@
 //! This is the matrix of the 1984 paper, and MITC3 (Lee & Bathe 2004) at its centroid: a test
 //! compares them.
 //!
-//! Of nine bending unknowns, one is then free: `c = (b31 x21 - b21 x31)/2`, a spin of the fibres
-//! about the centroid. In MITC3 it carries the shear strain `c/2A (y, -x)` with stiffness `5/6 G t
-//! (sum of squared sides)/(144 A)`; `hourglass_coefficient` is the fraction of that which is kept,
-//! always in stiffness form. It is nought for rigid motion and for any constant curvature.
+//! One of the nine bending unknowns then has no stiffness: `c = (b31 x21 - b21 x31)/2`, a spin of
+//! the fibres about the centroid. In MITC3 it causes the shear strain `c/2A (y, -x)` with stiffness
+//! `5/6 G t (sum of squared sides)/(144 A)`; `hourglass_coefficient` is the fraction of it that is
+//! used, always in stiffness form. c is zero for rigid motion and for any constant curvature.
 //!
-//! Drilling: stiffness `alpha G t A/3` a node on its spin about n against that of the element.
+//! Drilling: stiffness `alpha G t A/3` per node on its spin about n relative to that of the
+//! element.
 //!
-//! The stable step is, times [`Section::step_factor`], 2/omega of the free element in its membrane
-//! modes, exactly: with nodal mass m/3 and `b = B B'` (2 x 2), `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b
-//! - 4 (1-nu^2) det b))/2`. Twice the area over the longest side is up to 1/0.82 of it and would
-//! not be safe. With s the larger principal value of b, P the sum of squared sides and I the
-//! rotational inertia per mass, transverse shear has `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`,
-//! exactly, so that `I = (8 A^2/P + P/24)/5` holds it to that of the membrane, but for 5 % where nu
-//! = 0 (1/s is at most 8 A^2/P).
+//! The stable step is [`Section::step_factor`] times 2/omega of the free element in its membrane
+//! modes, which is exact: with nodal mass m/3 and `b = B B'` (2 x 2),
+//! `omega^2 = 3 c^2 (tr b + sqrt(tr^2 b - 4 (1-nu^2) det b))/2`. Twice the area over the longest
+//! side is up to 1/0.82 of it and would not be safe. With s the larger principal value of b, P the
+//! sum of squared sides and I the rotational inertia per mass, transverse shear has exactly
+//! `omega^2 = 5/6 G/rho (3 s + (1 + P s/24)/I)`. So `I = (8 A^2/P + P/24)/5` limits it to that of
+//! the membrane, except for 5 % at nu = 0 (1/s is at most 8 A^2/P).
 
 use super::kinematics::{Frame, PlaneMotion, along_normal, curvature};
 use super::section::{Limits, SHEAR_CORRECTION, Section, Strains};
@@ -50,8 +51,8 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Own columns, after those of the section: drilling moments of the corners [force length],
-/// resultant of c [force].
+/// Number of own columns, after those of the section: drilling moments of the corners [force
+/// length], resultant of c [force].
 const OWN: usize = 4;
 
 /// Parameters of the three-node shell.
@@ -66,18 +67,18 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
     Ok(Box::new(Shell(C0Triangle { section, drilling: part.drilling })))
 }
 
-/// Corner vectors of an element: what 2 and 3 have beyond 1, and for rotations the sum too.
+/// Corner vectors of an element: those of 2 and 3 relative to 1, and for rotations also the sum.
 pub struct Corners<R> {
-    /// Coordinates [length].
+    /// Coordinates relative to corner 1 [length].
     pub x: [[R; 3]; 2],
-    /// Velocities [length/time].
+    /// Velocities relative to corner 1 [length/time].
     pub v: [[R; 3]; 2],
-    /// Rotational velocities [1/time].
+    /// Rotational velocities relative to corner 1, and their sum over the corners [1/time].
     pub w: [[R; 3]; 3],
 }
 
 impl<R: Real> Corners<R> {
-    /// Sum of all magnitudes: not finite where one of them is not.
+    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
     #[inline(always)]
     fn sum(&self) -> R {
         let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
@@ -85,20 +86,20 @@ impl<R: Real> Corners<R> {
     }
 }
 
-/// What one pass gives, in global axes.
+/// Result of a kernel for a group, in global axes.
 pub struct Response<R: Real> {
     /// Forces of corners 2 and 3; corner 1 has the negative of their sum [force].
     pub force: [[R; 3]; 2],
     /// Moments of corners 1, 2, 3 [force length].
     pub moment: [[R; 3]; 3],
     totals: Totals<R>,
-    /// Lanes that have an area and the strains of a healthy step.
+    /// Lanes that have an area and the strain increments of a valid step.
     calm: R::Mask,
 }
 
 impl<R: Real> Corners<R> {
-    /// As for quads: velocities of the middle, which is `e` from the nodes along the normal
-    /// [length]; gives `e n`.
+    /// Transforms velocities to those of the middle surface, as for quads. It is at the distance
+    /// `e` from the nodes along the normal [length]; returns `e n`.
     #[inline(always)]
     fn shift_to_middle(&mut self, e: R) -> [R; 3] {
         let arm = along_normal(e, self.x[0], self.x[1]);
@@ -111,7 +112,7 @@ impl<R: Real> Corners<R> {
 }
 
 impl<R: Real> Response<R> {
-    /// As for quads: adds to the moments those of the forces, which act at `arm` from the nodes.
+    /// Adds to the moments those of the forces, which act at `arm` from the nodes, as for quads.
     #[inline(always)]
     fn shift_to_nodes(&mut self, arm: [R; 3]) {
         let [f2, f3] = self.force;
@@ -122,7 +123,8 @@ impl<R: Real> Response<R> {
         }
     }
 
-    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    /// Removes failed elements: they have no forces, do not limit the step and are never reported
+    /// as trouble.
     #[inline(always)]
     fn zero_failed(&mut self, failed: R::Mask) {
         zero_failed(failed, self.force.as_flattened_mut());
@@ -160,19 +162,19 @@ impl<R: Real> Geometry<R> {
         Self { frame: Frame { e1, e2, n }, area: R::splat(0.5) * two_a, x, b }
     }
 
-    /// Gradient of a column from what corners 2 and 3 have beyond 1.
+    /// Returns the gradient of a column from its values at corners 2 and 3 relative to corner 1.
     #[inline(always)]
     fn gradient(&self, u21: R, u31: R) -> [R; 2] {
         std::array::from_fn(|j| self.b[0][j].mul_add(u21, self.b[1][j] * u31))
     }
 
-    /// What a stress-like vector gives to corners 2 and 3.
+    /// Returns the contributions of a stress-like vector to corners 2 and 3.
     #[inline(always)]
     fn spread(&self, s1: R, s2: R) -> [R; 2] {
         std::array::from_fn(|c| self.b[c][0].mul_add(s1, self.b[c][1] * s2))
     }
 
-    /// Half the sum of squared sides [length^2].
+    /// Returns half the sum of squared sides [length^2].
     #[inline(always)]
     fn half_sides2(&self) -> R {
         let [a, b] = self.x;
@@ -180,19 +182,19 @@ impl<R: Real> Geometry<R> {
         plane_dot(a, a) + plane_dot(b, b) - plane_dot(a, b)
     }
 
-    /// Stable step at the density of the material [time].
+    /// Returns the stable step at the density of the material [time].
     #[inline(always)]
     fn stable_dt(&self, elastic: &Elastic) -> R {
         self.stable_length(elastic.poisson) * R::splat(1.0 / elastic.plate_wave_speed())
     }
 
-    /// Lanes whose corners do not lie on a line.
+    /// Returns the lanes whose corners are not on a line.
     #[inline(always)]
     fn sound(&self) -> R::Mask {
         self.area.gt(R::zero())
     }
 
-    /// What the step of an element depends on as it lies now.
+    /// Returns the quantities of the present shape that determine the stable step.
     #[inline(always)]
     fn limits(&self, poisson: f64) -> Limits<R> {
         let inv_4a2 = R::splat(0.25) / (self.area * self.area);
@@ -209,7 +211,8 @@ impl<R: Real> Geometry<R> {
         }
     }
 
-    /// Rotational inertia per mass that holds shear to the membrane [length^2].
+    /// Returns the rotational inertia per mass that limits the frequency of shear to that of the
+    /// membrane [length^2].
     #[inline(always)]
     fn inertia(&self) -> R {
         let sides2 = R::splat(2.0) * self.half_sides2();
@@ -217,7 +220,7 @@ impl<R: Real> Geometry<R> {
             * R::splat(1.0 / 24.0).mul_add(sides2, R::splat(8.0) * self.area * self.area / sides2)
     }
 
-    /// Stable step times the plate wave speed [length].
+    /// Returns the stable step times the plate wave speed [length].
     #[inline(always)]
     fn stable_length(&self, poisson: f64) -> R {
         // tr b = (sum of squared sides)/4A^2; det b = 3/4A^2 for any triangle.
@@ -235,7 +238,7 @@ fn plane_dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
 }
 
 impl C0Triangle {
-    /// One element in each lane.
+    /// Computes one element in each lane.
     #[inline(always)]
     pub fn respond<R: PointReal, const N: usize>(
         &self,
@@ -248,7 +251,7 @@ impl C0Triangle {
         let step = R::splat(dt);
         let [half, third, sixth] = [0.5, 1.0 / 3.0, 1.0 / 6.0].map(R::splat);
 
-        // 1. Frame, and everything that moves as seen in it, as increments of the step.
+        // 1. Frame, and all motions in its axes, as increments of the step.
         let g = Geometry::new(corners.x);
         let u = corners.v.map(|v| g.frame.local(v).map(|c| c * step));
 
@@ -284,7 +287,7 @@ impl C0Triangle {
         let [mx, my, mxy] = resultants.m.map(|m| m * g.area);
         let [qx, qy] = resultants.q.map(|q| q * g.area);
 
-        // 6. Drilling at each corner, and the free spin of fibres.
+        // 6. Drilling at each corner, and the spin of the fibres without stiffness.
         let mut energy = R::zero();
         let mut advance = |column: &mut R, stiffness: R, rate: R| {
             let old = *column;
@@ -311,8 +314,8 @@ impl C0Triangle {
         let fy = g.spread(nxy - couple, ny);
         let fz = g.spread(qx, qy);
         let force = std::array::from_fn(|c| g.frame.global([fx[c], fy[c], fz[c]]));
-        // Work-conjugate to b21 and b31: curvature, edge shear, free spin; then the share of the
-        // mean.
+        // Forces conjugate to b21 and b31: curvature, edge shear, spin of the fibres; then the part
+        // of the mean.
         let [on_r, on_s] = fz.map(|f| f * sixth);
         let by = g.spread(mx, mxy);
         let bx = g.spread(mxy, my);
@@ -332,7 +335,7 @@ impl C0Triangle {
         let to1 = [-(to2[0] + to3[0]), -(to2[1] + to3[1])];
         let moment = [corner(to1, drill[0]), corner(to2, drill[1]), corner(to3, drill[2])];
 
-        // 8. Health. A sum tells of what is not finite wherever it is.
+        // 8. Validity. The sum is not finite if any of its terms is not.
         let mut total = R::zero();
         for c in 0..3 {
             total += force[0][c].abs() + force[1][c].abs();
@@ -358,7 +361,8 @@ impl C0Triangle {
     }
 }
 
-/// Corner vectors of a group. Differences are taken row by row, before the rows become lanes.
+/// Returns the corner vectors of a group. Differences are taken row by row, before the rows become
+/// lanes.
 #[inline(always)]
 fn gather<L: Lanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
@@ -382,7 +386,7 @@ fn gather<L: Lanes<W>, const W: usize>(
     Corners { x: [x2, x3], v: [v2, v3], w: [w2, w3, ws] }
 }
 
-/// Lanes to rows; the fourth corner is the third again and gets nothing.
+/// Converts lanes to rows. The fourth corner repeats the third and gets zero.
 #[inline(always)]
 fn scatter<L: Lanes<W>, const W: usize>(
     response: &Response<L>,
@@ -404,7 +408,7 @@ fn sides(x: &[[f64; 3]; 4]) -> [[f64; 3]; 2] {
 
 impl Formulation for C0Triangle {
     const OWN: usize = OWN;
-    /// Shear takes this where nu = 0.
+    /// Step that shear requires at nu = 0.
     const ALONE: f64 = 0.95;
 
     fn section(&self) -> &Section {

@@ -1,4 +1,4 @@
-//! What is particular to the three-node shell.
+//! Tests of the properties that only the three-node shell has.
 
 use super::super::testing::*;
 use super::*;
@@ -13,7 +13,7 @@ fn triangle(part: Part, nodes: &[[f64; 3]; 3]) -> Patch {
     Patch::new(part, elastic(E, NU, 1.0), nodes, &[[0, 1, 2, 2]])
 }
 
-/// Transverse shear xz, yz that unit rotations of the nodes give, in global axes [1].
+/// Returns the transverse shear xz, yz due to a unit rotation of a node, in global axes [1].
 fn shear_of(node: usize, axis: usize) -> [f64; 2] {
     let mut patch = triangle(part(0.1), &NODES);
     patch.w[node][axis] = 1e-6;
@@ -67,8 +67,8 @@ fn shear_is_that_of_the_paper_and_of_mitc3() {
 
 #[test]
 fn bending_patch_is_exact() {
-    // w = 1e-3 (x^2 + xy + y^2)/2 and its slopes, on a distorted triangle: no shear, and no free
-    // spin of fibres.
+    // w = 1e-3 (x^2 + xy + y^2)/2 and its slopes, on a distorted triangle: no shear, and no spin of
+    // the fibres.
     let mut patch = triangle(part(0.001), &NODES);
     for (x, (v, w)) in patch.x.iter().zip(patch.v.iter_mut().zip(&mut patch.w)) {
         let (x, y) = (x[0], x[1]);
@@ -84,7 +84,7 @@ fn bending_patch_is_exact() {
     );
     let free = lane(patch.element.columns() - 1);
     assert!(free.abs() < 1e-19 * E * 0.001, "squared slopes: {free:e}");
-    // Principal curvatures of w are (1 +- 1/2) 1e-10, whatever the axes.
+    // Principal curvatures of w are (1 +- 1/2) 1e-10 in any axes.
     let [sx, sy, t] = [0, 1, 2].map(|c| lane(5 + 4 * 3 + c) / 0.906179845938664);
     let radius = (0.25 * (sx - sy) * (sx - sy) + t * t).sqrt();
     let d = E / (1.0 - NU * NU) * 0.0005 * 1e-10;
@@ -92,13 +92,14 @@ fn bending_patch_is_exact() {
     assert_close(radius, 0.5 * d * (1.0 - NU), 1e-5 * d, "squared slopes");
 }
 
-/// The free spin carries what MITC3 has beyond its centroid, times the coefficient.
+/// The spin of the fibres has the stiffness that MITC3 has beyond its centroid, times the
+/// coefficient.
 #[test]
 fn the_free_spin_is_resisted() {
     let r = 0.2;
     let size = 1e-7;
     let mut patch = triangle(Part { hourglass_coefficient: Some(r), ..part(0.1) }, &NODES);
-    // Fibres turn about the centroid: b = size (-(y - yc), x - xc), so tx = -b_y, ty = b_x.
+    // Fibres rotate about the centroid: b = size (-(y - yc), x - xc), so tx = -b_y, ty = b_x.
     let centre: [f64; 2] = std::array::from_fn(|i| NODES.iter().map(|x| x[i]).sum::<f64>() / 3.0);
     for (w, x) in patch.w.iter_mut().zip(&NODES) {
         *w = [-size * (x[0] - centre[0]), -size * (x[1] - centre[1]), 0.0, 0.0];
@@ -142,7 +143,7 @@ fn numbering_does_not_matter() {
     }
 }
 
-/// The fourth corner repeats the third and is given nothing.
+/// The fourth corner repeats the third and gets no force.
 #[test]
 fn the_fourth_corner_is_left_alone() {
     let mut patch = triangle(part(0.1), &NODES);

@@ -1,35 +1,38 @@
-//! Four-node shell with 2 x 2 points in its plane: what the material does at the points is all that
-//! holds its shape.
+//! Four-node shell with 2 x 2 points in its plane: only the material at the points resists the
+//! deformation.
 //!
-//! Of the class of Dvorkin & Bathe 1984 (MITC4) for shear and of Belytschko & Bindeman 1991 for the
-//! membrane. Frame, strains at the centre and corner forces are those of `quad.rs`. Strains vary
-//! over the plane to the first order in xi and eta, with the Jacobian of the centre, as in
-//! `stabilised_quad.rs`; here each of the Gauss points `xi, eta = +-1/sqrt 3` has the weight A/4,
-//! its own points through the thickness, its own shear and its own thickness. With X, Y the
-//! gradients of xi and eta at the centre, `f = xi eta`, `q_x = gam vx` and so on,
+//! The formulation belongs to the class of Dvorkin & Bathe 1984 (MITC4) for shear and of Belytschko
+//! & Bindeman 1991 for the membrane. Frame, strains at the centre and corner forces are those of
+//! `quad.rs`. Strains vary over the plane to the first order in xi and eta, with the Jacobian of
+//! the centre, as in `stabilised_quad.rs`. Here each of the Gauss points `xi, eta = +-1/sqrt 3` has
+//! the weight A/4, its own points through the thickness, its own shear and its own thickness. With
+//! X, Y the gradients of xi and eta at the centre, `f = xi eta`, `q_x = gam vx` and so on,
 //! ```text
-//! eps_x   = eps_x(0)   + (q_x f,x - nu q_y f,y)/4          eps_y   = eps_y(0)   + (q_y f,y - nu q_x f,x)/4
-//! kappa_x = kappa_x(0) + (q_ty f,x + nu q_tx f,y)/4        kappa_y = kappa_y(0) - (q_tx f,y + nu q_ty f,x)/4
-//! gamma   = gamma(0) + X eta k_xi gamma_xi + Y xi k_eta gamma_eta,    f,x = X_x eta + Y_x xi,   f,y = X_y eta + Y_y xi
+//! eps_x   = eps_x(0)   + (q_x f,x - nu q_y f,y)/4
+//! eps_y   = eps_y(0)   + (q_y f,y - nu q_x f,x)/4
+//! kappa_x = kappa_x(0) + (q_ty f,x + nu q_tx f,y)/4
+//! kappa_y = kappa_y(0) - (q_tx f,y + nu q_ty f,x)/4
+//! gamma   = gamma(0) + X eta k_xi gamma_xi + Y xi k_eta gamma_eta
+//! f,x = X_x eta + Y_x xi,   f,y = X_y eta + Y_y xi
 //! ```
 //! - Membrane and bending: the assumed strain for bending in the plane (QBI), which locks neither
-//!   in shear nor in volume. Its mean over the points is nought, so that a patch under constant
-//!   stress is exact whatever its shape.
-//! - Transverse shear: covariant and from the sides (Dvorkin & Bathe 1984), gamma_xi and gamma_eta
-//!   as in `stabilised_quad.rs`, elastic, and not part of the yield condition. `k^2 = 1/(1 + 5/6 G
-//!   t L^2/(12 D))` of sides of length L is what their own bending leaves of it (MacNeal 1978): it
-//!   is nought in any pure bending, with k or without, and without it oblique elements would bear
-//!   less than half the step.
+//!   in shear nor in volume. Its mean over the points is zero, so that a patch under constant
+//!   stress is exact for any shape.
+//! - Transverse shear: covariant, from the sides (Dvorkin & Bathe 1984), gamma_xi and gamma_eta as
+//!   in `stabilised_quad.rs`, elastic, and not part of the yield condition. The factor
+//!   `k^2 = 1/(1 + 5/6 G t L^2/(12 D))` for sides of length L accounts for their own bending
+//!   (MacNeal 1978). The shear is zero in any pure bending, with k or without; without k the stable
+//!   step of oblique elements would be less than half as large.
 //! - Warped elements and drilling as in `stabilised_quad.rs`.
 //!
 //! There is no hourglass control and no coefficient: in plastic flow the modes that vary over the
-//! plane bear what the points bear, and no less. A point whose points through the thickness have
-//! all failed bears nothing, shear included; an element fails as a whole when three of its four
-//! have.
+//! plane have exactly the resistance of the points. A point at which all points through the
+//! thickness have failed carries no stress, shear included. An element fails as a whole when three
+//! of its four points have failed.
 //!
-//! Small elastic strains meet the same stiffness as in `stabilised_quad.rs`, since 2 x 2 points
-//! integrate its squares exactly; so inertia and stable step are those of `quad.rs`. Of a part's
-//! options, `hourglass`, `hourglass_coefficient` and `warping` are not read.
+//! Small elastic strains have the same stiffness as in `stabilised_quad.rs`, since 2 x 2 points
+//! integrate its squares exactly; so inertia and stable step are those of `quad.rs`. The options
+//! `hourglass`, `hourglass_coefficient` and `warping` of a part are not read.
 
 use super::bounds::{self, Capacity};
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
@@ -49,10 +52,10 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Points in the plane.
+/// Number of points in the plane.
 const PLANAR: usize = 4;
 
-/// Parameters of the fully integrated shell. Its own columns, after those of the section: the
+/// Parameters of the fully integrated shell. Its own columns, after those of the section, are the
 /// drilling moments.
 pub struct FullyIntegratedQuad {
     section: Section,
@@ -67,10 +70,10 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
 
 impl Kernel for FullyIntegratedQuad {
     const OWN: usize = DRILLING;
-    /// As of the stabilised shell, of which it has the shear at the centre.
+    /// See the stabilised shell, which has the same shear at the centre.
     const TAPER: f64 = 0.25;
-    /// A lone thin one that is stretched to twice its length bears 0.876 of the step of the
-    /// membrane (`stretched_tests.rs`).
+    /// A single thin element that is stretched to twice its length is stable for 0.876 of the step
+    /// of the membrane (`stretched_tests.rs`).
     const STEP: f64 = 0.95;
 
     fn section(&self) -> &Section {
@@ -89,18 +92,18 @@ impl Kernel for FullyIntegratedQuad {
         let quarter = R::splat(0.25);
         let gauss = R::splat(1.0 / 3.0_f64.sqrt());
 
-        // 1. Frame, and everything that moves as seen in it.
+        // 1. Frame, and all motions in its axes.
         let g = Geometry::new(&modes.x);
         let (motion, mut strains) = Motion::new(&g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
 
-        // 2. Shear from the sides, and membrane strain of twisted ones.
+        // 2. Shear from the sides, and membrane strain of twisted sides.
         let sides = Sides::new(&g, &motion, q_z, &mut strains);
         let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
         let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
 
-        // 3. What strains have more at the points (1, 1) and (-1, 1) over sqrt 3, and less at those
-        //    across.
+        // 3. Strains that are added at the points (1, 1) and (-1, 1) over sqrt 3, and subtracted at
+        //    the opposite points.
         let nu = R::splat(self.section.elastic.poisson);
         let along: [[R; 2]; 2] = [
             std::array::from_fn(|c| gauss * (s.to_xi[c] + s.to_eta[c])),
@@ -126,7 +129,7 @@ impl Kernel for FullyIntegratedQuad {
             [more(along[pair], q_x, q_y), more(along[pair], q_ty, -q_tx), gamma]
         });
 
-        // 4. Stress at the points, its sums, and its differences across.
+        // 4. Stress at the points, its sums, and its differences between opposite points.
         let zero = R::zero();
         let weight = quarter * g.area;
         let (mut n, mut m, mut q) = ([zero; 3], [zero; 3], [zero; 2]);
@@ -162,7 +165,7 @@ impl Kernel for FullyIntegratedQuad {
             work = weight.mul_add(on.work, work);
         }
 
-        // 5. What acts on the rates of stage 3, and drilling.
+        // 5. Forces on the rates of stage 3, and drilling.
         let acts = |kind: usize| {
             let [a, b] = [0, 1].map(|pair: usize| {
                 let [x, y] = across[pair][kind];

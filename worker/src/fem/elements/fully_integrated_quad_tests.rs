@@ -1,4 +1,4 @@
-//! What is particular to the fully integrated shell.
+//! Tests of the properties that only the fully integrated shell has.
 
 use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 const E: f64 = 210.0;
 const NU: f64 = 0.3;
-/// Motions this small leave their squares in the round-off.
+/// Motion so small that its square is round-off.
 const SMALL: f64 = 1e-12;
 const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 const HOURGLASS: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
@@ -19,13 +19,13 @@ fn quad(thickness: f64, material: Material, nodes: &[[f64; 3]]) -> Patch {
     Patch::new(part_of("fully_integrated_quad", thickness), material, nodes, &[[0, 1, 2, 3]])
 }
 
-/// Force on the hourglass mode of displacements along an axis.
+/// Returns the force on the hourglass mode of displacements along an axis.
 fn on_hourglass(patch: &Patch, axis: usize) -> f64 {
     (0..4).map(|c| 0.25 * HOURGLASS[c] * patch.corner(0, c).0[axis]).sum()
 }
 
-/// Beam bending of a rectangle in its plane has the energy of the beam, whatever the side ratio and
-/// Poisson's ratio, and all of it is of the points: `u = c x y`, moment `E t h^3 c/12`.
+/// Beam bending of a rectangle in its plane has the energy of the beam for any side ratio and any
+/// Poisson's ratio, and all of it is in the points: `u = c x y`, moment `E t h^3 c/12`.
 #[test]
 fn plane_bending_does_not_lock() {
     for nu in [0.0, 0.3, 0.499] {
@@ -48,7 +48,7 @@ fn plane_bending_does_not_lock() {
     }
 }
 
-/// No corner motion that is not rigid is free, and the energy is the work.
+/// Every corner motion that is not rigid has stiffness, and the energy is the work.
 #[test]
 fn every_mode_is_resisted() {
     let skew = [[0.0, 0.0, 0.0], [1.1, 0.1, 0.0], [1.3, 0.9, 0.1], [-0.1, 1.2, 0.0]];
@@ -68,10 +68,10 @@ fn every_mode_is_resisted() {
     }
 }
 
-/// In steady flow without hardening the hourglass mode bears what the flow rule says, however long
-/// it lasts. A unit square is sheared by g a step and bent in its plane by d = 1e-6 2/sqrt 3 at the
-/// points; stress is normal to the rates, `sig_x = (2 d - nu d) 2 tau/g`, `sig_y = (d - 2 nu d) 2
-/// tau/g`, and the mode bears `t/(2 sqrt 3) (sig_x - nu sig_y)`.
+/// In steady flow without hardening the force of the hourglass mode is that of the flow rule, after
+/// any time. A unit square is sheared by g per step and bent in its plane by d = 1e-6 2/sqrt 3 at
+/// the points; stress is normal to the rates, `sig_x = (2 d - nu d) 2 tau/g`,
+/// `sig_y = (d - 2 nu d) 2 tau/g`, and the force of the mode is `t/(2 sqrt 3) (sig_x - nu sig_y)`.
 #[test]
 fn flow_leaves_the_modes_what_the_points_bear() {
     let (yields, t, g) = (0.25, 0.1, 1e-4);
@@ -101,8 +101,8 @@ fn flow_leaves_the_modes_what_the_points_bear() {
     }
 }
 
-/// Bent in its plane alone far beyond yield, a square bears the limit of its points, and unloads
-/// elastically.
+/// A square that is bent in its plane alone far beyond yield reaches the limit of its points, and
+/// unloads elastically.
 #[test]
 fn the_limit_of_plane_bending_is_that_of_the_points() {
     let (yields, t) = (0.25, 0.1);
@@ -125,8 +125,8 @@ fn the_limit_of_plane_bending_is_that_of_the_points() {
     assert_close(limit - on_hourglass(&patch, 0), elastic, 0.03 * elastic, "as above");
 }
 
-/// Two of four points that have failed bear nothing, and the others go on; with the third the
-/// element has failed.
+/// Two of four failed points carry no stress while the others still do; with the third the element
+/// fails.
 #[test]
 fn three_failed_points_of_four_are_a_failed_element() {
     let numbers =
@@ -139,7 +139,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
         for p in 0..failed {
             (0..5).for_each(|k| state[p * each + 5 + k * 7 + 6] = 1.0);
         }
-        // Padding repeats the element, and would tell its step.
+        // Padding repeats the element, and its step would be counted.
         (0..patch.history.lanes()).for_each(|lane| patch.history.set(lane, &state));
         for (v, w) in patch.v.iter_mut().zip(&mut patch.w).skip(2) {
             (v[1], v[2], w[0]) = (1e-6, 1e-6, 1e-6);
@@ -160,7 +160,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
             );
             assert_eq!(fields.stress, [0.0; 6]);
         } else {
-            // Membrane and shear: as many points as are left.
+            // Membrane and shear, in proportion to the number of remaining points.
             let left = (4 - failed) as f64 / 4.0;
             let c11 = E / (1.0 - NU * NU);
             assert_close(fields.stress[1], left * c11 * 1e-6, 1e-5 * c11 * 1e-6, "strain of 1e-6");
@@ -174,7 +174,7 @@ fn three_failed_points_of_four_are_a_failed_element() {
     }
 }
 
-/// Each point thins by itself; the element has the mean.
+/// Each point thins separately; the thickness of the element is their mean.
 #[test]
 fn thinning_keeps_the_volume_of_plastic_flow() {
     let steel =
@@ -182,7 +182,7 @@ fn thinning_keeps_the_volume_of_plastic_flow() {
     let part = Part { thinning: true, ..part_of("fully_integrated_quad", 0.1) };
     let mut patch = Patch::new(part, steel, &SQUARE, &[[0, 1, 2, 3]]);
     for _ in 0..2000 {
-        // A trapezoid in the end.
+        // The final shape is a trapezoid.
         patch.aim(1.0, |x| [x[0] * (1.00005 + 0.00005 * x[1]), x[1] * 1.00005, x[2]], [0.0; 3]);
         patch.step(1.0);
     }
@@ -203,7 +203,7 @@ fn thinning_keeps_the_volume_of_plastic_flow() {
     assert!(high > 1.02 * low, "the wide end thins more: {all:?}");
 }
 
-/// Stiffness over mass of a lone element: frequencies squared, ascending.
+/// Returns stiffness over mass of a single element: squared frequencies, ascending.
 fn spectrum(nodes: &[[f64; 3]; 4], t: f64, nu: f64) -> (Vec<f64>, f64) {
     let mut patch = quad(t, elastic(1.0, nu, 1.0), nodes);
     let fresh = patch.history.clone();
@@ -234,9 +234,9 @@ fn spectrum(nodes: &[[f64; 3]; 4], t: f64, nu: f64) -> (Vec<f64>, f64) {
     (all, patch.element.stable_dt(nodes, 0.0))
 }
 
-/// The step is that of the highest frequency of a lone element, of any shape, or 1.05 of it (see
-/// `quad.rs`), and at nu = 0, where shear takes over, 7 % of the frequency more. All but rigid
-/// motions are resisted.
+/// The step is that of the highest frequency of a single element of any shape, or 1.05 of it (see
+/// `quad.rs`); at nu = 0, where shear has the highest frequency, that frequency is up to 7 %
+/// higher. All motions that are not rigid have stiffness.
 #[test]
 fn the_step_is_bounded_by_the_highest_frequency() {
     let mut noise = Noise(13);
@@ -276,7 +276,7 @@ fn the_step_is_bounded_by_the_highest_frequency() {
     assert!(worst.0 < 1.09, "the usual safety of 0.9 leaves this: {worst:?}");
 }
 
-/// The one kernel, run on single numbers and on lanes.
+/// The kernel gives the same bits on scalars and on lanes.
 #[test]
 fn lanes_are_the_scalar_kernel() {
     let rate = ("cowper_symonds".to_string(), Param::List(vec![0.04, 5.0]));

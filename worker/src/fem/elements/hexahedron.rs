@@ -1,35 +1,37 @@
 //! Eight-node hexahedron with one integration point, after Flanagan & Belytschko 1981.
 //!
-//! Strain and forces take the exact mean gradient `B_I = (dV/dx_I)/V` (see `modes`), so that
-//! distorted elements pass the patch test and the volume of the strain is that of the element.
-//! Stress is held in global axes. A step, with u the displacement increment and x the coordinates
-//! in its middle (Hughes & Winget 1980):
+//! Strain and forces use the exact mean gradient `B_I = (dV/dx_I)/V` (see `modes`), so that
+//! distorted elements pass the patch test and the volume strain is that of the element. Stress is
+//! stored in global axes. A step, with u the displacement increment and x the coordinates in its
+//! middle (Hughes & Winget 1980):
 //! ```text
 //! K = du/dx,   eps = sym K,   w = half the axis of skew K,   s = sqrt(1 + w.w)
-//! R = 1/s + [w]/s + w w'/(s (1 + s))                    half the rotation that Cayley's transform gives
+//! R = 1/s + [w]/s + w w'/(s (1 + s))              half the rotation of Cayley's transform
 //! sig <- R law(R sig R', eps) R'
 //! ```
-//! For a rigid rotation by any angle below 180 degrees K is skew without remainder and R R is that
-//! rotation: it leaves no strain. eps is the logarithmic strain but for terms of third order,
-//! changes sign with u, and keeps the volume where the element does. The rate is Jaumann's; it is
-//! of second order, as law and rotation are taken symmetrically.
+//! For a rigid rotation by any angle below 180 degrees K is exactly skew and R R is that rotation:
+//! it leaves no strain. eps is the logarithmic strain except for terms of third order, changes sign
+//! with u, and preserves the volume if the element does. The rate is Jaumann's; it is of second
+//! order, as law and rotation are applied symmetrically.
 //!
-//! Corner forces are those of virtual power with B at x(t); hourglass resistance is in `hourglass`.
+//! Corner forces follow from virtual power with B at x(t); hourglass resistance is in `hourglass`.
 //!
-//! Bulk viscosity in compression, `q = rho L (b1 c_d d + b2 L d^2)`, d the rate of -ln V, L = c_d
-//! times the stable step without it (the side of a cube, or a little less). It is no part of the
-//! stress; its work is internal energy.
+//! Bulk viscosity in compression, `q = rho L (b1 c_d d + b2 L d^2)`, with d the rate of -ln V and L
+//! equal to c_d times the stable step without viscosity (the side of a cube, or slightly less). It
+//! is not part of the stress; its work is internal energy.
 //!
-//! Stable step: with `G = sum B_I B_I'` and m/8 at each corner, the frequencies of the
-//! mean-gradient stiffness are those of `eps -> (8 V/m) (sig G + G sig)/2`, of which the largest is
-//! at most
+//! Stable step: with `G = sum B_I B_I'` and m/8 at each corner, the squared frequencies of the
+//! mean-gradient stiffness are the eigenvalues of `eps -> (8 V/m) (sig G + G sig)/2`. The largest
+//! one is at most
 //! ```text
-//! omega^2 <= (8 V/m) (2 mu g + max(lambda, 0) tr G),   g = t/3 + sqrt(2/3 (G:G - t^2/3)),   t = tr G
+//! omega^2 <= (8 V/m) (2 mu g + max(lambda, 0) tr G)
+//! g = t/3 + sqrt(2/3 (G:G - t^2/3)),   t = tr G
 //! ```
-//! (Weyl; g bounds the largest eigenvalue of G, Wolkowicz & Styan 1980). It is exact for cubes and
-//! flat bricks, and a few percent below for needles, where Flanagan & Belytschko's `2/sqrt(8 c_d^2
-//! tr G)` gives away up to 27 % at nu = 0.3. Hourglass frequencies are below that for any
-//! coefficient allowed here. Viscosity makes it `dt (sqrt(1 + z^2) - z)`, z = b1 + 2 b2 L d/c_d.
+//! (Weyl; g bounds the largest eigenvalue of G, Wolkowicz & Styan 1980). The step is exact for
+//! cubes and flat bricks, and a few percent too small for needles, where `2/sqrt(8 c_d^2 tr G)` of
+//! Flanagan & Belytschko loses up to 27 % at nu = 0.3. Hourglass frequencies are below that for any
+//! coefficient allowed here. With viscosity the step is `dt (sqrt(1 + z^2) - z)`, z = b1 + 2 b2 L
+//! d/c_d.
 
 mod hourglass;
 mod modes;
@@ -55,16 +57,16 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Solid(build),
 };
 
-/// Hourglass coefficient where the job gives none.
+/// Hourglass coefficient if the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.05;
-/// Bulk viscosity where the job gives none.
+/// Bulk viscosity if the job gives none.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
-/// Largest strain increment of a healthy step.
+/// Largest strain increment of a valid step.
 const STRAIN_LIMIT: f64 = 0.5;
-/// Components of stress, at the start of the law's state.
+/// Number of stress components, at the start of the law's state.
 const STRESS: usize = 6;
-/// Columns between the law's state and hourglass: volume at the start [length^3], bulk viscosity
-/// [force/length^2].
+/// Number of columns between the law's state and hourglass: volume at the start [length^3], bulk
+/// viscosity [force/length^2].
 const OWN: usize = 2;
 
 /// Parameters of the hexahedron.
@@ -74,11 +76,11 @@ pub struct Hexahedron {
     hourglass: Hourglass,
     /// b1 and b2.
     bulk_viscosity: [f64; 2],
-    /// Columns of stress and the law's own.
+    /// Number of columns of stress and of the law.
     state: usize,
-    /// Where the law keeps its effective plastic strain, if it has any.
+    /// Column of the law with its effective plastic strain, if it has any.
     plastic_strain: Option<usize>,
-    /// Where it marks that it has failed, if it does.
+    /// Column of the law that marks failure, if it can fail.
     failed: Option<usize>,
 }
 
@@ -134,24 +136,25 @@ struct End<R> {
     gradient: Gradient<R>,
     /// One over 64 V [1/length^3].
     inverse64: R,
-    /// [mass/length^3].
+    /// Density [mass/length^3].
     density: R,
-    /// Of [`Gradient::gram`] [1/length^2].
+    /// See [`Gradient::gram`] [1/length^2].
     gram: [R; 6],
-    /// 1/c_d, and the stable step without viscosity times c_d [time/length], [length].
+    /// 1/c_d [time/length], and the stable step without viscosity times c_d [length].
     slowness: R,
     length: R,
 }
 
-/// What one pass over a group gives, in global axes.
+/// Result of a kernel for a group, in global axes.
 struct Response<R: Real> {
-    /// Forces of the modes: corner forces are their sums with the modes' signs [force].
+    /// Forces of the modes [force]. Corner forces are their sums with the signs of the modes.
     force: Modes<R>,
     totals: Totals<R>,
 }
 
 impl<R: Real> Response<R> {
-    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    /// Removes failed elements: they have no forces, do not limit the step and are never reported
+    /// as trouble.
     #[inline(always)]
     fn zero_failed(&mut self, failed: R::Mask) {
         zero_failed(failed, self.force.as_flattened_mut());
@@ -160,7 +163,8 @@ impl<R: Real> Response<R> {
 }
 
 impl Hexahedron {
-    /// One element in each lane; the reference and the fast kernel are this one function.
+    /// Computes one element in each lane. The reference kernel and the fast kernel are this one
+    /// function.
     #[inline(always)]
     fn respond<R: PointReal>(
         &self,
@@ -172,7 +176,7 @@ impl Hexahedron {
         let (state, own) = history.split_at_mut(self.state);
         let ([first_volume, viscosity], hourglass) =
             own.split_first_chunk_mut().expect("columns() of them");
-        // Nothing has moved before the first step: no time, no rate.
+        // Before the first step nothing has moved, so all rates are zero.
         let per_time = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let half = R::splat(0.5);
 
@@ -186,8 +190,8 @@ impl Hexahedron {
             [k[0][0], k[1][1], k[2][2], k[0][1] + k[1][0], k[1][2] + k[2][1], k[2][0] + k[0][2]];
         let turn = half_turn([k[2][1] - k[1][2], k[0][2] - k[2][0], k[1][0] - k[0][1]]);
 
-        // 2. Shape at the end of the step; before stress, so that the rotation's root and quotient
-        //    are there when they are wanted.
+        // 2. Shape at the end of the step, before stress, so that the root and the quotient of the
+        //    rotation are ready when they are used.
         let End { gradient, inverse64, density, gram, slowness, length } =
             self.end(x, first_volume);
 
@@ -230,7 +234,7 @@ impl Hexahedron {
         };
         let (resistance, resisted) = self.hourglass.update(&self.elastic, &step, hourglass);
 
-        // 6. Forces of the modes: all that multiplies B is one tensor.
+        // 6. Forces of the modes: all factors of B are one tensor.
         let mut force = [[R::zero(); 3]; 7];
         let [xx, yy, zz, xy, yz, zx] = stress;
         // The gradient has 64 times the derivatives of the volume.
@@ -253,7 +257,7 @@ impl Hexahedron {
             (0..3).for_each(|i| force[3 + a][i] += resistance[a][i]);
         }
 
-        // 7. Energy and health. A sum tells of what is not finite wherever it is.
+        // 7. Energy and validity. The sum is not finite if any of its terms is not.
         let mean: [R; STRESS] = std::array::from_fn(|c| half * (before[c] + after[c]));
         let mut work = -(half * (*viscosity + q) * (eps[0] + eps[1] + eps[2]));
         *viscosity = q;
@@ -283,7 +287,7 @@ impl Hexahedron {
         response
     }
 
-    /// Shape at these coordinates. The first volume is found where there is none yet.
+    /// Computes the shape at these coordinates. Sets the volume at the start if there is none yet.
     #[inline(always)]
     fn end<R: Real>(&self, x: &Modes<R>, first_volume: &mut R) -> End<R> {
         let gradient = Gradient::new(x);
@@ -297,17 +301,17 @@ impl Hexahedron {
         End { gradient, inverse64, density, gram, slowness, length }
     }
 
-    /// Column of the volume at the start.
+    /// Returns the column of the volume at the start.
     fn first_volume(&self) -> usize {
         self.state
     }
 
-    /// lambda + 2 mu [force/length^2].
+    /// Returns lambda + 2 mu [force/length^2].
     fn modulus(&self) -> f64 {
         self.elastic.lame() + 2.0 * self.elastic.shear_modulus()
     }
 
-    /// Stable step without viscosity times c_d, from `sum B_I B_I'` [length].
+    /// Returns the stable step without viscosity times c_d, from `sum B_I B_I'` [length].
     #[inline(always)]
     fn length<R: Real>(&self, gram: &[R; 6]) -> R {
         let [a, b, c, d, e, f] = *gram;
@@ -324,13 +328,13 @@ impl Hexahedron {
     }
 }
 
-/// A stable step with damping: z is the fraction of critical damping.
+/// Returns the stable step with damping; z is the fraction of critical damping.
 #[inline(always)]
 fn viscous<R: Real>(step: R, z: R) -> R {
     step * (z.mul_add(z, R::splat(1.0)).sqrt() - z)
 }
 
-/// Rotation of half the step from twice the axis of skew K, with one division.
+/// Returns the rotation of half the step from twice the axis of skew K, with one division.
 #[inline(always)]
 fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
     let [one, quarter] = [1.0, 0.25].map(R::splat);
@@ -349,23 +353,23 @@ fn half_turn<R: Real>(twice: [R; 3]) -> [[R; 3]; 3] {
     ]
 }
 
-/// `R sig R'` of the stress at the start of `state`.
+/// Returns `R sig R'` of the stress at the start of `state`.
 #[inline(always)]
 fn rotated<R: Real>(turn: &[[R; 3]; 3], state: &[R]) -> [R; STRESS] {
     let [xx, yy, zz, xy, yz, zx]: [R; STRESS] = std::array::from_fn(|c| state[c]);
     let columns = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let half: [[R; 3]; 3] =
         std::array::from_fn(|i| std::array::from_fn(|j| dot(turn[i], columns[j])));
-    // Written out: a loop over pairs of indices is a call, and all that is in registers goes to
-    // memory.
+    // Written out, because a loop over pairs of indices becomes a call, which moves all registers
+    // to memory.
     let at = |i: usize, j: usize| dot(half[i], turn[j]);
     [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(2, 0)]
 }
 
-/// The eight slots of a solid.
+/// Returns the eight slots of a solid.
 ///
 /// # Panics
-/// When there are fewer: solids are called with all of theirs.
+/// If there are fewer than eight slots. Callers pass all slots of a solid.
 fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
     x.first_chunk().expect("a hexahedron has eight slots")
 }
@@ -421,7 +425,7 @@ impl Element for Hexahedron {
         pass.solids(self.columns(), self)
     }
 
-    /// Viscosity of the square of the rate left out.
+    /// Without the viscosity that is quadratic in the rate.
     fn stable_dt(&self, x: &[[f64; 3]], _: f64) -> f64 {
         let gradient = Gradient::new(&modes_of_corners(per_corner(x)));
         if !gradient.whole() {

@@ -1,5 +1,5 @@
-//! Hexahedra in motion: large strain, stability, frequencies, bending, incompressibility.
-//! Verification catalogue by name.
+//! Hexahedra in motion: large strain, stability, frequencies, bending, incompressibility. The names
+//! are those of the verification catalogue.
 
 use super::super::solid_testing::*;
 use super::super::testing::*;
@@ -51,7 +51,8 @@ fn simple_shear_is_that_of_jaumann() {
     assert!(coarse > 80.0 * fine && coarse < 120.0 * fine, "second order: {coarse:e} and {fine:e}");
 }
 
-/// A26 (c): an isochoric squash to half the height makes no pressure, and yields at sigma_y/sqrt 3.
+/// A26 (c): isochoric compression to half the height gives no pressure, and yields at sigma_y/sqrt
+/// 3.
 #[test]
 fn isochoric_squash_makes_no_pressure() {
     let yields = 0.8;
@@ -67,9 +68,9 @@ fn isochoric_squash_makes_no_pressure() {
     assert_close(s[2], -yields / 3.0_f64.sqrt(), 1e-9, "return to the surface, exactly");
 }
 
-/// In steady flow an hourglass mode is resisted as by a fluid of viscosity `sig_y/(3 d eps_p/dt)`:
-/// the stress that varies over the element is `E/(1-nu^2) e` for elastic steps e, of which
-/// `sig_y/(3 G d eps_p)` is left. Its end is elastic.
+/// In steady flow the resistance of an hourglass mode is that of a fluid of viscosity
+/// `sig_y/(3 d eps_p/dt)`: the stress that varies over the element is `E/(1-nu^2) e` for elastic
+/// steps e, of which `sig_y/(3 G d eps_p)` remains. Unloading is elastic.
 #[test]
 fn flow_bounds_what_hourglass_modes_store() {
     let (yields, rate, ratio) = (0.2, 1e-4, 0.5);
@@ -107,7 +108,7 @@ fn flow_bounds_what_hourglass_modes_store() {
     let bound = 0.05 / 16.0 * modulus * 1.5 * 4.0 * ratio * yields / (3.0 * G);
     let p = solids.history.element(0).at(solids.element.columns() - hourglass::COLUMNS + 6);
     assert_close(p, bound, 0.03 * bound, "a strain of 2 %");
-    // Back: the first step is elastic.
+    // Backwards: the first step is elastic.
     let before = kept[199];
     stretch(&mut assumed, -0.1 * rate);
     let after = assumed.history.element(0).at(assumed.element.columns() - hourglass::COLUMNS + 4);
@@ -115,7 +116,7 @@ fn flow_bounds_what_hourglass_modes_store() {
     assert_close(before - after, wanted, 0.03 * wanted, "a strain of 2 %");
 }
 
-/// Largest velocity after 1000 steps over that at the start.
+/// Returns the largest velocity after 1000 steps over that at the start.
 fn growth(form: HourglassForm, nodes: &[[f64; 3]], cells: &[[u32; 8]], nu: f64, dt: f64) -> f64 {
     let part = solid_part(form, Some(0.05));
     let mut solids = Solids::new(part, elastic(1.0, nu, 1.0), nodes, cells);
@@ -132,12 +133,12 @@ fn growth(form: HourglassForm, nodes: &[[f64; 3]], cells: &[[u32; 8]], nu: f64, 
     solids.v.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs())) / 1e-9
 }
 
-/// A23 (b): stable just below the true limit, not just above; the element's own step is below it,
-/// and not by much.
+/// A23 (b): stable just below the true limit, not just above; the element's own step is slightly
+/// below it.
 #[test]
 fn the_stable_step_is_below_the_limit_and_near_it() {
-    // Elements, size of one, Poisson's ratio, the limit in L/c_d, least fraction of it that the
-    // element's own step is.
+    // Elements, size of one, Poisson's ratio, the limit in L/c_d, smallest ratio of the element's
+    // own step to the limit.
     let cases = [
         ([1, 1, 1], [1.0, 1.0, 1.0], 0.0, 1.0, 0.999),
         ([1, 1, 1], [1.0, 1.0, 1.0], 0.3, 0.734, 0.999),
@@ -164,8 +165,8 @@ fn the_stable_step_is_below_the_limit_and_near_it() {
             own < 1.002 * wanted && own > near * 0.998 * wanted,
             "{n:?} {size:?} nu {nu}: {own} of {wanted}"
         );
-        // Hourglass modes are slower than those that the step is from, in the form that is taken
-        // unasked too.
+        // Hourglass modes are slower than the modes that determine the step, also in the default
+        // form.
         for form in [HourglassForm::Stiffness, HourglassForm::AssumedStrain] {
             let grown = |share: f64| growth(form, &nodes, &cells, nu, share * wanted);
             let (below, above) = (grown(0.98), grown(1.02));
@@ -194,7 +195,7 @@ fn bulk_viscosity_damps_and_stays_stable() {
     );
     let (dt, masses) = (solids.stable_dt(), solids.masses());
     assert_close(dt / plain.stable_dt(), 1.25_f64.sqrt() - 0.5, 1e-12, "round-off");
-    // Breathing: all of it is compression half of the time.
+    // Breathing mode: pure compression half of the time.
     solids
         .v
         .iter_mut()
@@ -218,8 +219,8 @@ fn bulk_viscosity_damps_and_stays_stable() {
     assert!(booked > 0.7 * start && booked < 1.02 * start, "and booked: {booked} of {start}");
 }
 
-/// C10 (a): a mode alone has the frequency sqrt(6 kappa) c_d/L; viscous resistance takes its energy
-/// away.
+/// C10 (a): a single mode has the frequency sqrt(6 kappa) c_d/L; viscous resistance dissipates its
+/// energy.
 #[test]
 fn an_hourglass_mode_has_its_frequency() {
     let (l, speed) = (10.0, 1e-6);
@@ -249,8 +250,8 @@ fn an_hourglass_mode_has_its_frequency() {
     assert_close(end / speed, wanted, 0.01 * wanted, "steps of 0.01");
 }
 
-/// First bending frequency of a cantilever of L/h = 10 and cubes, nu = 0, over Euler and
-/// Bernoulli's.
+/// Returns the first bending frequency of a cantilever of L/h = 10 and cubes, nu = 0, over that of
+/// Euler and Bernoulli.
 fn cantilever(form: HourglassForm, kappa: Option<f64>, n: usize, nu: f64) -> f64 {
     let length = 10.0;
     let (nodes, cells) = block([10 * n, n, n], [length, 1.0, 1.0]);
@@ -319,13 +320,13 @@ fn cantilevers_have_the_frequencies_of_the_table() {
 fn assumed_strain_bends_without_a_coefficient() {
     for (n, nu) in [(1, 0.0), (2, 0.0), (1, 0.3), (2, 0.3)] {
         let f = cantilever(HourglassForm::AssumedStrain, None, n, nu);
-        // Shear and rotary inertia take 1 % from Euler and Bernoulli at L/h = 10; the clamped end
-        // holds Poisson's strain.
+        // At L/h = 10 shear and rotary inertia lower the frequency by 1 % relative to Euler and
+        // Bernoulli; the clamped end suppresses Poisson's strain.
         assert_close(f, 0.99, 0.02, "ten elements long");
     }
 }
 
-/// C12: a thick cylinder in plane strain under inner pressure, to u_r(a), at rest.
+/// Returns u_r(a) at rest of a thick cylinder in plane strain under inner pressure (C12).
 fn cylinder(form: HourglassForm, nu: f64) -> f64 {
     let (a, b, pressure, radial, around) = (10.0, 20.0, 0.01, 6, 10);
     let quarter = std::f64::consts::FRAC_PI_2;
@@ -338,8 +339,8 @@ fn cylinder(form: HourglassForm, nu: f64) -> f64 {
     let mut solids = Solids::new(solid_part(form, None), elastic(E, nu, 1.0), &nodes, &cells);
     let masses = solids.masses();
     let dt = 0.9 * solids.stable_dt();
-    // The chord carries pressure times its length, along its normal, a quarter to each corner of
-    // the face.
+    // The force on the chord is pressure times its length, along its normal, a quarter at each
+    // corner of the face.
     let chord = 2.0 * a * (0.5 * quarter / around as f64).sin();
     let along = |node: usize| -> [f64; 3] {
         if flat[node][0] > 0.0 {
@@ -368,7 +369,7 @@ fn cylinder(form: HourglassForm, nu: f64) -> f64 {
             v[0] = 0.0;
         }
     };
-    // Which leaves (1 + 13) exp(-13) of it.
+    // After this time (1 + 13) exp(-13) of the motion remains.
     for _ in 0..(26.0 / damping) as usize {
         solids.explicit(dt, &masses, along, fix);
     }
@@ -388,7 +389,7 @@ fn assumed_strain_does_not_lock_when_nearly_incompressible() {
     }
 }
 
-/// Stiffness control is bounded by the shear modulus: as right at 0.49 as at 0.3.
+/// Stiffness control is bounded by the shear modulus: as accurate at 0.49 as at 0.3.
 #[test]
 fn stiffness_control_is_right_for_nearly_incompressible_solids() {
     let u = cylinder(HourglassForm::Stiffness, 0.3);

@@ -1,4 +1,4 @@
-//! What a one-point hexahedron has to do: rigid motion, patches, balance, energy, lanes.
+//! Tests of the one-point hexahedron: rigid motion, patches, balance, energy, lanes.
 
 use super::super::solid_testing::*;
 use super::super::testing::*;
@@ -11,8 +11,8 @@ const NU: f64 = 0.25;
 const FORMS: [HourglassForm; 3] =
     [HourglassForm::Stiffness, HourglassForm::Viscous, HourglassForm::AssumedStrain];
 
-/// A unit cube of eight elements, all of whose inner and face nodes are out of place if `by` is not
-/// nought.
+/// Returns a unit cube of eight elements, with all inner and face nodes displaced if `by` is not
+/// zero.
 fn distorted(by: f64) -> (Vec<[f64; 3]>, Vec<[u32; 8]>) {
     let (mut nodes, cells) = block([2, 2, 2], [1.0; 3]);
     let mut noise = Noise(11);
@@ -29,7 +29,7 @@ fn shake(solids: &mut Solids, noise: &mut Noise, size: f64) {
     solids.v.iter_mut().for_each(|v| (0..3).for_each(|i| v[i] = size * noise.next()));
 }
 
-/// The volume and the mean gradient against what defines them.
+/// Volume and mean gradient agree with their definitions.
 #[test]
 fn gradient_is_the_derivative_of_the_volume() {
     let mut noise = Noise(2);
@@ -53,7 +53,7 @@ fn gradient_is_the_derivative_of_the_volume() {
     }
     let gradient = Gradient::new(&modes);
     assert_close(gradient.volume(), volume, 1e-14, "round-off");
-    // b by differences of a cubic: central ones leave the third derivative, at h^2.
+    // b by central differences of a cubic, which has an error from the third derivative, at h^2.
     let h = 1e-5;
     for c in 0..8 {
         for i in 0..3 {
@@ -69,7 +69,7 @@ fn gradient_is_the_derivative_of_the_volume() {
             assert_close((volume(h) - volume(-h)) / (2.0 * h), exact, 1e-10, "round-off over 1e-5");
         }
     }
-    // And it is exact for linear fields.
+    // It is exact for linear fields.
     let k = gradient
         .gradient_of(&modes_of_corners(&x.map(|p| [2.0 * p[0] + p[2], p[1], 3.0 * p[0]])), 1.0);
     let wanted = [[2.0, 0.0, 1.0], [0.0, 1.0, 0.0], [3.0, 0.0, 0.0]];
@@ -79,7 +79,7 @@ fn gradient_is_the_derivative_of_the_volume() {
         .for_each(|(k, w)| assert_close(*k, *w, 1e-14, "round-off"));
 }
 
-/// Verification A19 (a): no stress at 90, 180 and 360 degrees, whatever the angle of a step.
+/// Verification A19 (a): no stress at 90, 180 and 360 degrees, for any angle per step.
 #[test]
 fn rigid_rotation_leaves_no_stress() {
     for form in FORMS {
@@ -116,7 +116,7 @@ fn rigid_rotation_leaves_no_stress() {
     }
 }
 
-/// Verification A19 (b): stress turns with the body.
+/// Verification A19 (b): stress rotates with the body.
 #[test]
 fn stress_turns_with_the_body() {
     let angle = [0.3, -0.5, 0.2];
@@ -142,8 +142,7 @@ fn stress_turns_with_the_body() {
                 "the catalogue's bound",
             );
         }
-        // The forces turn too, hourglass resistance with them; viscous resistance ends with its
-        // rate.
+        // Forces, with hourglass resistance, also rotate; viscous resistance ends with its rate.
         if form != HourglassForm::Viscous {
             let largest = solids.largest();
             for (after, before) in solids.nodal().into_iter().zip(forces) {
@@ -193,7 +192,7 @@ fn forces_and_moments_balance_and_do_the_work_that_is_booked() {
         let (mut work, mut booked, mut hourglass, mut peak) = (0.0, 0.0, 0.0, 0.0_f64);
         shake(&mut solids, &mut noise, 0.02);
         for step in 0..1000 {
-            // Back and forth, so that strain stays small and hourglass modes move.
+            // Forwards and backwards, so that strain stays small and hourglass modes move.
             if step == 500 {
                 solids.v.iter_mut().flatten().for_each(|v| *v = -*v);
             }
@@ -219,7 +218,7 @@ fn forces_and_moments_balance_and_do_the_work_that_is_booked() {
                 );
             }
         }
-        // Elastic all through: what was put in comes back.
+        // Everything is elastic, so the work is recovered.
         match form {
             HourglassForm::AssumedStrain => {
                 assert!(booked.abs() < 1e-11 * peak, "a step back undoes a step: {booked:e}")
@@ -258,8 +257,8 @@ fn hourglass_forces_vanish_in_linear_fields() {
     }
 }
 
-/// All laws and forms, each lane as it would be alone, with elements that yield, fail and stay at
-/// rest side by side.
+/// All laws and forms: each lane gives the result of its element alone, with elements next to each
+/// other that yield, fail and stay at rest.
 #[test]
 fn every_lane_is_what_it_would_be_alone() {
     let steel = [("youngs_modulus", 210.0), ("poisson", 0.3)];
@@ -336,7 +335,7 @@ fn every_lane_is_what_it_would_be_alone() {
     }
 }
 
-/// Corners of a cell are in the same order in `modes_of`, in `corners_of` and in the mesh.
+/// The corners of a cell have the same order in `modes_of`, in `corners_of` and in the mesh.
 #[test]
 fn modes_and_corners_are_each_others_transpose() {
     let mut noise = Noise(31);
@@ -365,7 +364,7 @@ fn an_inverted_or_wildly_strained_element_is_trouble() {
     assert!(solids.forces(1.0).trouble.is_some());
 }
 
-/// A failed element bears nothing, limits no step and is no trouble.
+/// A failed element has no force, limits no step and is not reported as trouble.
 #[test]
 fn a_failed_element_lets_go() {
     let steel =

@@ -1,11 +1,11 @@
-//! Shells that are inverted are trouble, or fail where their part lets them; numbers that are none
-//! are trouble in either case.
+//! Inverted shells are reported as trouble, or are deleted if their part allows it. NaN is reported
+//! as trouble in either case.
 
 use super::testing::{BOTH, FORMULATIONS, Patch, elastic, part_of, steel};
 use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::partition::{Material, Param};
 
-/// Two squares of side 1, or triangles, beside each other; nodes 4 and 5 belong to the second
+/// Returns two adjacent squares of side 1, or triangles; nodes 4 and 5 belong to the second one
 /// alone.
 fn pair(
     element: &str,
@@ -38,7 +38,7 @@ fn fold(patch: &mut Patch, to: f64) -> super::PassTotals {
     totals
 }
 
-/// Onto a line, and through it.
+/// Fold onto a line, and through it.
 const FOLDS: [f64; 2] = [1.0, 0.8];
 
 #[test]
@@ -107,8 +107,7 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
             assert_eq!(patch.forces(1.0).trouble, Some(1), "{element}, column {what}");
             assert!(!patch.element.failed(patch.history.element(1)));
         }
-        // Stress that is none in a shell that lies well: the law's fault, or that of a state read
-        // back.
+        // NaN stress in a shell of valid shape: an error of the law, or of a restored state.
         let mut patch =
             pair(element, triangular, Inverted::Delete, elastic(210.0, 0.3, 7.85e-6), precision);
         let mut state = patch.history.element(0).to_vec();
@@ -118,7 +117,7 @@ fn numbers_that_are_none_are_trouble_even_where_inverted_shells_may_fail() {
     }
 }
 
-/// What failed by its law before is not counted as inverted.
+/// Elements that failed by their law before are not counted as inverted.
 #[test]
 fn what_its_law_failed_is_not_inverted() {
     for (element, triangular) in FORMULATIONS {

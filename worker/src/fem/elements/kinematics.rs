@@ -1,4 +1,4 @@
-//! Axes of a shell, and the finite strains and rotations that its velocity gradient means.
+//! Axes of a shell, and finite strains and rotations from its velocity gradient.
 
 use crate::math::lanes::{Real, cross, dot};
 
@@ -10,13 +10,13 @@ pub struct Frame<R> {
 }
 
 impl<R: Real> Frame<R> {
-    /// Components of a vector in these axes.
+    /// Returns the components of a vector in these axes.
     #[inline(always)]
     pub fn local(&self, v: [R; 3]) -> [R; 3] {
         [dot(self.e1, v), dot(self.e2, v), dot(self.n, v)]
     }
 
-    /// The vector with these components in these axes.
+    /// Returns the vector with these components in these axes.
     #[inline(always)]
     pub fn global(&self, v: [R; 3]) -> [R; 3] {
         std::array::from_fn(|i| {
@@ -25,23 +25,23 @@ impl<R: Real> Frame<R> {
     }
 }
 
-/// What a step does to the plane of an element.
+/// Strain and rotation of the plane of an element in a step.
 pub struct PlaneMotion<R> {
     /// Almansi strain xx, yy, xy.
     pub almansi: [R; 3],
     /// Logarithmic strain to second order: xx, yy, and twice xy.
     pub eps: [R; 3],
-    /// xz and yz of K, as if I - K were a rotation.
+    /// Components xz and yz of K, computed as if I - K were a rotation.
     pub k_z: [R; 2],
-    /// The axis of the rotation of the plane times its sine: about -y, about x, about the normal.
+    /// Axis of the rotation of the plane times its sine: about -y, about x, about the normal.
     pub sine: [R; 3],
-    /// The angle over its sine.
+    /// Ratio of the angle to its sine.
     pub angle: R,
 }
 
 impl<R: Real> PlaneMotion<R> {
-    /// From `k[i][j]`, the increment of displacement i differentiated by coordinate j; see
-    /// `quad.rs`.
+    /// Computes the motion from `k[i][j]`, the increment of displacement i differentiated by
+    /// coordinate j; see `quad.rs`.
     #[inline(always)]
     pub fn new(k: &[[R; 2]; 3]) -> Self {
         let half = R::splat(0.5);
@@ -54,7 +54,7 @@ impl<R: Real> PlaneMotion<R> {
         let eps_xy = e_xy.mul_add(e_xx + e_yy, e_xy);
         let xy2 = e_xy * e_xy;
         let eps = [e_xx.mul_add(e_xx, e_xx + xy2), e_yy.mul_add(e_yy, e_yy + xy2), eps_xy + eps_xy];
-        // The third column of K, and from it the angles that the plane turned by.
+        // The third column of K, and from it the rotation angles of the plane.
         let k_xz = -(k[1][0].mul_add(k[2][1], k[1][1].neg_mul_add(k[2][0], k[2][0])));
         let k_yz = -(k[2][0].mul_add(k[0][1], k[0][0].neg_mul_add(k[2][1], k[2][1])));
         let sine = [half * (k[2][0] - k_xz), half * (k[2][1] - k_yz), half * (k[1][0] - k[0][1])];
@@ -69,11 +69,12 @@ impl<R: Real> PlaneMotion<R> {
 }
 
 impl<R: Real> PlaneMotion<R> {
-    /// What a node's increment of rotation is beside the element's own t_e, in axes that have
-    /// turned with the element: `t + t_e x t / 2`, since exp(t) exp(-t_e) is exp(t - t_e + t_e x (t
-    /// - t_e)/2 ...) (Baker, Campbell & Hausdorff). Without the second term stress of one shear
-    /// strain follows from the other at half the turn of a step, like a force that is not that of a
-    /// potential: the two shear modes of a square that spins grow by an e-fold in about a turn.
+    /// Returns the increment of rotation of a node relative to that of the element, t_e, in axes
+    /// that rotate with the element: `t + t_e x t / 2`, since exp(t) exp(-t_e) is exp(t - t_e + t_e
+    /// x (t - t_e)/2 ...) (Baker, Campbell & Hausdorff). Without the second term each shear strain
+    /// causes a stress in the other one at half the rotation of a step, like a force without a
+    /// potential: the two shear modes of a square that spins grow by a factor e in about one
+    /// revolution.
     #[inline(always)]
     pub fn offset_by(&self, t: [R; 3]) -> [R; 3] {
         let half = R::splat(0.5) * self.angle;
@@ -83,20 +84,22 @@ impl<R: Real> PlaneMotion<R> {
     }
 }
 
-/// Curvature increments xx, yy and twice xy from the gradients of the rotations tx and ty.
+/// Returns the curvature increments xx, yy and twice xy from the gradients of the rotations tx and
+/// ty.
 #[inline(always)]
 pub fn curvature<R: Real>(tx: [R; 2], ty: [R; 2]) -> [R; 3] {
     [ty[0], -tx[1], ty[1] - tx[0]]
 }
 
-/// Components xx, yy and twice xy of a strain in axes that are turned by a small angle.
+/// Returns the components xx, yy and twice xy of a strain in axes that are rotated by a small
+/// angle.
 #[inline(always)]
 pub fn rotated<R: Real>(angle: R, [xx, yy, xy]: [R; 3]) -> [R; 3] {
     [angle.mul_add(xy, xx), angle.neg_mul_add(xy, yy), (angle + angle).mul_add(yy - xx, xy)]
 }
 
-/// Angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to the seventh
-/// order, off by 1e-12 at a rotation of 4 degrees a step.
+/// Returns the angle of the finite rotation over its sine, from the sine squared: `asin(s)/s` to
+/// the seventh order, with an error of 1e-12 at a rotation of 4 degrees per step.
 #[inline(always)]
 fn angle_by_sine<R: Real>(sine_squared: R) -> R {
     let s = sine_squared;
@@ -104,8 +107,8 @@ fn angle_by_sine<R: Real>(sine_squared: R) -> R {
     s.mul_add(a, b).mul_add(s, c).mul_add(s, R::splat(1.0))
 }
 
-/// A vector of length `e` along the cross product; nought where that is, as in elements that have
-/// failed and collapsed.
+/// Returns a vector of length `e` along the cross product; zero if the product is zero, as in
+/// elements that have failed and collapsed.
 #[inline(always)]
 pub fn along_normal<R: Real>(e: R, a: [R; 3], b: [R; 3]) -> [R; 3] {
     let normal = cross(a, b);

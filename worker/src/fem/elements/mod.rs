@@ -1,6 +1,6 @@
-//! Element formulations. One file per formulation, one row in [`ELEMENTS`].
+//! Element formulations. Each formulation has one file and one row in [`ELEMENTS`].
 //!
-//! Elements are worked on in groups: lane l of every vector belongs to element l of the group.
+//! Elements are computed in groups: lane l of every vector belongs to element l of the group.
 
 mod beam;
 mod belytschko_tsay;
@@ -58,16 +58,16 @@ pub struct NodeView<'a> {
     pub w: &'a [[f64; 4]],
 }
 
-/// Forces of element corners. Slot `(group * lanes + lane) * slots + corner`, with [`Shape::slots`]
-/// slots per element; components x, y, z, padding.
+/// Element nodal forces. The slot is `(group * lanes + lane) * slots + corner`, with
+/// [`Shape::slots`] slots per element; the components are x, y, z, padding.
 pub struct ElementNodalForces<'a> {
-    /// Internal force on the corner, to be subtracted from what drives the node [force].
+    /// Internal force on the corner, to be subtracted from the external force of the node [force].
     pub force: &'a mut [[f64; 4]],
-    /// Internal moment on the corner [force length]. Solids give none and leave it alone.
+    /// Internal moment on the corner [force length]. Solids have none and do not write it.
     pub moment: &'a mut [[f64; 4]],
 }
 
-/// What a pass over elements adds up.
+/// Sums and minima over the elements of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassTotals {
     /// Smallest stable step of the elements passed, before the safety factor [time].
@@ -76,17 +76,17 @@ pub struct PassTotals {
     pub internal: f64,
     /// Increase of hourglass and drilling energy [energy].
     pub hourglass: f64,
-    /// First element of the pass that is inverted, not finite, or strained by more than half in one
-    /// step.
+    /// First element of the pass that is inverted, is not finite, or has a strain increment of more
+    /// than one half in one step.
     pub trouble: Option<usize>,
 }
 
 impl PassTotals {
-    /// Of no elements.
+    /// Totals of no elements.
     pub const NONE: Self =
         Self { stable_dt: f64::INFINITY, internal: 0.0, hourglass: 0.0, trouble: None };
 
-    /// Adds another pass.
+    /// Adds the totals of another pass.
     pub fn add(&mut self, o: &Self) {
         self.stable_dt = self.stable_dt.min(o.stable_dt);
         self.internal += o.internal;
@@ -95,37 +95,37 @@ impl PassTotals {
     }
 }
 
-/// A group of W elements of C slots: local nodes per corner and lane. Padding lanes repeat the last
-/// real element.
+/// Local nodes of a group of W elements with C slots, per corner and lane. Padding lanes repeat the
+/// last real element.
 pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
 
-/// What a group of W elements of C slots gives to corners: rows x, y, z, padding by element and
-/// slot.
+/// Corner forces or moments of a group of W elements with C slots: rows x, y, z, padding by element
+/// and slot.
 type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
 
-/// Groups of a block to be worked on, and what belongs to them.
+/// Groups of a block that a pass computes, with their data.
 pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
-    /// Which groups.
+    /// Groups to compute.
     pub range: Range<usize>,
-    /// Real elements of the block; the rest of the last group is padding and adds nothing to
-    /// totals.
+    /// Number of real elements of the block. The rest of the last group is padding, which adds
+    /// nothing to the totals.
     pub count: usize,
-    /// Local nodes of the whole block: per group one row per slot.
+    /// Local nodes of the whole block: one row per slot in each group.
     pub groups: &'a [u32],
     /// History of the whole block.
     pub history: H,
-    /// Groups of the whole block whose elements are unstrained, see [`Element::is_unstrained`].
-    /// Taken back where their nodes no longer move alike.
+    /// Marks of the groups of the whole block whose elements are unstrained, see
+    /// [`Element::is_unstrained`]. A pass clears a mark if the nodes no longer have one velocity.
     pub unstrained: &'a mut [bool],
     /// Nodal columns.
     pub nodes: NodeView<'a>,
     /// Last step [time].
     pub dt: f64,
-    /// Corner forces of the whole block.
+    /// Element nodal forces of the whole block.
     pub out: ElementNodalForces<'a>,
 }
 
-/// What an element tells of itself for output.
+/// Output fields of an element.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ElementFields {
     /// Largest effective plastic strain over the thickness.
@@ -134,84 +134,87 @@ pub struct ElementFields {
     pub stress: [f64; 6],
     /// Largest von Mises stress over the thickness [force/length^2].
     pub von_mises: f64,
-    /// Current thickness [length], nought for solids.
+    /// Current thickness [length], zero for solids.
     pub thickness: f64,
-    /// Whether its law has failed at every point: it bears nothing any more.
+    /// True if the law has failed at every point: the element carries no force any more.
     pub failed: bool,
 }
 
-/// Elements of one part, all of one shape. Holds parameters only; the state is in the history
-/// columns.
+/// Elements of one part and one shape. An implementation holds parameters only; the state is in the
+/// history columns.
 pub trait Element: Send + Sync {
     /// History columns per element.
     fn columns(&self) -> usize;
 
-    /// Whether its kernels come in any precision; they are in double precision otherwise.
+    /// Returns true if the kernels exist in single and double precision; otherwise they are in
+    /// double.
     fn any_precision(&self) -> bool {
         false
     }
 
-    /// Sets what is not nought in the history of a fresh element. `own` is the thickness of a shell
-    /// that has one of its own, else nought, here and below [length].
+    /// Sets the nonzero entries in the history of a new element. `own` is the thickness of a shell
+    /// that has its own, else zero, here and below [length].
     fn start(&self, _history: &mut [f64], _own: f64) {}
 
-    /// Lets the history of a fresh element know the shape that its mass goes by, at the coordinates
-    /// `x` of its slots at the start.
+    /// Stores in the history of a new element the shape that determines its mass. `x` are the
+    /// coordinates of its slots at the start.
     fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: f64) {}
 
-    /// Turns a fresh beam with this history: its second axis lies towards the vector `towards`.
+    /// Orients a new beam with this history: its second axis points towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 
-    /// Mass [mass] and rotational inertia [mass length^2] that one element gives to each of its
-    /// corners. `x` are the coordinates of its slots.
+    /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
+    /// contributes to each of its corners. `x` are the coordinates of its slots.
     fn corner_mass(&self, x: &[[f64; 3]], own: f64) -> (f64, f64);
 
-    /// Internal forces at coordinates x(t), after stress is brought from t - dt to t with the
-    /// mid-step velocities.
+    /// Computes internal forces at the coordinates x(t), after it updates the stress from t - dt to
+    /// t with the mid-step velocities.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals;
 
-    /// Whether an element with this history gives no force and keeps bearing nothing as long as its
-    /// nodes have one velocity and do not turn: at rest, or in uniform flight. Elements that never
-    /// say so are always computed.
+    /// Returns true if an element with this history has no force and remains without stress as long
+    /// as its nodes have one velocity and do not rotate (at rest, or in uniform motion). Elements
+    /// for which this is never true are always computed.
     fn is_unstrained(&self, _history: State<'_>) -> bool {
         false
     }
 
-    /// Stable step of one element at the density of its material, before the safety factor [time];
-    /// NaN if it is inverted or not finite. `x` are the coordinates of its slots.
+    /// Returns the stable step of one element at the density of its material, before the safety
+    /// factor [time]. It is NaN if the element is inverted or not finite. `x` are the coordinates
+    /// of its slots.
     fn stable_dt(&self, x: &[[f64; 3]], own: f64) -> f64;
 
-    /// The same of an element with this history, with the mass that it has had since the start.
+    /// Returns the stable step of an element with this history, which keeps the mass of the start
+    /// [time].
     fn stable_dt_now(&self, _history: State<'_>, x: &[[f64; 3]]) -> f64 {
         self.stable_dt(x, 0.0)
     }
 
-    /// Fraction of its stable step that an element bears alone, without others of its kind around
-    /// it.
+    /// Returns the fraction of its stable step for which an element is stable alone, without
+    /// neighbours of its kind.
     fn single_element_step(&self) -> f64 {
         1.0
     }
 
-    /// What a spring or damper is between its nodes: it has no mass, and the masses of its nodes
-    /// set its step.
+    /// Returns the stiffness and damping of a spring or damper. It has no mass; the masses of its
+    /// nodes determine its stable step.
     fn discrete(&self) -> Option<Discrete> {
         None
     }
 
-    /// Whether the law of the element with this history has failed at every point, or it was
-    /// inverted and its part lets such elements fail. Such an element gives no force, limits no
-    /// step and is never in trouble.
+    /// Returns true if the law of the element with this history has failed at every point, or if
+    /// the element was inverted and its part deletes such elements. A failed element has no force,
+    /// does not limit the step and is never reported as trouble.
     fn failed(&self, history: State<'_>) -> bool;
 
-    /// Whether it has failed because it was inverted.
+    /// Returns true if the element has failed because it was inverted.
     fn is_deleted(&self, _history: State<'_>) -> bool {
         false
     }
 
-    /// Whether it can fail at all.
+    /// Returns true if the element can fail.
     fn can_fail(&self) -> bool;
 
-    /// Fields of the element with this history at slot coordinates `x`.
+    /// Returns the fields of the element with this history at the slot coordinates `x`.
     fn fields(&self, history: State<'_>, x: &[[f64; 3]]) -> ElementFields;
 }
 
@@ -222,62 +225,63 @@ pub struct Discrete {
     pub stiffness: f64,
     /// Largest change of its force with the rate of its elongation [force time/length].
     pub damping: f64,
-    /// Whether it acts along the line between its nodes.
+    /// True if the force acts along the line between the nodes.
     pub along_line: bool,
 }
 
 impl Discrete {
-    /// Stable step between nodes whose inverse masses have the sum `softness` [1/mass], before the
-    /// safety factor [time].
+    /// Returns the stable step between nodes whose inverse masses have the sum `softness` [1/mass],
+    /// before the safety factor [time].
     pub fn stable_dt(&self, softness: f64) -> f64 {
         let (k, c) = (self.stiffness * softness, self.damping * softness);
         4.0 / (c + (c * c + 4.0 * k).sqrt())
     }
 
-    /// Fraction of the masses at its ends with which its stable step would be `dt`; `softness` as
-    /// in [`Self::stable_dt`].
+    /// Returns the fraction of the masses at its ends for which the stable step is `dt`; `softness`
+    /// is as in [`Self::stable_dt`].
     pub fn require(&self, softness: f64, dt: f64) -> f64 {
         softness * dt * (0.25 * self.stiffness * dt + 0.5 * self.damping)
     }
 }
 
-/// The four slots of a shell.
+/// Returns the four slots of a shell.
 ///
 /// # Panics
-/// When there are fewer: shells are called with all of theirs.
+/// If there are fewer than four slots. Callers pass all slots of a shell.
 fn four(x: &[[f64; 3]]) -> &[[f64; 3]; 4] {
     x.first_chunk().expect("a shell has four slots")
 }
 
-/// An element, or everything that is wrong with its part.
+/// An element, or all problems of its part.
 pub type BuildResult = Result<Box<dyn Element>, Vec<Problem>>;
 
 /// A row of [`ELEMENTS`].
 pub struct ElementEntry {
     /// Name in jobs.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// Description in one line.
     pub meaning: &'static str,
     /// Shape that the formulation is for.
     pub shape: Shape,
-    /// Checks what the formulation needs of a part; paths of problems are relative to the part.
+    /// Checks the options of the part that the formulation uses; paths of problems are relative to
+    /// the part.
     pub build: Constructor,
 }
 
-/// How a formulation is made, with a law for the state of stress that it works in.
+/// Constructor of a formulation, with a law for its state of stress.
 #[derive(Clone, Copy)]
 pub enum Constructor {
-    /// In plane stress.
+    /// With a law in plane stress.
     Shell(fn(&Part, Box<dyn PlaneStress>) -> BuildResult),
-    /// In three dimensions.
+    /// With a law in three dimensions.
     Solid(fn(&Part, Box<dyn Solid>) -> BuildResult),
     /// Without a law.
     Discrete(fn(&Part) -> BuildResult),
 }
 
-/// Every formulation; the first of a shape is what parts get that name none. Of the quads
-/// `stabilised_quad`: in folds it is nearer to converged crush forces than `belytschko_tsay` on
-/// every mesh, at the same cost of the run (`cases/studies/README.md`, crush).
+/// All formulations. The first one of each shape is the default of parts that name none. For quads
+/// the default is `stabilised_quad`: in folds it is nearer to converged crush forces than
+/// `belytschko_tsay` on every mesh, at the same cost of the run (`cases/studies/README.md`, crush).
 pub const ELEMENTS: &[ElementEntry] = &[
     stabilised_quad::ROW,
     belytschko_tsay::ROW,
@@ -288,10 +292,10 @@ pub const ELEMENTS: &[ElementEntry] = &[
     spring::ROW,
 ];
 
-/// The element of a part's elements of one shape, or everything that is wrong with the part and its
-/// material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
+/// Builds the element for a part's elements of one shape, or returns all problems of the part and
+/// its material. Paths are `part.INDEX.key` and `material.INDEX.key`, with indices into `settings`.
 ///
-/// Quads and hexahedra take the part's formulation, others the only one there is for them.
+/// Quads and hexahedra use the formulation of the part; each other shape has only one.
 pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> BuildResult {
     let part = &settings.parts[part_index];
     let mut problems = Vec::new();
@@ -316,7 +320,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Buil
             vec![unknown_name("material", what, &part.material, &names)],
         );
     }
-    // A part is checked even where its material is wrong, so that one run of the checks tells all.
+    // The part is checked even if its material is wrong, so that one check reports all problems.
     let mut stand_in = index.is_none() && !lawless;
     let mut law_problems = |found: Vec<Problem>| {
         stand_in = true;
@@ -384,36 +388,37 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     })
 }
 
-/// The column in which a law marks its failed points, if it does, among its history columns.
+/// Returns the column, among the history columns of a law, in which it marks failed points, if any.
 fn failed_column(history: &[&str]) -> Option<usize> {
     history.iter().position(|&name| name == "failed")
 }
 
-/// Noughts in the lanes that have failed.
+/// Sets the lanes that have failed to zero.
 #[inline(always)]
 fn zero_failed<R: Real>(failed: R::Mask, values: &mut [R]) {
     values.iter_mut().for_each(|value| *value = R::select(failed, R::zero(), *value));
 }
 
-/// What a kernel tells of an element, beside its forces.
+/// Results of a kernel for a group, in addition to the forces.
 struct Totals<R: Real> {
     /// Stable step [time].
     stable_dt: R,
-    /// Increase of internal energy, and of hourglass and drilling energy [energy].
+    /// Increases of internal energy, and of hourglass and drilling energy [energy].
     internal: R,
     hourglass: R,
-    /// Lanes whose element is sound.
+    /// Lanes whose element is finite, is not inverted, and has strain increments within the limit.
     sound: R::Mask,
 }
 
 impl<R: Real> Totals<R> {
-    /// Of elements without forces.
+    /// Returns the totals of elements without forces.
     #[inline(always)]
     fn inactive(stable_dt: R, sound: R::Mask) -> Self {
         Self { stable_dt, internal: R::zero(), hourglass: R::zero(), sound }
     }
 
-    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    /// Removes failed elements from the totals: they add no energy, do not limit the step and are
+    /// never reported as trouble.
     #[inline(always)]
     fn let_go(&mut self, failed: R::Mask) {
         self.internal = R::select(failed, R::zero(), self.internal);
@@ -423,7 +428,7 @@ impl<R: Real> Totals<R> {
     }
 }
 
-/// Whether a group is unstrained and stays so in this step; takes its mark back if not.
+/// Returns true if a group is unstrained and remains so in this step; otherwise clears its mark.
 #[inline(always)]
 fn stays_unstrained<const C: usize, const W: usize>(
     unstrained: &mut bool,
@@ -437,8 +442,8 @@ fn stays_unstrained<const C: usize, const W: usize>(
     *unstrained
 }
 
-/// Whether the nodes of each element of a group have the same velocity. Not inlined, as all that
-/// strained groups need not: the kernel beside it wants the registers.
+/// Returns true if the nodes of each element of a group have the same velocity. It is not inlined,
+/// as strained groups do not need it and the kernel in the same loop needs the registers.
 #[inline(never)]
 fn has_uniform_velocity<const C: usize, const W: usize>(
     group: &GroupNodes<C, W>,
@@ -449,15 +454,15 @@ fn has_uniform_velocity<const C: usize, const W: usize>(
     })
 }
 
-/// Whether a node of a group turns.
+/// Returns true if a node of a group has a rotational velocity.
 #[inline(never)]
 fn turn<const C: usize, const W: usize>(group: &GroupNodes<C, W>, w: &[[f64; 4]]) -> bool {
     group.iter().flatten().any(|&i| w[i as usize] != [0.0; 4])
 }
 
-/// Groups of shells, in lanes of any kind.
+/// Kernel for groups of shells, for any type of lanes.
 trait ShellGroups {
-    /// Corner forces and moments of a group, from its connectivity and its history.
+    /// Computes the corner forces and moments of a group from its connectivity and history.
     fn group<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
@@ -467,8 +472,8 @@ trait ShellGroups {
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L>;
 
-    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are
-    /// nought.
+    /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
+    /// zero.
     fn forceless<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
@@ -477,9 +482,9 @@ trait ShellGroups {
     ) -> Totals<L>;
 }
 
-/// Groups of eight-node solids, in lanes of any kind.
+/// Kernel for groups of eight-node solids, for any type of lanes.
 trait SolidGroups {
-    /// Corner forces of a group, from its connectivity and its history.
+    /// Computes the corner forces of a group from its connectivity and history.
     fn group<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
@@ -489,8 +494,8 @@ trait SolidGroups {
         force: &mut GroupCorners<8, W>,
     ) -> Totals<L>;
 
-    /// What [`Self::group`] tells of unstrained elements whose nodes move alike. Their forces are
-    /// nought.
+    /// Returns the totals for unstrained elements whose nodes have one velocity. Their forces are
+    /// zero.
     fn forceless<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<8, W>,
@@ -500,7 +505,8 @@ trait SolidGroups {
 }
 
 impl<'a> ElementPass<'a> {
-    /// Calls `kernel` for each group of shells with this many columns an element, and adds up.
+    /// Calls `kernel` for each group of shells with `columns` history columns per element, and sums
+    /// up the totals.
     #[inline(always)]
     fn shells(self, columns: usize, kernel: &impl ShellGroups) -> PassTotals {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
@@ -516,7 +522,7 @@ impl<'a> ElementPass<'a> {
         }
     }
 
-    /// The same for eight-node solids.
+    /// Calls `kernel` for each group of eight-node solids, as [`Self::shells`] does for shells.
     #[inline(always)]
     fn solids(self, columns: usize, kernel: &impl SolidGroups) -> PassTotals {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
@@ -532,10 +538,11 @@ impl<'a> ElementPass<'a> {
         }
     }
 
-    /// The same in double precision, for elements that come in no other.
+    /// Returns the pass with its history in double precision, for elements that have no other
+    /// precision.
     ///
     /// # Panics
-    /// When a block has laid its columns otherwise.
+    /// If the block stores its columns in single precision.
     fn double(self) -> ElementPass<'a, &'a mut [Lane]> {
         let Self { range, count, groups, history, unstrained, nodes, dt, out } = self;
         let HistoryStorage::Double(history) = history else {
@@ -597,7 +604,7 @@ impl<L> ElementPass<'_, &mut [L]> {
     }
 }
 
-/// Adds up what the groups in `range` tell. Padding lanes add nothing.
+/// Sums up the totals of the groups in `range`. Padding lanes add nothing.
 #[inline(always)]
 fn total<L: Lanes<W>, const W: usize>(
     range: Range<usize>,
@@ -609,18 +616,18 @@ fn total<L: Lanes<W>, const W: usize>(
     sum.finish()
 }
 
-/// Totals of groups, lane by lane.
+/// Sums over groups, lane by lane.
 struct GroupSum<L, const W: usize> {
     stable_dt: L,
-    /// Long in any precision: what a group adds is little beside what there is.
+    /// Double in any precision: the increase of one group is small compared with the sum.
     internal: [f64; W],
     hourglass: [f64; W],
     trouble: Option<usize>,
 }
 
-/// Factor on a stable step in single precision: round-off must not make a step longer. Least where
-/// a root is taken of a difference of equal numbers, as for squares at nu = 0: `sqrt(3 * 2^-24)` of
-/// it is lost there, of the step half as much.
+/// Factor on a stable step in single precision, so that round-off does not make a step longer. The
+/// error is largest where the squared frequency has the root of a difference of equal numbers, as
+/// for squares at nu = 0: `sqrt(3 * 2^-24)` of the squared frequency, and half as much of the step.
 const SHORT_STEP: f64 = 1.0 - 1.0 / 4096.0;
 
 impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
@@ -636,8 +643,8 @@ impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
 
     #[inline(always)]
     fn add(&mut self, index: usize, count: usize, totals: &Totals<L>) {
-        // Padding repeats a real element, so its step and its health are true; only sums must leave
-        // it out.
+        // Padding repeats a real element, so its stable step and its soundness are valid. Only sums
+        // must exclude it.
         let real = count.saturating_sub(index * W);
         let counted = |values: L| {
             if real >= W { values.to_array() } else { first_lanes(values.to_array(), real) }
@@ -666,14 +673,14 @@ impl<L: Lanes<W>, const W: usize> GroupSum<L, W> {
     }
 }
 
-/// The first `count` lanes, and nought in the others.
+/// Keeps the first `count` lanes and sets the others to zero.
 fn first_lanes<const W: usize>(mut values: [f64; W], count: usize) -> [f64; W] {
     values[count..].fill(0.0);
     values
 }
 
-/// Runs `$call` with the constant `$n` set to the number of points: loops over the thickness
-/// unroll.
+/// Runs `$call` with the constant `$n` set to the number of points, so that the compiler unrolls
+/// loops over the thickness.
 macro_rules! with_points {
     ($points:expr, $n:ident => $call:expr) => {
         with_points!($points, $n => $call; 1 2 3 4 5 6 7 8 9 10)

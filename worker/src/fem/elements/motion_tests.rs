@@ -1,4 +1,4 @@
-//! What holds for every shell: patch tests, rigid motion, balance of forces, energy, lanes.
+//! Tests of all shells: patch tests, rigid motion, balance of forces, energy, lanes.
 
 use super::testing::*;
 use super::{ElementNodalForces, ElementPass, NodeView};
@@ -10,7 +10,7 @@ use crumple_proto::partition::{Material, Param};
 const E: f64 = 1e6;
 const NU: f64 = 0.25;
 
-/// MacNeal & Harder 1985: the distorted patch of five quads, or ten triangles.
+/// Returns the distorted patch of MacNeal & Harder 1985: five quads, or ten triangles.
 fn patch(part: Part, triangular: bool) -> Patch {
     let inner = [[0.04, 0.02], [0.18, 0.03], [0.16, 0.08], [0.08, 0.08]];
     let outer = [[0.0, 0.0], [0.24, 0.0], [0.24, 0.12], [0.0, 0.12]];
@@ -20,8 +20,8 @@ fn patch(part: Part, triangular: bool) -> Patch {
     Patch::new(part, elastic(E, NU, 1.0), &nodes, &cells)
 }
 
-/// All shells of this crate, plain and with every option on, on the distorted patch bent out of its
-/// plane.
+/// Returns all shells of this crate, without options and with all of them, on the distorted patch
+/// bent out of its plane.
 fn shells() -> Vec<(String, Patch)> {
     let every = |(element, triangular): (&str, bool)| {
         let plain = part_of(element, 0.01);
@@ -62,8 +62,9 @@ fn membrane_patch_is_exact() {
         patch.forces(1.0);
         check_membrane(&patch, 1e-9, 1e-9, "strain of 1e-12, and round-off");
 
-        // In many steps to the full strain. Its logarithm differs by half its square, and the axes
-        // of differently shaped elements turn apart by a fraction of it.
+        // In many steps to the full strain. The logarithmic strain differs by half of its square,
+        // and the axes of differently shaped elements rotate relative to each other by a fraction
+        // of it.
         let mut patch = self::patch(part_of(element, 0.001), triangular);
         stretch(&mut patch, 1e-6);
         (0..1000).for_each(|_| _ = patch.step(1.0));
@@ -77,7 +78,8 @@ fn stretch(patch: &mut Patch, size: f64) {
     }
 }
 
-/// Stresses of the patch over their largest, whatever the size, and the balance of its inner nodes.
+/// Checks the stresses of the patch over their largest, for any size, and the balance of its inner
+/// nodes.
 fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     let unit = if size < 1e-6 { 1e9 } else { 1.0 };
     for element in 0..patch.quads.len() {
@@ -89,7 +91,7 @@ fn check_membrane(patch: &Patch, tolerance: f64, size: f64, why: &str) {
     for node in 4..8 {
         let mut sum = [0.0; 3];
         for (e, quad) in patch.quads.iter().enumerate() {
-            // The fourth corner of a triangle is its third once more, with no force on it.
+            // The fourth corner of a triangle repeats its third, with zero force.
             for c in (0..4).filter(|&c| quad[c] == node) {
                 (0..3).for_each(|i| sum[i] += patch.corner(e, c).0[i]);
             }
@@ -117,7 +119,7 @@ fn rigid_rotation_leaves_no_stress() {
             let angle = axis.map(|c: f64| c * turn);
             for step in 1..=100 {
                 let drift = [0.01, -0.02, 0.03];
-                // About the origin of the moment, which drifts along.
+                // About the origin of the moment, which moves with the drift.
                 let centre = drift.map(|d| d * f64::from(step - 1));
                 let target = |x: [f64; 3]| {
                     let x = rotate(angle, std::array::from_fn(|i| x[i] - centre[i]));
@@ -151,7 +153,7 @@ fn rigid_rotation_leaves_no_stress() {
     }
 }
 
-/// A patch of the same elements, for its element and connectivity.
+/// Returns a patch of the same elements, for its element and connectivity.
 fn patch_like(other: &Patch, name: &str) -> Patch {
     let again = shells().into_iter().find(|(n, _)| *n == name).expect("it came from this list").1;
     assert_eq!(again.quads, other.quads);
@@ -172,7 +174,7 @@ fn forces_and_moments_balance_in_any_motion() {
                 force.iter().all(|f| f.abs() < 1e-13 * 40.0 * largest_force),
                 "{name}, step {step}: {force:?}"
             );
-            // Corner forces lie in axes known to round-off, on arms of the patch's size.
+            // Corner forces are in axes that are known to round-off, with arms of the patch's size.
             assert!(
                 moment.iter().all(|m| m.abs() < 1e-13 * 40.0 * couple),
                 "{name}, step {step}: {moment:?} {couple}"
@@ -192,8 +194,8 @@ fn reported_energy_is_the_work_of_corner_forces() {
             let (mut work, mut reported) = (0.0, 0.0);
             let dt = 1.0 / steps as f64;
             for step in 0..steps {
-                // There and half way back, with strains of a few per cent and rotations of several
-                // degrees.
+                // Forwards and half of the way back, with strains of a few per cent and rotations
+                // of several degrees.
                 let rate = 2e-3 * (4.0 * (step as f64 + 0.5) * dt).sin();
                 let scale = |rows: &[[f64; 4]]| {
                     rows.iter().map(|r| r.map(|c| rate * c)).collect::<Vec<_>>()
@@ -216,8 +218,7 @@ fn reported_energy_is_the_work_of_corner_forces() {
     }
 }
 
-/// Verification C16: large simple shear gives the same stress and force from whichever corner one
-/// counts.
+/// Verification C16: large simple shear gives the same stress and force for any first corner.
 #[test]
 fn numbering_does_not_matter() {
     let mut noise = Noise(31);
@@ -269,7 +270,7 @@ fn numbering_does_not_matter() {
                 }
             }
         }
-        // Axes that follow one edge or the other give 2 G and 1.159 G.
+        // Axes that follow one edge or the other would give 2 G and 1.159 G.
         let shear = first.unwrap().0[3] / (0.5 * E / (1.0 + NU));
         assert!(
             shear > 1.159 && shear < 2.0,
@@ -278,9 +279,9 @@ fn numbering_does_not_matter() {
     }
 }
 
-/// Verification A26: stress in simple shear by 2, in closed form in axes that turn by half of the
-/// angle of the sides: `asinh gamma` and `1 - sqrt(1 + gamma^2)` times G in them. Off by the second
-/// order of the step: in the axes of the end it was off by the first.
+/// Verification A26: stress in simple shear by 2, in closed form in axes that rotate by half of the
+/// angle of the sides: `asinh gamma` and `1 - sqrt(1 + gamma^2)` times G in them. The error is of
+/// second order in the step; in the axes of the end of the step it was of first order.
 #[test]
 fn finite_shear_is_of_second_order_in_the_step() {
     let gamma = 2.0f64;
@@ -420,8 +421,7 @@ fn trouble_is_told() {
         let fresh = || Patch::new(part_of(element, 0.1), elastic(E, NU, 1.0), &nodes, &cells);
         assert_eq!(fresh().step(1.0).trouble, None);
         for spoil in [
-            // Not a number, stretched by more than half, and (quads) a corner pushed across the
-            // diagonal.
+            // NaN, a stretch by more than half, and (quads) a corner pushed across the diagonal.
             &(|patch: &mut Patch| patch.v[3][1] = f64::NAN) as &dyn Fn(&mut Patch),
             &|patch| patch.w[3][1] = f64::NAN,
             &|patch| patch.v[3][2] = f64::INFINITY,
@@ -462,8 +462,8 @@ fn set_up_tells_everything_that_is_wrong() {
     assert_eq!(found[1].0, "part.0.element");
     assert!(found[1].1.contains("'belytschko_tsay'"), "{}", found[1].1);
 
-    // Triangles have one formulation and need no name; the section is checked even where the
-    // material is wrong.
+    // Triangles have one formulation and need no name. The section is checked even if the material
+    // is wrong.
     let found: Vec<_> = paths(&part, elastic(-1.0, 0.3, 1.0), Shape::Tri3)
         .into_iter()
         .map(|found| found.0)

@@ -1,5 +1,5 @@
-//! Shells whose middle is beside their nodes: stiffness about the nodes, and what a force along
-//! these bends.
+//! Shells with an offset of the middle surface: stiffness about the nodes, and bending by a force
+//! in the nodal plane.
 
 use super::statics::Statics;
 use super::testing::*;
@@ -8,16 +8,16 @@ use crumple_proto::job::Part;
 const T: f64 = 0.2;
 const LENGTH: f64 = 10.0;
 const WIDTH: f64 = 1.0;
-/// With no transverse strain plates are beams.
+/// Without transverse strain plates are beams.
 const NO_POISSON: f64 = 0.0;
 
 fn shell(element: &str, offset: f64) -> Part {
     Part { offset, ..part_of(element, T) }
 }
 
-/// A cantilever pulled by F along the line of its nodes, e below its middle: it carries F and the
-/// moment F e about the middle, so that the tip rises by `F e L^2/(2 E I)` and moves on by `F L
-/// (1/(E A) + e^2/(E I))`, which quads give exactly.
+/// A cantilever is pulled by F along the line of its nodes, e below its middle. It carries F and
+/// the moment F e about the middle, so that the tip rises by `F e L^2/(2 E I)` and moves along by
+/// `F L (1/(E A) + e^2/(E I))`; quads give both exactly.
 #[test]
 fn a_force_along_the_nodes_bends_a_cantilever() {
     const F: f64 = 1e-3;
@@ -55,8 +55,8 @@ fn a_force_along_the_nodes_bends_a_cantilever() {
     }
 }
 
-/// Bent about the line of its nodes, which keeps its length, a strip has the stiffness `E (I + A
-/// e^2)`.
+/// A strip that is bent about the line of its nodes, which keeps its length, has the stiffness
+/// `E (I + A e^2)`.
 #[test]
 fn bending_about_the_nodes_has_their_stiffness() {
     const KAPPA: f64 = 1e-12;

@@ -1,18 +1,18 @@
-//! Known solutions on a bare explicit solver, and the step at which elements and meshes lose
+//! Known solutions with a minimal explicit solver, and the step at which elements and meshes lose
 //! stability.
 
 use super::testing::*;
 use crumple_proto::job::Part;
 use crumple_proto::partition::Material;
 
-/// Quarter of a square plate of side `a`, simply supported outside, symmetric inside; loads and
-/// supports of it.
+/// Quarter of a square plate of side `a`, simply supported outside, symmetric inside, with its
+/// loads and supports.
 struct Quarter {
     patch: Patch,
     masses: Vec<(f64, f64)>,
     n: usize,
     side: f64,
-    /// Whether a supported edge may not turn about its normal either, as in Kirchhoff's plate.
+    /// True if a supported edge may not rotate about its normal either, as in Kirchhoff's plate.
     hard: bool,
 }
 
@@ -25,7 +25,7 @@ impl Quarter {
         Self { patch, masses, n, side: 0.5 * a / n as f64, hard }
     }
 
-    /// One step under a pressure along z; supports on x = a/2 and y = a/2.
+    /// Advances one step under a pressure along z, with supports on x = a/2 and y = a/2.
     fn step(&mut self, dt: f64, pressure: f64) -> super::PassTotals {
         let (n, side, hard) = (self.n, self.side, self.hard);
         let at = |node: usize| (node % (n + 1), node / (n + 1));
@@ -58,13 +58,14 @@ impl Quarter {
     }
 }
 
-/// Frequency of a swing, from the zeros of what `sample` gives after each step of `dt`.
+/// Returns the frequency of a vibration, from the zeros of the values of `sample` after each step
+/// of `dt`.
 fn frequency(dt: f64, mut sample: impl FnMut() -> f64) -> f64 {
     let (mut zeros, mut last, mut time) = (Vec::new(), 0.0, 0.0);
     while zeros.len() < 5 {
         let value = sample();
         if last * value < 0.0 {
-            // A straight line between the two steps.
+            // Linear interpolation between the two steps.
             zeros.push(time + dt * last / (last - value));
         }
         (last, time) = (value, time + dt);
@@ -85,7 +86,7 @@ fn simply_supported_plate_swings_at_its_frequency() {
             triangular,
             true,
         );
-        // A start in the shape of the mode leaves the others quiet.
+        // A start in the shape of the mode does not excite the others.
         for (v, x) in plate.patch.v.iter_mut().zip(&plate.patch.x) {
             let shape = |x: f64| (std::f64::consts::PI * x / 0.2).cos();
             v[2] = 1e-3 * shape(x[0]) * shape(x[1]);
@@ -108,7 +109,8 @@ fn cantilever_swings_at_its_frequency() {
         let mut patch =
             Patch::new(part_of(element, 0.004), elastic(210e9, 0.0, 7850.0), &nodes, &cells);
         let masses = patch.masses();
-        // Near enough to the first mode: others are a few per cent and average out over the swing.
+        // Near enough to the first mode: others are a few per cent and average out over the
+        // vibration.
         for (v, x) in patch.v.iter_mut().zip(&patch.x) {
             let s = x[0] / 0.2;
             v[2] = 1e-3 * s * s * (6.0 - 4.0 * s + s * s) / 3.0;
@@ -168,22 +170,22 @@ fn elastic_plastic_plate_peaks_where_others_do() {
     );
     assert_close(when, 0.75e-3, 0.03 * 0.75e-3, "0.745 to 0.770 ms in the reference");
 
-    // Shear that is elastic over the whole element is stiff where plastic hinges cross it, the less
-    // the finer.
+    // Shear that is elastic over the whole element is too stiff where plastic hinges cross it; the
+    // error decreases with the mesh size.
     let off = [4, 8].map(|n| 1.0 - peak("stabilised_quad", n, false).0 / 7.62e-3);
     assert!(
         off[0] < 0.07 && off[1] < 0.04,
         "6.3 % and 3.6 % at 4 and 8 a side, 1.8 % at 16: {off:?}"
     );
 
-    // Constant-strain triangles are stiff where membrane and bending mix, and get there with the
+    // Constant-strain triangles are too stiff where membrane and bending mix, and converge with the
     // first order of h.
     let off = [4, 8].map(|n| 1.0 - peak("c0_triangle", n, true).0 / 7.62e-3);
     assert!(off[0] < 0.18 && off[1] < 0.08, "16 % and 7 % at 4 and 8 a side, 3.5 % at 16: {off:?}");
 }
 
-/// Largest step that a free mesh bears, over the smallest stable step of its elements: grows or not
-/// from noise.
+/// Returns the largest step for which a free mesh is stable, over the smallest stable step of its
+/// elements; the criterion is growth from noise.
 fn critical(nodes: &[[f64; 3]], cells: &[[u32; 4]], part: &Part, nu: f64) -> f64 {
     let grows = |factor: f64| {
         let mut patch = Patch::new(part.clone(), elastic(1.0, nu, 1.0), nodes, cells);
@@ -207,7 +209,7 @@ fn critical(nodes: &[[f64; 3]], cells: &[[u32; 4]], part: &Part, nu: f64) -> f64
     0.5 * (low + high)
 }
 
-/// Stability of meshes at their elements' own step, times the usual 0.9.
+/// Meshes are stable at the step of their elements, times the usual 0.9.
 #[test]
 fn the_step_is_stable_with_the_usual_safety() {
     for (nu, t) in [(0.0, 0.01), (0.3, 0.01), (0.3, 0.5), (0.45, 0.01)] {
@@ -224,7 +226,8 @@ fn the_step_is_stable_with_the_usual_safety() {
                 );
             }
         }
-        // A triangle alone has its exact bound, or nearly where nu = 0 and shear takes over.
+        // A single triangle has its exact bound, or nearly so at nu = 0, where shear determines the
+        // step.
         for (x, y) in [(0.5, 0.75_f64.sqrt()), (0.5, 0.2), (0.5, 2.0), (0.0, 1.0)] {
             let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, y, 0.0]];
             let limit = critical(&nodes, &[[0, 1, 2, 2]], &part(t), nu);
@@ -233,8 +236,8 @@ fn the_step_is_stable_with_the_usual_safety() {
     }
 }
 
-/// Verification A23(c): a free square bears 1/sqrt(1 + nu) of L/c and no more, however thin; its
-/// step is 1.05 of that.
+/// Verification A23(c): a free square is stable for 1/sqrt(1 + nu) of L/c and no more, for any
+/// thickness; its step is 1.05 of that.
 #[test]
 fn a_lone_square_bears_its_step_with_the_usual_safety() {
     let (nodes, quads) = grid(1, 1, 1.0, 1.0);
@@ -242,7 +245,7 @@ fn a_lone_square_bears_its_step_with_the_usual_safety() {
         for element in QUADS {
             let part = part_of(element, t);
             let limit = critical(&nodes, &quads, &part, 0.3);
-            // The fully integrated one takes 0.95 of the step, for the sake of stretched ones.
+            // The fully integrated quad uses 0.95 of the step, because of stretched elements.
             let own = if element == "fully_integrated_quad" { 0.95 } else { 1.0 };
             assert_close(own * limit, 1.0 / 1.05, 0.004, "bisection to 0.004");
             let step = Patch::new(part, elastic(1.0, 0.3, 1.0), &nodes, &quads)
@@ -258,7 +261,7 @@ fn nodes_of(nodes: &[[f64; 3]]) -> [[f64; 3]; 4] {
     [0, 1, 3, 2].map(|n: usize| nodes[n])
 }
 
-/// Lone quads and triangles of any shape, thickness and Poisson's ratio.
+/// Single quads and triangles of any shape, thickness and Poisson's ratio.
 #[test]
 fn any_lone_element_bears_its_step_with_the_usual_safety() {
     let quads = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -293,7 +296,7 @@ fn any_lone_element_bears_its_step_with_the_usual_safety() {
     assert!(worst.iter().all(|w| w.1 > 0.92), "0.933 for squares, where nu = 0: {worst:?}");
 }
 
-/// Squares whose corners stand by turns above and below their plane, up to upright sides.
+/// Squares whose corners are alternately above and below their plane, up to upright sides.
 #[test]
 fn any_warped_element_bears_its_step_with_the_usual_safety() {
     let mut worst = [("", f64::INFINITY, 0.0); QUADS.len()];

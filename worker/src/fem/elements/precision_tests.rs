@@ -1,4 +1,5 @@
-//! Single precision against double: forces, energies, steps, laws, and what may not be lost.
+//! Single precision against double: forces, energies, steps, laws, and quantities that must be
+//! kept.
 
 use super::solid_testing::{Solids, solids};
 use super::testing::{
@@ -7,9 +8,9 @@ use super::testing::{
 use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::partition::Param;
 
-/// Shaken the same way in both precisions: strains of a few per cent in all, most of them plastic.
-/// Round-off of a step is 6e-8 of the stress, and of the strain's 1e-3 there; forces agree to a few
-/// 1e-6, energies too.
+/// Both precisions get the same random motion: strains of a few per cent in all, most of them
+/// plastic. Round-off of a step is 6e-8 of the stress and of the strain's 1e-3 there; forces and
+/// energies agree to a few 1e-6.
 #[test]
 fn shells_give_nearly_the_forces_of_double_precision() {
     for steel in laws() {
@@ -36,7 +37,7 @@ fn shells_give_nearly_the_forces_of_double_precision() {
                     .zip(b.iter().flatten())
                     .fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))
             };
-            // Corners beyond the last element are padding, of which there is more in one of them.
+            // Corners beyond the last element are padding, of which one precision has more.
             let corners = 4 * long.quads.len();
             let off = [
                 off(&long.force[..corners], &short.force[..corners]) / force,
@@ -60,8 +61,8 @@ fn shells_give_nearly_the_forces_of_double_precision() {
     }
 }
 
-/// Corners are sums of modes in double precision: what an element does to itself vanishes as it
-/// does there.
+/// Corners are sums of modes in double precision: the sum of the forces of an element vanishes as
+/// it does there.
 #[test]
 fn forces_of_an_element_add_up_to_nought() {
     let law = &laws()[0];
@@ -78,9 +79,9 @@ fn forces_of_an_element_add_up_to_nought() {
     }
 }
 
-/// Differences of corners are taken before they are rounded: far off and at great speed forces are
-/// what they are at home, but for the last digits of coordinates, 1e7 of which have 2e-9 of a
-/// side's length.
+/// Differences of corners are taken before they are rounded. So far from the origin and at high
+/// speed the forces agree with those at the origin, except for the last digits of coordinates: at
+/// 1e7 these are 2e-9 of a side's length.
 #[test]
 fn large_coordinates_and_speeds_cost_nothing() {
     let law = &laws()[0];
@@ -130,15 +131,15 @@ fn solids_give_nearly_the_forces_of_double_precision() {
     }
 }
 
-/// The step of single precision is never longer, and shorter by less than a thousandth; nu = 0
-/// makes equal numbers of which the difference is taken.
+/// The step in single precision is never longer, and shorter by less than a thousandth; nu = 0
+/// gives differences of equal numbers.
 #[test]
 fn the_stable_step_is_not_longer_than_in_double_precision() {
     let mut noise = Noise(41);
     for poisson in [0.0, 0.3, 0.49] {
         let law = material("elastic", 7.85e-6, &[("youngs_modulus", E), ("poisson", poisson)]);
         for round in 0..400 {
-            // Squares and cubes first, then worse and worse.
+            // Squares and cubes first, then increasingly distorted shapes.
             let size = 1e-3 * f64::from(round);
             let mut moved = |x: [f64; 3]| x.map(|c| 5.0 * c + size * noise.next());
             let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
@@ -174,8 +175,8 @@ fn the_stable_step_is_not_longer_than_in_double_precision() {
     }
 }
 
-/// A single step far beyond yield, up to a thousand times: powers of the trial stress must not
-/// leave the range of f32.
+/// A single step far beyond yield, up to a thousand times: powers of the trial stress must stay in
+/// the range of f32.
 #[test]
 fn large_trials_return_to_the_yield_surface() {
     let nodes = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

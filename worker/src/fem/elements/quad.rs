@@ -1,9 +1,10 @@
-//! What four-node shells with one point in their plane share: frame, gradients, strains, drilling,
-//! corner forces.
+//! Four-node shells with one point in their plane: frame, gradients, strains, drilling, corner
+//! forces.
 //!
-//! Frame at x(t): normal n along `r31 x r42`; in-plane axes from the bisector frame, `e1 ~ a/|a| +
-//! (b/|b|) x n`, `e2 = n x e1` with a, b the mean directions of xi and eta, so that numbering an
-//! element from another corner only turns its axes by a right angle. With `y24 = y2 - y4` and so on
+//! Frame at x(t): normal n along `r31 x r42`. In-plane axes from the bisector frame,
+//! `e1 ~ a/|a| + (b/|b|) x n`, `e2 = n x e1`, with a, b the mean directions of xi and eta, so that
+//! numbering an element from another corner only rotates its axes by a right angle. With
+//! `y24 = y2 - y4` and so on
 //! ```text
 //! A = |r31 x r42| / 2,   B1 = [y24, y31, y42, y13] / 2A,   B2 = [x42, x13, x24, x31] / 2A
 //! K = dt grad v (3 x 2)           velocity gradient at the centre times the step, on x(t)
@@ -11,42 +12,44 @@
 //! kappa = dt [B1 ty, -B2 tx, B2 ty - B1 tx]          gamma = dt [B1 vz + mean ty, B2 vz - mean tx]
 //! ```
 //! I - K is the inverse of the deformation gradient of the step, so e is its Almansi strain: it
-//! vanishes in any finite rigid rotation; e + ee is the logarithmic strain to second order. The
-//! axes turn in a step by `delta = (e_yy - e_xx) a.b/(2 |a| |b|)` more than the material (the mean
-//! of what its strain turns a and b); P sees the strain in axes that lag by half of that, between
-//! those before and those after the step. In the latter alone the stress in finite shear would be
-//! off by the first order of the step (A26). Curvatures likewise. gamma takes the rotation of the
-//! plane from K as a finite one, so that it vanishes too when the nodes turn with the element.
+//! vanishes in any finite rigid rotation; e + ee is the logarithmic strain to second order. In a
+//! step the axes rotate by `delta = (e_yy - e_xx) a.b/(2 |a| |b|)` more than the material (the mean
+//! of the rotations of a and b by the strain). P transforms the strain to axes that lag by half of
+//! that, halfway between those before and those after the step. In the latter the stress in finite
+//! shear would have an error of first order in the step (A26). Curvatures are transformed likewise.
+//! gamma takes the rotation of the plane from K as a finite one, so that it vanishes too when the
+//! nodes rotate with the element.
 //!
-//! Corner forces by virtual power with the same B. Two additions:
+//! Corner forces follow from virtual power with the same B. Two additions:
 //! - Hourglass rates `gam (tx, ty, vz, vx, vy)` with `gam_I = h_I - (h x) B1_I - (h y) B2_I`
-//!   (Flanagan & Belytschko 1981). They leave out what a finite rotation of a warped element does
-//!   to its corners off the plane, and the forces carry the couple that belongs to it; without it a
-//!   warped element resists rigid rotation and feeds it angular momentum.
-//! - Drilling: stiffness `alpha G t A/4` a node on its spin about n against that of the element. In
-//!   plastic parts its moments are bounded: at a fold the spin of one face is the bending of the
-//!   other, and a stiffness that never yields would carry more than the plastic hinge there, all
-//!   the more in coarse meshes (`bounds.rs`).
+//!   (Flanagan & Belytschko 1981). They exclude the motion of out-of-plane corners of a warped
+//!   element in a finite rotation, and the forces include the corresponding couple. Without it a
+//!   warped element resists rigid rotation and adds angular momentum to it.
+//! - Drilling: stiffness `alpha G t A/4` per node on its spin about n relative to that of the
+//!   element. In plastic parts its moments are bounded. At a fold the spin of one face is the
+//!   bending of the other, and a stiffness that never yields would carry more than the plastic
+//!   hinge there, all the more in coarse meshes (`bounds.rs`).
 //!
-//! Concave quads are sound: one point needs the area between the diagonals, and nothing at the
-//! corners. Crushed corners of tubes pass through such shapes, and the established codes go on
-//! there.
+//! Concave quads are valid: one point needs the area between the diagonals, and no condition at the
+//! corners. Crushed corners of tubes pass through such shapes, and the established codes also
+//! continue there.
 //!
-//! Stable step: `L/c`, L = A over the longest side and c the plate wave speed, is that of a wave
-//! through many elements. A lone element may bear less. With mass m/4 at each corner the
-//! frequencies of its membrane stiffness are those of `(4/rho) C B B'`, of which the largest is,
-//! with `S = sum b_I b_I'` of the mean gradient (its determinant is 1/A^2 for any quad, its trace
-//! D/A^2, D half the sum of the squared diagonals),
+//! Stable step: `L/c`, with L = A over the longest side and c the plate wave speed, is that of a
+//! wave through many elements. The stable step of a single element may be smaller. With mass m/4 at
+//! each corner the squared frequencies of its membrane stiffness are the eigenvalues of
+//! `(4/rho) C B B'`. The largest one is, with `S = sum b_I b_I'` of the mean gradient (its
+//! determinant is 1/A^2 for any quad, its trace D/A^2, D half the sum of the squared diagonals),
 //! ```text
-//! omega^2 = 2 c^2 (tr S + sqrt(tr^2 S - 4 (1-nu^2) det S)) = 2 (c/A)^2 (D + sqrt(D^2 - 4 (1-nu^2) A^2))
+//! omega^2 = 2 c^2 (tr S + sqrt(tr^2 S - 4 (1-nu^2) det S))
+//!         = 2 (c/A)^2 (D + sqrt(D^2 - 4 (1-nu^2) A^2))
 //! ```
-//! The step is the lesser of `L/c` and [`LONE`] times `2/omega`, at the density of the material.
-//! The mass of an element stays as it was laid down while its area and thickness change:
-//! [`Section::step_factor`].
+//! The step is the smaller of `L/c` and [`SINGLE_ELEMENT_FACTOR`] times `2/omega`, at the density
+//! of the material. The mass of an element is that of the start while its area and thickness
+//! change: [`Section::step_factor`].
 //!
-//! Everything about four corners is held as three or four modes, of which the corners are sums: the
-//! differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has parts in the
-//! first two only.
+//! All quantities at the four corners are stored as three or four modes, of which the corner values
+//! are sums: the differences 1 - 3 and 2 - 4, `h` (1 - 2 + 3 - 4), and for rotations the sum. B has
+//! parts in the first two only.
 
 use super::kinematics::{Frame, PlaneMotion, along_normal, curvature, rotated};
 use super::section::{Limits, Section, Strains};
@@ -55,40 +58,42 @@ use super::{GroupCorners, GroupNodes, NodeView, Totals, zero_failed};
 use crate::fem::materials::PointReal;
 use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
 
-/// Generalised hourglass rates: of tx, ty, vz, vx, vy.
+/// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
-/// Columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
+/// Number of columns of the drilling moments of the modes 1 - 3, 2 - 4, h and sum [force length].
 pub const DRILLING: usize = 4;
 
-/// Step over that of a lone element in its membrane modes, at most. With the usual safety of 0.9 a
-/// lone square or strip is stable by 5 %. A value of 1 would be safe at any safety below 1, but
-/// slow meshes of squares, which bear L/c, by as much again.
+/// Upper limit of the step over that of a single element in its membrane modes. With the usual
+/// safety factor of 0.9 a single square or strip is stable by 5 %. The value 1 would be safe for
+/// any safety factor below 1, but would shorten the step of meshes of squares, which are stable for
+/// L/c, by a further 5 %.
 const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 
-/// Least area over the sum of the squared diagonals: what is below has collapsed to a line.
+/// Smallest area over the sum of the squared diagonals; an element below it has collapsed to a
+/// line.
 const MIN_AREA: f64 = 1e-6;
 
-/// Corner vectors of an element as modes.
+/// Corner vectors of an element, as modes.
 pub struct Modes<R> {
-    /// 1 - 3, 2 - 4 and h of coordinates [length].
+    /// Modes 1 - 3, 2 - 4 and h of the coordinates [length].
     pub x: [[R; 3]; 3],
-    /// The same of velocities [length/time].
+    /// Modes 1 - 3, 2 - 4 and h of the velocities [length/time].
     pub v: [[R; 3]; 3],
-    /// The same and the sum, of rotational velocities [1/time].
+    /// Modes 1 - 3, 2 - 4, h and the sum of the rotational velocities [1/time].
     pub w: [[R; 3]; 4],
 }
 
 impl<R: Real> Modes<R> {
-    /// Sum of all magnitudes: not finite where one of them is not.
+    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
     #[inline(always)]
     fn sum(&self) -> R {
         let all = [self.x.as_flattened(), self.v.as_flattened(), self.w.as_flattened()];
         all.into_iter().flatten().fold(R::zero(), |sum, c| sum + c.abs())
     }
 
-    /// Turns velocities of nodes into those of the middle of the thickness, `v + w x e n`, which is
-    /// `e` from them along the normal [length]; gives `e n`. Modes of the coordinates are the same
-    /// of both.
+    /// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which
+    /// is at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of
+    /// the coordinates are the same for both.
     #[inline(always)]
     fn shift_to_middle(&mut self, e: R) -> [R; 3] {
         let arm = along_normal(e, self.x[0], self.x[1]);
@@ -100,20 +105,20 @@ impl<R: Real> Modes<R> {
     }
 }
 
-/// What one pass over a group gives, in global axes.
+/// Result of a kernel for a group, in global axes.
 pub struct Response<R: Real> {
     /// Corner forces: `+13 + h, +24 - h, -13 + h, -24 - h` [force].
     pub force: [[R; 3]; 3],
-    /// Corner moments: the same with `+ sum` everywhere [force length].
+    /// Corner moments: signs as in `force`, with `+ sum` at all corners [force length].
     pub moment: [[R; 3]; 4],
-    /// The stable step is that of the density of the material.
+    /// Totals, with the stable step at the density of the material.
     pub totals: Totals<R>,
-    /// Lanes that have an area and the strains of a healthy step.
+    /// Lanes that have an area and the strain increments of a valid step.
     calm: R::Mask,
     size: Size<R>,
 }
 
-/// Of the shape of an element, what its stable step depends on.
+/// Quantities of the shape of an element that determine its stable step.
 #[derive(Clone, Copy)]
 struct Size<R> {
     area: R,
@@ -126,7 +131,7 @@ struct Size<R> {
 }
 
 impl<R: Real> Size<R> {
-    /// With the inertia of shear of this kernel.
+    /// Returns the limits of the step, with the inertia for shear of this kernel.
     #[inline(always)]
     fn limits<K: Kernel>(&self, section: &Section) -> Limits<R> {
         let Self { area, length, s, h2 } = *self;
@@ -143,8 +148,8 @@ impl<R: Real> Size<R> {
 }
 
 impl<R: Real> Response<R> {
-    /// Adds to the moments those of the forces, which act at `arm` from the nodes: the work on
-    /// nodes is that on the middle ([`Modes::shift_to_middle`]).
+    /// Adds to the moments those of the forces, which act at `arm` from the nodes, so that the work
+    /// on the nodes is that on the middle surface ([`Modes::shift_to_middle`]).
     #[inline(always)]
     fn shift_to_nodes(&mut self, arm: [R; 3]) {
         for (m, f) in self.moment.iter_mut().zip(&self.force) {
@@ -153,7 +158,8 @@ impl<R: Real> Response<R> {
         }
     }
 
-    /// Elements that have failed give nothing, limit nothing and are never in trouble.
+    /// Removes failed elements: they have no forces, do not limit the step and are never reported
+    /// as trouble.
     #[inline(always)]
     pub fn zero_failed(&mut self, failed: R::Mask) {
         zero_failed(failed, self.force.as_flattened_mut());
@@ -177,10 +183,10 @@ pub struct Geometry<R: Real> {
     /// B1 and B2 at corners 1 and 2; corners 3 and 4 have their negatives [1/length].
     pub b1: [R; 2],
     pub b2: [R; 2],
-    /// Square of the longest side, and D: half the sum of the squared diagonals [length^2].
+    /// Square of the longest side, and D, half the sum of the squared diagonals [length^2].
     longest: R,
     diagonals: R,
-    /// Lanes that have not collapsed.
+    /// Lanes with elements that have not collapsed.
     pub has_area: R::Mask,
 }
 
@@ -194,8 +200,8 @@ impl<R: Real> Geometry<R> {
         let two_a = dot(raw, raw).sqrt();
         let inv_2a = one / two_a;
         let n = raw.map(|c| c * inv_2a);
-        // Both lie in the plane already. Scaled by each other's length instead of divided by their
-        // own.
+        // Both are in the plane already. Each is scaled by the other's length, which avoids a
+        // division by its own.
         let a: [R; 3] = std::array::from_fn(|i| x24[i] - x13[i]);
         let b: [R; 3] = std::array::from_fn(|i| -(x13[i] + x24[i]));
         let (len_a, len_b) = (dot(a, a).sqrt(), dot(b, b).sqrt());
@@ -208,8 +214,7 @@ impl<R: Real> Geometry<R> {
         let y = [dot(e2, x13), dot(e2, x24), dot(e2, h)];
         let hz = dot(n, h);
 
-        // Half the sides of the element that its plane sees: 2 - 1 = -(p + s), 3 - 2 = -(q - s),
-        // ...
+        // Half the sides of the projected element: 2 - 1 = -(p + s), 3 - 2 = -(q - s), ...
         let side = |ux: R, uy: R| ux.mul_add(ux, uy * uy);
         let [px, py] = [x[0] - x[1], y[0] - y[1]];
         let [qx, qy] = [x[0] + x[1], y[0] + y[1]];
@@ -218,10 +223,10 @@ impl<R: Real> Geometry<R> {
             Real::max(side(px + sx, py + sy), side(px - sx, py - sy)),
             Real::max(side(qx + sx, qy + sy), side(qx - sx, qy - sy)),
         );
-        // Sides above are doubled; every side also climbs by half of hz. What twisted sides stretch
-        // (`sides.rs`) needs half as much again (`plate_tests.rs`).
+        // The sides above are doubled. Every side also rises by half of hz. The stretching of
+        // twisted sides (`sides.rs`) needs half as much again (`plate_tests.rs`).
         let longest = (R::splat(1.5) * hz).mul_add(hz, longest);
-        // |a| |b| (1 + sine) is half the square of the length that e1 had.
+        // |a| |b| (1 + sine) is half the square of the length that e1 had before it was normalised.
         let (sides, rise) = (len_a * len_b, R::splat(2.0) * two_a);
         let skew = (px * qx + py * qy) * (sides + rise) * (inv * inv);
         let area = half * two_a;
@@ -242,7 +247,7 @@ impl<R: Real> Geometry<R> {
         }
     }
 
-    /// Stable step at the density of the material [time].
+    /// Returns the stable step at the density of the material [time].
     #[inline(always)]
     fn stable_dt(&self, section: &Section) -> R {
         let elastic = &section.elastic;
@@ -252,20 +257,20 @@ impl<R: Real> Geometry<R> {
     #[inline(always)]
     fn size(&self, poisson: f64) -> Size<R> {
         let (d, a) = (self.diagonals, self.area);
-        // Of S, whose trace is D/A^2 and whose determinant is 1/A^2. D is at least 2 A, but for
-        // round-off.
+        // Larger eigenvalue of S, whose trace is D/A^2 and whose determinant is 1/A^2. D is at
+        // least 2 A, except for round-off.
         let root = Real::max(d.mul_add(d, -(R::splat(4.0) * a * a)), R::zero()).sqrt();
         let s = R::splat(0.5) * (d + root) / (a * a);
         let h2 = self.x[2].mul_add(self.x[2], self.y[2] * self.y[2]);
         Size { area: a, length: self.stable_length(poisson), s, h2 }
     }
 
-    /// Stable step times the plate wave speed [length].
+    /// Returns the stable step times the plate wave speed [length].
     #[inline(always)]
     pub fn stable_length(&self, poisson: f64) -> R {
         let root = (4.0 * (1.0 - poisson * poisson)).sqrt();
         let (d, a) = (self.diagonals, R::splat(root) * self.area);
-        // D is at least 2 A, but for round-off.
+        // D is at least 2 A, except for round-off.
         let lone = d + Real::max(d.mul_add(d, -(a * a)), R::zero()).sqrt();
         self.area
             / Real::max(
@@ -275,32 +280,32 @@ impl<R: Real> Geometry<R> {
             .sqrt()
     }
 
-    /// B1 and B2 on a nodal column that has the modes u13 and u24.
+    /// Returns B1 and B2 applied to a nodal column that has the modes u13 and u24.
     #[inline(always)]
     pub fn gradient(&self, u13: R, u24: R) -> [R; 2] {
         [self.b1[0].mul_add(u13, self.b1[1] * u24), self.b2[0].mul_add(u13, self.b2[1] * u24)]
     }
 
-    /// gam on a nodal column that has the mode h and this gradient.
+    /// Returns gam applied to a nodal column that has the mode h and this gradient.
     #[inline(always)]
     pub fn gamma(&self, h: R, gradient: [R; 2]) -> R {
         self.x[2].neg_mul_add(gradient[0], self.y[2].neg_mul_add(gradient[1], h))
     }
 
-    /// Modes 13 and 24 of `B1_I s1 + B2_I s2`.
+    /// Returns the modes 13 and 24 of `B1_I s1 + B2_I s2`.
     #[inline(always)]
     pub fn spread(&self, s1: R, s2: R) -> [R; 2] {
         [self.b1[0].mul_add(s1, self.b2[0] * s2), self.b1[1].mul_add(s1, self.b2[1] * s2)]
     }
 }
 
-/// Motion of an element in a step, in its axes: increments of the step.
+/// Motion of an element in a step, in its axes, as increments of the step.
 pub struct Motion<R> {
     /// Modes 13, 24 and h of displacement [length].
     pub u: [[R; 3]; 3],
-    /// The same and the sum, of rotation.
+    /// Modes 13, 24, h and the sum of rotation.
     pub t: [[R; 3]; 4],
-    /// Gradients: k[i][j] of displacement i by coordinate j, tx and ty of the rotations [1/length].
+    /// Gradients: k[i][j] of displacement i by coordinate j; tx and ty of the rotations [1/length].
     pub k: [[R; 2]; 3],
     pub tx: [R; 2],
     pub ty: [R; 2],
@@ -308,12 +313,12 @@ pub struct Motion<R> {
     pub almansi: [R; 3],
     /// Rotation of the element about its normal.
     pub spin: R,
-    /// Third column of K, as if I - K were a rotation.
+    /// Third column of K, computed as if I - K were a rotation.
     k_z: [R; 3],
 }
 
 impl<R: Real> Motion<R> {
-    /// The motion and the strains that go with it.
+    /// Computes the motion of a step and its strain increments.
     #[inline(always)]
     pub fn new(g: &Geometry<R>, modes: &Modes<R>, dt: f64) -> (Self, Strains<R>) {
         let step = R::splat(dt);
@@ -342,17 +347,19 @@ impl<R: Real> Motion<R> {
         (motion, Strains { eps: between(eps), kappa: between(curvature(tx, ty)), gamma })
     }
 
-    /// Increments of the hourglass modes tx, ty, vz, vx, vy.
+    /// Returns the increments of the hourglass modes tx, ty, vz, vx, vy.
     #[inline(always)]
     pub fn hourglass(&self, g: &Geometry<R>) -> [R; HOURGLASS] {
         let Self { u, t, k, .. } = self;
         let [k_xz, k_yz, k_zz] = self.k_z;
-        // I - K turns back: this is what the shape gained, as it lay before the step.
+        // I - K rotates back: `back` is the increment of the shape in the configuration before the
+        // step.
         let back: [R; 3] = std::array::from_fn(|i| {
             g.gamma([k_xz, k_yz, k_zz][i].neg_mul_add(g.hz, u[2][i]), k[i])
         });
-        // As it lies now. The turn of a step tilts a vibration, and the tilt feeds it from the
-        // rotation: by omega^2 dt an e-fold, with omega the rate of rotation.
+        // In the present configuration. Otherwise the rotation of a step tilts a vibration, and
+        // the tilt feeds it with energy of the rotation: it grows at the rate omega^2 dt, with
+        // omega the rate of rotation.
         let now = |i: usize, k_z: R| {
             k[i][0].mul_add(back[0], k[i][1].mul_add(back[1], k_z.mul_add(back[2], back[i])))
         };
@@ -365,7 +372,8 @@ impl<R: Real> Motion<R> {
         ]
     }
 
-    /// How far nodes turn about n beyond the element: modes 13, 24, h and sum.
+    /// Returns the rotation of the nodes about n beyond that of the element: modes 13, 24, h and
+    /// sum.
     #[inline(always)]
     pub fn extrapolated(&self) -> [R; DRILLING] {
         let t = &self.t;
@@ -373,22 +381,23 @@ impl<R: Real> Motion<R> {
     }
 }
 
-/// What acts on the motions of an element, in its axes.
+/// Generalised forces on the motions of an element, in its axes.
 pub struct Generalised<'a, R> {
     /// Resultants times the area: membrane [force], moments [force length], shear [force].
     pub n: [R; 3],
     pub m: [R; 3],
     pub q: [R; 2],
-    /// On the hourglass increments [force length] twice, [force] thrice.
+    /// Forces on the hourglass increments: the first two [force length], the other three [force].
     pub hourglass: [R; HOURGLASS],
     /// Drilling moments [force length].
     pub drilling: &'a [R],
-    /// Couple on the spin, beyond that of drilling, shared by the in-plane forces [force length].
+    /// Couple on the spin, in addition to that of drilling, carried by the in-plane forces [force
+    /// length].
     pub couple: R,
 }
 
 impl<R: Real> Generalised<'_, R> {
-    /// Modes of the corner forces and moments, in the axes of the element.
+    /// Returns the modes of the corner forces and moments, in the axes of the element.
     #[inline(always)]
     pub fn corners(&self, g: &Geometry<R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
         let [half, quarter] = [0.5, 0.25].map(R::splat);
@@ -417,8 +426,8 @@ impl<R: Real> Generalised<'_, R> {
 }
 
 impl<R: Real> Response<R> {
-    /// From corner modes in the axes of the element; `energies` are the internal and the hourglass
-    /// one; `healthy` are the lanes whose strains are those of a healthy step.
+    /// Builds the response from corner modes in the axes of the element. `energies` are internal
+    /// and hourglass energy; `healthy` are the lanes with the strain increments of a valid step.
     #[inline(always)]
     pub fn new(
         g: &Geometry<R>,
@@ -429,7 +438,7 @@ impl<R: Real> Response<R> {
     ) -> Self {
         let force = force.map(|f| g.frame.global(f));
         let moment = moment.map(|m| g.frame.global(m));
-        // A sum tells of what is not finite wherever it is.
+        // The sum is not finite if any of its terms is not.
         let mut total = R::zero();
         for c in 0..3 {
             total += force[0][c].abs() + force[1][c].abs() + force[2][c].abs() + moment[0][c].abs();
@@ -443,21 +452,22 @@ impl<R: Real> Response<R> {
     }
 }
 
-/// What differs from quad to quad.
+/// Properties and kernel of one quad formulation.
 pub trait Kernel: Send + Sync {
-    /// Columns of its own, after those of the section.
+    /// Number of its own columns, after those of the section.
     const OWN: usize;
-    /// How much rotations that vary over a tapered element turn into shear, for its rotational
-    /// inertia: shear has the frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`, s the larger
-    /// principal value of S and I the inertia per mass.
+    /// Factor for the shear that rotations cause if they vary over a tapered element. It enters the
+    /// rotational inertia: shear has the squared frequency `5/6 G/rho (4 s + (1 + TAPER s H^2)/I)`,
+    /// with s the larger principal value of S and I the inertia per mass.
     const TAPER: f64;
-    /// Fraction of the step of [`Geometry::stable_length`] that it takes.
+    /// Fraction of the step of [`Geometry::stable_length`] for which the formulation is stable.
     const STEP: f64 = 1.0;
 
-    /// What it does through the thickness.
+    /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
-    /// One element in each lane; the reference and the fast kernel are this one function.
+    /// Computes one element in each lane. The reference kernel and the fast kernel are this one
+    /// function.
     fn respond<R: PointReal, const N: usize>(
         &self,
         modes: &Modes<R>,
@@ -466,21 +476,21 @@ pub trait Kernel: Send + Sync {
     ) -> Response<R>;
 }
 
-/// A quad with this kernel.
+/// A quad with the kernel `K`.
 pub struct Quad<K>(pub K);
 
 impl<K: Kernel> Formulation for Quad<K> {
     const OWN: usize = K::OWN;
-    /// Shear may need up to 7 % more than `L/c`; the membrane of a lone square bears `L/c` where nu
-    /// = 0 alone.
+    /// The frequency of shear may require a step up to 7 % below `L/c`; the membrane of a single
+    /// square is stable for `L/c` only if nu = 0.
     const ALONE: f64 = 1.0 / SINGLE_ELEMENT_FACTOR;
 
     fn section(&self) -> &Section {
         self.0.section()
     }
 
-    /// s is at least 1/A, so that an inertia of [`Section::inertia_floor`] times `A + TAPER H^2`
-    /// holds the frequency of shear to that of the membrane, but for 7 %.
+    /// s is at least 1/A. So an inertia of [`Section::inertia_floor`] times `A + TAPER H^2` limits
+    /// the frequency of shear to that of the membrane, except for 7 %.
     fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64) {
         let (section, [area, floor]) = (self.section(), self.size(x));
         let mass = 0.25 * section.elastic.density * section.thickness_at_start(own) * area;
@@ -549,11 +559,11 @@ impl<K: Kernel> Formulation for Quad<K> {
     }
 }
 
-/// Corner values of a group as modes. Differences are taken row by row, before the rows become
-/// lanes.
+/// Returns the corner values of a group as modes. Differences are taken row by row, before the rows
+/// become lanes.
 #[inline(always)]
 fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeView<'_>) -> Modes<L> {
-    // One length for all three columns: one check for each node.
+    // One length for all three columns, so that one bounds check per node is enough.
     let n = nodes.x.len();
     let (x, v, w) = (&nodes.x[..n], &nodes.v[..n], &nodes.w[..n]);
     let zero = L::row(Lane::splat(0.0));
@@ -573,7 +583,7 @@ fn gather<L: Lanes<W>, const W: usize>(group: &GroupNodes<4, W>, nodes: &NodeVie
     Modes { x: mx.map(L::from_rows), v: mv.map(L::from_rows), w: mw.map(L::from_rows) }
 }
 
-/// Corner coordinates of a group as modes.
+/// Returns the corner coordinates of a group as modes.
 #[inline(always)]
 fn gather_coordinates<L: Lanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
@@ -587,15 +597,15 @@ fn gather_coordinates<L: Lanes<W>, const W: usize>(
     modes.map(L::from_rows)
 }
 
-/// Modes of the coordinates of an element; h from differences of neighbours, which are small: `(1 -
-/// 2) + (3 - 4)`.
+/// Returns the modes of the coordinates of an element. h is taken from differences of neighbours,
+/// which are small: `(1 - 2) + (3 - 4)`.
 #[inline(always)]
 fn rows_of_coordinates(x: &[[f64; 4]], corner: [usize; 4]) -> [Lane; 3] {
     let [a, b, c, d] = corner.map(|node| Lane::new(x[node]));
     [a - c, b - d, (a - b) + (c - d)]
 }
 
-/// Modes to corners, lanes to rows.
+/// Converts modes to corner values and lanes to rows.
 #[inline(always)]
 fn scatter<L: Lanes<W>, const W: usize>(
     response: &Response<L>,
@@ -619,7 +629,7 @@ fn scatter<L: Lanes<W>, const W: usize>(
     }
 }
 
-/// Modes 13, 24 and h of the corners of one element.
+/// Returns the modes 13, 24 and h of the corners of one element.
 pub fn coordinate_modes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
     let mode = |f: &dyn Fn(usize) -> f64| std::array::from_fn(f);
     [

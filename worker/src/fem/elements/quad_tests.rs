@@ -1,4 +1,4 @@
-//! What tests of quads share: kernels on lanes against the same on single numbers.
+//! Helper for tests of quads: kernels on lanes against kernels on scalars.
 
 use super::super::testing::Noise;
 use super::super::{Element, ElementFields};
@@ -7,8 +7,8 @@ use crate::fem::columns::HistoryColumns;
 use crate::math::lanes::LANES;
 use crumple_proto::job::Precision;
 
-/// Runs one kernel on lanes and on single numbers through the same motions, small in the first lane
-/// and large in the last, and compares bits; gives the fields of the lanes.
+/// Runs one kernel on lanes and on scalars through the same motions, small in the first lane and
+/// large in the last, and compares bits; returns the fields of the lanes.
 pub fn singles_and_lanes(
     shell: &dyn Element,
     lanes_of: impl Fn(&Modes<Lane>, &mut [Lane]) -> Response<Lane>,

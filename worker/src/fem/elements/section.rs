@@ -1,17 +1,20 @@
-//! What every shell does through its thickness: Gauss points, resultants, transverse shear,
+//! Through-thickness integration, common to all shells: Gauss points, resultants, transverse shear,
 //! thinning, stable step.
 //!
-//! Over the thickness t, with Gauss-Legendre points `zeta_k` of weights `W_k` (1 to 10 of them),
+//! Over the thickness t, with 1 to 10 Gauss-Legendre points `zeta_k` of weights `W_k`,
 //! ```text
-//! eps(z) = eps_m + z kappa,  z = zeta t/2,   N = sum sig w,  M = sum sig z w,  w = W t/2,   Q = t tau
-//! tau <- tau + 5/6 G gamma   (elastic, constant over the thickness, not part of the yield condition)
+//! eps(z) = eps_m + z kappa,   z = zeta t/2
+//! N = sum sig w,   M = sum sig z w,   w = W t/2,   Q = t tau
+//! tau <- tau + 5/6 G gamma
 //! ```
-//! Where the middle is beside the nodes (`offset` of a part) all of this is about the middle: an
-//! element turns the velocities of its nodes into those of the middle and moves its forces back, so
-//! that hourglass and drilling forces are of the middle too.
+//! The shear stress tau is elastic, constant over the thickness, and not part of the yield
+//! condition. If the middle surface is not in the nodal plane (`offset` of a part), all of this
+//! refers to the middle surface. An element transforms the velocities of its nodes to the middle
+//! surface and its forces back to the nodes, so that hourglass and drilling forces also act at the
+//! middle surface.
 //!
-//! Gauss points are as few as the accuracy needs (5 give linear bending exactly and the plastic
-//! hinge within 2 %); the outer fibres themselves carry none.
+//! Few Gauss points reach the accuracy that is needed: 5 give linear bending exactly and the
+//! plastic hinge within 2 %. There is no point at the outer fibres themselves.
 
 use crate::fem::columns::State;
 use crate::fem::materials::{Elastic, MAX_POINTS, PlaneStress, PointReal, Points};
@@ -23,20 +26,21 @@ use super::{ElementFields, failed_column, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
-/// Square of the frequency that shear of square elements may have, over that of the membrane, `(2
-/// c/L)^2`: they then bear 0.934 of L/c, more than the usual safety factor of 0.9.
+/// Limit on the squared frequency of shear of square elements, over that of the membrane,
+/// `(2 c/L)^2`. Such elements are then stable for 0.934 L/c, more than the usual safety factor of
+/// 0.9.
 const SHEAR_OVER_MEMBRANE: f64 = 2.75 * 0.5 * SHEAR_CORRECTION;
-/// Hourglass coefficient where the job gives none.
+/// Hourglass coefficient if the job gives none.
 const HOURGLASS_COEFFICIENT: f64 = 0.03;
-/// Of a change of mass per area, in single precision: less is none, so that what only flies and
-/// turns keeps its step to the bit.
+/// Relative change of mass per area that counts as round-off in single precision. A smaller change
+/// is ignored, so that an element in rigid motion keeps its stable step exactly.
 const ROUND_OFF: f64 = 4e-6;
-/// Largest offset of the middle from the nodes, by half the thickness.
+/// Largest offset of the middle surface from the nodal plane, over half the thickness.
 const LARGEST_OFFSET: f64 = 10.0;
-/// Largest strain increment of a healthy step.
+/// Largest strain increment of a valid step.
 const STRAIN_LIMIT: f64 = 0.5;
 
-/// First columns of every shell: thickness [length], volume at the start [length^3] and rotational
+/// First columns of every shell: thickness [length], volume at the start [length^3], rotational
 /// inertia of its corners per mass [length^2], transverse shear stress xz and yz [force/length^2].
 const THICKNESS: usize = 0;
 const VOLUME: usize = 1;
@@ -49,27 +53,28 @@ pub struct Section {
     law: Box<dyn PlaneStress>,
     /// Elastic constants of the law.
     pub elastic: Elastic,
-    /// Initial thickness of elements that have none of their own [length].
+    /// Initial thickness of elements that do not have their own [length].
     pub thickness: f64,
-    /// Where the middle lies from the nodes along the normal, by half the thickness.
+    /// Distance from the nodal plane to the middle surface along the normal, over half the
+    /// thickness.
     offset: f64,
-    /// Points through the thickness.
+    /// Number of points through the thickness.
     pub points: usize,
-    /// Points in the plane of an element; each has columns of its own.
+    /// Number of points in the plane of an element; each has its own columns.
     planar: usize,
     /// Hourglass coefficient.
     pub hourglass_coefficient: f64,
     zeta: [f64; MAX_POINTS],
     weight: [f64; MAX_POINTS],
-    /// Columns of a point: stress xx, yy, xy and the law's own.
+    /// Columns of a point: stress xx, yy, xy and those of the law.
     stride: usize,
     thinning: bool,
-    /// Whether inverted elements fail, instead of ending the run. Such a part has one column more,
-    /// the last: 1 where one has.
+    /// True if inverted elements are deleted instead of ending the run. Such a part has one more
+    /// column, the last one: 1 if the element was deleted.
     pub deletes: bool,
-    /// Where a point keeps its effective plastic strain, if its law has any.
+    /// Column of a point with its effective plastic strain, if the law has any.
     plastic_strain: Option<usize>,
-    /// Where it marks that it has failed, if its law does.
+    /// Column of a point that marks its failure, if the law can fail.
     failed: Option<usize>,
 }
 
@@ -84,31 +89,32 @@ pub struct Strains<R> {
     pub gamma: [R; 2],
 }
 
-/// Means over the thickness for membrane, and weighed by `3 zeta^2` for bending.
+/// Means over the thickness, for membrane and (with the weight `3 zeta^2`) for bending.
 pub struct Yielded<R> {
     /// Effective plastic strain.
     plastic_strain: [R; 2],
-    /// Von Mises stress, by its square [force/length^2].
+    /// Root mean square of the von Mises stress [force/length^2].
     stress: [R; 2],
-    /// The same without what the rate adds to the yield stress.
+    /// See `stress`, without the contribution of the strain rate to the yield stress.
     at_no_rate: [R; 2],
 }
 
-/// What the stable step of a shell as it lies now depends on. Its shear has the frequency
-/// `5/6 G/rho (corners s + (1 + taper s)/I)`, I the rotational inertia per mass.
+/// Quantities of the present shape of a shell that determine its stable step. The squared frequency
+/// of its shear is `5/6 G/rho (corners s + (1 + taper s)/I)`, with I the rotational inertia per
+/// mass.
 pub struct Limits<R> {
     /// Area [length^2].
     pub area: R,
-    /// Stable step of its membrane times the plate wave speed, at the density of the material
+    /// Stable step of the membrane times the plate wave speed, at the density of the material
     /// [length].
     pub length: R,
-    /// Corners of the element.
+    /// Number of corners of the element.
     pub corners: f64,
     /// Larger principal value of `sum b_I b_I'` of the gradient [1/length^2].
     pub s: R,
-    /// See above [length^2].
+    /// Coefficient of `s` in the frequency of shear [length^2].
     pub taper: R,
-    /// Least I that an element of this shape would be given at the start [length^2].
+    /// Smallest I of an element of this shape at the start [length^2].
     pub floor: R,
 }
 
@@ -123,12 +129,15 @@ pub struct Resultants<R> {
     pub q: [R; 2],
     /// Increase of internal energy per area [force/length].
     pub work: R,
-    /// Thickness that the resultants were taken with [length].
+    /// Thickness for which the resultants were computed [length].
     pub thickness: R,
 }
 
 impl Section {
-    /// Section of a part; notes all that is wrong with it, with paths relative to the part.
+    /// Builds the section of a part.
+    ///
+    /// # Errors
+    /// All problems of the part, with paths relative to it.
     pub fn new(part: &Part, law: Box<dyn PlaneStress>) -> Result<Self, Vec<Problem>> {
         let mut problems = Vec::new();
         if part.thickness == 0.0 {
@@ -219,42 +228,43 @@ impl Section {
         })
     }
 
-    /// The same section at so many points in the plane of an element.
+    /// Returns the same section with `planar` points in the plane of an element.
     pub fn at_points(self, planar: usize) -> Self {
         Self { planar, ..self }
     }
 
-    /// Columns that the section needs of an element's history; an element's own come after them.
+    /// Returns the number of history columns of the section; those of the element follow them.
     pub fn columns(&self) -> usize {
         self.planar * self.each()
     }
 
-    /// Columns of one point in the plane.
+    /// Returns the number of columns of one point in the plane.
     pub fn each(&self) -> usize {
         POINTS + self.points * self.stride
     }
 
-    /// Initial thickness of an element, that of the part if `own` is nought [length].
+    /// Returns the initial thickness of an element: `own`, or that of the part if `own` is zero
+    /// [length].
     pub fn thickness_at_start(&self, own: f64) -> f64 {
         if own > 0.0 { own } else { self.thickness }
     }
 
-    /// Thickness; all else is nought at the start, until [`Self::measure`].
+    /// Sets the thickness. All other columns are zero at the start, until [`Self::measure`].
     pub fn start(&self, history: &mut [f64], own: f64) {
         let thickness = self.thickness_at_start(own);
         (0..self.planar).for_each(|p| history[p * self.each() + THICKNESS] = thickness);
     }
 
-    /// Notes what keeps the mass of an element: its area at the start [length^2] and its
-    /// [`Self::inertia_per_mass`].
+    /// Stores what determines the mass of an element: its volume at the start, from `area`
+    /// [length^2], and its [`Self::inertia_per_mass`].
     pub fn measure(&self, history: &mut [f64], own: f64, area: f64, floor: f64) {
         (history[VOLUME], history[INERTIA]) =
             (area * self.thickness_at_start(own), self.inertia_per_mass(own, floor));
     }
 
-    /// Where the middle lies from the nodes along the normal, `e` [length]; `None` if it is where
-    /// they are. Points stay where they are about the middle: an element moves its velocities there
-    /// and its forces back.
+    /// Returns the distance `e` from the nodal plane to the middle surface along the normal
+    /// [length]; `None` without an offset. The points keep their places about the middle surface:
+    /// an element transforms its velocities to the middle surface and its forces back.
     #[inline(always)]
     pub fn arm<R: Real>(&self, history: &[R]) -> Option<R> {
         if self.offset == 0.0 {
@@ -263,7 +273,7 @@ impl Section {
         Some(R::splat(0.5 * self.offset / self.planar as f64) * self.thicknesses(history))
     }
 
-    /// Sum of the thicknesses of the points in the plane [length].
+    /// Returns the sum of the thicknesses of the points in the plane [length].
     #[inline(always)]
     fn thicknesses<R: Real>(&self, history: &[R]) -> R {
         history[..self.columns()]
@@ -271,11 +281,12 @@ impl Section {
             .fold(R::zero(), |sum, at| sum + at[THICKNESS])
     }
 
-    /// Factor by which an offset shortens the stable step of an element at rest, since it couples
-    /// the motion of nodes to their rotation; `None` without an offset. What holds of the middle,
-    /// `K <= omega^2 diag(m, m i)` of displacements and rotations, with i the rotational inertia
-    /// about it per mass, is of the nodes `K <= omega^2 m [1 e; e i + e^2]`, of which `diag(m, m (i
-    /// + e^2))` is no less than `1/(1 + a)`, `a = |e|/sqrt(i + e^2)`.
+    /// Returns the factor by which an offset shortens the stable step of an element at rest,
+    /// because it couples the displacement of nodes to their rotation; `None` without an offset.
+    /// For the middle surface `K <= omega^2 diag(m, m i)` for displacements and rotations, with i
+    /// the rotational inertia about it per mass. For the nodes this becomes
+    /// `K <= omega^2 m [1 e; e i + e^2]`, and `diag(m, m (i + e^2))` is at least `1/(1 + a)` of
+    /// that matrix, `a = |e|/sqrt(i + e^2)`.
     #[inline(always)]
     pub fn offset_factor<R: Real>(&self, history: &[R]) -> Option<R> {
         let (arm, inertia, one) = (self.arm(history)?, history[INERTIA], R::splat(1.0));
@@ -283,34 +294,36 @@ impl Section {
         Some(one / (one + ratio).sqrt())
     }
 
-    /// The same of an element at the start.
+    /// Returns [`Self::offset_factor`] of an element at the start.
     pub fn offset_factor_at_start(&self, own: f64, floor: f64) -> f64 {
         let arm = 0.5 * self.offset * self.thickness_at_start(own);
         let ratio = arm.abs() / self.inertia_per_mass(own, floor).sqrt();
         if self.offset == 0.0 { 1.0 } else { 1.0 / (1.0 + ratio).sqrt() }
     }
 
-    /// Factor on the membrane's stable step at the density of the material, for the mass that an
-    /// element has had since the start while its area A and its thickness t change: `sqrt(A0 t0 /
-    /// (A t))`, and less where its rotational inertia, that of the start too, has become too little
-    /// for shear. One for an element that was not measured.
+    /// Returns the factor on the membrane's stable step at the density of the material. An element
+    /// keeps the mass of the start while its area A and its thickness t change, which gives
+    /// `sqrt(A0 t0 / (A t))`. The factor is smaller if the rotational inertia, which is also that
+    /// of the start, has become too small for shear. It is one for an element without
+    /// [`Self::measure`].
     #[inline(always)]
     pub fn step_factor<R: Real>(&self, history: &[R], of: &Limits<R>) -> R {
         let one = R::splat(1.0);
-        // Squared frequencies by that of the plate wave, 5/6 G over E/(1 - nu^2).
+        // Squared frequencies over that of the plate wave: 5/6 G over E/(1 - nu^2).
         let ratio = R::splat(0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson));
         let shear = |inertia: R| {
             ratio * of.taper.mul_add(of.s, one).mul_add(one / inertia, R::splat(of.corners) * of.s)
         };
         let membrane = R::splat(4.0) / (of.length * of.length);
-        // At the start shear may need a little more than the membrane; that is the margin of
-        // `inertia_per_mass`.
+        // At the start the frequency of shear may be slightly above that of the membrane; that is
+        // the margin of `inertia_per_mass`.
         let borne = Real::max(membrane, shear(of.floor));
         let thickness = self.thicknesses(history);
         let kept = R::splat(self.planar as f64) * history[VOLUME] / (of.area * thickness);
         let known = history[INERTIA];
-        // About the middle, which is what shear turns. One that has become too little for shear may
-        // be taken as more, which then counts on more than the nodes have.
+        // About the middle surface, about which shear rotates the section. An inertia that is too
+        // small for shear is replaced by a larger one; then more inertia is assumed than the nodes
+        // have.
         let arm2 = self.arm(history).map(|arm| arm * arm);
         let inertia = arm2.map_or(known, |arm2| Real::max(known - arm2, of.floor));
         let squared = kept * Real::min(one, borne / shear(inertia));
@@ -330,37 +343,38 @@ impl Section {
         factor / Real::max(half_trace + root, one).sqrt()
     }
 
-    /// Current thickness [length].
+    /// Returns the current thickness [length].
     #[inline(always)]
     pub fn current_thickness<R: Real>(&self, history: &[R]) -> R {
         history[THICKNESS]
     }
 
-    /// Whether all but what it has from the start is nought.
+    /// Returns true if all columns are zero except those that are set at the start.
     pub fn is_unstrained(&self, history: State<'_>) -> bool {
         let (each, all) = (self.each(), self.columns());
         history.is_zero_where(|column| column >= all || column % each >= SHEAR)
     }
 
-    /// Least rotational inertia of a corner of a quad per mass and area, with which membrane waves
-    /// govern the step and not rotation (Hughes, Cohen & Haroun 1978). Shear of squares of side L
-    /// has the frequency `4 (5/6 G/rho) (1/L^2 + 1/(4 I))`, and `5/6 G/rho = c^2 5/12 (1 - nu)`;
-    /// with I = f L^2 it stays below [`SHEAR_OVER_MEMBRANE`] times `(2 c/L)^2` where `5/12 (1 - nu)
-    /// (1 + 1/(4 f))` does: f = 1/7 where nu = 0, 1/11.7 where nu = 0.3.
+    /// Returns the smallest rotational inertia of a corner of a quad per mass and area for which
+    /// membrane waves, and not rotations, determine the stable step (Hughes, Cohen & Haroun 1978).
+    /// Shear of squares of side L has the squared frequency `4 (5/6 G/rho) (1/L^2 + 1/(4 I))`, and
+    /// `5/6 G/rho = c^2 5/12 (1 - nu)`. With I = f L^2 it stays below [`SHEAR_OVER_MEMBRANE`] times
+    /// `(2 c/L)^2` if `5/12 (1 - nu) (1 + 1/(4 f))` does: f = 1/7 for nu = 0, 1/11.7 for nu = 0.3.
     pub fn inertia_floor(&self) -> f64 {
         let softer = 0.5 * SHEAR_CORRECTION * (1.0 - self.elastic.poisson);
         0.25 / (SHEAR_OVER_MEMBRANE / softer - 1.0)
     }
 
-    /// Rotational inertia of a corner about its node per mass of it [length^2]: that of the
-    /// section, but not below `floor` about the middle.
+    /// Returns the rotational inertia of a corner about its node per mass [length^2]: that of the
+    /// section, but at least `floor` about the middle surface.
     pub fn inertia_per_mass(&self, own: f64, floor: f64) -> f64 {
         let thickness = self.thickness_at_start(own);
         let arm = 0.5 * self.offset * thickness;
         (thickness * thickness / 12.0).max(floor) + arm * arm
     }
 
-    /// Stress at all points over a step, and its resultants. N is the number of points.
+    /// Updates the stress at all points over a step and returns the resultants. N is the number of
+    /// points.
     #[inline(always)]
     pub fn update<R: PointReal, const N: usize>(
         &self,
@@ -405,8 +419,8 @@ impl Section {
                 m[c] = moment.mul_add(sig[c], m[c]);
             }
         }
-        // The two passes over stress made the sum of old and new: half of it is the trapezoid, half
-        // the weight.
+        // The two loops over stress sum up old and new stress: one factor 1/2 is the trapezoidal
+        // rule, the other belongs to the weight.
         work = half * half_t * work;
         let to_moment = half_t * half_t;
 
@@ -432,9 +446,9 @@ impl Section {
         Resultants { n: n.map(|n| n * half_t), m: m.map(|m| m * to_moment), q, work, thickness }
     }
 
-    /// Flow stress of the section [force/length^2], for bounds on forces that the points do not
-    /// see: the root mean square of the von Mises stress over all points, but at least the yield
-    /// stress at no plastic strain. `None` if the law never flows.
+    /// Returns the flow stress of the section [force/length^2], for limits on forces that the
+    /// points do not integrate: the root mean square of the von Mises stress over all points, but
+    /// at least the yield stress at zero plastic strain. `None` if the law has no plastic flow.
     #[inline(always)]
     pub fn flow_stress<R: Real, const N: usize>(&self, history: &[R]) -> Option<R> {
         self.plastic_strain?;
@@ -449,7 +463,7 @@ impl Section {
         Some(Real::max(mean_square.sqrt(), R::splat(self.law.initial_yield_stress())))
     }
 
-    /// How far the material is, for [`Self::flow`].
+    /// Returns plastic strain and stress of the section, for [`Self::flow`].
     #[inline(always)]
     pub fn yielded<R: Real, const N: usize>(&self, history: &[R]) -> Yielded<R> {
         let Some(column) = self.plastic_strain else {
@@ -481,14 +495,14 @@ impl Section {
         Yielded { plastic_strain, stress: squares.map(R::sqrt), at_no_rate: capped.map(R::sqrt) }
     }
 
-    /// What plastic flow since `before` does to stresses beside those of the points, for membrane
-    /// and for bending: the factor `sig / (sig + 3 G d eps_p)` by which the radial return shrinks
-    /// them, and the ratio `d sig / (d sig + 3 G d eps_p)` of tangent to elastic stiffness. Both
-    /// are one where nothing flowed.
+    /// Returns the effect of plastic flow since `before` on stresses other than those of the
+    /// points, for membrane and for bending: the factor `sig / (sig + 3 G d eps_p)` by which the
+    /// radial return scales them, and the ratio `d sig / (d sig + 3 G d eps_p)` of tangent to
+    /// elastic stiffness. Both are one without plastic flow.
     ///
-    /// The rate is that of a step, unfiltered: what it adds to the stress goes up and down with
-    /// every wave. Of that only the rises would count, as hardening that is not there; so `d sig`
-    /// is without it.
+    /// The strain rate of a step is unfiltered, so its contribution to the stress rises and falls
+    /// with every wave. Only the rises would count, as hardening that does not exist; so `d sig`
+    /// excludes it.
     #[inline(always)]
     pub fn flow<R: Real, const N: usize>(&self, history: &[R], before: &Yielded<R>) -> [[R; 2]; 2] {
         let one = R::splat(1.0);
@@ -508,7 +522,7 @@ impl Section {
         ]
     }
 
-    /// Lanes all of whose points have failed; `None` if the law never fails.
+    /// Returns the lanes in which all points have failed; `None` if the law never fails.
     #[inline(always)]
     pub fn failed_lanes<R: Real>(&self, history: &[R]) -> Option<R::Mask> {
         let column = self.failed?;
@@ -516,9 +530,9 @@ impl Section {
         Some(marks.fold(R::splat(1.0), Real::min).gt(R::splat(0.5)))
     }
 
-    /// Where the points through the thickness have failed at all but one of the points in the
-    /// plane, lets the last ones fail too; lanes where that is so, `None` if the law never fails.
-    /// What one point bears holds no shape.
+    /// Makes the last point in the plane fail where the points through the thickness have failed at
+    /// all others, since one point alone cannot hold the shape. Returns the lanes in which all have
+    /// failed; `None` if the law never fails.
     #[inline(always)]
     pub fn fail_with_last_point<R: Real>(&self, history: &mut [R]) -> Option<R::Mask> {
         let column = self.failed?;
@@ -539,11 +553,11 @@ impl Section {
         Some(failed)
     }
 
-    /// Lets inverted elements fail; lanes where one has, now or before, `None` if the part does not
-    /// want that. `calm` are the lanes that have an area and the strains of a healthy step, `sound`
-    /// those that are not in trouble, `moves` is a sum over what moves: where it is not finite
-    /// nothing is known, and the run has to end. What has failed keeps no state, since its shape
-    /// gives none.
+    /// Deletes inverted elements. Returns the lanes with deleted elements, now or before; `None` if
+    /// the part does not delete them. `calm` are the lanes that have an area and the strain
+    /// increments of a valid step, `sound` those that are valid in all respects. `moves` is a sum
+    /// over coordinates and velocities: if it is not finite, no element is deleted and the run must
+    /// stop. A deleted element keeps no state, since its shape gives no valid one.
     #[inline(always)]
     pub fn delete_inverted<R: Real>(
         &self,
@@ -579,12 +593,12 @@ impl Section {
         Some(gone)
     }
 
-    /// Whether elements can fail, by their law or where they are inverted.
+    /// Returns true if elements can fail, by their law or because they are inverted.
     pub fn can_fail(&self) -> bool {
         self.failed.is_some() || self.deletes
     }
 
-    /// Whether all points of one element have failed.
+    /// Returns true if all points of one element have failed.
     pub fn has_failed(&self, history: State<'_>) -> bool {
         let each = self.each();
         let mark = |p: usize, k: usize, column: usize| {
@@ -595,21 +609,20 @@ impl Section {
         })
     }
 
-    /// Whether the strain increments at both faces are those of a healthy step (false if not a
-    /// number).
+    /// Returns the lanes in which the strain increments at both faces are those of a valid step
+    /// (false if NaN).
     #[inline(always)]
     pub fn sound_points<R: Real>(&self, strains: &Strains<R>, thickness: R) -> R::Mask {
         let half_t = R::splat(0.5) * thickness;
         let face = |c: usize| half_t.mul_add(strains.kappa[c].abs(), strains.eps[c].abs());
-        // Twice the shear is compared with twice the limit. Maxima swallow what is not a number,
-        // sums do not.
+        // Twice the shear is compared with twice the limit. A maximum ignores NaN; a sum does not.
         let direct = Real::max(face(0), face(1)) + R::zero() * (face(0) + face(1));
         let shear = half_of(face(2)) + R::zero() * (strains.gamma[0] + strains.gamma[1]);
         R::both(direct.le(R::splat(STRAIN_LIMIT)), shear.le(R::splat(STRAIN_LIMIT)))
     }
 
-    /// Fields of one element, stress and thickness as means of its points in the plane; `axes` are
-    /// its e1, e2 and normal.
+    /// Returns the fields of one element. Stress and thickness are means over its points in the
+    /// plane; `axes` are its e1, e2 and normal.
     pub fn fields(&self, history: State<'_>, axes: &[[f64; 3]; 3]) -> ElementFields {
         let mean = |column: usize| {
             let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
@@ -622,7 +635,7 @@ impl Section {
             von_mises = von_mises.max((x * x + y * y - x * y + 3.0 * t * t).sqrt());
             plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, point));
         }
-        // The middle point, or the mean of the two beside the middle.
+        // The middle point, or the mean of the two points nearest to the middle.
         let layer = |k: usize, c: usize| mean(POINTS + k * self.stride + c);
         let (below, above) = ((self.points - 1) / 2, self.points / 2);
         let [xx, yy, xy] = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
@@ -648,13 +661,13 @@ impl Section {
     }
 }
 
-/// Stress times strain increment at one point.
+/// Returns stress times strain increment at one point.
 #[inline(always)]
 fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
     sig[0].mul_add(eps[0], sig[1].mul_add(eps[1], sig[2] * eps[2]))
 }
 
-/// Square of the von Mises stress of a point in plane stress [force^2/length^4].
+/// Returns the square of the von Mises stress of a point in plane stress [force^2/length^4].
 #[inline(always)]
 fn von_mises_squared<R: Real>(sig: &[R]) -> R {
     let [x, y, t] = [sig[0], sig[1], sig[2]];
@@ -666,12 +679,13 @@ fn half_of<R: Real>(value: R) -> R {
     R::splat(0.5) * value
 }
 
-/// How a message calls a part: by name if it has one.
+/// Returns the label of a part in messages: its id, and its name if it has one.
 pub fn label(part: &Part) -> String {
     if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
 }
 
-/// Points and weights on (-1, 1), ascending, by Newton on the Legendre polynomial.
+/// Computes points and weights on (-1, 1), ascending, by Newton's method on the Legendre
+/// polynomial.
 fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
     let (mut zeta, mut weight) = ([0.0; MAX_POINTS], [0.0; MAX_POINTS]);
     for k in 0..n {
@@ -686,7 +700,8 @@ fn gauss_legendre(n: usize) -> ([f64; MAX_POINTS], [f64; MAX_POINTS]) {
             slope = n as f64 * (z * p1 - p0) / (z * z - 1.0);
             z -= p1 / slope;
         }
-        // Odd rules have a point in the middle, where round-off must not make the section lopsided.
+        // Odd rules have a point in the middle; it is set to zero so that round-off cannot make the
+        // section asymmetric.
         zeta[k] = if 2 * k + 1 == n { 0.0 } else { z };
         weight[k] = 2.0 / ((1.0 - z * z) * slope * slope);
     }

@@ -1,4 +1,4 @@
-//! What is the same of every shell as an [`Element`].
+//! Implementation of [`Element`] that all shells share.
 
 use super::section::Section;
 use super::{
@@ -8,34 +8,34 @@ use super::{
 use crate::fem::columns::State;
 use crate::math::lanes::Lanes;
 
-/// What differs from shell to shell.
+/// Properties and kernel of one shell formulation.
 pub trait Formulation: Send + Sync {
-    /// Columns of its own, after those of the section.
+    /// Number of its own columns, after those of the section.
     const OWN: usize;
 
-    /// As [`Element::alone`].
+    /// See [`Element::single_element_step`].
     const ALONE: f64;
 
-    /// What it does through the thickness.
+    /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
-    /// As [`Element::corner_mass`].
+    /// See [`Element::corner_mass`].
     fn corner_mass(&self, x: &[[f64; 3]; 4], own: f64) -> (f64, f64);
 
-    /// Area [length^2], and the floor of [`Section::inertia_per_mass`] [length^2], at these
-    /// coordinates.
+    /// Returns the area [length^2] and the floor of [`Section::inertia_per_mass`] [length^2] at
+    /// these coordinates.
     fn size(&self, x: &[[f64; 3]; 4]) -> [f64; 2];
 
-    /// As [`Element::stable_dt`], were the nodes in the middle of the thickness.
+    /// See [`Element::stable_dt`], for nodes in the middle of the thickness.
     fn stable_dt(&self, x: &[[f64; 3]; 4]) -> f64;
 
-    /// [`Section::step_factor`] at these coordinates.
+    /// Returns [`Section::step_factor`] at these coordinates.
     fn step_factor(&self, history: &[f64], x: &[[f64; 3]; 4]) -> f64;
 
-    /// Axes e1, e2 and normal at these coordinates.
+    /// Returns the axes e1, e2 and the normal at these coordinates.
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3];
 
-    /// As [`ShellGroups::group`], with N points through the thickness.
+    /// See [`ShellGroups::group`], with N points through the thickness.
     fn group<L: Lanes<W>, const W: usize, const N: usize>(
         &self,
         group: &GroupNodes<4, W>,
@@ -45,7 +45,7 @@ pub trait Formulation: Send + Sync {
         out: [&mut GroupCorners<4, W>; 2],
     ) -> Totals<L>;
 
-    /// As [`ShellGroups::forceless`].
+    /// See [`ShellGroups::forceless`].
     fn forceless<L: Lanes<W>, const W: usize>(
         &self,
         group: &GroupNodes<4, W>,
@@ -81,7 +81,7 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     }
 }
 
-/// A shell of this formulation.
+/// A shell with the formulation `F`.
 pub struct Shell<F>(pub F);
 
 impl<F: Formulation> Shell<F> {

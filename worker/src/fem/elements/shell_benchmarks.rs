@@ -1,16 +1,17 @@
-//! Static benchmarks of shells (verification B09, A21): what each formulation reaches of the known
-//! displacements.
+//! Static benchmarks of shells (verification B09, A21): displacements of each formulation over the
+//! known ones.
 
 use super::statics::Statics;
 use super::testing::*;
 use crumple_proto::job::Part;
 
-/// A part of a formulation, with the hourglass coefficient of the reference table.
+/// Returns a part of a formulation, with the hourglass coefficient of the reference table.
 fn shell(element: &str, thickness: f64) -> Part {
     Part { element: Some(element.into()), hourglass_coefficient: Some(0.02), ..part(thickness) }
 }
 
-/// Nodes of a grid of `nx` by `ny` elements put where `at` says, from fractions of both directions.
+/// Returns the nodes of a grid of `nx` by `ny` elements; `at` gives the coordinates for fractions
+/// of both directions.
 fn surface(
     nx: usize,
     ny: usize,
@@ -20,8 +21,9 @@ fn surface(
     (flat.iter().map(|x| at(x[0], x[1])).collect(), quads)
 }
 
-/// Strip of length 12 and width 1.1, twisted by a right angle; tip displacement over the known one,
-/// for a load in the direction of its width at the tip (z) and across it (y).
+/// Returns tip displacements over the known ones, of a strip of length 12 and width 1.1 that is
+/// twisted by a right angle, for a load in the direction of its width at the tip (z) and across it
+/// (y).
 fn twisted_beam(element: &str, thickness: f64, nx: usize) -> [f64; 2] {
     let ny = nx / 6;
     let (nodes, quads) = surface(ny, nx, |s, r| {
@@ -40,8 +42,8 @@ fn twisted_beam(element: &str, thickness: f64, nx: usize) -> [f64; 2] {
     })
 }
 
-/// Quarter of the roof of Scordelis & Lo under its weight: the free edge at mid-length sinks by
-/// 0.3024.
+/// Quarter of the roof of Scordelis & Lo under its weight: the free edge at mid-length moves down
+/// by 0.3024.
 fn roof(element: &str, n: usize) -> f64 {
     let (nodes, quads) = surface(n, n, |r, s| {
         let (sin, cos) = (s * 40_f64.to_radians()).sin_cos();
@@ -92,8 +94,8 @@ fn cylinder(element: &str, n: usize) -> f64 {
     -statics.solve()[0][2] / 1.82488e-5
 }
 
-/// Quarter of a hemisphere with a hole of 18 degrees, pulled and pushed by unit loads: 0.093 under
-/// each.
+/// Quarter of a hemisphere with a hole of 18 degrees, loaded by unit forces outwards and inwards:
+/// 0.093 under each.
 fn hemisphere(element: &str, n: usize) -> f64 {
     let (nodes, quads) = surface(n, n, |r, s| {
         let (sin, cos) = (s * std::f64::consts::FRAC_PI_2).sin_cos();
@@ -112,7 +114,7 @@ fn hemisphere(element: &str, n: usize) -> f64 {
     statics.solve()[0][0] / 0.093
 }
 
-/// How a formulation does on finer and finer meshes.
+/// Results of a formulation on finer and finer meshes.
 struct Row {
     element: &'static str,
     /// Roof, cylinder and hemisphere at 8 and 16 elements a side.
@@ -121,12 +123,12 @@ struct Row {
     twisted: [[[f64; 2]; 2]; 2],
 }
 
-/// Figures over the known displacements. The table of B09 has for Belytschko-Tsay 1.040, .806, .978
-/// and 1.007, .960, 1.005 on the curved ones; its thin twisted strip (.003 to .012) is of hourglass
-/// rates that the rigid rotation of a warped element excites, which ours do not. MITC4, of which
-/// the stabilised shell has the shear, is known to reach about .74 and .93 in the cylinder. The 3 %
-/// in the thick beam are the soft drilling of 0.01; 0.1 makes them less than 1 %, and takes as much
-/// from the hemisphere at 16, more at 8.
+/// Displacements over the known ones. The table of B09 has for Belytschko-Tsay 1.040, .806, .978
+/// and 1.007, .960, 1.005 on the curved ones. Its values for the thin twisted strip (.003 to .012)
+/// are due to hourglass rates that the rigid rotation of a warped element excites, which ours
+/// exclude. MITC4, which has the same shear as the stabilised shell, is known to reach about .74
+/// and .93 in the cylinder. The 3 % in the thick beam are due to the soft drilling of 0.01; 0.1
+/// reduces them to less than 1 %, and lowers the hemisphere by as much at 16, by more at 8.
 const ROWS: [Row; 3] = [
     Row {
         element: "belytschko_tsay",

@@ -1,16 +1,16 @@
-//! Transverse shear from the sides of a quad, and what a twisted one stretches: what
-//! `stabilised_quad.rs`, which has the equations, and `fully_integrated_quad.rs` share.
+//! Transverse shear from the sides of a quad, and membrane strain of twisted sides, shared by
+//! `stabilised_quad.rs`, which has the equations, and `fully_integrated_quad.rs`.
 
 use super::quad::{DRILLING, Generalised, Geometry, Motion};
 use super::section::Strains;
 use crate::math::lanes::Real;
 
-/// What shear and stabilisation need of the shape.
+/// Quantities of the shape that shear and stabilisation use.
 pub struct Slopes<R> {
     /// -4 dx/dxi and -4 dx/deta [length].
     pub p: [R; 2],
     pub q: [R; 2],
-    /// 1/A, and X, Y [1/length].
+    /// 1/A [1/length^2], and X, Y [1/length].
     pub inv_a: R,
     pub to_xi: [R; 2],
     pub to_eta: [R; 2],
@@ -40,46 +40,47 @@ impl<R: Real> Slopes<R> {
     }
 }
 
-/// Scalar product in the plane.
+/// Returns the scalar product in the plane.
 #[inline(always)]
 pub fn dot2<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
-/// Rates of the sides in a step.
+/// Increments of the strains of the sides in a step.
 pub struct Sides<R> {
     pub slopes: Slopes<R>,
     /// Increments of gamma_xi and gamma_eta [length].
     pub rate_xi: R,
     pub rate_eta: R,
-    /// h of the coordinates in the plane [length].
+    /// Mode h of the coordinates in the plane [length].
     h: [R; 2],
-    /// Membrane strain per q_z, but for J [1/length^3].
+    /// Membrane strain per q_z, without the factor J [1/length^3].
     climb: R,
 }
 
-/// What acts on the rates of an element with such sides, in its axes.
+/// Generalised forces on the rates of an element with such sides, in its axes.
 pub struct OnSides<'a, R> {
     /// Resultants times the area: membrane [force], moments [force length], shear [force].
     pub n: [R; 3],
     pub m: [R; 3],
     pub q: [R; 2],
-    /// On gamma_xi and gamma_eta [force].
+    /// Forces on gamma_xi and gamma_eta [force].
     pub shear: [R; 2],
-    /// On the hourglass increments of tx, ty [force length], vx, vy [force].
+    /// Forces on the hourglass increments of tx, ty [force length], vx, vy [force].
     pub hourglass: [R; 4],
     /// Drilling moments [force length].
     pub drill: &'a [R],
 }
 
 impl<R: Real> Sides<R> {
-    /// Of this motion, whose hourglass increment of vz is `q_z`; puts its share into the strains.
+    /// Computes the increments of this motion, whose hourglass increment of vz is `q_z`, and adds
+    /// their parts of the strains to `strains`.
     #[inline(always)]
     pub fn new(g: &Geometry<R>, motion: &Motion<R>, q_z: R, strains: &mut Strains<R>) -> Self {
         let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);
         let s = Slopes::new(g);
 
-        // Shear from the sides. With beta, p is 4 (M1), q is 4 (M2), both less their sign.
+        // Shear from the sides: beta_p is -4 M1 and beta_q is -4 M2.
         let t = &motion.t;
         let beta_p = [t[0][1] - t[1][1], t[1][0] - t[0][0]];
         let beta_q = [t[0][1] + t[1][1], -(t[0][0] + t[1][0])];
@@ -93,9 +94,9 @@ impl<R: Real> Sides<R> {
                 s.to_xi[c].neg_mul_add(by_xi, s.to_eta[c].neg_mul_add(by_eta, strains.gamma[c]));
         }
 
-        // Membrane strain of twisted sides, by their own length where they are steep. It goes with
-        // the square of hz, so its increment with the mean of hz: with that of now a vibration
-        // would stretch the element step by step.
+        // Membrane strain of twisted sides, relative to their own length if they are steep. It is
+        // quadratic in hz, so its increment uses the mean of hz over the step. With the present hz
+        // a vibration would stretch the element step by step.
         let mean = R::splat(0.5).neg_mul_add(q_z, g.hz);
         let plane = sixteenth * s.inv_a * s.inv_a;
         let per_climb = plane / (plane * mean * mean).mul_add(s.j[0] + s.j[1], R::splat(1.0));
@@ -107,7 +108,7 @@ impl<R: Real> Sides<R> {
         Self { slopes: s, rate_xi, rate_eta, h, climb }
     }
 
-    /// [`Motion::ahead`] about the normals of the corners.
+    /// Returns [`Motion::extrapolated`] about the normals of the corners.
     #[inline(always)]
     pub fn ahead(&self, g: &Geometry<R>, motion: &Motion<R>) -> [R; DRILLING] {
         let (t, mut ahead) = (&motion.t, motion.extrapolated());
@@ -117,8 +118,8 @@ impl<R: Real> Sides<R> {
         ahead
     }
 
-    /// Modes of the corner forces and moments: what acts on the rates of the sides goes to the
-    /// modes that these are made of.
+    /// Returns the modes of the corner forces and moments. Forces on the rates of the sides are
+    /// distributed to the modes from which these rates are computed.
     #[inline(always)]
     pub fn corners(&self, g: &Geometry<R>, on: &OnSides<'_, R>) -> ([[R; 3]; 3], [[R; 3]; 4]) {
         let [quarter, sixteenth] = [0.25, 0.0625].map(R::splat);

@@ -1,4 +1,4 @@
-//! What tests of solids share: a mesh of hexahedra with its columns, meshes, a bare explicit
+//! Helpers for tests of solids: a mesh of hexahedra with its columns, meshes, a minimal explicit
 //! solver.
 
 use super::testing::{Noise, lay, part, settings};
@@ -10,7 +10,7 @@ use crumple_proto::job::{HourglassForm, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Material;
 
-/// A part of solids without bulk viscosity.
+/// Returns a part of solids without bulk viscosity.
 pub fn solid_part(hourglass: HourglassForm, coefficient: Option<f64>) -> Part {
     Part {
         hourglass: Some(hourglass),
@@ -62,7 +62,7 @@ impl Solids {
         all
     }
 
-    /// Asks the elements where the nodes are now.
+    /// Computes the forces at the present positions of the nodes.
     pub fn forces(&mut self, dt: f64) -> PassTotals {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.v };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut [] };
@@ -78,7 +78,7 @@ impl Solids {
         })
     }
 
-    /// Moves nodes with their velocities, then asks the elements.
+    /// Moves nodes with their velocities, then computes the forces.
     pub fn step(&mut self, dt: f64) -> PassTotals {
         for (x, v) in self.x.iter_mut().zip(&self.v) {
             (0..3).for_each(|i| x[i] += dt * v[i]);
@@ -86,7 +86,7 @@ impl Solids {
         self.forces(dt)
     }
 
-    /// Takes every node to `target` in a step of 1.
+    /// Moves every node to `target` in a step of 1.
     pub fn go(&mut self, target: impl Fn([f64; 3]) -> [f64; 3]) -> PassTotals {
         for (x, v) in self.x.iter().zip(&mut self.v) {
             let to = target([x[0], x[1], x[2]]);
@@ -103,7 +103,7 @@ impl Solids {
         self.element.fields(self.history.element(element), &self.corners(element))
     }
 
-    /// Forces of the elements on the nodes.
+    /// Returns the forces of the elements on the nodes.
     pub fn nodal(&self) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; self.x.len()];
         for (e, cell) in self.cells.iter().enumerate() {
@@ -114,12 +114,12 @@ impl Solids {
         sums
     }
 
-    /// Largest magnitude of any corner force.
+    /// Returns the largest magnitude of any corner force.
     pub fn largest(&self) -> f64 {
         self.force.iter().flatten().fold(0.0, |m: f64, f| m.max(f.abs()))
     }
 
-    /// Sum of corner forces, and of their moments about the origin.
+    /// Returns the sum of corner forces, and of their moments about the origin.
     pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for (f, x) in self.nodal().iter().zip(&self.x) {
@@ -133,7 +133,7 @@ impl Solids {
         (force, moment)
     }
 
-    /// Power of corner forces at the nodal velocities.
+    /// Returns the power of corner forces at the nodal velocities.
     pub fn power(&self) -> f64 {
         self.nodal()
             .iter()
@@ -151,14 +151,14 @@ impl Solids {
         masses
     }
 
-    /// Stable step of the mesh's elements.
+    /// Returns the stable step of the mesh's elements.
     pub fn stable_dt(&self) -> f64 {
         (0..self.cells.len())
             .map(|e| self.element.stable_dt(&self.corners(e), 0.0))
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// One explicit step: `load` adds to nodal forces, `fix` clears velocities that are held.
+    /// Advances one explicit step: `load` adds to nodal forces, `fix` clears prescribed velocities.
     pub fn explicit(
         &mut self,
         dt: f64,
@@ -175,8 +175,8 @@ impl Solids {
     }
 }
 
-/// Nodes and cells of a block of `n` elements along each axis; node `(k (ny + 1) + j) (nx + 1) +
-/// i`.
+/// Returns nodes and cells of a block of `n` elements along each axis; node
+/// `(k (ny + 1) + j) (nx + 1) + i`.
 pub fn block(n: [usize; 3], size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 8]>) {
     let [nx, ny, nz] = n;
     let at = |i: usize, axis: usize| size[axis] * i as f64 / n[axis] as f64;
@@ -202,7 +202,7 @@ pub fn block(n: [usize; 3], size: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 8]>) {
     (nodes, cells)
 }
 
-/// Distorted solids, 3 by 3 by 3, with one of the hourglass controls.
+/// Returns distorted solids, 3 by 3 by 3, with one of the hourglass controls.
 pub fn solids(precision: Precision, steel: &Material, form: HourglassForm) -> Solids {
     let mut noise = Noise(17);
     let (mut nodes, mut cells) = (Vec::new(), Vec::new());

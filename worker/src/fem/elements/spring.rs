@@ -1,14 +1,15 @@
 //! Discrete springs and dampers between two nodes.
 //!
-//! With the elongation s since the start and its rate r at the last mid-step, the force is `F =
-//! f(s) + g(r)` along the unit vector e from the first node to the second, or along a direction
-//! that stays. Its work follows from the forces at both ends of a step and the velocity between
-//! them, so that the balance of energy is that of the central differences.
+//! With the elongation s since the start and its rate r at the last mid-step, the force is
+//! `F = f(s) + g(r)` along the unit vector e from the first node to the second, or along a fixed
+//! direction. Its work follows from the forces at both ends of a step and the velocity between
+//! them, so that the energy balance is that of the central differences.
 //!
-//! Stable step (Belytschko, Liu & Moran 2000, sec. 6.2, with damping a half-step late): between
-//! masses with the sum mu of their inverses the amplification polynomial `z^2 - (2 - k mu dt^2 - c
-//! mu dt) z + 1 - c mu dt` has its roots within the unit circle as long as `k mu dt^2 + 2 c mu dt
-//! <= 4`. Across a stretched spring F / L is below the steepest k as long as f(0) = 0.
+//! Stable step (Belytschko, Liu & Moran 2000, sec. 6.2, with damping delayed by half a step):
+//! between masses with the sum mu of their inverses the amplification polynomial
+//! `z^2 - (2 - k mu dt^2 - c mu dt) z + 1 - c mu dt` has its roots within the unit circle as long
+//! as `k mu dt^2 + 2 c mu dt <= 4`. The stiffness across a stretched spring, F / L, is below the
+//! largest k as long as f(0) = 0.
 
 use super::{
     BuildResult, Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass,
@@ -32,13 +33,13 @@ pub const ROW: ElementEntry = ElementEntry {
 
 type V3 = Vector3<f64>;
 
-/// Columns: whether it has started (0 or 1), length at the start [length], force on the second
-/// corner [force].
+/// Columns: 1 if it has started, else 0; length at the start [length]; force on the second corner
+/// [force].
 const STARTED: usize = 0;
 const LENGTH: usize = 1;
 const FORCE: usize = 2;
 const COLUMNS: usize = 5;
-/// Corners.
+/// Number of corners.
 const ENDS: usize = 2;
 
 /// Parameters of springs.
@@ -48,11 +49,12 @@ pub struct Spring {
     direction: Option<V3>,
 }
 
-/// A piecewise linear function that goes on beyond its ends.
+/// A piecewise linear function, extrapolated beyond its ends.
 struct Line(Vec<[f64; 2]>);
 
 impl Line {
-    /// From its points, or through the origin with a slope without any.
+    /// Builds the function from its points, or through the origin with a slope if there are no
+    /// points.
     fn new(points: &[[f64; 2]], slope: f64) -> Self {
         if points.is_empty() { Self(vec![[0.0, 0.0], [1.0, slope]]) } else { Self(points.to_vec()) }
     }
@@ -71,7 +73,7 @@ impl Line {
         (0..self.0.len() - 1).map(|piece| self.slope(piece).abs()).fold(0.0, f64::max)
     }
 
-    /// What is wrong with the points, if anything.
+    /// Returns the error in the points, if any.
     fn fault(points: &[[f64; 2]]) -> Option<String> {
         match points.windows(2).find(|p| p[1][0] <= p[0][0]) {
             Some(p) => Some(format!("goes from {:?} to {:?}", p[0][0], p[1][0])),
@@ -149,7 +151,7 @@ fn build(part: &Part) -> BuildResult {
 }
 
 impl Spring {
-    /// Length between two points, and the unit vector along which it is measured.
+    /// Returns the length between two points, and the unit vector along which it is measured.
     fn measure(&self, between: &V3) -> (f64, V3) {
         match self.direction {
             Some(along) => (along.dot(between), along),
@@ -167,7 +169,7 @@ impl Element for Spring {
         (0.0, 0.0)
     }
 
-    /// One by one: a scene has few.
+    /// Elements are computed one by one, since a scene has few.
     fn forces(&self, pass: ElementPass<'_>) -> PassTotals {
         let ElementPass { range, count, groups, history, nodes, dt, out, .. } = pass.double();
         let groups = groups.as_chunks::<LANES>().0;
@@ -236,8 +238,8 @@ mod tests {
         assert_eq!((line.steepest(), Line::new(&[], 7.0).value(-2.0)), (3.0, -14.0));
     }
 
-    /// At the stable step a mode grows no more than linearly, just above it without bound: the
-    /// amplification polynomial.
+    /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just
+    /// above it without bound.
     #[test]
     fn the_stable_step_is_where_a_mode_begins_to_grow() {
         for (stiffness, damping) in [(3.0, 0.0), (0.0, 0.7), (3.0, 0.7), (3.0, 20.0)] {

@@ -1,49 +1,50 @@
 //! Four-node shell with one point in its plane, physically stabilised: no coefficient to choose.
 //!
-//! Of the class of Belytschko & Leviathan 1994 and Zeng & Combescure 1998. Frame, strains at the
-//! centre and corner forces are those of `quad.rs`; what varies over the plane is taken to the
-//! first order in xi and eta, with the Jacobian of the centre, and its stress is that of the
-//! elastic material, integrated over the area in closed form.
+//! The formulation belongs to the class of Belytschko & Leviathan 1994 and Zeng & Combescure 1998.
+//! Frame, strains at the centre and corner forces are those of `quad.rs`. Strains vary over the
+//! plane to the first order in xi and eta, with the Jacobian of the centre. Their stress is that of
+//! the elastic material, integrated over the area in closed form.
 //!
-//! With `X = grad xi`, `Y = grad eta` at the centre, `H = (h x, h y)`, `beta = (ty, -tx)`, `q_x =
-//! gam vx` and so on,
+//! With `X = grad xi`, `Y = grad eta` at the centre, `H = (h x, h y)`, `beta = (ty, -tx)`,
+//! `q_x = gam vx` and so on,
 //! ```text
 //! J = A/3 (XX + YY),   Jxx = A/3 (X1 X1 + Y1 Y1) and so on
 //! ```
 //! - Membrane: the assumed strain for bending in the plane without dilation (Belytschko & Bindeman
 //!   1991, QBI), `eps_x = (q_x f,x - nu q_y f,y)/4`, `eps_y = (q_y f,y - nu q_x f,x)/4`, no shear,
-//!   `f = xi eta`: energy `E t/32 [Jxx q_x^2 + Jyy q_y^2 - 2 nu Jxy q_x q_y]`. No locking in plane
-//!   bending, none in volume.
-//! - Bending: the same with `t^2/12` and the modes of beta.
+//!   `f = xi eta`: energy `E t/32 [Jxx q_x^2 + Jyy q_y^2 - 2 nu Jxy q_x q_y]`. It locks neither in
+//!   plane bending nor in volume.
+//! - Bending: the same form with `t^2/12` and the modes of beta.
 //! - Transverse shear: covariant, from the sides (Bathe & Dvorkin 1985), so that it vanishes in any
-//!   pure bending of any flat quad. With M1, M2 the derivatives of beta by xi and eta, a and b
-//!   those of the coordinates:
-//!   ```text
-//!   gamma = gamma(quad.rs) + X (M2 H)/4 + Y (M1 H)/4
-//!   gamma_xi = eta (s + M2 a),  gamma_eta = xi (s + M1 b),   s = (q_z + H gamma(quad.rs))/4
-//!   ``` energy `5/6 G t A/6 [X X (s + M2 a)^2 + Y Y (s + M1 b)^2]`, each term softer by what the
-//!   bending of sides of length L adds, `1 + 5/6 G t L^2 / (12 D)` (residual bending flexibility,
-//!   MacNeal 1978).
-//! - Warped elements: a side that climbs by z0 = h z/4 against the plane is stretched by z0 q_z/4
-//!   when the element is twisted. Its mean goes into the membrane strain, `eps += f z0 q_z/4 (XX +
-//!   YY)`; at the centre alone the twist of a warped element would pass for stretching, and thin
-//!   twisted strips lock. (Membrane strains tied at the sides for the same reason: Ko, Lee & Bathe
-//!   2017.) `f = 1/(1 + z0^2 (X X + Y Y))` is the square of a side's length in the plane over that
-//!   in space: without it an element that is folded upright is stiffer than its step bears.
+//!   pure bending of any flat quad. With M1, M2 the derivatives of beta by xi and eta, and a, b
+//!   those of the coordinates, the strains are `gamma = gamma(quad.rs) + X (M2 H)/4 + Y (M1 H)/4`,
+//!   `gamma_xi = eta (s + M2 a)`, `gamma_eta = xi (s + M1 b)`, `s = (q_z + H gamma(quad.rs))/4`,
+//!   and the energy is `5/6 G t A/6 [X X (s + M2 a)^2 + Y Y (s + M1 b)^2]`. Each term is divided by
+//!   `1 + 5/6 G t L^2 / (12 D)`, which adds the bending of sides of length L (residual bending
+//!   flexibility, MacNeal 1978).
+//! - Warped elements: a side that rises by z0 = h z/4 out of the plane is stretched by z0 q_z/4
+//!   when the element is twisted. The mean of this goes into the membrane strain,
+//!   `eps += f z0 q_z/4 (XX + YY)`. With the centre alone the twist of a warped element would count
+//!   as stretching, and thin twisted strips would lock. (Ko, Lee & Bathe 2017 tie membrane strains
+//!   at the sides for the same reason.) `f = 1/(1 + z0^2 (X X + Y Y))` is the square of a side's
+//!   length in the plane over that in space. Without it an element that is folded upright would be
+//!   too stiff for its stable step.
 //! - Drilling of `quad.rs`, but about the normals of the corners, `n - z0 (eta X + xi Y)`, so that
-//!   a bent warped element asks for none: the modes h and sum lose `h z` times `tx,x + ty,y` and
-//!   what remains of it with the sign of the second difference turned (the drill projection of
-//!   Belytschko & Leviathan 1994).
+//!   a bent warped element needs no drilling. From the modes h and sum, `h z` times `tx,x + ty,y`
+//!   and the remainder of it with the sign of the second difference reversed are subtracted (the
+//!   drill projection of Belytschko & Leviathan 1994).
 //!
-//! Plastic flow takes the stabilising forces of membrane and bending along, by two factors of the
-//! section: they shrink as the radial return shrinks the deviator, by `sig / (sig + 3 G d eps_p)`,
-//! and grow with the ratio of tangent to elastic stiffness, `d sig / (d sig + 3 G d eps_p)`, but at
-//! least with the part's `hourglass_coefficient` of it. `d sig` is without what the rate adds: a
-//! rate goes up and down from step to step, and its rises are no hardening. They unload
-//! elastically, so that flow takes energy from them. Shear stays elastic, as in the section.
+//! Plastic flow acts on the stabilising forces of membrane and bending by two factors of the
+//! section. The forces are scaled as the radial return scales the deviator, by
+//! `sig / (sig + 3 G d eps_p)`. Their stiffness is scaled by the ratio of tangent to elastic
+//! stiffness, `d sig / (d sig + 3 G d eps_p)`, but at least by the part's `hourglass_coefficient`.
+//! `d sig` excludes the contribution of the strain rate: a rate rises and falls from step to step,
+//! and its rises are no hardening. The forces unload elastically, so that flow dissipates their
+//! energy. Shear stays elastic, as in the section.
 //!
-//! Valid where one layer of elements follows the stress; where the centre stays elastic nothing
-//! bounds the stabilising forces. Of a part's options, `hourglass` and `warping` are not read.
+//! The formulation is valid if one layer of elements can follow the stress. If the centre stays
+//! elastic, the stabilising forces are not bounded. The options `hourglass` and `warping` of a part
+//! are not read.
 
 use super::bounds::{self, Capacity};
 use super::quad::{DRILLING, Geometry, Kernel, Modes, Motion, Quad, Response};
@@ -64,8 +65,9 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Own columns, after those of the section: stabilising forces on gam tx, gam ty, gamma_xi,
-/// gamma_eta [force length], gam vx and gam vy [force]; then the drilling moments.
+/// Number of stabilising forces, on gam tx, gam ty, gamma_xi, gamma_eta [force length], gam vx and
+/// gam vy [force]. They are the first own columns, after those of the section; the drilling moments
+/// follow.
 const STABILISING: usize = 6;
 
 /// Parameters of the stabilised shell.
@@ -73,7 +75,7 @@ pub struct StabilisedQuad {
     section: Section,
     /// alpha.
     drilling: f64,
-    /// Fraction of their elastic stiffness that stabilising forces keep in plastic flow, at least.
+    /// Smallest fraction of their elastic stiffness that stabilising forces keep in plastic flow.
     least_stiffness: f64,
 }
 
@@ -85,8 +87,8 @@ fn build(part: &Part, law: Box<dyn PlaneStress>) -> BuildResult {
 
 impl Kernel for StabilisedQuad {
     const OWN: usize = STABILISING + DRILLING;
-    /// The sides' shear at the centre is `(X (M2 H) + Y (M1 H))/4` of rotations that vary, and `XX
-    /// + YY = 4 S`: tr S/4, and tr S is s where elements are long.
+    /// Rotations that vary cause the shear `(X (M2 H) + Y (M1 H))/4` of the sides at the centre,
+    /// and `XX + YY = 4 S`. This gives tr S/4, and tr S is s if elements are long.
     const TAPER: f64 = 0.25;
 
     fn section(&self) -> &Section {
@@ -103,12 +105,12 @@ impl Kernel for StabilisedQuad {
         let (section, own) = history.split_at_mut(self.section.columns());
         let (stabilising, drill) = own[..STABILISING + DRILLING].split_at_mut(STABILISING);
 
-        // 1. Frame, and everything that moves as seen in it.
+        // 1. Frame, and all motions in its axes.
         let g = Geometry::new(&modes.x);
         let (motion, mut strains) = Motion::new(&g, modes, dt);
         let [q_tx, q_ty, q_z, q_x, q_y] = motion.hourglass(&g);
 
-        // 2. Shear from the sides, and membrane strain of twisted ones.
+        // 2. Shear from the sides, and membrane strain of twisted sides.
         let sides = Sides::new(&g, &motion, q_z, &mut strains);
         let Sides { slopes: s, rate_xi, rate_eta, .. } = &sides;
         let (rate_xi, rate_eta) = (*rate_xi, *rate_eta);
@@ -125,13 +127,13 @@ impl Kernel for StabilisedQuad {
         let elastic = &self.section.elastic;
         let third = R::splat(1.0 / 3.0) * s.inv_a;
         let membrane = R::splat(elastic.youngs_modulus / 16.0) * thickness * third;
-        // A single point through the thickness bears no bending.
+        // A single point through the thickness has no bending stiffness.
         let bending =
             R::splat(if N > 1 { 1.0 / 12.0 } else { 0.0 }) * thickness * thickness * membrane;
         let shear = R::splat(SHEAR_CORRECTION * elastic.shear_modulus()) * thickness * third;
         let one = R::splat(1.0);
-        // 5/6 G t L^2 over 12 times the bending stiffness, L = p/2 or q/2 the length along xi or
-        // eta.
+        // 5/6 G t L^2 over 12 times the bending stiffness, with L = p/2 or q/2 the length along xi
+        // or eta.
         let bends =
             R::splat(SHEAR_CORRECTION / 8.0 * (1.0 - elastic.poisson)) / (thickness * thickness);
         let (p2, q2) = (dot2(s.p, s.p), dot2(s.q, s.q));
@@ -146,7 +148,7 @@ impl Kernel for StabilisedQuad {
             membrane * jxx.mul_add(q_x, -(nu_xy * q_y)),
             membrane * jyy.mul_add(q_y, -(nu_xy * q_x)),
         ];
-        // Membrane is 0 and bending 1 in what the section tells; shear stays elastic.
+        // In the section's factors membrane is 0 and bending is 1; shear stays elastic.
         let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
         let tangent = tangent.map(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
         let mut energy = R::zero();
@@ -154,9 +156,9 @@ impl Kernel for StabilisedQuad {
             let old = stabilising[c];
             let new = match kind[c] {
                 Some(kind) => {
-                    // Unloading is elastic: with the tangent it would give back more than it took.
-                    // Loading is where the elastic trial is the larger one in size, so that
-                    // round-off of a force near zero has no say in it.
+                    // Unloading is elastic: with the tangent it would release more energy than
+                    // loading stored. Loading means that the elastic trial is larger in magnitude,
+                    // so that round-off of a force near zero has no effect.
                     let loading = (more[c] * (old + old + more[c])).gt(R::zero());
                     keep[kind] * R::select(loading, tangent[kind], one).mul_add(more[c], old)
                 }

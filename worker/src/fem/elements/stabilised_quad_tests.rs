@@ -1,4 +1,4 @@
-//! What is particular to the stabilised shell.
+//! Tests of the properties that only the stabilised shell has.
 
 use super::super::quad::tests::singles_and_lanes;
 use super::super::testing::*;
@@ -9,16 +9,16 @@ use crumple_proto::partition::{Material, Param};
 
 const E: f64 = 210.0;
 const NU: f64 = 0.3;
-/// Motions this small leave their squares in the round-off.
+/// Motion so small that its square is round-off.
 const SMALL: f64 = 1e-12;
 
 fn quad(thickness: f64, material: Material, nodes: &[[f64; 3]]) -> Patch {
     Patch::new(part_of("stabilised_quad", thickness), material, nodes, &[[0, 1, 2, 3]])
 }
 
-/// Beam bending of a rectangle in its plane has the energy of the beam, whatever the side ratio and
-/// Poisson's ratio: `u = c x y`, `v = -c (x^2 + nu y^2)/2`, moment `E t h^3 c/12`. At the corners v
-/// is the same everywhere.
+/// Beam bending of a rectangle in its plane has the energy of the beam for any side ratio and any
+/// Poisson's ratio: `u = c x y`, `v = -c (x^2 + nu y^2)/2`, moment `E t h^3 c/12`. v is equal at
+/// all corners.
 #[test]
 fn plane_bending_does_not_lock() {
     for nu in [0.0, 0.3, 0.499] {
@@ -41,7 +41,7 @@ fn plane_bending_does_not_lock() {
     }
 }
 
-/// No corner motion that is not rigid is free, and the energy is the work.
+/// Every corner motion that is not rigid has stiffness, and the energy is the work.
 #[test]
 fn every_mode_is_resisted() {
     let skew = [[0.0, 0.0, 0.0], [1.1, 0.1, 0.0], [1.3, 0.9, 0.1], [-0.1, 1.2, 0.0]];
@@ -61,7 +61,7 @@ fn every_mode_is_resisted() {
     }
 }
 
-/// Verification C11: rigid rotation of a warped square about any axis gives nothing.
+/// Verification C11: rigid rotation of a warped square about any axis gives no force.
 #[test]
 fn warped_squares_turn_freely() {
     for warp in [0.05, 0.1, 0.2] {
@@ -82,15 +82,15 @@ fn warped_squares_turn_freely() {
     }
 }
 
-/// Yield stress of the square that flows.
+/// Yield stress of the square with plastic flow.
 const YIELDS: f64 = 0.25;
 
 fn steel() -> Material {
     material("j2", 1.0, &[("youngs_modulus", E), ("poisson", NU), ("yield_stress", YIELDS)])
 }
 
-/// The stabilising force that a square gathers in 1000 steps of shear at 1e-4 a step, more and less
-/// by `wave` of it from step to step, and of bending in the plane at 1e-6 a step.
+/// Returns the stabilising force of a square after 1000 steps of shear at 1e-4 per step, which
+/// varies by the fraction `wave` from step to step, and of bending in the plane at 1e-6 per step.
 fn gathered(material: Material, wave: f64) -> f64 {
     let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let mut patch = quad(0.1, material, &square);
@@ -105,26 +105,26 @@ fn gathered(material: Material, wave: f64) -> f64 {
     patch.history.element(0).at(column)
 }
 
-/// A rate that goes up and down makes the stress rise in every other step. That is no hardening:
+/// A strain rate that rises and falls raises the stress in every other step. That is not hardening:
 /// the stabilising force relaxes as it does at a steady rate.
 #[test]
 fn waves_in_the_rate_do_not_stiffen() {
     let mut rated = steel();
-    // At 1e-4 the rate adds a third.
+    // At 1e-4 the strain rate adds a third.
     rated.parameters.insert("cowper_symonds".to_string(), Param::List(vec![0.01, 5.0]));
     let (steady, wavy) = (gathered(rated.clone(), 0.0), gathered(rated, 0.5));
     assert_close(wavy, steady, 0.2 * steady, "the return's factor is not linear in the rate");
 }
 
-/// In steady plastic flow the stabilising force is that of a few steps, not what an elastic
-/// material would gather.
+/// In steady plastic flow the stabilising force is that of a few steps, not that of an elastic
+/// material.
 #[test]
 fn flow_relaxes_the_stabilising_forces() {
     let (plain, flowing) = (gathered(elastic(E, NU, 1.0), 0.0), gathered(steel(), 0.0));
     // Elastic: E t/16 times Jxx = 4/3, times four times the corners' 1e-3.
     assert_close(plain, E * 0.1 / 16.0 * (4.0 / 3.0) * 4e-3, 0.05 * plain, "shear of a tenth");
     // Relaxation with the rate 3 G d eps_p / sig_y and d eps_p = 1e-4/sqrt(3) leaves the growth of
-    // some steps, each of which is the least without hardening.
+    // some steps, each of which is the smallest without hardening.
     let steps = YIELDS / (3.0 * 0.5 * E / (1.0 + NU) * 1e-4 / 3.0_f64.sqrt());
     assert_close(
         flowing,
@@ -134,7 +134,7 @@ fn flow_relaxes_the_stabilising_forces() {
     );
 }
 
-/// The one kernel, run on single numbers and on lanes.
+/// The kernel gives the same bits on scalars and on lanes.
 #[test]
 fn lanes_are_the_scalar_kernel() {
     let rate = ("cowper_symonds".to_string(), Param::List(vec![0.04, 5.0]));

@@ -1,15 +1,15 @@
-//! Linear statics for tests: stiffness from what the kernels answer to each small corner motion,
-//! solved directly.
+//! Linear statics for tests: the stiffness follows from the forces of the kernels for each small
+//! corner motion; the equations are solved directly.
 
 use super::testing::Patch;
 use crumple_proto::job::Part;
 use crumple_proto::partition::Material;
 
-/// Motion of the probes. Its square has to vanish even beside what is left of rigid motion: thin
-/// shells bend by 1e-14 of what they stretch.
+/// Motion of the probes. Its square must vanish even compared with the residue of rigid motion: the
+/// bending forces of thin shells are 1e-14 of their membrane forces.
 const PROBE: f64 = 1.0 / (1u128 << 100) as f64;
 
-/// A mesh with its stiffness, as the lower band of a symmetric matrix; six unknowns a node.
+/// A mesh with its stiffness, as the lower band of a symmetric matrix; six unknowns per node.
 pub struct Statics {
     band: usize,
     rows: Vec<Vec<f64>>,
@@ -19,7 +19,7 @@ pub struct Statics {
 
 impl Statics {
     pub fn new(part: Part, material: Material, nodes: &[[f64; 3]], quads: &[[u32; 4]]) -> Self {
-        // Every element on nodes of its own, so that one pass probes them all.
+        // Every element has its own nodes, so that one pass probes all elements.
         let apart: Vec<[f64; 3]> =
             quads.iter().flatten().map(|&node| nodes[node as usize]).collect();
         let cells: Vec<[u32; 4]> =
@@ -56,12 +56,12 @@ impl Statics {
         Self { band, rows, load: vec![0.0; size], fixed: vec![false; size] }
     }
 
-    /// Holds unknowns of a node: x, y, z, then the rotations about them.
+    /// Fixes unknowns of a node: x, y, z, then the rotations about them.
     pub fn fix(&mut self, node: usize, unknowns: &[usize]) {
         unknowns.iter().for_each(|c| self.fixed[6 * node + c] = true);
     }
 
-    /// Displacements and rotations where the first `count` nodes are held to a field.
+    /// Returns displacements and rotations with the first `count` nodes fixed to a field.
     pub fn hold(mut self, count: usize, field: impl Fn(usize) -> [f64; 6]) -> Vec<[f64; 6]> {
         let held: Vec<f64> = (0..count).flat_map(field).collect();
         for (row, terms) in self.rows.iter().enumerate().skip(held.len()) {
@@ -75,7 +75,7 @@ impl Statics {
         found
     }
 
-    /// Displacements and rotations under the load, by Cholesky in the band.
+    /// Returns displacements and rotations under the load, by Cholesky decomposition in the band.
     pub fn solve(mut self) -> Vec<[f64; 6]> {
         let (size, band) = (self.load.len(), self.band);
         for row in 0..size {

@@ -1,9 +1,9 @@
-//! The step of elements whose mass has spread over another area and thickness than at the start.
+//! The stable step of elements that keep their mass while area and thickness change.
 
 use super::testing::{BOTH, FORMULATIONS, Noise, Patch, elastic, grid, part_of, triangles};
 use crumple_proto::job::{Part, Precision};
 
-/// A sheet of `n` by `n` squares of side 1, stretched by these factors in twenty steps.
+/// Returns a sheet of `n` by `n` squares of side 1, stretched by these factors in twenty steps.
 fn stretched(
     of: Part,
     triangular: bool,
@@ -28,14 +28,14 @@ fn stretched(
     patch
 }
 
-/// Masses as they were before the stretch.
+/// Returns the masses before the stretch.
 fn masses_at_first(of: Part, triangular: bool, nu: f64, n: usize) -> Vec<(f64, f64)> {
     stretched(of, triangular, nu, n, [1.0; 2], Precision::Double).masses()
 }
 
-/// A sheet that is stretched, held and brought back slowly by its rim stays as quiet as the rim is:
-/// its nodes are never much faster. Tension of half the modulus stiffens it at right angles to
-/// itself, which the safety bears.
+/// A sheet that is stretched, held and brought back slowly by its rim does not vibrate: its nodes
+/// are never much faster than the rim. Tension of half the modulus stiffens it transversely, which
+/// the safety factor covers.
 #[test]
 fn a_stretched_sheet_does_not_swing_up() {
     const N: usize = 6;
@@ -80,7 +80,8 @@ fn a_stretched_sheet_does_not_swing_up() {
     }
 }
 
-/// Largest step that a stretched sheet without stress bears, over that which its elements tell of.
+/// Returns the largest step for which a stretched sheet without stress is stable, over the stable
+/// step of its elements.
 fn critical(of: &Part, triangular: bool, nu: f64, n: usize, by: [f64; 2]) -> f64 {
     let masses = masses_at_first(of.clone(), triangular, nu, n);
     let grows = |factor: f64| {
@@ -110,8 +111,8 @@ fn critical(of: &Part, triangular: bool, nu: f64, n: usize, by: [f64; 2]) -> f64
     0.5 * (low + high)
 }
 
-/// Bisected as in A23: what is stretched or pressed together bears 0.9 of its step, as what is not
-/// does.
+/// Bisection as in A23: stretched and compressed elements are stable for 0.9 of their step, as
+/// undeformed ones are.
 #[test]
 fn stretched_and_pressed_elements_bear_their_step_with_the_usual_safety() {
     for (element, triangular) in FORMULATIONS {
@@ -134,8 +135,8 @@ fn stretched_and_pressed_elements_bear_their_step_with_the_usual_safety() {
     }
 }
 
-/// The same of shells whose middle is beside their nodes, as they are and stretched: fine ones,
-/// whose offset is long beside their sides, and coarse ones.
+/// Shells with an offset of the middle surface are also stable, undeformed and stretched: fine
+/// meshes, whose offset is long compared with their sides, and coarse ones.
 #[test]
 fn shells_with_an_offset_bear_their_step_with_the_usual_safety() {
     for (element, triangular) in FORMULATIONS {
@@ -155,20 +156,20 @@ fn shells_with_an_offset_bear_their_step_with_the_usual_safety() {
                     "{element}: offset {offset}, {n} x {n}, nu {nu}, t {t}, by {by}: {limit}"
                 );
                 assert!(limit > 0.91, "{case}");
-                // A step that is far too short never grows, whatever it is multiplied with.
+                // A step that is far too short gives no growth for any factor.
                 assert!(limit < 2.5, "{case}");
             }
         }
     }
 }
 
-/// The step of a sheet that is stretched goes with `sqrt(A0 t0/(A t))` beside its shape, in both
-/// precisions and however it is asked for.
+/// The step of a sheet that is stretched depends on `sqrt(A0 t0/(A t))` in addition to its shape,
+/// in both precisions and for all functions that return it.
 #[test]
 fn the_step_of_a_stretched_element_goes_with_the_mass_per_area() {
     for (element, triangular) in FORMULATIONS {
         for precision in BOTH {
-            // Thick: its own inertia is enough for shear.
+            // Thick, so that its own inertia is enough for shear.
             let of = Part { thinning: true, ..part_of(element, 4.0) };
             let [patch, fresh] =
                 [1.4, 1.0].map(|by| stretched(of.clone(), triangular, 0.3, 1, [by; 2], precision));

@@ -1,4 +1,4 @@
-//! What element tests share: parts and materials in a line, a mesh with its columns, a bare
+//! Helpers for element tests: parts and materials in a line, a mesh with its columns, a minimal
 //! explicit solver.
 
 use super::{
@@ -10,7 +10,7 @@ use crumple_proto::job::{Inverted, Part, Precision};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{Material, Param, Settings};
 
-/// A part with the usual options.
+/// Returns a part with the usual options.
 pub fn part(thickness: f64) -> Part {
     Part {
         id: 1,
@@ -42,7 +42,7 @@ pub const YIELD: f64 = 0.25;
 /// Both precisions.
 pub const BOTH: [Precision; 2] = [Precision::Double, Precision::Single];
 
-/// Formulations, and whether they are of triangles.
+/// Formulations, with true for triangles.
 pub const FORMULATIONS: [(&str, bool); 4] = [
     ("belytschko_tsay", false),
     ("stabilised_quad", false),
@@ -50,29 +50,29 @@ pub const FORMULATIONS: [(&str, bool); 4] = [
     ("c0_triangle", true),
 ];
 
-/// Those of quads.
+/// Formulations of quads.
 pub const QUADS: [&str; 3] = [FORMULATIONS[0].0, FORMULATIONS[1].0, FORMULATIONS[2].0];
 
-/// A part with the usual options of one formulation.
+/// Returns a part of one formulation with the usual options.
 pub fn part_of(element: &str, thickness: f64) -> Part {
     Part { element: Some(element.into()), ..part(thickness) }
 }
 
-/// A material from its law and numbers.
+/// Returns a material from its law and numbers.
 pub fn material(law: &str, density: f64, numbers: &[(&str, f64)]) -> Material {
     let parameters =
         numbers.iter().map(|&(key, value)| (key.to_string(), Param::Number(value))).collect();
     Material { name: "sheet".into(), law: law.into(), density, parameters }
 }
 
-/// Sheet steel of a law, with these parameters beside the elastic ones.
+/// Returns sheet steel with a law, and these parameters in addition to the elastic ones.
 pub fn steel(law: &str, more: &[(&str, Param)]) -> Material {
     let mut m = material(law, 7.85e-6, &[("youngs_modulus", E), ("poisson", NU)]);
     m.parameters.extend(more.iter().map(|(key, value)| (key.to_string(), value.clone())));
     m
 }
 
-/// Every law, with all that takes powers, logarithms and exponentials.
+/// Returns all laws, with all options that use powers, logarithms and exponentials.
 pub fn laws() -> Vec<Material> {
     let number = Param::Number;
     let table = Param::Table(vec![vec![0.0, YIELD], vec![0.02, 0.3], vec![0.05, 0.6]]);
@@ -103,12 +103,12 @@ pub fn laws() -> Vec<Material> {
     all
 }
 
-/// An elastic material.
+/// Returns an elastic material.
 pub fn elastic(e: f64, nu: f64, rho: f64) -> Material {
     material("elastic", rho, &[("youngs_modulus", e), ("poisson", nu)])
 }
 
-/// Settings of a job that has one part of one material.
+/// Returns the settings of a job that has one part of one material.
 pub fn settings(part: Part, material: Material) -> Settings {
     Settings {
         end_time: 1.0,
@@ -150,7 +150,7 @@ pub struct Patch {
     pub moment: Vec<[f64; 4]>,
 }
 
-/// Connectivity in groups, and the columns of fresh elements.
+/// Returns the connectivity in groups, and the columns of new elements.
 pub fn lay<const C: usize>(
     element: &dyn Element,
     precision: Precision,
@@ -181,7 +181,7 @@ impl Patch {
         quads: &[[u32; 4]],
     ) -> Self {
         let shape = if quads[0][2] == quads[0][3] { Shape::Tri3 } else { Shape::Quad4 };
-        // Tests that name no formulation are of the plainest.
+        // Tests that name no formulation use the simplest one.
         let part = match (&part.element, shape) {
             (None, Shape::Quad4) => Part { element: Some("belytschko_tsay".into()), ..part },
             _ => part,
@@ -211,7 +211,7 @@ impl Patch {
         }
     }
 
-    /// Moves nodes with their velocities, then asks the elements.
+    /// Moves nodes with their velocities, then computes the forces.
     pub fn step(&mut self, dt: f64) -> PassTotals {
         for (x, v) in self.x.iter_mut().zip(&self.v) {
             (0..3).for_each(|i| x[i] += dt * v[i]);
@@ -219,7 +219,7 @@ impl Patch {
         self.forces(dt)
     }
 
-    /// Asks the elements where the nodes are now.
+    /// Computes the forces at the present positions of the nodes.
     pub fn forces(&mut self, dt: f64) -> PassTotals {
         let nodes = NodeView { x: &self.x, v: &self.v, w: &self.w };
         let out = ElementNodalForces { force: &mut self.force, moment: &mut self.moment };
@@ -235,7 +235,7 @@ impl Patch {
         })
     }
 
-    /// Velocities that take every node to `target` in a step; rotational ones as given.
+    /// Sets velocities that move every node to `target` in a step; rotational ones as given.
     pub fn aim(&mut self, dt: f64, target: impl Fn([f64; 3]) -> [f64; 3], spin: [f64; 3]) {
         for ((x, v), w) in self.x.iter().zip(&mut self.v).zip(&mut self.w) {
             let to = target([x[0], x[1], x[2]]);
@@ -252,21 +252,21 @@ impl Patch {
         self.element.fields(self.history.element(element), &self.corners(element))
     }
 
-    /// Corner force and moment of an element.
+    /// Returns corner force and moment of an element.
     pub fn corner(&self, element: usize, corner: usize) -> ([f64; 3], [f64; 3]) {
         let slot = element * 4 + corner;
         let three = |row: [f64; 4]| [row[0], row[1], row[2]];
         (three(self.force[slot]), three(self.moment[slot]))
     }
 
-    /// Largest magnitude of any corner force and of any corner moment.
+    /// Returns the largest magnitude of any corner force and of any corner moment.
     pub fn largest(&self) -> (f64, f64) {
         let largest =
             |rows: &[[f64; 4]]| rows.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
         (largest(&self.force), largest(&self.moment))
     }
 
-    /// Sum of corner forces, and of moments about the origin, over all real elements.
+    /// Returns the sum of corner forces, and of moments about the origin, over all real elements.
     pub fn sums(&self) -> ([f64; 3], [f64; 3]) {
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for (e, quad) in self.quads.iter().enumerate() {
@@ -287,7 +287,7 @@ impl Patch {
         (force, moment)
     }
 
-    /// Power of corner forces at the nodal velocities.
+    /// Returns the power of corner forces at the nodal velocities.
     pub fn power(&self) -> f64 {
         let mut power = 0.0;
         for (e, quad) in self.quads.iter().enumerate() {
@@ -300,7 +300,7 @@ impl Patch {
         power
     }
 
-    /// Nodal mass and inertia.
+    /// Returns nodal mass and inertia.
     pub fn masses(&self) -> Vec<(f64, f64)> {
         let mut masses = vec![(0.0, 0.0); self.x.len()];
         for (e, quad) in self.quads.iter().enumerate() {
@@ -314,7 +314,7 @@ impl Patch {
         masses
     }
 
-    /// One explicit step: `load` adds to nodal forces, `fix` clears velocities that are held.
+    /// Advances one explicit step: `load` adds to nodal forces, `fix` clears prescribed velocities.
     pub fn explicit(
         &mut self,
         dt: f64,
@@ -344,7 +344,7 @@ impl Patch {
     }
 }
 
-/// Nodes and quads of a rectangle of `nx` by `ny` elements; node `j (nx + 1) + i`.
+/// Returns nodes and quads of a rectangle of `nx` by `ny` elements; node `j (nx + 1) + i`.
 pub fn grid(nx: usize, ny: usize, width: f64, height: f64) -> (Vec<[f64; 3]>, Vec<[u32; 4]>) {
     let at =
         |i: usize, j: usize| [width * i as f64 / nx as f64, height * j as f64 / ny as f64, 0.0];
@@ -355,7 +355,7 @@ pub fn grid(nx: usize, ny: usize, width: f64, height: f64) -> (Vec<[f64; 3]>, Ve
     (nodes, quads)
 }
 
-/// Quads cut into triangles along alternate diagonals.
+/// Returns quads cut into triangles along alternate diagonals.
 pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
     let cut = |(index, q): (usize, &[u32; 4])| {
         let [a, b, c, d] = *q;
@@ -364,7 +364,7 @@ pub fn triangles(quads: &[[u32; 4]]) -> Vec<[u32; 4]> {
     quads.iter().enumerate().flat_map(cut).collect()
 }
 
-/// Shells of every formulation.
+/// Returns shells of every formulation.
 pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4] {
     let (nodes, quads) = grid(5, 3, 5.0, 3.0);
     let mut noise = Noise(5);
@@ -382,7 +382,7 @@ pub fn shells(precision: Precision, steel: &Material, at: [f64; 3]) -> [Patch; 4
     ]
 }
 
-/// Numbers between -1 and 1, the same in every run.
+/// Numbers between -1 and 1, equal in every run.
 pub struct Noise(pub u64);
 
 impl Noise {
@@ -392,7 +392,7 @@ impl Noise {
     }
 }
 
-/// Rotation by the length of `angle` about its direction (Rodrigues).
+/// Returns `x` rotated by the length of `angle` about its direction (Rodrigues).
 pub fn rotate(angle: [f64; 3], x: [f64; 3]) -> [f64; 3] {
     let phi = angle.iter().map(|c| c * c).sum::<f64>().sqrt();
     let k = angle.map(|c| c / phi);
@@ -402,7 +402,7 @@ pub fn rotate(angle: [f64; 3], x: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| x[i] * cos + cross[i] * sin + k[i] * dot * (1.0 - cos))
 }
 
-/// Fails with the reason of the tolerance.
+/// Panics with the reason for the tolerance if the value differs by more than it.
 #[track_caller]
 pub fn assert_close(value: f64, wanted: f64, tolerance: f64, why: &str) {
     let off = (value - wanted).abs();

@@ -1,5 +1,5 @@
-//! Elements at rest or in uniform flight, whose forces are not computed: the same bits as if they
-//! were.
+//! Elements at rest or in uniform motion, whose forces are not computed: the results have the same
+//! bits as if they were computed.
 
 use super::solid_testing::{Solids, solids};
 use super::testing::{BOTH, FORMULATIONS, Patch, laws, lay, shells};
@@ -8,14 +8,14 @@ use crate::fem::columns::HistoryColumns;
 use crumple_proto::job::{HourglassForm, Precision};
 use crumple_proto::partition::Material;
 
-/// A mesh of fresh elements.
+/// A mesh of new elements.
 trait Mesh {
     fn view(&mut self) -> View<'_>;
     fn step(&mut self, dt: f64) -> PassTotals;
     fn cells(&self) -> Vec<Vec<usize>>;
 }
 
-/// What is in a mesh. Solids do not turn.
+/// Contents of a mesh. Solids do not rotate.
 struct View<'a> {
     element: &'a dyn Element,
     history: &'a HistoryColumns,
@@ -56,23 +56,23 @@ impl Mesh for Solids {
     }
 }
 
-/// Bits of a number; minus nought is nought, which no sum of forces tells apart.
+/// Returns the bits of a number, with -0 as +0: no sum of forces can distinguish them.
 fn bits(number: f64) -> u64 {
     (number + 0.0).to_bits()
 }
 
-/// What ends rest and flight, for a component of velocity.
+/// Change that ends rest or uniform motion, for a component of velocity.
 #[derive(Clone, Copy, Debug)]
 enum Kick {
     /// Another velocity of this corner of the last element.
     Move(usize),
-    /// A rotational one.
+    /// A rotational velocity of this corner of the last element.
     Turn(usize),
-    /// The same rotational one of all nodes.
+    /// One rotational velocity of all nodes.
     TurnAll,
 }
 
-/// Goes through rest, flight and a kick with unstrained elements left out, and with all computed.
+/// Runs rest, uniform motion and a kick with unstrained elements left out, and with all computed.
 fn follow(
     [mut left_out, mut computed]: [Box<dyn Mesh>; 2],
     (kick, component): (Kick, usize),
@@ -97,7 +97,7 @@ fn follow(
                 let column = if turned { w } else { v };
                 nodes.iter().for_each(|&node| column[node][component] += 0.3);
             }
-            // Corners that nobody writes would add up what is put on them later.
+            // Corners that no element writes would show as NaN in later sums.
             [force, moment].into_iter().for_each(|rows| rows.fill([f64::NAN; 4]));
             let told = mesh.step(if cycle == 0 { 0.0 } else { 0.01 });
             assert_eq!(told.trouble, None, "{name}, cycle {cycle}");
@@ -123,7 +123,7 @@ fn fresh_shells(precision: Precision, law: &Material, kind: usize) -> Box<dyn Me
     Box::new(shells(precision, law, [3.0, 100.0, -7.0]).into_iter().nth(kind).expect("one of them"))
 }
 
-/// Their first volume is still to be found.
+/// Returns solids whose volume at the start is not yet set.
 fn fresh_solids(precision: Precision, law: &Material, form: HourglassForm) -> Box<dyn Mesh> {
     let mut all = solids(precision, law, form);
     all.history = lay(&*all.element, precision, &all.cells).1;

@@ -1,9 +1,9 @@
-//! Linear elasticity in rate form, `d sigma = C d eps`: in plane stress `C = E/(1-nu^2) [1 nu 0; nu
-//! 1 0; 0 0 (1-nu)/2]` (the last for the engineering shear strain), in three dimensions `d sigma =
-//! lambda tr(d eps) 1 + 2 G d eps`.
+//! Linear elasticity in rate form, `d sigma = C d eps`. In plane stress `C = E/(1-nu^2) [1 nu 0;
+//! nu 1 0; 0 0 (1-nu)/2]` (the last for the engineering shear strain). In three dimensions `d
+//! sigma = lambda tr(d eps) 1 + 2 G d eps`.
 //!
-//! Valid for small strains and large rotations; with the logarithmic strains of the elements it is
-//! a Hencky law as long as the principal axes of strain do not turn in the material.
+//! Valid for small strains and large rotations. With the logarithmic strains of the elements it
+//! is a Hencky law as long as the principal axes of strain do not rotate in the material.
 
 use super::parameters::Parameters;
 use super::{BuildResult, BuildSolidResult, Elastic, Law, PlaneStress, Points, Solid, SolidPoint};
@@ -37,12 +37,12 @@ fn read(parameters: Parameters<'_>, elastic: Elastic) -> Result<LinearElastic, V
     Ok(LinearElastic { elastic })
 }
 
-/// The law in three dimensions with these constants.
+/// Returns the law in three dimensions with these constants.
 pub fn solid_law(elastic: Elastic) -> Box<dyn Solid> {
     Box::new(LinearElastic { elastic })
 }
 
-/// The law in plane stress with these constants.
+/// Returns the law in plane stress with these constants.
 pub fn law(elastic: Elastic) -> Box<dyn PlaneStress> {
     Box::new(LinearElastic { elastic })
 }

@@ -2,21 +2,22 @@
 //! `plasticity`.
 //!
 //! Yield stress `sig_y(eps_p)` [force/length^2], one of
-//! - `yield_stress` and, if wanted, the plastic modulus `hardening_modulus`: `yield_stress +
+//! - `yield_stress` and optionally the plastic modulus `hardening_modulus`: `yield_stress +
 //!   hardening_modulus eps_p`;
-//! - `hardening = [[eps_p, sigma], ...]`: straight lines between points, constant beyond the last.
+//! - `hardening = [[eps_p, sigma], ...]`: straight lines between points, constant beyond the
+//!   last.
 //!
-//! `cowper_symonds = [C, p]` (Cowper & Symonds 1957) multiplies it by `1 + (rate/C)^(1/p)`; the
-//! rate is that of the total effective strain over the step, `sqrt(2/3 e:e)/dt` with the deviator e
-//! of the increment (in plane stress taken as isochoric, so `e:e = 2 (e_x^2 + e_y^2 + e_x e_y +
-//! e_xy^2)`). It is not filtered and does not count while the trial is below the static yield
+//! `cowper_symonds = [C, p]` (Cowper & Symonds 1957) multiplies it by `1 + (rate/C)^(1/p)`. The
+//! rate is that of the total effective strain over the step, `sqrt(2/3 e:e)/dt` with the deviator
+//! e of the increment (in plane stress taken as isochoric, so `e:e = 2 (e_x^2 + e_y^2 + e_x e_y +
+//! e_xy^2)`). It is not filtered. It has no effect while the trial is below the static yield
 //! stress.
 //!
-//! `failure_strain`: the effective plastic strain at which a point fails and bears no stress any
-//! more.
+//! `failure_strain`: effective plastic strain at which a point fails; its stress is zero from
+//! then on.
 //!
-//! Left out: kinematic hardening, transverse shear in the yield condition of shells (as in most
-//! shell codes).
+//! Not included: kinematic hardening, transverse shear in the yield condition of shells (as in
+//! most shell codes).
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate};
@@ -74,7 +75,7 @@ fn solid(material: &Material) -> BuildSolidResult {
     Parameters::new(material).solid_law(read)
 }
 
-/// The law with what is left to read.
+/// Reads the remaining parameters and returns the law.
 fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, Vec<Problem>> {
     let (yield_stress, slope, ramps) = hardening(&mut parameters);
     let rate = match parameters.get("cowper_symonds") {
@@ -102,7 +103,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     Ok(Plasticity { elastic, yield_stress, curve, rate, thermal: None, failure })
 }
 
-/// Yield stress, first slope, and changes of slope.
+/// Returns the yield stress, the first slope, and the changes of slope.
 fn hardening(parameters: &mut Parameters<'_>) -> (f64, f64, Vec<(f64, f64)>) {
     const TABLE: &str = "hardening";
     let yield_stress = parameters.optional("yield_stress", "above 0", |y| y > 0.0);

@@ -3,16 +3,17 @@
 //! sig_y = (a + b eps_p^n) (1 + c ln rate*) (1 - T*^m),   rate* = rate/reference_rate, at least 1
 //! T* = (T - reference_temperature)/(melting_temperature - reference_temperature)
 //! rho specific_heat dT = taylor_quinney sig_y d eps_p,   T = reference_temperature at the start
-//! eps_f = (D1 + D2 exp(D3 sig*)) (1 + D4 ln rate*) (1 + D5 T*),   failure at sum of d eps_p/eps_f = 1
+//! eps_f = (D1 + D2 exp(D3 sig*)) (1 + D4 ln rate*) (1 + D5 T*)
+//! failure at sum of d eps_p/eps_f = 1
 //! ```
-//! with sig* the mean stress over the von Mises stress, at most 1.5. The rate is that of the total
-//! deviatoric strain over the step; temperature is that before the step, so it is of first order in
-//! the step. No heat is conducted.
+//! with sig* the mean stress over the von Mises stress, at most 1.5. The rate is that of the
+//! total deviatoric strain over the step. The temperature is that before the step, so it is of
+//! first order in the step. Heat is not conducted.
 //!
-//! `a`, `b`, `n` are needed; `c` with `reference_rate` [1/time], `m` with `melting_temperature` and
-//! `specific_heat` [energy/(mass temperature)], and `damage = [D1, D2, D3, D4, D5]` may be left
-//! out. `b eps_p^n` is a straight line below eps_p = 1e-5. The return to the yield surface is in
-//! `plasticity`.
+//! `a`, `b`, `n` are required. Optional are `c` with `reference_rate` [1/time], `m` with
+//! `melting_temperature` and `specific_heat` [energy/(mass temperature)], and `damage = [D1, D2,
+//! D3, D4, D5]`. `b eps_p^n` is a straight line below eps_p = 1e-5. The return to the yield
+//! surface is in `plasticity`.
 
 use super::parameters::Parameters;
 use super::plasticity::{Curve, Failure, Plasticity, Rate, Thermal};
@@ -106,7 +107,7 @@ fn solid(material: &Material) -> BuildSolidResult {
     Parameters::new(material).solid_law(read)
 }
 
-/// The law with what is left to read.
+/// Reads the remaining parameters and returns the law.
 fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, Vec<Problem>> {
     let a = parameters.required("a", "above 0", |a| a > 0.0);
     let b = parameters.required("b", "0 or above", |b| b >= 0.0);
@@ -128,7 +129,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     })
 }
 
-/// A number that has to be there if `needed`; one if it is not there.
+/// Returns a number, required if `needed`; one if it is not given.
 fn number(
     parameters: &mut Parameters<'_>,
     key: &'static str,
@@ -161,7 +162,7 @@ fn thermal(parameters: &mut Parameters<'_>, a: f64, density: f64) -> Option<Ther
     Some(Thermal { m, to_melting: melting - start, heating: fraction * a / (density * heat) })
 }
 
-/// D1 to D5.
+/// Returns D1 to D5.
 fn failure(parameters: &mut Parameters<'_>) -> Option<[f64; 5]> {
     const KEY: &str = "damage";
     let given = parameters.get(KEY)?;

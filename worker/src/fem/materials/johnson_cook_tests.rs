@@ -1,5 +1,5 @@
-//! Values of the formula, heat, and failure. 42CrMo4 of verification B02 in mm, ms, kg: GPa and
-//! J/(kg K).
+//! Values of the formula, heating, and failure. 42CrMo4 of verification B02 in mm, ms, kg: GPa
+//! and J/(kg K).
 
 use crate::fem::materials::{PlaneStress, Points, Solid, SolidPoint, build, build_solid};
 use crumple_proto::partition::{Material, Param};
@@ -35,12 +35,13 @@ fn solid(more: &[(&str, Param)]) -> Box<dyn Solid> {
     build_solid(&steel(more)).map_err(|problems| format!("{problems:?}")).unwrap()
 }
 
-/// Stress of the formula at a plastic strain, a rate over the reference, and a rise of temperature.
+/// Returns the stress of the formula at a plastic strain, a rate over the reference rate, and a
+/// temperature rise.
 fn formula(eps_p: f64, rate: f64, rise: f64) -> f64 {
     (A + B * eps_p.powf(N)) * (1.0 + C * rate.max(1.0).ln()) * (1.0 - (rise / 1520.0).powf(M))
 }
 
-/// Shear of `gamma` in `dt`: effective rate gamma/(sqrt 3 dt).
+/// Applies a shear of `gamma` in `dt`: effective rate gamma/(sqrt 3 dt).
 fn shear(law: &dyn Solid, state: &mut [f64], gamma: f64, dt: f64) {
     law.update_one(SolidPoint { state, strain: &[0.0, 0.0, 0.0, gamma, 0.0, 0.0] }, dt);
 }
@@ -85,7 +86,7 @@ fn plastic_work_becomes_heat() {
     assert!(3.0_f64.sqrt() * state[3] < 0.9 * formula(state[6], 577.0, 0.0), "and softens");
 }
 
-/// In shear the mean stress is nought: eps_f = (D1 + D2)(1 + D4 ln rate*).
+/// In shear the mean stress is zero: eps_f = (D1 + D2)(1 + D4 ln rate*).
 #[test]
 fn damage_adds_up_to_failure() {
     let d = [0.05, 0.1, -2.0, 0.01, 0.0];
@@ -100,8 +101,8 @@ fn damage_adds_up_to_failure() {
     assert!((state[6] - wanted).abs() < 6e-4, "one step of 5.8e-4: {} for {wanted}", state[6]);
     assert!(state[..6].iter().all(|s| *s == 0.0));
 
-    // Under hydrostatic tension on top, at sig* = 1.5 and beyond, it fails at once; under pressure
-    // late.
+    // With additional hydrostatic tension, at sig* = 1.5 and above, it fails at once; under
+    // pressure it fails late.
     let strain_to_failure = |pressure: f64| {
         let mut state = [0.0; 10];
         (0..3).for_each(|c| state[c] = -pressure);
@@ -117,7 +118,7 @@ fn damage_adds_up_to_failure() {
     assert!(strain_to_failure(1.0) > 2.0 * wanted);
 }
 
-/// Shells take the same law: in pure shear plane stress is what three dimensions are.
+/// Shells use the same law: in pure shear, plane stress equals the three-dimensional state.
 #[test]
 fn shells_and_solids_agree_in_shear() {
     let damage = ("damage", Param::List(vec![0.05, 0.1, -2.0, 0.01, 0.5]));

@@ -1,8 +1,8 @@
-//! Material laws. One file per law, one row in [`LAWS`].
+//! Material laws. Each law is one file and one row in [`LAWS`].
 //!
-//! A law sees integration points only: stress and history in, strain increments in, stress and
-//! history out, all in axes that turn with the material. Rotation, thickness and integration are
-//! the element's business.
+//! A law sees only integration points: stress, history and strain increments in; stress and
+//! history out; all in axes that rotate with the material. Rotation, thickness and integration
+//! belong to the element.
 
 mod elastic;
 mod j2;
@@ -17,7 +17,7 @@ use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use plasticity::Plasticity;
 
-/// Integration points through the thickness, at most.
+/// Largest number of integration points through the thickness.
 pub const MAX_POINTS: usize = 10;
 
 /// Elastic constants of a law, for the stable step, shear, hourglass and drilling forces.
@@ -32,123 +32,129 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// Shear modulus G [force/length^2].
+    /// Returns the shear modulus G [force/length^2].
     pub fn shear_modulus(&self) -> f64 {
         0.5 * self.youngs_modulus / (1.0 + self.poisson)
     }
 
-    /// First Lame constant lambda [force/length^2].
+    /// Returns the first Lame constant lambda [force/length^2].
     pub fn lame(&self) -> f64 {
         self.youngs_modulus * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
     }
 
-    /// Bulk modulus K [force/length^2].
+    /// Returns the bulk modulus K [force/length^2].
     pub fn bulk_modulus(&self) -> f64 {
         self.youngs_modulus / (3.0 * (1.0 - 2.0 * self.poisson))
     }
 
-    /// Speed of the dilatational wave, `sqrt((lambda + 2 G)/rho)` [length/time].
+    /// Returns the speed of the dilatational wave, `sqrt((lambda + 2 G)/rho)` [length/time].
     pub fn dilatational_wave_speed(&self) -> f64 {
         ((self.lame() + 2.0 * self.shear_modulus()) / self.density).sqrt()
     }
 
-    /// Speed of the longitudinal wave in a plate, `sqrt(E/(rho (1-nu^2)))` [length/time].
+    /// Returns the speed of the longitudinal wave in a plate, `sqrt(E/(rho (1-nu^2)))`
+    /// [length/time].
     pub fn plate_wave_speed(&self) -> f64 {
         (self.youngs_modulus / (self.density * (1.0 - self.poisson * self.poisson))).sqrt()
     }
 
-    /// Plane-stress stiffness: of a direct strain on its own stress, on the other, of engineering
-    /// shear [force/length^2].
+    /// Returns the plane-stress stiffness [force/length^2]: of a direct strain for its own
+    /// stress, of a direct strain for the other direct stress, and of engineering shear.
     pub fn plane_stress(&self) -> [f64; 3] {
         let c11 = self.youngs_modulus / (1.0 - self.poisson * self.poisson);
         [c11, self.poisson * c11, self.shear_modulus()]
     }
 
-    /// Factor k in `eps_z = k d(sig_x + sig_y) - (eps_x + eps_y)`, which holds wherever plastic
-    /// flow keeps volume: elastic bulk strain is `(1-2nu)/E` times the sum of stresses
-    /// [length^2/force].
+    /// Returns the factor k in `eps_z = k d(sig_x + sig_y) - (eps_x + eps_y)` [length^2/force].
+    /// It holds if plastic flow is isochoric: the elastic volumetric strain is `(1-2nu)/E` times
+    /// the sum of stresses.
     pub fn thinning(&self) -> f64 {
         (1.0 - 2.0 * self.poisson) / self.youngs_modulus
     }
 }
 
-/// The integration points of a group of elements, as a law sees them.
+/// The integration points of a group of shell elements, as a law sees them.
 pub struct Points<'a, R> {
-    /// For each point stress xx, yy, xy [force/length^2], then the law's history columns. Updated
-    /// in place.
+    /// For each point, stress xx, yy, xy [force/length^2], then the history columns of the law.
+    /// Updated in place.
     pub state: &'a mut [R],
-    /// For each point the strain increment xx, yy, and twice xy.
+    /// For each point, the strain increment xx, yy, and twice xy.
     pub strain: &'a [[R; 3]],
-    /// For each point the increment of strain through the thickness. Written.
+    /// For each point, the increment of the strain through the thickness. Output.
     pub thickness_strain: &'a mut [R],
 }
 
-/// A law in plane stress. Must give each lane what it would give it alone, bit for bit. Where state
-/// and strain are nought it must leave the state so, whatever the time: elements that nothing has
-/// strained are not asked.
+/// A law in plane stress.
+///
+/// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
+/// strain increment the state must stay zero, whatever the time: unstrained elements skip the
+/// law.
 pub trait PlaneStress: Send + Sync {
-    /// History columns per point, by name. All start at nought.
+    /// Returns the names of the history columns per point. All start at zero.
     fn history(&self) -> &'static [&'static str];
 
-    /// Elastic constants and density.
+    /// Returns the elastic constants and the density.
     fn elastic(&self) -> Elastic;
 
-    /// Yield stress at no plastic strain [force/length^2]; infinite where the law never flows.
+    /// Returns the yield stress at zero plastic strain [force/length^2]; infinite if the law has
+    /// no plastic flow.
     fn initial_yield_stress(&self) -> f64 {
         f64::INFINITY
     }
 
-    /// The law itself if rates raise its yield stress.
+    /// Returns the law itself if its yield stress depends on the strain rate.
     fn rate_dependent(&self) -> Option<&Plasticity> {
         None
     }
 
-    /// Stress and history over a step `dt` [time] at all points of a group, at most [`MAX_POINTS`]
-    /// of them.
+    /// Updates stress and history over a step `dt` [time] at all points of a group, at most
+    /// [`MAX_POINTS`].
     fn update(&self, points: Points<'_, Lane>, dt: f64);
 
-    /// The same in single precision, by the same code.
+    /// Updates in single precision, by the same code.
     fn update_short(&self, points: Points<'_, Lane32>, dt: f64);
 
-    /// The same for one element, by the same code.
+    /// Updates one element, by the same code.
     fn update_one(&self, points: Points<'_, f64>, dt: f64);
 }
 
 /// The integration point of a group of solid elements, as a law sees it.
 pub struct SolidPoint<'a, R> {
-    /// Stress xx, yy, zz, xy, yz, zx [force/length^2], then the law's history columns. Updated in
-    /// place.
+    /// Stress xx, yy, zz, xy, yz, zx [force/length^2], then the history columns of the law.
+    /// Updated in place.
     pub state: &'a mut [R],
-    /// The strain increment xx, yy, zz, and twice xy, yz, zx.
+    /// Strain increment xx, yy, zz, and twice xy, yz, zx.
     pub strain: &'a [R; 6],
 }
 
-/// A law in three dimensions. Must give each lane what it would give it alone, bit for bit. Where
-/// state and strain are nought it must leave the state so, whatever the time: elements that nothing
-/// has strained are not asked.
+/// A law in three dimensions.
+///
+/// The result of each lane must not depend on other lanes, bit for bit. With zero state and zero
+/// strain increment the state must stay zero, whatever the time: unstrained elements skip the
+/// law.
 pub trait Solid: Send + Sync {
-    /// History columns, by name. All start at nought.
+    /// Returns the names of the history columns. All start at zero.
     fn history(&self) -> &'static [&'static str];
 
-    /// Elastic constants and density.
+    /// Returns the elastic constants and the density.
     fn elastic(&self) -> Elastic;
 
-    /// Stress and history over a step `dt` [time] of a group. Returns what plastic flow left of the
-    /// deviator of the elastic trial, by its norm: one where nothing flowed.
+    /// Updates stress and history over a step `dt` [time] of a group. Returns the norm of the
+    /// deviator after plastic flow over that of the elastic trial; one without plastic flow.
     fn update(&self, point: SolidPoint<'_, Lane>, dt: f64) -> Lane;
 
-    /// The same in single precision, by the same code.
+    /// Updates in single precision, by the same code.
     fn update_short(&self, point: SolidPoint<'_, Lane32>, dt: f64) -> Lane32;
 
-    /// The same for one element, by the same code.
+    /// Updates one element, by the same code.
     fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64;
 }
 
-/// A scalar that laws have an entry for, so that element kernels can be generic over it.
+/// A scalar for which laws have an entry point, so that element kernels can be generic over it.
 pub trait PointReal: Real {
-    /// Calls the entry for this scalar.
+    /// Calls the entry point of a plane-stress law for this scalar.
     fn update(law: &dyn PlaneStress, points: Points<'_, Self>, dt: f64);
-    /// Calls the entry of a solid's law for this scalar.
+    /// Calls the entry point of a solid law for this scalar.
     fn update_solid(law: &dyn Solid, point: SolidPoint<'_, Self>, dt: f64) -> Self;
 }
 
@@ -185,37 +191,37 @@ impl PointReal for f64 {
     }
 }
 
-/// A law in plane stress, or everything that is wrong with its material.
+/// A law in plane stress, or all problems of its material.
 pub type BuildResult = Result<Box<dyn PlaneStress>, Vec<Problem>>;
-/// A law in three dimensions, or everything that is wrong with its material.
+/// A law in three dimensions, or all problems of its material.
 pub type BuildSolidResult = Result<Box<dyn Solid>, Vec<Problem>>;
 
-/// A parameter of a law, as the reference of jobs shows it.
+/// A parameter of a law, as in the reference of jobs.
 pub struct ParameterRow {
     /// Key in the material.
     pub key: &'static str,
-    /// What is written: a number, or a list such as `[C, p]`.
+    /// Form of the value: a number, or a list such as `[C, p]`.
     pub form: &'static str,
-    /// What counts if it is left out.
+    /// Default value.
     pub otherwise: DefaultValue,
-    /// What it is, with its dimension in brackets.
+    /// Meaning, with the dimension in brackets.
     pub meaning: &'static str,
 }
 
-/// What counts when a parameter is left out.
+/// Value of a parameter that is not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DefaultValue {
-    /// It cannot be.
+    /// None: the parameter is required.
     Needed,
-    /// What it describes is not there.
+    /// The property does not exist.
     Absent,
-    /// This number.
+    /// A number.
     Number(f64),
-    /// It depends on others: in words.
+    /// The default depends on other parameters, as this text explains.
     Depends(&'static str),
 }
 
-/// What every law has.
+/// Parameters of all laws.
 pub const ELASTIC: &[ParameterRow] = &[
     ParameterRow {
         key: "youngs_modulus",
@@ -231,32 +237,32 @@ pub const ELASTIC: &[ParameterRow] = &[
     },
 ];
 
-/// A row of [`LAWS`]. Both functions read the same parameters; they return everything that is wrong
-/// with them, with paths relative to the material.
+/// A row of [`LAWS`]. Both functions read the same parameters. They return all problems, with
+/// paths relative to the material.
 pub struct Law {
     /// Name in jobs.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// Meaning, in one line.
     pub meaning: &'static str,
-    /// Its parameters beside [`ELASTIC`].
+    /// Its parameters, without [`ELASTIC`].
     pub parameters: &'static [ParameterRow],
-    /// For shells.
+    /// Builds the law for shells.
     pub build: fn(&Material) -> BuildResult,
-    /// For solids.
+    /// Builds the law for solids.
     pub solid: fn(&Material) -> BuildSolidResult,
 }
 
-/// Every law.
+/// All laws.
 pub const LAWS: &[Law] = &[elastic::LAW, j2::LAW, johnson_cook::LAW];
 
-/// The law of a shell's material, or everything that is wrong with the material, with paths
-/// relative to it.
+/// Builds the law of a shell's material. Returns all problems of the material if there are any,
+/// with paths relative to it.
 pub fn build(material: &Material) -> BuildResult {
     (row_of(material)?.build)(material)
 }
 
-/// The law of a solid's material, or everything that is wrong with the material, with paths
-/// relative to it.
+/// Builds the law of a solid's material. Returns all problems of the material if there are any,
+/// with paths relative to it.
 pub fn build_solid(material: &Material) -> BuildSolidResult {
     (row_of(material)?.solid)(material)
 }
@@ -273,15 +279,15 @@ fn row_of(material: &Material) -> Result<&'static Law, Vec<Problem>> {
 #[path = "table_tests.rs"]
 mod table_tests;
 
-/// Constants to check a part with when its law cannot be built.
+/// Constants of the law that checks a part when its own law cannot be built.
 const PLACEHOLDER: Elastic = Elastic { youngs_modulus: 1.0, poisson: 0.0, density: 1.0 };
 
-/// A law to check a part of shells with when its own cannot be built.
+/// Returns a law that checks a part of shells when its own law cannot be built.
 pub(crate) fn placeholder_law() -> Box<dyn PlaneStress> {
     elastic::law(PLACEHOLDER)
 }
 
-/// The same for a part of solids.
+/// Returns a law that checks a part of solids when its own law cannot be built.
 pub(crate) fn solid_placeholder_law() -> Box<dyn Solid> {
     elastic::solid_law(PLACEHOLDER)
 }

@@ -1,11 +1,11 @@
-//! Reading a law's parameters so that one look at a material finds everything that is wrong with
-//! it.
+//! Reads the parameters of a law and collects all problems of a material at once.
 
 use super::{BuildResult, BuildSolidResult, Elastic, PlaneStress, Solid};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 
-/// A material's table being read: what is asked for is known, what is left over is not.
+/// A material's table while it is read. Parameters that were requested are known; the others are
+/// not.
 pub struct Parameters<'a> {
     material: &'a Material,
     known: Vec<&'static str>,
@@ -13,29 +13,29 @@ pub struct Parameters<'a> {
 }
 
 impl<'a> Parameters<'a> {
-    /// Starts with nothing asked for.
+    /// Creates a reader without requested parameters.
     pub fn new(material: &'a Material) -> Self {
         Self { material, known: Vec::new(), problems: Vec::new() }
     }
 
-    /// Notes that something is wrong with `key`.
+    /// Records a problem of `key`.
     pub fn wrong(&mut self, key: &str, what: impl std::fmt::Display, help: impl Into<String>) {
         let message = format!("material '{}': {key} {what}", self.material.name);
         self.problems.push(Problem::error(key, message, help));
     }
 
-    /// The parameter as it stands, if it is given.
+    /// Returns the parameter as written, if it is given.
     pub fn get(&mut self, key: &'static str) -> Option<&'a Param> {
         self.known.push(key);
         self.material.parameters.get(key)
     }
 
-    /// Whether the material has this parameter at all.
+    /// Returns true if the material has this parameter.
     pub fn given(&self, key: &str) -> bool {
         self.material.parameters.contains_key(key)
     }
 
-    /// A number that may be left out; `wanted` says in words what `fits` accepts.
+    /// Returns an optional number. `wanted` describes in words which values `fits` accepts.
     pub fn optional(
         &mut self,
         key: &'static str,
@@ -55,8 +55,8 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    /// A number that has to be there. What stands in for a wrong one is never used, as
-    /// [`Self::finish`] fails.
+    /// Returns a required number. The value returned for a missing or wrong one is never used,
+    /// since [`Self::finish`] then fails.
     pub fn required(&mut self, key: &'static str, wanted: &str, fits: impl Fn(f64) -> bool) -> f64 {
         let value = self.optional(key, wanted, fits);
         if !self.given(key) {
@@ -66,7 +66,7 @@ impl<'a> Parameters<'a> {
         value.unwrap_or(1.0)
     }
 
-    /// `youngs_modulus`, `poisson` and the density.
+    /// Returns `youngs_modulus`, `poisson` and the density.
     pub fn elastic(&mut self) -> Elastic {
         let density = self.material.density;
         if !(density.is_finite() && density > 0.0) {
@@ -80,7 +80,7 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    /// The same for solids, whose bulk modulus has to be finite.
+    /// Returns the elastic constants of a solid, whose bulk modulus must be finite.
     pub fn solid_elastic(&mut self) -> Elastic {
         let elastic = self.elastic();
         if elastic.poisson == 0.5 {
@@ -91,7 +91,7 @@ impl<'a> Parameters<'a> {
         elastic
     }
 
-    /// A law in plane stress out of its elastic constants and what `read` makes of the rest.
+    /// Builds a law in plane stress from its elastic constants and the result of `read`.
     pub fn shell_law<L>(
         mut self,
         read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
@@ -103,7 +103,7 @@ impl<'a> Parameters<'a> {
         Ok(Box::new(read(self, elastic)?))
     }
 
-    /// The same for solids.
+    /// Builds a law in three dimensions from its elastic constants and the result of `read`.
     pub fn solid_law<L>(
         mut self,
         read: impl Fn(Self, Elastic) -> Result<L, Vec<Problem>>,
@@ -115,7 +115,7 @@ impl<'a> Parameters<'a> {
         Ok(Box::new(read(self, elastic)?))
     }
 
-    /// Everything that is wrong, parameters that nobody asked for included.
+    /// Returns all problems, including parameters that no law requested.
     pub fn finish(mut self) -> Result<(), Vec<Problem>> {
         for key in self.material.parameters.keys() {
             if !self.known.contains(&key.as_str()) {
@@ -128,7 +128,7 @@ impl<'a> Parameters<'a> {
     }
 }
 
-/// The problem of a name that is in no table: the nearest that is, and all of them.
+/// Returns the problem of an unknown name, with the nearest known name and all known names.
 pub(crate) fn unknown_name(path: &str, what: String, name: &str, known: &[&str]) -> Problem {
     let list = known.join(", ");
     let help = match nearest(name, known) {
@@ -138,7 +138,7 @@ pub(crate) fn unknown_name(path: &str, what: String, name: &str, known: &[&str])
     Problem::error(path, what, help)
 }
 
-/// The known name nearest to `name`, if it is near enough to be a slip of the pen.
+/// Returns the known name nearest to `name`, if it is near enough to be a typing error.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let limit = name.chars().count().div_ceil(2);
     let distances = known.iter().map(|&other| (edits(name, other), other));
@@ -148,7 +148,8 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, other)| other)
 }
 
-/// Fewest single-letter insertions, deletions and replacements that make `b` of `a` (Levenshtein).
+/// Returns the smallest number of single-letter insertions, deletions and replacements that
+/// change `a` into `b` (Levenshtein).
 fn edits(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,10 +1,11 @@
-//! The tables of parameters say what the laws read.
+//! Checks that the tables of parameters list exactly the parameters that the laws read.
 
 use super::{DefaultValue, ELASTIC, LAWS, Law, Points, SolidPoint, build, build_solid};
 use crumple_proto::partition::{Material, Param};
 use std::collections::BTreeMap;
 
-/// A material of this law with all that it needs, in which whatever is left out makes a difference.
+/// Returns a material of this law with all required parameters, such that each omitted parameter
+/// changes the result.
 fn sample(law: &Law) -> Material {
     let number = |key: &str| match key {
         "youngs_modulus" | "melting_temperature" => 200.0,
@@ -22,7 +23,7 @@ fn sample(law: &Law) -> Material {
     Material { name: "sample".into(), law: law.name.into(), density: 7.85e-6, parameters }
 }
 
-/// Keys that a law reads: it lists them where it meets one that it does not know.
+/// Returns the keys that a law reads; it lists them in the error for an unknown key.
 fn read_by(law: &Law, of: fn(&Material) -> String) -> Vec<String> {
     let parameters = BTreeMap::from([("no such key".to_string(), Param::Number(1.0))]);
     let help = of(&Material { name: "m".into(), law: law.name.into(), density: 1.0, parameters });
@@ -56,7 +57,7 @@ fn the_tables_name_what_laws_read() {
     }
 }
 
-/// What is needed cannot be left out; whatever else can.
+/// Required parameters cannot be omitted; all others can.
 #[test]
 fn the_tables_say_what_may_be_left_out() {
     for law in LAWS {
@@ -67,15 +68,16 @@ fn the_tables_say_what_may_be_left_out() {
         {
             let mut less = sample.clone();
             less.parameters.remove(row.key);
-            // The sample has neither `c` nor `damage`, so that it can do without a reference rate;
-            // without `m` it has no need of what goes with it.
+            // The sample has neither `c` nor `damage`, so it needs no reference rate. Without `m`
+            // it needs none of the thermal parameters.
             let free = matches!(row.key, "reference_rate" | "m");
             assert_eq!(build(&less).is_ok(), free, "{} without {}", law.name, row.key);
         }
     }
 }
 
-/// Stress after some steps with plastic flow, in plane stress and in three dimensions.
+/// Returns the stress after some steps with plastic flow, in plane stress and in three
+/// dimensions.
 fn stress(material: &Material) -> [f64; 9] {
     let law = build(material).expect("a sound material");
     let mut state = vec![0.0; 3 + law.history().len()];
@@ -93,7 +95,7 @@ fn stress(material: &Material) -> [f64; 9] {
     std::array::from_fn(|i| if i < 3 { state[i] } else { solid_state[i - 3] })
 }
 
-/// A number that is left out counts as what the table says: the same bits.
+/// A number that is not given has the value of the table: the same bits.
 #[test]
 fn the_tables_give_the_defaults() {
     for law in LAWS {

@@ -1,18 +1,18 @@
-//! Scales of axes, and ticks that people can read.
+//! Scales of axes, and readable ticks.
 
 /// A scale: linear, logarithmic, or a row of words.
 #[derive(Clone, Debug)]
 pub struct Axis {
     log: bool,
-    /// Ends of the scale, logarithms (to base 10) if it is logarithmic.
+    /// Ends of the scale; their logarithms (base 10) on a logarithmic scale.
     ends: [f64; 2],
-    /// Where the ends are on the page.
+    /// Positions of the ends on the page.
     page: [f64; 2],
-    /// Words at 0, 1, 2 ...; none on a scale of numbers.
+    /// Words at 0, 1, 2 ...; empty on a scale of numbers.
     words: Vec<String>,
 }
 
-/// A tick: where, and what is written there; unlabelled ones are short.
+/// A tick: position and label. Ticks without a label are short.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// Value.
@@ -21,11 +21,11 @@ pub struct Tick {
     pub label: Option<String>,
 }
 
-/// Room beside the outermost values, as a fraction of their distance.
+/// Margin outside the outermost values, as a fraction of their distance.
 const ROOM: f64 = 0.06;
 
 impl Axis {
-    /// A scale that shows all values; those that it cannot show do not count.
+    /// Creates a scale that shows all values. Values that it cannot show are ignored.
     pub fn around(values: impl Iterator<Item = f64>, log: bool, page: [f64; 2]) -> Self {
         let on_scale = values.map(|v| if log { v.log10() } else { v }).filter(|v| v.is_finite());
         let (low, high) =
@@ -36,19 +36,19 @@ impl Axis {
         Self { log, ends: [low - room, high + room], page, words: Vec::new() }
     }
 
-    /// A scale from one value to another, without room.
+    /// Creates a scale from one value to another, without margin.
     pub fn between(low: f64, high: f64, log: bool, page: [f64; 2]) -> Self {
         let on = |v: f64| if log { v.log10() } else { v };
         Self { log, ends: [on(low), on(high)], page, words: Vec::new() }
     }
 
-    /// A row of words at 0, 1, 2 ...
+    /// Creates a row of words at 0, 1, 2 ...
     pub fn of_words(words: Vec<String>, page: [f64; 2]) -> Self {
         let last = words.len() as f64 - 0.5;
         Self { log: false, ends: [-0.5, last], page, words }
     }
 
-    /// Where a value is on the page; not a number if the scale cannot show it.
+    /// Returns the position of a value on the page, NaN if the scale cannot show it.
     pub fn at(&self, value: f64) -> f64 {
         let on_scale = if self.log { value.log10() } else { value };
         let s = (on_scale - self.ends[0]) / (self.ends[1] - self.ends[0]);
@@ -56,19 +56,19 @@ impl Axis {
         if at.is_finite() { at } else { f64::NAN }
     }
 
-    /// The value at a fraction of the scale.
+    /// Returns the value at a fraction of the scale.
     pub fn value(&self, fraction: f64) -> f64 {
         let on_scale = self.ends[0] + fraction * (self.ends[1] - self.ends[0]);
         if self.log { 10f64.powf(on_scale) } else { on_scale }
     }
 
-    /// Whether a place on the page lies between the ends.
+    /// Returns true if a position on the page lies between the ends.
     pub fn holds(&self, place: f64) -> bool {
         let [a, b] = self.page;
         place >= a.min(b) - 1e-6 && place <= a.max(b) + 1e-6
     }
 
-    /// Ticks from end to end.
+    /// Returns the ticks from end to end.
     pub fn ticks(&self) -> Vec<Tick> {
         if !self.words.is_empty() {
             let tick = |(i, w): (usize, &String)| Tick { value: i as f64, label: Some(w.clone()) };
@@ -80,7 +80,8 @@ impl Axis {
         let inside = |v: f64| v >= self.ends[0] - 1e-9 && v <= self.ends[1] + 1e-9;
         let decades = self.ends[1] - self.ends[0];
         if decades < 0.3 {
-            return linear_ticks(10f64.powf(self.ends[0]), 10f64.powf(self.ends[1])); // too few digits lie in so little
+            // Too few digits lie in so short a range.
+            return linear_ticks(10f64.powf(self.ends[0]), 10f64.powf(self.ends[1]));
         }
         let labelled: &[u32] = match decades {
             d if d < 0.7 => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
@@ -106,7 +107,7 @@ impl Axis {
     }
 }
 
-/// Ticks at equal distances from one value to another.
+/// Returns ticks at equal distances from one value to another.
 fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
     let step = nice_step((high - low) / 6.0);
     let first = (low / step - 1e-9).ceil() as i64;
@@ -121,7 +122,7 @@ fn linear_ticks(low: f64, high: f64) -> Vec<Tick> {
     (first..=last).map(tick).collect()
 }
 
-/// 1, 2 or 5 times a power of ten, at least `step`.
+/// Returns 1, 2 or 5 times a power of ten, at least `step`.
 fn nice_step(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     [1.0, 2.0, 5.0, 10.0]
@@ -131,7 +132,7 @@ fn nice_step(step: f64) -> f64 {
         .unwrap_or(10.0 * power)
 }
 
-/// A power of ten with the exponent raised.
+/// Formats a power of ten with a raised exponent.
 fn power_of_ten(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
@@ -143,7 +144,7 @@ fn power_of_ten(power: i32) -> String {
     format!("10{}", power.to_string().chars().map(raised).collect::<String>())
 }
 
-/// A number in a few characters.
+/// Formats a number in a few characters.
 pub fn short(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {

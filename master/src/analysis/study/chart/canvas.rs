@@ -1,5 +1,5 @@
-//! A page of shapes and texts, written as SVG and PNG. No font of the system is needed: texts are
-//! set in `sans.ttf`.
+//! A page of shapes and texts, written as SVG and PNG. No system font is needed: texts are set in
+//! `sans.ttf`.
 
 use plotters::backend::{BitMapBackend, SVGBackend};
 use plotters::coord::Shift;
@@ -13,14 +13,14 @@ use plotters::style::{
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
-/// Size of a page in its own units; a long legend makes it higher.
+/// Size of a page in its own units. A long legend increases the height.
 pub const SIZE: [f64; 2] = [1000.0, 620.0];
 /// Pixels per unit in both kinds of files.
 const SCALE: f64 = 1.5;
 /// Length of dashes and of the gaps between them.
 const DASH: [f64; 2] = [8.0, 5.0];
 
-/// The font and its name here; every browser has one of this name for the SVG files.
+/// The font and its name here. Every browser has a font of this name for the SVG files.
 const FONT: &[u8] = include_bytes!("sans.ttf");
 const FONT_NAME: &str = "sans-serif";
 
@@ -30,19 +30,19 @@ pub type Colour = [u8; 3];
 pub const BLACK: Colour = [0, 0, 0];
 /// White.
 pub const WHITE: Colour = [255, 255, 255];
-/// For grids.
+/// Light grey for grids.
 pub const LIGHT: Colour = [222, 222, 222];
-/// For what is beside the point.
+/// Grey for secondary content.
 pub const GREY: Colour = [110, 110, 110];
 
-/// Where a text stands with respect to its place.
+/// Alignment of a text with respect to its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins there.
     Start,
-    /// It is centred there.
+    /// The text is centred there.
     Middle,
-    /// It ends there.
+    /// The text ends there.
     End,
 }
 
@@ -57,7 +57,7 @@ enum Shape {
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     shapes: Vec<Shape>,
-    /// Height that is needed, if that of [`SIZE`] is too little.
+    /// Required height, if that of [`SIZE`] is too small.
     needed: f64,
 }
 
@@ -67,12 +67,12 @@ impl Sheet {
         self.needed = self.needed.max(height);
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub fn line(&mut self, points: &[[f64; 2]], colour: Colour, width: f64) {
         self.shapes.push(Shape::Line { points: points.to_vec(), colour, width });
     }
 
-    /// A dashed line through points.
+    /// Draws a dashed line through points.
     pub fn dashed(&mut self, points: &[[f64; 2]], colour: Colour, width: f64) {
         let (mut left, mut on) = (DASH[0], true);
         for pair in points.windows(2) {
@@ -96,17 +96,17 @@ impl Sheet {
         }
     }
 
-    /// A filled polygon.
+    /// Draws a filled polygon.
     pub fn area(&mut self, points: &[[f64; 2]], colour: Colour) {
         self.shapes.push(Shape::Area { points: points.to_vec(), colour });
     }
 
-    /// A filled rectangle between two corners.
+    /// Draws a filled rectangle between two corners.
     pub fn rectangle(&mut self, a: [f64; 2], b: [f64; 2], colour: Colour) {
         self.area(&[a, [b[0], a[1]], b, [a[0], b[1]]], colour);
     }
 
-    /// A text in one line, centred upon the height of `at`.
+    /// Draws a text in one line, vertically centred at `at`.
     pub fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: Anchor, colour: Colour) {
         self.shapes.push(Shape::Text {
             at,
@@ -118,7 +118,7 @@ impl Sheet {
         });
     }
 
-    /// A text that runs upwards, its middle at `at`.
+    /// Draws a text that runs upwards, with its middle at `at`.
     pub fn upright(&mut self, at: [f64; 2], text: &str, size: f64) {
         let text = text.into();
         self.shapes.push(Shape::Text {
@@ -131,7 +131,7 @@ impl Sheet {
         });
     }
 
-    /// Marker of a series: number `kind` of a list of shapes that differ.
+    /// Draws the marker of a series: shape number `kind` of a list of different shapes.
     pub fn marker(&mut self, at: [f64; 2], kind: usize, size: f64, colour: Colour) {
         let corners: &[[f64; 2]] = match kind % 5 {
             0 => return self.area(&circle(at, size), colour),
@@ -145,14 +145,14 @@ impl Sheet {
         self.area(&points, colour);
     }
 
-    /// A ring around a point.
+    /// Draws a ring around a point.
     pub fn ring(&mut self, at: [f64; 2], radius: f64, colour: Colour, width: f64) {
         let mut points = circle(at, radius);
         points.push(points[0]);
         self.line(&points, colour, width);
     }
 
-    /// Writes `PATH.svg` and `PATH.png`; gives both names.
+    /// Writes `PATH.svg` and `PATH.png`, and returns both paths.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -1,31 +1,31 @@
-//! What all charts have: head, axes with titles and ticks, and a column at the right for the
-//! legend.
+//! Common parts of all charts: title, axes with titles and ticks, and a column on the right for
+//! the legend.
 
 use super::axis::Axis;
 use super::canvas::{Anchor, BLACK, Colour, GREY, LIGHT, SIZE, Sheet};
 
-/// Left, top, right and bottom of the plot on the page.
+/// Left edge of the plot on the page.
 pub const LEFT: f64 = 95.0;
-/// See [`LEFT`].
+/// Top edge of the plot.
 pub const TOP: f64 = 62.0;
-/// See [`LEFT`].
+/// Right edge of the plot.
 pub const RIGHT: f64 = 700.0;
-/// See [`LEFT`].
+/// Bottom edge of the plot.
 pub const BOTTOM: f64 = 545.0;
-/// Where the legend begins.
+/// Left edge of the legend.
 pub const LEGEND: f64 = RIGHT + 24.0;
 
-/// Size of texts: head, titles, ticks and legend.
+/// Size of texts: title, axis titles, ticks and legend.
 const HEAD: f64 = 19.0;
 const TITLE: f64 = 16.0;
 /// See [`HEAD`].
 pub const SMALL: f64 = 13.5;
-/// Characters of a line of the legend, and the distance of its lines.
+/// Characters per line of the legend, and distance of its lines.
 const LEGEND_WIDTH: usize = 34;
 const LINE: f64 = 19.0;
 
-/// Colours of series: those of Okabe and Ito (2008), told apart by people with any kind of colour
-/// vision.
+/// Colours of series by Okabe and Ito (2008), which people with any kind of colour vision can
+/// distinguish.
 const COLOURS: [Colour; 7] = [
     [0, 114, 178],
     [213, 94, 0],
@@ -36,12 +36,12 @@ const COLOURS: [Colour; 7] = [
     [60, 60, 60],
 ];
 
-/// Colour of a series.
+/// Returns the colour of a series.
 pub fn colour(series: usize) -> Colour {
     COLOURS[series % COLOURS.len()]
 }
 
-/// A page with axes; what is drawn next lies upon them.
+/// A page with axes. Further shapes are drawn over it.
 pub struct Frame {
     /// The page.
     pub sheet: Sheet,
@@ -53,7 +53,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Draws head and grid; [`Frame::close`] draws the axes.
+    /// Draws title and grid; [`Frame::close`] draws the axes.
     pub fn new(head: &str, x: Axis, y: Axis, grid: bool) -> Self {
         let mut sheet = Sheet::default();
         sheet.text([LEFT, 28.0], head, HEAD, Anchor::Start, BLACK);
@@ -68,14 +68,14 @@ impl Frame {
         Self { sheet, x, y, below: TOP + 10.0 }
     }
 
-    /// Where a point is on the page; none outside of the plot.
+    /// Returns the position of a point on the page, none if it is outside the plot.
     pub fn at(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let at = [self.x.at(x), self.y.at(y)];
         (self.x.holds(at[0]) && self.y.holds(at[1])).then_some(at)
     }
 
-    /// A line of the legend: what `sign` draws around a place, and a text, wrapped where it is
-    /// long.
+    /// Adds a line to the legend: `sign` draws a symbol at a position, and a long text is
+    /// wrapped.
     pub fn entry(&mut self, text: &str, sign: impl Fn(&mut Sheet, [f64; 2])) {
         sign(&mut self.sheet, [LEGEND + 12.0, self.below + 2.0]);
         for line in wrap(text, LEGEND_WIDTH - 5) {
@@ -84,7 +84,7 @@ impl Frame {
         }
     }
 
-    /// A remark below the legend.
+    /// Adds a remark below the legend.
     pub fn note(&mut self, text: &str) {
         for line in wrap(text, LEGEND_WIDTH) {
             self.sheet.text([LEGEND, self.below], &line, SMALL, Anchor::Start, GREY);
@@ -92,13 +92,13 @@ impl Frame {
         }
     }
 
-    /// Room in the legend; gives where it begins.
+    /// Reserves a height in the legend and returns its start.
     pub fn gap(&mut self, height: f64) -> f64 {
         self.below += height;
         self.below - height
     }
 
-    /// Draws axes and their titles; gives the page.
+    /// Draws the axes and their titles, and returns the page.
     pub fn close(mut self, x_title: &str, y_title: &str) -> Sheet {
         let sheet = &mut self.sheet;
         sheet.reach(self.below + LINE);
@@ -129,7 +129,7 @@ impl Frame {
     }
 }
 
-/// Breaks a text at blanks into lines of at most `width` characters; a longer word stays whole.
+/// Breaks a text at blanks into lines of at most `width` characters. A longer word is not broken.
 fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

@@ -1,4 +1,4 @@
-//! A measure over one setting, a line for each series and for each combination of its other
+//! A measure over one setting, with a line for each series and each combination of its other
 //! settings.
 
 use super::View;
@@ -89,8 +89,8 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     Ok(frame.close(&x_title, &y_title))
 }
 
-/// Name of the line that a row is on: its series, and what it varies besides. What goes side by
-/// side with the setting along x does not count.
+/// Returns the name of the line of a row: its series and its other varied settings. Settings that
+/// vary together with the one along x are not part of it.
 fn name(view: &View<'_>, row: &Row, along: &str) -> String {
     let zipped: Vec<String> =
         flatten(&view.study.series[row.series].zip).into_iter().map(|(k, _)| k).collect();

@@ -1,5 +1,5 @@
-//! A measure, or how runs ended, as colour over two settings, with curves of theory upon it: a
-//! stability map.
+//! A stability map: a measure, or the end of the runs, as colour over two settings, with
+//! theoretical curves.
 
 use super::View;
 use super::axis::{Axis, short};
@@ -9,23 +9,23 @@ use crate::analysis::study::grid::number;
 use crate::analysis::study::results::Row;
 use crate::analysis::study::spec::{ENDED, formula};
 
-/// Colours of the scale from low to high: a few of viridis (van der Walt and Smith 2015), even in
-/// lightness.
+/// Colours of the scale from low to high: some of viridis (van der Walt and Smith 2015), of
+/// uniform steps in lightness.
 const SCALE: [Colour; 6] =
     [[68, 1, 84], [65, 68, 135], [42, 120, 142], [34, 168, 132], [122, 209, 81], [253, 231, 37]];
-/// Runs that ended well, where that is all that is shown, and runs that did not.
+/// Colours of completed runs, if the map shows only the end of the runs, and of failed runs.
 const WELL: Colour = [120, 190, 225];
 const FAILED: Colour = [70, 70, 70];
-/// Height of the colour bar, and strips that it consists of.
+/// Height of the colour bar, and number of its strips.
 const BAR: f64 = 200.0;
 const STRIPS: usize = 64;
-/// Least width and height of a cell with its number in it.
+/// Minimum width and height of a cell that contains its number.
 const ROOM: [f64; 2] = [44.0, 18.0];
 
 /// Draws the map of a series.
 ///
 /// # Errors
-/// The series does not vary both settings, or not as numbers.
+/// The series does not vary both settings, or their values are no numbers.
 pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     let chart = view.chart;
     let name = &view.study.series[series].name;
@@ -81,7 +81,7 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
         }
     }
     curves(view, &mut frame)?;
-    // Upon the curves, which may run through them, on a patch of the cell's own colour.
+    // Drawn over the curves, which may cross them, on a patch with the cell's colour.
     for (at, word, size, ink, fill) in words {
         let half = [0.33 * size * word.chars().count() as f64, 0.6 * size];
         frame.sheet.rectangle(
@@ -105,7 +105,7 @@ pub fn draw(view: &View<'_>, series: usize) -> Result<Sheet, String> {
     Ok(frame.close(&title(&chart.x_title, &x_key), &title(&chart.y_title, &y_key)))
 }
 
-/// Cells in an order in which the worst of several at one place is drawn last, upon the others.
+/// Sorts cells so that the worst of several at the same position is drawn last, over the others.
 fn worst_last<'a>(
     mut cells: Vec<([f64; 2], &'a Row)>,
     view: &View<'_>,
@@ -118,7 +118,8 @@ fn worst_last<'a>(
     cells
 }
 
-/// Edges between cells: half way between neighbours on the scale, as far out at the ends.
+/// Returns the edges between cells: half way between neighbours on the scale, and at the same
+/// distance beyond the end values.
 fn edges(mut values: Vec<f64>, log: bool) -> Vec<f64> {
     let on = |v: f64| if log { v.log10() } else { v };
     let off = |v: f64| if log { 10f64.powf(v) } else { v };
@@ -133,7 +134,7 @@ fn edges(mut values: Vec<f64>, log: bool) -> Vec<f64> {
     edges
 }
 
-/// The two edges around a value.
+/// Returns the two edges around a value.
 fn around(edges: &[f64], value: f64) -> [f64; 2] {
     let at = edges.windows(2).find(|w| value >= w[0] && value <= w[1]);
     at.map_or([value, value], |w| [w[0], w[1]])
@@ -153,7 +154,7 @@ fn square(sheet: &mut Sheet, at: [f64; 2], colour: Colour) {
     sheet.rectangle([at[0] - 9.0, at[1] - 8.0], [at[0] + 9.0, at[1] + 8.0], colour);
 }
 
-/// The colour bar with its ticks, in the legend.
+/// Draws the colour bar with its ticks in the legend.
 fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
     frame.gap(8.0);
     frame.note(title);
@@ -179,7 +180,7 @@ fn bar(frame: &mut Frame, colours: &Axis, title: &str) {
     }
 }
 
-/// Draws the curves of theory over what is there, and names them.
+/// Draws the theoretical curves over the chart, and adds them to the legend.
 pub fn curves(view: &View<'_>, frame: &mut Frame) -> Result<(), String> {
     const SAMPLES: usize = 400;
     for (number, curve) in view.chart.curve.iter().enumerate() {
@@ -190,7 +191,7 @@ pub fn curves(view: &View<'_>, frame: &mut Frame) -> Result<(), String> {
                 let x = |i: usize| frame.x.value(part(i));
                 (0..=SAMPLES).map(|i| frame.at(x(i), y(x(i)))).collect()
             }
-            // Straight on the page, and cut off where the plot ends.
+            // Straight on the page, and cut at the edge of the plot.
             None => {
                 let ends: Vec<[f64; 2]> =
                     curve.points.iter().map(|p| [frame.x.at(p[0]), frame.y.at(p[1])]).collect();
@@ -214,7 +215,7 @@ pub fn curves(view: &View<'_>, frame: &mut Frame) -> Result<(), String> {
     Ok(())
 }
 
-/// A dark line with a light rim, which shows on any colour.
+/// Draws a dark line with a light border, visible on any colour.
 fn stroke(sheet: &mut Sheet, points: &[[f64; 2]], dashed: bool) {
     const RED: Colour = [214, 39, 40];
     if points.len() < 2 {

@@ -1,9 +1,9 @@
 //! Charts of a study, each as SVG and as PNG.
 //!
-//! - `sheet`: shapes on a page, and the two kinds of files
+//! - `canvas`: shapes on a page, and the two kinds of files
 //! - `axis`: scales and ticks
-//! - `frame`: head, axes, legend: what all charts have
-//! - `pareto`, `map`, `lines`: the kinds; `plain`: curves without a study
+//! - `frame`: title, axes and legend, common to all charts
+//! - `pareto`, `map`, `lines`: the kinds of charts; `series`: curves without a study
 
 mod axis;
 mod canvas;
@@ -18,10 +18,10 @@ use super::spec::{Chart, ChartKind, Measure, Study};
 use canvas::Sheet;
 use std::path::{Path, PathBuf};
 
-/// Draws all charts of a study into a folder; gives the files.
+/// Draws all charts of a study into a folder, and returns the files.
 ///
 /// # Errors
-/// A chart has nothing to show, or a file cannot be written.
+/// A chart has no data, or a file cannot be written.
 pub fn draw_all(study: &Study, table: &Table, out: &Path) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     for chart in &study.chart {
@@ -44,7 +44,7 @@ pub fn draw_all(study: &Study, table: &Table, out: &Path) -> Result<Vec<PathBuf>
     Ok(files)
 }
 
-/// A map's file carries the name of its series when there are several.
+/// Returns the file name of a map, with the name of its series if there are several.
 fn map_name(study: &Study, chart: &Chart, series: usize, shown: usize) -> String {
     if shown == 1 {
         return chart.file.clone();
@@ -55,7 +55,7 @@ fn map_name(study: &Study, chart: &Chart, series: usize, shown: usize) -> String
     format!("{}-{}", chart.file, words.join("-"))
 }
 
-/// A chart and what it is drawn from.
+/// A chart and its data.
 struct View<'a> {
     study: &'a Study,
     table: &'a Table,
@@ -67,7 +67,7 @@ impl View<'_> {
         self.chart.title.as_deref().unwrap_or(&self.study.title)
     }
 
-    /// Index of the measure; the first if the chart names none.
+    /// Returns the index of the measure, 0 if the chart names none.
     fn measure_index(&self) -> usize {
         let named = |m: &Measure| self.chart.measure.as_ref().is_none_or(|name| *name == m.name);
         self.study.measure.iter().position(named).unwrap_or(0)
@@ -92,13 +92,13 @@ impl View<'_> {
         self.table.rows.iter().enumerate().filter(|(_, r)| self.shows_series(r.series))
     }
 
-    /// What maps and lines show of a row.
+    /// Returns the value of a row in maps and lines.
     fn value(&self, row: &Row) -> f64 {
         let m = self.measure_index();
         if self.chart.error { row.errors[m] } else { row.values[m] }
     }
 
-    /// Title of the axis of what is measured, with its unit.
+    /// Returns the axis title of the measure, with its unit.
     fn measure_title(&self, error: bool) -> String {
         let m = self.measure();
         match (error, m.relative) {
@@ -109,7 +109,7 @@ impl View<'_> {
     }
 }
 
-/// A unit, or the sign for none.
+/// Returns a unit, or the sign for none.
 fn dash(unit: &str) -> &str {
     if unit.is_empty() { "-" } else { unit }
 }

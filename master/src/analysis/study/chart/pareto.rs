@@ -1,5 +1,5 @@
-//! Error against cost on logarithmic axes, with the points that no other beats in both: the Pareto
-//! front.
+//! Error over cost on logarithmic axes, with the Pareto front: the points that no other point
+//! beats in both.
 
 use super::axis::Axis;
 use super::canvas::{Anchor, BLACK, Sheet, WHITE};
@@ -76,7 +76,8 @@ pub fn draw(view: &View<'_>) -> Result<Sheet, String> {
     Ok(frame.close(&x_title, &y_title))
 }
 
-/// From point to point: first along x, then along y, as far as what is there already is the best.
+/// Returns the staircase through points. It runs along x first, then along y, because up to the
+/// next point the previous one is the best.
 fn staircase(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut stairs = Vec::new();
     for (i, p) in points.iter().enumerate() {

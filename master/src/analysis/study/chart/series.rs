@@ -1,4 +1,4 @@
-//! Curves that are given as numbers, for commands that measure without a study.
+//! Curves given as numbers, for commands that measure without a study.
 
 use super::axis::Axis;
 use super::canvas::WHITE;
@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 pub struct Curve {
     /// Name in the legend.
     pub name: String,
-    /// Whether it is dashed and has no markers.
+    /// True for a dashed line without markers.
     pub dashed: bool,
-    /// Number of its colour; curves may share one.
+    /// Index of its colour; curves may share one.
     pub colour: usize,
     /// Points, with x from 1 and y in percent.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Draws percentages over powers of two, and writes them as `PATH.svg` and `PATH.png`; gives both
-/// names.
+/// Draws percentages over powers of two, writes them as `PATH.svg` and `PATH.png`, and returns
+/// both paths.
 ///
 /// # Errors
 /// A file cannot be written.

@@ -1,4 +1,4 @@
-//! `*ELEMENT_BEAM`, and the sections of its parts.
+//! Converts `*ELEMENT_BEAM`, and the sections of its parts.
 
 use super::DeckConverter;
 use super::materials::Material;
@@ -11,11 +11,11 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::corner_nodes;
 use std::f64::consts::PI;
 
-/// Stands for a third node that is not given.
+/// Code of a third node that is not given.
 const NONE: NodeId = NodeId(0);
 
 impl DeckConverter {
-    /// Elements. Those whose third node is not given get one by [`Build::orient_beams`].
+    /// Converts elements. [`DeckConverter::orient_beams`] adds third nodes that are not given.
     pub(super) fn beams(&mut self) {
         let mut shown = Vec::new();
         for record in self.take_records("ELEMENT_BEAM") {
@@ -52,7 +52,7 @@ impl DeckConverter {
         self.show(&shown);
     }
 
-    /// Gives beams a third node at a point.
+    /// Adds third nodes at given points to beams.
     fn show(&mut self, shown: &[(usize, ([f64; 3], crate::input::job::tree::Place))]) {
         let points: Vec<_> = shown.iter().map(|s| s.1).collect();
         let nodes = self.rows.add_nodes(&points);
@@ -62,8 +62,8 @@ impl DeckConverter {
         }
     }
 
-    /// Gives beams without a third node one, if their section does not mind where; it is an error
-    /// otherwise.
+    /// Adds a third node to beams without one, if their section does not depend on it. Otherwise
+    /// reports an error.
     pub(super) fn orient_beams(&mut self) {
         let mut shown = Vec::new();
         for index in 0..self.rows.beams.len() {
@@ -81,7 +81,8 @@ impl DeckConverter {
                 [beam.nodes[0], beam.nodes[1]].map(|n| self.rows.at(n))
                 && let Some(along) = unit([0, 1, 2].map(|c| to[c] - from[c]))
             {
-                // Square to the beam, and to the axis of space to which it is most so itself.
+                // Perpendicular to the beam, and to the coordinate axis that is most nearly
+                // perpendicular to it.
                 let least =
                     (0..3).min_by(|&a, &b| along[a].abs().total_cmp(&along[b].abs())).unwrap_or(0);
                 let mut axis = [0.0; 3];
@@ -94,7 +95,7 @@ impl DeckConverter {
         self.show(&shown);
     }
 
-    /// A part of beams.
+    /// Converts a part of beams.
     pub(super) fn beam_part(
         &mut self,
         record: &Record,
@@ -147,7 +148,7 @@ impl DeckConverter {
         table.put("beam", card.head, beam);
     }
 
-    /// A section of which the fibres are integrated; gives its name and whether it is round.
+    /// Converts a section with integrated fibres. Returns its name, and true if it is round.
     fn integrated(&mut self, card: &Record, beam: &mut Table) -> Option<(&'static str, bool)> {
         if card.real("qr") < 0.0 {
             self.unsupported_value(card, "qr", "integration rules of *INTEGRATION_BEAM");
@@ -188,7 +189,7 @@ impl DeckConverter {
         Some(("rectangle", false))
     }
 
-    /// A section of which area and moments are given.
+    /// Converts a section with given area and moments.
     fn resultant(
         &mut self,
         card: &Record,
@@ -221,7 +222,7 @@ impl DeckConverter {
     }
 }
 
-/// Gives a section of the formulations that shear deforms its shear areas.
+/// Sets the shear areas of a section with shear deformation.
 fn shear(card: &Record, area: f64, beam: &mut Table) {
     if matches!(card.integer("elform"), 0 | 1 | 9) {
         beam.put("shear_areas", card.place("shrf"), [card.real("shrf") * area; 2]);

@@ -1,4 +1,4 @@
-//! `*CONTACT_...`: contact and its interfaces, one for each card.
+//! Converts `*CONTACT_...`: contact and its interfaces, one for each card.
 
 use super::DeckConverter;
 use super::tree::Table;
@@ -7,7 +7,7 @@ use crate::input::job::tree::Place;
 use crumple_proto::job::Contact;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Contacts that consider the thickness of beams (LS-DYNA support, contact types 13 and 26).
+/// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
 const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
 
 const KEYWORDS: [(&str, bool); 11] = [
@@ -24,35 +24,34 @@ const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_ERODING_NODES_TO_SURFACE", false),
 ];
 
-/// Fields with no bearing on a contact that needs no stiffness of its own, and what a blank stands
-/// for.
+/// Fields without influence on a contact that needs no stiffness, and the defaults of blanks.
 const IGNORED: [&str; 20] = [
     "vdc", "penchk", "sfsa", "sfsb", "fsf", "vsf", "soft", "sofscl", "maxpar", "sbopt", "depth",
     "bsort", "frcfrq", "penmax", "shlthk", "snlog", "igap", "ignore", "dprfac", "edgek",
 ];
 
-/// Friction of a part, or of two that touch.
+/// Friction of a part, or of two parts in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Friction {
-    /// Coefficient at rest.
+    /// Static coefficient.
     fixed: f64,
-    /// Coefficient at high speed.
+    /// Dynamic coefficient.
     sliding: f64,
-    /// Decay of the one to the other with the speed [time/length].
+    /// Decay from the static to the dynamic coefficient with the speed [time/length].
     decay: f64,
-    /// Largest shear stress, 0 without one [force/length^2].
+    /// Largest shear stress, 0 without a limit [force/length^2].
     limit: f64,
 }
 
 impl Friction {
-    /// Of a card.
+    /// Reads the friction of a card.
     pub(super) fn from_record(record: &Record) -> Self {
         let [fixed, sliding, decay, limit] =
             ["fs", "fd", "dc", "vc"].map(|field| record.real(field));
         Self { fixed, sliding, decay, limit }
     }
 
-    /// Of two parts: the mean of theirs, and the lower limit.
+    /// Returns the friction of two parts: the mean of their coefficients, and the lower limit.
     fn between(self, other: Self) -> Self {
         let mean = |a: f64, b: f64| if a == b { a } else { 0.5 * (a + b) };
         let limits = [self.limit, other.limit].into_iter().filter(|&limit| limit > 0.0);
@@ -70,8 +69,8 @@ impl Friction {
 }
 
 impl DeckConverter {
-    /// `[contact]` of the first contact, and interfaces of the others. Of several that name two
-    /// parts the last one holds: contacts of one surface come before those of two.
+    /// Converts the first contact to `[contact]` and the others to interfaces. Of several that
+    /// name two parts the last one holds, so contacts of one surface come before those of two.
     pub(super) fn contacts(&mut self) {
         let mut found: Vec<(bool, Record)> = Vec::new();
         for (keyword, single) in KEYWORDS {
@@ -88,7 +87,7 @@ impl DeckConverter {
         let mut tables = tables.into_iter();
         if let Some(mut first) = tables.next() {
             let mut interfaces: Vec<Table> = tables.collect();
-            // An interface takes over what it does not say.
+            // An interface inherits the keys that it does not set.
             let default = Contact::default().law;
             for table in interfaces.iter_mut().filter(|table| first.has("law") && !table.has("law"))
             {
@@ -115,8 +114,8 @@ impl DeckConverter {
         }
     }
 
-    /// What a contact says, as a table of `[contact]` or of an interface, and of further ones where
-    /// its parts have frictions of their own; none if it has no surface.
+    /// Converts a contact to a table of `[contact]` or of an interface, and to further tables if
+    /// its parts have individual friction. Returns no table if the contact has no surface.
     fn contact(&mut self, name: &str, single: bool, record: &Record) -> Vec<Table> {
         let mut table = Table::new(record.head).with("name", record.head, name);
         let sides: &[(&str, &str, &str)] = match single {
@@ -125,7 +124,7 @@ impl DeckConverter {
         };
         for (side, kind, key) in sides {
             let parts = match self.side(record, side, kind) {
-                // All parts; as `against` they have to be named.
+                // All parts; in `against` they must be named.
                 None if *key == "parts" => continue,
                 None => self.parts.keys().copied().collect(),
                 Some(parts) => parts,
@@ -172,7 +171,7 @@ impl DeckConverter {
         tables
     }
 
-    /// Whether beams take part, said if there are any.
+    /// Includes or excludes beams, and adds this to the mapping, if the deck has beams.
     fn with_beams(&mut self, record: &Record, name: &str, table: &mut Table) {
         if self.rows.beams.is_empty() {
             return;
@@ -192,7 +191,7 @@ impl DeckConverter {
         self.map(name, "beams", used);
     }
 
-    /// Parts of one side; `None` for all.
+    /// Returns the parts of one side; `None` for all.
     fn side(&mut self, record: &Record, side: &str, kind: &str) -> Option<Vec<i64>> {
         let (id, place) = (record.integer(side), record.place(side));
         match record.integer(kind) {
@@ -232,7 +231,7 @@ impl DeckConverter {
         }
     }
 
-    /// Parts that have any of these nodes: contact goes by whole parts.
+    /// Returns the parts that have any of these nodes, because contact works with whole parts.
     fn parts_with(
         &mut self,
         record: &Record,
@@ -257,7 +256,7 @@ impl DeckConverter {
         found.into_iter().collect()
     }
 
-    /// Friction of the card, but for fs -1.
+    /// Converts the friction of the card, except for fs -1.
     fn friction(&mut self, record: &Record, name: &str, table: &mut Table) {
         let fs = record.real("fs");
         if fs >= 0.0 {
@@ -289,8 +288,9 @@ impl DeckConverter {
         }
     }
 
-    /// Friction of `*PART_CONTACT`: parts of the same make a group, and of each two groups that
-    /// meet there is an interface. The first two are what the contact itself says.
+    /// Converts the friction of `*PART_CONTACT`. Parts with equal friction form a group, and each
+    /// two groups in contact get an interface. The first two groups are those of the contact
+    /// itself.
     fn friction_of_parts(&mut self, record: &Record, name: &str, tables: &mut Vec<Table>) {
         let named = |table: &Table, key: &str| table.integers(key);
         let everyone: Vec<i64> = self.parts.keys().copied().collect();
@@ -351,7 +351,8 @@ impl DeckConverter {
         self.map(name, "fs -1: friction of the parts", used);
     }
 
-    /// Thickness in contact, given or by a factor: that of two surfaces counts as their mean.
+    /// Converts the contact thickness, given directly or by a factor. For two surfaces the mean
+    /// is used.
     fn thickness(&mut self, record: &Record, name: &str, single: bool, table: &mut Table) {
         let [a, b] = ["sast", "sbst"].map(|field| record.real(field));
         let b = if single { a } else { b };
@@ -391,7 +392,7 @@ impl DeckConverter {
         }
     }
 
-    /// Options that are not used, in one line.
+    /// Lists the options that are not used in one line.
     fn options(&mut self, record: &Record, name: &str) {
         let given = |field: &&str| {
             let default = record
@@ -420,7 +421,7 @@ impl DeckConverter {
     }
 }
 
-/// Where in its file a card is written; one file's before another's.
+/// Returns the position of a card in its file, after the number of the file.
 fn written(place: Place) -> (u32, u32) {
     match place {
         Place::Deck { file, start, .. } => (file, start),

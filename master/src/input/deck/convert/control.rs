@@ -1,4 +1,4 @@
-//! `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
+//! Converts `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
 
 use super::DeckConverter;
 use crate::input::deck::record::Record;
@@ -37,8 +37,8 @@ impl DeckConverter {
             if scaled != 0.0 {
                 let place = record.place("dt2ms");
                 self.tree.set_in("time", "mass_scaling_dt", place, scaled.abs());
-                // A deck asks for a step and takes the mass that this needs; the share is warned of
-                // by the run.
+                // A deck prescribes a step and accepts the mass that it needs. The run warns of
+                // the fraction of added mass.
                 self.tree.set_in("time", "mass_scaling_limit", place, 1e9);
                 let used = match scaled < 0.0 {
                     true => "mass added where a stable step is below it",
@@ -80,7 +80,8 @@ impl DeckConverter {
         }
     }
 
-    /// The records of a keyword that a deck needs once; the last one counts, which is told.
+    /// Returns the records of a keyword that a deck needs once. Warns if there are more; the last
+    /// one counts.
     fn take_one(&mut self, name: &str) -> Vec<Record> {
         let records = self.take_records(name);
         if let [_, .., last] = &records[..] {

@@ -1,4 +1,4 @@
-//! `*DEFINE_CURVE`.
+//! Converts `*DEFINE_CURVE`.
 
 use super::DeckConverter;
 use super::tree::Table;
@@ -9,11 +9,11 @@ use crate::input::job::tree::Place;
 pub struct Curve {
     /// Abscissa and ordinate.
     pub points: Vec<[f64; 2]>,
-    /// Where it is written.
+    /// Place of the keyword.
     pub place: Place,
     /// Places of its points.
     pub lines: Vec<Place>,
-    /// Whether a load or motion has asked for it.
+    /// True if a load or motion uses it.
     used: bool,
 }
 
@@ -44,7 +44,7 @@ impl DeckConverter {
         }
     }
 
-    /// A curve by its id; an error at `place` if there is none.
+    /// Returns a curve by its id. Reports an error at `place` if there is none.
     pub(super) fn curve(&mut self, id: i64, place: Place) -> Option<Curve> {
         let found = self.curves.get(&id).cloned();
         if found.is_none() {
@@ -54,8 +54,8 @@ impl DeckConverter {
         found
     }
 
-    /// Name of a curve in the job for a load or a motion, which is added to the job at its first
-    /// use.
+    /// Returns the name in the job of a curve for a load or a motion. The curve is added to the
+    /// job at its first use.
     pub(super) fn time_curve(&mut self, id: i64, place: Place) -> Option<String> {
         let curve = self.curve(id, place)?;
         let name = format!("curve-{id}");
@@ -82,7 +82,7 @@ impl DeckConverter {
     }
 }
 
-/// Nought stands for one.
+/// Returns the scale, or 1 for zero.
 fn one(scale: f64) -> f64 {
     if scale == 0.0 { 1.0 } else { scale }
 }

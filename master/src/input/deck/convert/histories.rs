@@ -1,5 +1,6 @@
-//! `*CONTACT_FORCE_TRANSDUCER_...`, `*DATABASE_CROSS_SECTION_...`, `*DATABASE_HISTORY_NODE...`:
-//! what is to be recorded. Nothing of it changes a run: what it lacks is a warning.
+//! Converts `*CONTACT_FORCE_TRANSDUCER_...`, `*DATABASE_CROSS_SECTION_...`,
+//! `*DATABASE_HISTORY_NODE...`: quantities to record. They do not change a run, so unsupported
+//! content is only a warning.
 
 use super::DeckConverter;
 use super::sets::{id, ids};
@@ -11,14 +12,15 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{MeshElement, Shape};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// Sets of elements: keywords, those with ranges, the field of a cross section that names one.
+/// Sets of elements: keyword, keyword with ranges, and field of a cross section that names the
+/// set.
 const ELEMENT_SETS: [(&str, &str, &str); 3] = [
     ("SET_SOLID", "SET_SOLID_GENERATE", "hsid"),
     ("SET_SHELL_LIST", "SET_SHELL_LIST_GENERATE", "ssid"),
     ("SET_DISCRETE", "SET_DISCRETE_GENERATE", "dsid"),
 ];
 
-/// Elements of sets by id, first those listed, then ranges of ids.
+/// Elements of sets by id: first listed ids, then ranges of ids.
 type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
 
 impl DeckConverter {
@@ -89,7 +91,8 @@ impl DeckConverter {
         self.put_list("transducer", transducers);
     }
 
-    /// Puts a surface of a transducer in; whether it is one, and not all there is.
+    /// Adds a surface of a transducer. Returns true if it is a surface that does not include
+    /// everything.
     fn felt_surface(
         &mut self,
         record: &Record,
@@ -133,7 +136,7 @@ impl DeckConverter {
                 let rest: Vec<i64> =
                     self.parts.keys().copied().filter(|p| !out.contains(p)).collect();
                 if rest.is_empty() {
-                    // Nothing is left of it, which is not the same as all there is.
+                    // An empty surface is different from one that includes everything.
                     let message = format!("{name}: {side} leaves all parts out");
                     self.trouble.error(
                         place,
@@ -345,7 +348,7 @@ impl DeckConverter {
     }
 }
 
-/// A name for each section, none twice: its title, or by its id or its place.
+/// Returns a unique name for each section: its title, otherwise one from its id or position.
 fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for (record, number) in records.zip(1..) {
@@ -362,15 +365,15 @@ fn section_names<'a>(records: impl Iterator<Item = &'a Record>) -> Vec<String> {
     names
 }
 
-/// A cutting plane, perhaps with an edge.
+/// A cutting plane, with or without an edge.
 struct Plane {
     tail: [f64; 3],
     /// Unit normal.
     normal: [f64; 3],
-    /// Radius of a disc around the tail, 0 for none.
+    /// Radius of a disc around the tail, 0 for none [length].
     radius: f64,
-    /// Sides of a rectangle from the tail, as unit vectors with their lengths; 0 for one without
-    /// end.
+    /// Sides of a rectangle from the tail, as unit vectors with their lengths; 0 for an infinite
+    /// side [length].
     sides: [([f64; 3], f64); 2],
 }
 
@@ -399,7 +402,7 @@ impl Plane {
         [0, 1, 2].map(|c| x[c] - self.tail[c])
     }
 
-    /// Whether what is here lies within the edge of the plane, seen along its normal.
+    /// Returns true if a point lies within the edge of the plane, seen along its normal.
     fn reaches(&self, x: &[f64; 3]) -> bool {
         let (d, lift) = (self.offset(x), self.height(x));
         let aside = (dot(&d, &d) - lift * lift).max(0.0).sqrt();

@@ -1,4 +1,4 @@
-//! `*INITIAL_VELOCITY...`.
+//! Converts `*INITIAL_VELOCITY...`.
 
 use super::DeckConverter;
 use super::sets::id;
@@ -181,7 +181,8 @@ impl DeckConverter {
         }
     }
 
-    /// Centre of a part's elements, each with its corners' mean and its area or volume.
+    /// Returns the centre of a part: the mean of its elements' centres, weighted by area or
+    /// volume.
     fn centre_of(&mut self, part: i64) -> [f64; 3] {
         let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
         let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
@@ -202,7 +203,7 @@ impl DeckConverter {
     }
 }
 
-/// Area of three or four corners, volume of eight.
+/// Returns the area of three or four corners, or the volume of eight.
 fn size(x: &[[f64; 3]]) -> f64 {
     let from = |a: usize, b: usize| [0, 1, 2].map(|c| x[b][c] - x[a][c]);
     let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();

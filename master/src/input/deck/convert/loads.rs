@@ -1,4 +1,4 @@
-//! Masses, gravity, forces on nodes.
+//! Converts masses, gravity, and forces on nodes.
 
 use super::DeckConverter;
 use super::sets::id;
@@ -9,7 +9,7 @@ use crumple_proto::ids::NodeId;
 use std::collections::{BTreeMap, HashSet};
 
 impl DeckConverter {
-    /// `*ELEMENT_MASS`.
+    /// Converts `*ELEMENT_MASS`.
     pub(super) fn masses(&mut self) {
         let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
         for record in self.take_records("ELEMENT_MASS") {
@@ -42,8 +42,8 @@ impl DeckConverter {
         }
     }
 
-    /// `*LOAD_BODY_...`: an acceleration of the frame of reference, so that bodies fall the other
-    /// way.
+    /// Converts `*LOAD_BODY_...`: an acceleration of the frame of reference, so bodies accelerate
+    /// in the opposite direction.
     pub(super) fn body_loads(&mut self) {
         for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate()
         {
@@ -66,7 +66,7 @@ impl DeckConverter {
         }
     }
 
-    /// `*LOAD_NODE_...`.
+    /// Converts `*LOAD_NODE_...`.
     pub(super) fn nodal_loads(&mut self) {
         for (keyword, field) in [("LOAD_NODE_SET", "nsid"), ("LOAD_NODE_POINT", "nid")] {
             let mut used: Option<HashSet<NodeId>> = None;
@@ -86,7 +86,7 @@ impl DeckConverter {
                         Some(name)
                     };
                     let Some(set) = set else { continue };
-                    // A deck loads each node, a job shares a force among those that belong to
+                    // A deck loads each node; a job divides a force among the nodes with
                     // elements.
                     let used = used
                         .get_or_insert_with(|| self.rows.nodes_of(|_| true).into_iter().collect());

@@ -1,4 +1,4 @@
-//! `*MAT_...`: laws and their numbers.
+//! Converts `*MAT_...`: laws and their parameters.
 
 use super::DeckConverter;
 use super::tree::Table;
@@ -11,26 +11,26 @@ use std::collections::HashMap;
 pub struct Material {
     /// Name in the job.
     pub name: String,
-    /// Its table there, until a part takes it.
+    /// Its table in the job, until a part uses it.
     pub table: Option<Table>,
-    /// What a rigid part of it holds; `None` if it is not rigid.
+    /// Degrees of freedom that a rigid part of this material fixes; `None` if it is not rigid.
     pub rigid: Option<Vec<&'static str>>,
-    /// Whether it bears nothing.
+    /// True if it carries no load.
     pub skin: bool,
-    /// Whether it stays elastic.
+    /// True if it is elastic.
     pub elastic: bool,
-    /// Limits of beams that are welds: normal, shear, bending, torsion [force], [force length];
-    /// with their place.
+    /// Limits of beams that are welds: normal and shear force [force], bending and torsional
+    /// moment [force length]; with their place.
     pub weld: Option<([f64; 4], Place)>,
     /// Density [mass/length^3].
     pub density: f64,
     /// Young's modulus [force/length^2].
     pub youngs_modulus: f64,
-    /// Where it is written.
+    /// Place of the keyword.
     pub place: Place,
 }
 
-/// Young's modulus of what bears nothing and gives none: a law needs one.
+/// Young's modulus of a material that carries no load and has none, because a law needs one.
 const NO_MODULUS: f64 = 1.0;
 
 const KEYWORDS: [&str; 7] = [
@@ -171,7 +171,7 @@ impl DeckConverter {
         let (strains, stresses) = (list("eps"), list("es"));
         let mut points: Vec<[f64; 2]> =
             strains.into_iter().zip(stresses).map(|(e, s)| [e, s]).collect();
-        // Blank pairs at the end are none; the first one may stand at strain nought.
+        // Blank pairs at the end are no points; the first point may be at strain zero.
         while points.last() == Some(&[0.0, 0.0]) {
             points.pop();
         }
@@ -191,7 +191,7 @@ impl DeckConverter {
         }
     }
 
-    /// Gives Young's modulus.
+    /// Converts a Johnson-Cook material and returns Young's modulus [force/length^2].
     fn johnson_cook(&mut self, record: &Record, table: &mut Table) -> f64 {
         table.put("law", record.head, "johnson_cook");
         let (g, pr) = (record.real("g"), record.real("pr"));
@@ -202,7 +202,7 @@ impl DeckConverter {
         };
         number(table, "a", "a");
         number(table, "b", "b");
-        // Without hardening n is of no account, but has to be one.
+        // Without hardening n has no influence, but must be 1.
         let n =
             if record.real("n") > 0.0 || record.real("b") > 0.0 { record.real("n") } else { 1.0 };
         table.put("n", record.place("n"), n);
@@ -231,7 +231,7 @@ impl DeckConverter {
         e
     }
 
-    /// `*MAT_SPOTWELD`; gives the limits of beams of it, noughts for none.
+    /// Converts `*MAT_SPOTWELD` and returns the limits of its beams, with zeros for none.
     fn spot_weld(&mut self, record: &Record, table: &mut Table) -> Option<([f64; 4], Place)> {
         if record.real("sigy") > 0.0 {
             table.put("law", record.head, "j2");
@@ -268,7 +268,7 @@ impl DeckConverter {
         limits.iter().any(|&limit| limit > 0.0).then_some((limits, record.place("nrr")))
     }
 
-    /// What a rigid material holds.
+    /// Returns the degrees of freedom that a rigid material fixes.
     fn rigid_material(&mut self, record: &Record) -> Vec<&'static str> {
         if record.real("n") != 0.0 {
             self.unsupported_value(record, "n", "coupling with another program");
@@ -293,7 +293,7 @@ impl DeckConverter {
     }
 }
 
-/// Name, density and elastic constants; and Young's modulus.
+/// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].
 fn elastic(record: &Record, name: &str) -> (Table, f64) {
     let e = record.real("e");
     let table = Table::new(record.head)
@@ -304,7 +304,7 @@ fn elastic(record: &Record, name: &str) -> (Table, f64) {
     (table, e)
 }
 
-/// What the codes 0 to 7 of constraints hold.
+/// Returns the degrees of freedom that the constraint codes 0 to 7 fix.
 pub fn held(code: f64, dofs: [&'static str; 3]) -> Vec<&'static str> {
     let [x, y, z] = dofs;
     match code as i64 {
@@ -329,7 +329,7 @@ fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     points.iter().map(|p| p.to_vec()).collect()
 }
 
-/// The points from plastic strain nought on: a table that begins later is level before.
+/// Returns the points from plastic strain zero on. A table that begins later is constant before.
 fn from_nought(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0

@@ -1,4 +1,5 @@
-//! Nodes and elements, line by line without anything in between: there may be millions.
+//! Converts nodes and elements line by line without intermediate data, because there may be
+//! millions.
 
 use crate::input::deck::Mapping;
 use crate::input::deck::fields::{Fields, split};
@@ -16,7 +17,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 /// A line of a file: the file's number, first byte and one past the last.
 type Line = (u32, u32, u32);
 
-/// Nodes and elements as they are written, and where.
+/// Nodes and elements as written, and their places.
 #[derive(Debug, Default)]
 pub struct Rows {
     pub nodes: Vec<MeshNode>,
@@ -30,21 +31,21 @@ pub struct Rows {
     spring_lines: Vec<Line>,
     beam_lines: Vec<Line>,
     sets: BTreeMap<String, (Vec<NodeId>, Place)>,
-    /// Codes of what is held, `tc` and `rc`, with a line that says so.
+    /// Nodes with constraint codes `tc` and `rc`, with a line that has these codes.
     pub held: BTreeMap<(i64, i64), (Vec<NodeId>, Place)>,
-    /// Thicknesses of single shells at their corners, by their place in `shells`.
+    /// Thicknesses of single shells at their corners [length], by index in `shells`.
     pub thickness: Vec<(usize, [f64; 4])>,
     index: HashMap<NodeId, usize>,
-    /// Largest id of a node, once somebody has asked.
+    /// Largest id of a node, 0 until it is needed.
     top: u64,
-    /// By how much ids of solids, springs and beams were raised.
+    /// Offsets added to the ids of solids, springs and beams.
     pub raised: [u64; 3],
 }
 
 /// Codes `tc` and `rc` of a node that does not move.
 const HELD_IN_PLACE: (i64, i64) = (7, 0);
 
-/// One line of a bulk keyword being read.
+/// One line of a keyword for mesh data during reading.
 struct Numbers<'a, 'c> {
     cards: &'a mut Cards<'c>,
     block: &'a Block,
@@ -76,7 +77,7 @@ impl Numbers<'_, '_> {
         number::real(text).unwrap_or_else(|| self.odd(index, "a number"))
     }
 
-    /// An id, which has to be above nought.
+    /// Returns an id, which must be larger than zero.
     fn id(&mut self, index: usize) -> u64 {
         let id = self.integer(index);
         if id < 1 && self.whole {
@@ -85,7 +86,7 @@ impl Numbers<'_, '_> {
         u64::try_from(id).unwrap_or(0)
     }
 
-    /// A parameter, or nothing that can be read.
+    /// Reads a parameter, or reports a field that cannot be read.
     fn odd(&mut self, index: usize, wanted: &str) -> f64 {
         let text = String::from_utf8_lossy(self.text(index)).into_owned();
         let value = reference(&text).and_then(|(minus, name)| {
@@ -121,7 +122,7 @@ impl Numbers<'_, '_> {
     }
 }
 
-/// A whole number in digits alone.
+/// Reads an integer that consists of digits only.
 fn plain_integer(text: &[u8]) -> Option<i64> {
     if text.len() > 17 {
         return None;
@@ -130,7 +131,7 @@ fn plain_integer(text: &[u8]) -> Option<i64> {
 }
 
 impl Rows {
-    /// `*NODE`.
+    /// Reads `*NODE`.
     pub fn nodes(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
         self.nodes.reserve(block.lines.len());
         self.node_lines.reserve(block.lines.len());
@@ -158,7 +159,7 @@ impl Rows {
         }
     }
 
-    /// `*ELEMENT_SHELL`.
+    /// Reads `*ELEMENT_SHELL`.
     pub fn shells(&mut self, cards: &mut Cards<'_>, row: &Row, options: &[&str], block: &Block) {
         let card = &row.cards[0].0;
         let lines: Vec<_> = block.lines.iter().copied().filter(|l| l.0 < l.1).collect();
@@ -192,7 +193,7 @@ impl Rows {
         }
     }
 
-    /// `*ELEMENT_SOLID`, on one line or on two.
+    /// Reads `*ELEMENT_SOLID`, on one line or on two.
     pub fn solids(&mut self, cards: &mut Cards<'_>, row: &Row, block: &Block) {
         let mut lines = block.lines.iter().copied().filter(|l| l.0 < l.1);
         while let Some(line) = lines.next() {
@@ -233,8 +234,8 @@ impl Rows {
         }
     }
 
-    /// Ids of solids, shells, springs and beams may be the same in a deck, not here: those of the
-    /// later kinds are raised then.
+    /// Makes ids unique. A deck may use the same ids for solids, shells, springs and beams, a job
+    /// may not. The ids of the later kinds are then raised.
     pub fn number_apart(&mut self, mapping: &mut Vec<Mapping>) {
         if self.solids.is_empty() && self.springs.is_empty() && self.beams.is_empty() {
             return;
@@ -273,15 +274,15 @@ impl Rows {
         self.spring_lines.push((file, start, end));
     }
 
-    /// Adds a beam, which is written at `place`; its third corner shows where its second axis
-    /// points.
+    /// Adds a beam, which is written at `place`. Its third corner defines the direction of its
+    /// second axis.
     pub fn beam(&mut self, id: ElemId, part: u32, corners: [NodeId; 3], place: Place) {
         let Place::Deck { file, start, end } = place else { return };
         self.beams.push(MeshElement::new(id, part, Shape::Beam2, &corners));
         self.beam_lines.push((file, start, end));
     }
 
-    /// Where the `index`-th beam is written.
+    /// Returns the place of the `index`-th beam.
     pub fn beam_place(&self, index: usize) -> Place {
         self.beam_lines.get(index).map_or(Place::Whole, |&(file, start, end)| Place::Deck {
             file,
@@ -290,8 +291,8 @@ impl Rows {
         })
     }
 
-    /// Adds nodes that the deck does not have, at the places of the beams that they show the way;
-    /// gives their ids.
+    /// Adds nodes that the deck does not have, to orient beams. Their places are those of the
+    /// beams. Returns their ids.
     pub fn add_nodes(&mut self, at: &[([f64; 3], Place)]) -> Vec<NodeId> {
         at.iter().filter_map(|&(x, place)| self.add_node(x, place)).collect()
     }
@@ -309,8 +310,8 @@ impl Rows {
         Some(id)
     }
 
-    /// Adds a node that is held in the place of another one, for what is written at `place`; `None`
-    /// if there is no such node.
+    /// Adds a fixed node at the position of another one, for data written at `place`; `None` if
+    /// there is no such node.
     pub fn ground(&mut self, at: NodeId, place: Place) -> Option<NodeId> {
         let x = self.at(at)?;
         let id = self.add_node(x, place)?;
@@ -323,17 +324,17 @@ impl Rows {
         self.sets.insert(name, (nodes, place));
     }
 
-    /// Whether there is a set of this name.
+    /// Returns true if there is a set of this name.
     pub fn has_set(&self, name: &str) -> bool {
         self.sets.contains_key(name)
     }
 
-    /// Shells, then solids, then springs, then beams.
+    /// Returns shells, then solids, then springs, then beams.
     pub fn elements(&self) -> impl Iterator<Item = &MeshElement> {
         self.shells.iter().chain(&self.solids).chain(&self.springs).chain(&self.beams)
     }
 
-    /// Nodes of all elements of the parts that `of` accepts, ascending.
+    /// Returns the nodes of all elements of the parts that `of` accepts, ascending.
     pub fn nodes_of(&self, of: impl Fn(u32) -> bool) -> Vec<NodeId> {
         let mut nodes: Vec<NodeId> =
             self.elements().filter(|e| of(e.part)).flat_map(|e| e.corners()).copied().collect();
@@ -342,7 +343,7 @@ impl Rows {
         nodes
     }
 
-    /// Coordinates of a node.
+    /// Returns the coordinates of a node [length].
     pub fn at(&mut self, id: NodeId) -> Option<[f64; 3]> {
         if self.index.len() != self.nodes.len() {
             self.index = self.nodes.iter().enumerate().map(|(i, n)| (n.id, i)).collect();
@@ -350,14 +351,14 @@ impl Rows {
         self.index.get(&id).map(|&i| self.nodes[i].x)
     }
 
-    /// How many elements there are of each kind, as [`Rows::finish`] puts them one after the other.
+    /// Returns the number of elements of each kind, in the order of [`Rows::finish`].
     pub fn lists(&self) -> Lists {
         let [shells, solids, springs, beams] =
             [&self.shells, &self.solids, &self.springs, &self.beams].map(|list| list.len());
         [("shells", shells), ("solids", solids), ("springs", springs), ("beams", beams)]
     }
 
-    /// The mesh and where everything in it is written.
+    /// Returns the mesh and the places of its data.
     pub fn finish(self) -> (Mesh, Places) {
         let mut elements = self.shells;
         elements.extend(self.solids);
@@ -386,7 +387,7 @@ fn start<'a, 'c>(
     Numbers { cards, block, card, line, fields, whole: true }
 }
 
-/// Id of a part, which has 32 bits.
+/// Returns the id of a part, which has 32 bits.
 fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
     let narrow = u32::try_from(part).ok();
     if narrow.is_none() {
@@ -398,7 +399,7 @@ fn narrow(part: u64, numbers: &mut Numbers<'_, '_>) -> Option<u32> {
 /// Names of the lists of elements in a job's `[mesh]`, with their lengths.
 pub type Lists = [(&'static str, usize); 4];
 
-/// Where the mesh is written.
+/// Places of the mesh data.
 #[derive(Debug, Default)]
 pub struct Places {
     nodes: Vec<Line>,
@@ -410,7 +411,7 @@ pub struct Places {
 }
 
 impl Places {
-    /// The line that a path such as `mesh.shells.17` means.
+    /// Returns the line for a path such as `mesh.shells.17`.
     pub fn place_of(&self, path: &str) -> Option<Place> {
         let rest = path.strip_prefix("mesh.")?;
         let (list, rest) = rest.split_once('.')?;

@@ -1,4 +1,4 @@
-//! From the cards of a deck to a job: the same tree of values that a job file gives, and a mesh.
+//! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
 mod beams;
 mod contact;
@@ -36,17 +36,17 @@ use mesh::Rows;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use tree::{Table, Tree};
 
-/// What is built so far, and what the rest needs of it.
+/// Data converted so far, and intermediate data.
 pub struct DeckConverter {
-    /// Cards by keyword; each family takes its own.
+    /// Cards by keyword; each family of keywords takes its own.
     records: HashMap<&'static str, Vec<Record>>,
     /// Nodes and elements.
     pub rows: Rows,
-    /// What is wrong.
+    /// Problems.
     pub trouble: Trouble,
-    /// What was mapped to what.
+    /// Requests of the deck and their settings.
     pub mapping: Vec<Mapping>,
-    /// What the engine cannot do.
+    /// Content that the engine does not support.
     pub unsupported: Vec<Unsupported>,
     tree: Tree,
     curves: BTreeMap<i64, curves::Curve>,
@@ -57,22 +57,21 @@ pub struct DeckConverter {
     segment_sets: BTreeMap<i64, Vec<segments::Segment>>,
     parts: BTreeMap<i64, parts::Part>,
     used_materials: Vec<i64>,
-    /// Scales of the forces of springs by part, with where they are written.
+    /// Scales of the forces of springs by part, with their places.
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, Record>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
-    /// Directions of springs by part, with where they are written; `None` along the line between
-    /// their nodes.
+    /// Directions of springs by part, with their places; `None` for the line between their nodes.
     spring_directions: BTreeMap<i64, (Option<[f64; 3]>, Place)>,
-    /// Friction of parts that have one of their own.
+    /// Individual friction of parts.
     part_friction: BTreeMap<i64, contact::Friction>,
     /// Names of rigid bodies by part.
     bodies: BTreeMap<i64, String>,
     end_time: f64,
 }
 
-/// What came out: the job, and all else is in the `Build`.
+/// Converts a deck. Returns the job; all other results are in the [`DeckConverter`].
 pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, DeckConverter) {
     let mut b = DeckConverter {
         records: HashMap::new(),
@@ -134,7 +133,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
 }
 
 impl DeckConverter {
-    /// Reads all blocks by the table.
+    /// Reads all blocks by the table of keywords.
     fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
         let mut parameters = Parameters::default();
         let left_out = |name: &str| {
@@ -203,17 +202,17 @@ impl DeckConverter {
         }
     }
 
-    /// All records of a keyword, which nobody else needs.
+    /// Takes all records of a keyword, which no other code needs.
     fn take_records(&mut self, name: &str) -> Vec<Record> {
         self.records.remove(name).unwrap_or_default()
     }
 
-    /// Notes that something in the deck cannot be done; `what` names it in the summary.
+    /// Notes unsupported content; `what` is its name in the summary.
     fn unsupported(&mut self, place: Place, message: String, what: String) {
         self.unsupported.push(Unsupported { place, message, what });
     }
 
-    /// Notes a value that the engine cannot serve.
+    /// Notes a value that the engine does not support.
     fn unsupported_value(&mut self, record: &Record, field: &str, why: &str) {
         let value = record.line(field).map_or(String::new(), |l| l.real(field).to_string());
         let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
@@ -221,7 +220,7 @@ impl DeckConverter {
         self.unsupported(record.place(field), message, what);
     }
 
-    /// Notes what the deck asks for and what it gets.
+    /// Notes a request of the deck and the settings used for it.
     fn map(&mut self, of: impl Into<String>, asked: impl Into<String>, used: impl Into<String>) {
         let entry = Mapping { of: of.into(), asked: asked.into(), used: used.into() };
         if !self.mapping.contains(&entry) {
@@ -229,7 +228,8 @@ impl DeckConverter {
         }
     }
 
-    /// Name of the node set with this id; an error at `place` if there is none.
+    /// Returns the name of the node set with this id. Reports an error at `place` if there is
+    /// none.
     fn node_set(&mut self, id: i64, place: Place) -> Option<String> {
         if self.node_sets.contains_key(&id) {
             return Some(format!("set-{id}"));
@@ -239,7 +239,7 @@ impl DeckConverter {
         None
     }
 
-    /// The parts of a set, as far as they exist; an error at `place` if there is no such set.
+    /// Returns the existing parts of a set. Reports an error at `place` if there is no such set.
     fn part_set(&mut self, id: i64, place: Place) -> Vec<i64> {
         let Some(parts) = self.part_sets.get(&id).cloned() else {
             let known: Vec<String> = self.part_sets.keys().map(i64::to_string).collect();
@@ -249,7 +249,7 @@ impl DeckConverter {
         parts.into_iter().filter(|&(pid, place)| self.has_part(pid, place)).map(|p| p.0).collect()
     }
 
-    /// Whether there is a part with this id; an error at `place` if not.
+    /// Returns true if there is a part with this id. Otherwise reports an error at `place`.
     fn has_part(&mut self, id: i64, place: Place) -> bool {
         if self.parts.contains_key(&id) {
             return true;
@@ -259,7 +259,7 @@ impl DeckConverter {
         false
     }
 
-    /// Name of a node set with all nodes of these parts.
+    /// Returns the name of a node set with all nodes of these parts.
     fn nodes_of_parts(&mut self, parts: &[i64]) -> String {
         let mut parts = parts.to_vec();
         parts.sort_unstable();
@@ -274,7 +274,7 @@ impl DeckConverter {
         name
     }
 
-    /// Notes that a record refers to something that there is not.
+    /// Reports that a record refers to something that does not exist.
     fn missing(&mut self, place: Place, what: &str, id: i64, known: &[String]) {
         if self.trouble.is_unsure() {
             return;
@@ -290,7 +290,7 @@ impl DeckConverter {
         self.trouble.error(place, format!("there is no {what} with the id {id}"), help);
     }
 
-    /// What the table knows and nobody took.
+    /// Reports records of known keywords that no code has converted.
     fn left_over(&mut self) {
         for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
             self.take_records(name);

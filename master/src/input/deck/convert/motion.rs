@@ -1,4 +1,4 @@
-//! What is held, and what is moved in a given way.
+//! Converts fixed degrees of freedom and prescribed motions.
 
 use super::DeckConverter;
 use super::materials::held;
@@ -19,7 +19,7 @@ const DOFS: [(&str, &str); 6] = [
 ];
 
 impl DeckConverter {
-    /// `*BOUNDARY_SPC_...`, and the codes on the cards of nodes.
+    /// Converts `*BOUNDARY_SPC_...`, and the constraint codes on the cards of nodes.
     pub(super) fn spc(&mut self) {
         for record in self.take_records("BOUNDARY_SPC_SET") {
             let dofs = self.dofs(&record);
@@ -75,7 +75,7 @@ impl DeckConverter {
         DOFS.iter().filter(|(field, _)| record.integer(field) == 1).map(|(_, dof)| *dof).collect()
     }
 
-    /// `*BOUNDARY_PRESCRIBED_MOTION_...`.
+    /// Converts `*BOUNDARY_PRESCRIBED_MOTION_...`.
     pub(super) fn motions(&mut self) {
         for record in self.take_records("BOUNDARY_PRESCRIBED_MOTION_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));

@@ -1,4 +1,4 @@
-//! `*PART`: material, section and hourglass control of elements.
+//! Converts `*PART`: material, section and hourglass control of elements.
 
 use super::DeckConverter;
 use super::contact::Friction;
@@ -10,21 +10,21 @@ use crate::input::job::tree::Place;
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, HashMap};
 
-/// Coefficient of shells where a deck leaves it open: LS-DYNA's QM.
+/// Default hourglass coefficient of shells in decks: LS-DYNA's QM.
 const DEFAULT_HOURGLASS: f64 = 0.1;
 
 /// A part of the deck.
 #[derive(Debug)]
 pub struct Part {
-    /// What a rigid one holds; `None` if it deforms.
+    /// Degrees of freedom that a rigid part fixes; `None` if it is deformable.
     pub rigid: Option<Vec<&'static str>>,
     /// Name of its material.
     pub material: Option<String>,
-    /// Where it is written.
+    /// Place of the keyword.
     pub place: Place,
 }
 
-/// What a part's elements are.
+/// Shapes of a part's elements.
 #[derive(Clone, Copy, Default)]
 struct Shapes {
     quads: bool,
@@ -41,7 +41,7 @@ impl DeckConverter {
                 Shape::Quad4 => of.quads = true,
                 Shape::Tri3 => of.triangles = true,
                 Shape::Hex8 => of.solids = true,
-                Shape::Line2 | Shape::Beam2 => {} // their sections ask nothing
+                Shape::Line2 | Shape::Beam2 => {} // their sections have no conditions
             }
         }
         let own_thickness = self.thickness_of_elements();
@@ -159,7 +159,7 @@ impl DeckConverter {
         self.used_materials = taken;
     }
 
-    /// The card of `*PART_CONTACT`: a friction and a thickness in contact of its own.
+    /// Converts the card of `*PART_CONTACT`: individual friction and contact thickness.
     fn contact_card(&mut self, record: &Record, id: i64, kind: Kind, table: &mut Table) {
         if !record.has("CONTACT") {
             return;
@@ -179,7 +179,7 @@ impl DeckConverter {
         }
     }
 
-    /// What a part of shells has.
+    /// Converts a part of shells.
     fn shell(
         &mut self,
         record: &Record,
@@ -228,8 +228,8 @@ impl DeckConverter {
             0 => table.put("points", card.place("nip"), 2),
             n => table.put("points", card.place("nip"), n),
         }
-        // LS-DYNA's nloc says where the nodes are in the section, `offset` where the middle is from
-        // them.
+        // LS-DYNA's nloc is the position of the nodes in the section, `offset` that of the middle
+        // surface relative to the nodes.
         if card.real("nloc") != 0.0 {
             table.put("offset", card.place("nloc"), -card.real("nloc"));
             if let Some(place) = sections.defaults.shifted {
@@ -336,7 +336,7 @@ impl DeckConverter {
         );
     }
 
-    /// Hourglass control of a part; gives the form's name and where it comes from.
+    /// Converts the hourglass control of a part. Returns the name of the form and its origin.
     fn hourglass(
         &mut self,
         record: &Record,
@@ -344,7 +344,7 @@ impl DeckConverter {
         table: &mut Table,
         solids: bool,
     ) -> (&'static str, &'static str) {
-        // What LS-DYNA's explicit solver takes for shells where a deck names none.
+        // LS-DYNA's default in explicit analysis for shells.
         let default = if solids { "assumed_strain" } else { "viscous" };
         let hgid = record.integer("hgid");
         let own = sections.hourglass.get(&hgid).map(|h| (h.0, h.2));
@@ -381,7 +381,7 @@ impl DeckConverter {
         (name, told)
     }
 
-    /// Shells of each part that have thicknesses of their own at the corners, by their places.
+    /// Returns the shells of each part with individual thicknesses at the corners, by index.
     fn thickness_of_elements(&self) -> BTreeMap<i64, Vec<(usize, [f64; 4])>> {
         let mut all: BTreeMap<i64, Vec<(usize, [f64; 4])>> = BTreeMap::new();
         for &(at, corners) in &self.rows.thickness {
@@ -392,9 +392,9 @@ impl DeckConverter {
         all
     }
 
-    /// Gives shells the means of their corners, of which those without a thickness have the
-    /// section's. One point in the plane sees no more of it. Gives the thickness of the part: that
-    /// of its section, or of all its shells.
+    /// Sets the thickness of shells to the mean of their corners. Corners without a thickness
+    /// have that of the section. One point in the plane cannot resolve more. Returns the
+    /// thickness of the part: that of its section, or of all its shells if it is uniform.
     fn own_thickness(
         &mut self,
         id: i64,

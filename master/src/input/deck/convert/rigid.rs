@@ -1,4 +1,5 @@
-//! Rigid bodies: parts of `*MAT_RIGID`, parts switched rigid, sets of nodes, and what joins them.
+//! Converts rigid bodies: parts of `*MAT_RIGID`, parts switched to rigid, sets of nodes, and
+//! joints of these.
 
 use super::DeckConverter;
 use super::sets::id;
@@ -8,7 +9,7 @@ use crumple_proto::ids::NodeId;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// A body in the making, by its leading part.
+/// A body under construction, by its leading part.
 #[derive(Debug, Default)]
 struct Body {
     parts: BTreeSet<i64>,
@@ -67,7 +68,7 @@ impl DeckConverter {
         self.nodal_bodies();
     }
 
-    /// `*DEFORMABLE_TO_RIGID`.
+    /// Converts `*DEFORMABLE_TO_RIGID`.
     fn switched(&mut self, lead: &mut BTreeMap<i64, i64>) {
         for record in self.take_records("DEFORMABLE_TO_RIGID") {
             for line in record.lines("pid") {
@@ -106,7 +107,8 @@ impl DeckConverter {
         false
     }
 
-    /// Rigid parts with nodes in common are one body: nothing else can be meant.
+    /// Joins rigid parts with common nodes to one body, because separate bodies would be
+    /// impossible.
     fn join_touching(&mut self, lead: &mut BTreeMap<i64, i64>) {
         let mut owner: HashMap<NodeId, i64> = HashMap::new();
         let mut found: BTreeMap<(i64, i64), usize> = BTreeMap::new();
@@ -150,11 +152,11 @@ impl DeckConverter {
         }
     }
 
-    /// `*CONSTRAINED_NODAL_RIGID_BODY`.
+    /// Converts `*CONSTRAINED_NODAL_RIGID_BODY`.
     fn nodal_bodies(&mut self) {
         for record in self.take_records("CONSTRAINED_NODAL_RIGID_BODY") {
             let pid = record.integer("pid");
-            // Without a set of its own it is the set with the body's id.
+            // Without a set number, it is the set with the body's id.
             let (nsid, field) = match record.integer("nsid") {
                 0 => (pid, "pid"),
                 given => (given, "nsid"),

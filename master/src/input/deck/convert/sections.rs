@@ -1,4 +1,4 @@
-//! `*SECTION_...` and `*HOURGLASS`: which formulation, with which numbers.
+//! Converts `*SECTION_...` and `*HOURGLASS`: formulations and their parameters.
 
 use super::DeckConverter;
 use crate::input::deck::record::Record;
@@ -8,13 +8,13 @@ use std::collections::HashMap;
 /// A section.
 #[derive(Debug)]
 pub struct Section {
-    /// What it is of.
+    /// Kind of its elements.
     pub kind: Kind,
     /// Its card.
     pub record: Record,
 }
 
-/// What a section is of.
+/// Kind of the elements of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Shells.
@@ -27,26 +27,27 @@ pub enum Kind {
     Beam,
 }
 
-/// What `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and `*CONTROL_BULK_VISCOSITY` say for all parts.
+/// Settings for all parts from `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and
+/// `*CONTROL_BULK_VISCOSITY`.
 #[derive(Clone, Copy, Debug)]
 pub struct Defaults {
     pub theory: i64,
     pub warping: Option<Place>,
     pub thinning: Option<Place>,
-    /// Where contact is said to go by the offset of shells, if it is.
+    /// Place of the setting that contact uses the offset of shells, if it is set.
     pub shifted: Option<Place>,
     pub hourglass: Option<(Hourglass, Place)>,
     pub bulk: Option<([f64; 2], Place)>,
 }
 
-/// An hourglass form: its number and coefficient, nought where not given.
+/// An hourglass form: its number and coefficient, zero if not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hourglass {
     pub form: i64,
     pub coefficient: f64,
 }
 
-/// All of them.
+/// All sections.
 #[derive(Debug)]
 pub struct Sections {
     pub by_id: HashMap<i64, Section>,
@@ -54,13 +55,13 @@ pub struct Sections {
     pub hourglass: HashMap<i64, (Hourglass, Option<[f64; 2]>, Place)>,
 }
 
-/// A formulation of shells: name in the job, and what has to be told.
+/// A formulation of shells: name in the job, and true if it includes warping.
 pub struct Formulation {
     pub element: &'static str,
     pub warping: bool,
 }
 
-/// The formulation of the engine that is nearest to one of the deck; `None` if none is near.
+/// Returns the formulation of the engine nearest to one of the deck; `None` if there is none.
 pub fn shell(elform: i64) -> Option<Formulation> {
     let (element, warping) = match elform {
         1 | 2 | 3 | 4 | 11 | 17 => ("belytschko_tsay", false),
@@ -71,12 +72,12 @@ pub fn shell(elform: i64) -> Option<Formulation> {
     Some(Formulation { element, warping })
 }
 
-/// Whether a formulation of solids is a hexahedron that ours can stand for, and with which
-/// hourglass form.
+/// Returns the hourglass form for a solid formulation that the engine's hexahedron can replace.
+/// The outer `None` means that it cannot, the inner one that the form is not prescribed.
 pub fn solid(elform: i64) -> Option<Option<&'static str>> {
     match elform {
         0 | 1 => Some(None),
-        // Fully integrated ones: the form that bends right and does not lock.
+        // Fully integrated: use the form with correct bending and without locking.
         2 | 3 | -1 | -2 => Some(Some("assumed_strain")),
         _ => None,
     }

@@ -1,4 +1,4 @@
-//! Segments: faces by their nodes, for pressure.
+//! Segments: faces given by their nodes, for pressure.
 
 use super::DeckConverter;
 use super::sets::id;
@@ -8,12 +8,12 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeSet, HashMap};
 
-/// A face by its nodes in order.
+/// A face given by its nodes in order.
 #[derive(Clone, Debug)]
 pub struct Segment {
     /// Three or four nodes.
     pub nodes: Vec<NodeId>,
-    /// Where it is written.
+    /// Place of the segment.
     pub place: Place,
 }
 
@@ -23,7 +23,7 @@ fn segment(line: &Line) -> Segment {
     Segment { nodes, place: line.place }
 }
 
-/// A face's nodes, whatever their order.
+/// Returns the nodes of a face in ascending order.
 fn key(nodes: &[NodeId]) -> Vec<NodeId> {
     let mut key = nodes.to_vec();
     key.sort_unstable();
@@ -40,7 +40,7 @@ impl DeckConverter {
     }
 
     pub(super) fn pressures(&mut self) {
-        // Loads of one curve and scale: the faces of each belong together.
+        // Faces with the same curve and scale form one load.
         let mut loads: Vec<(i64, f64, Place, Vec<Segment>)> = Vec::new();
         for record in self.take_records("LOAD_SEGMENT") {
             for line in record.lines("lcid") {
@@ -104,7 +104,7 @@ impl DeckConverter {
         }
     }
 
-    /// Faces of all shells, with their nodes in order, and of all solids.
+    /// Returns the faces of all shells, with their nodes in order, and of all solids.
     fn faces(&self) -> HashMap<Vec<NodeId>, Option<Vec<NodeId>>> {
         let mut faces = HashMap::new();
         for element in self.rows.elements() {
@@ -117,8 +117,8 @@ impl DeckConverter {
         faces
     }
 
-    /// Segments whose normal is that of the shell they lie on (or of any solid), or those whose
-    /// normal is not.
+    /// Returns the segments whose normal is that of their shell (or those on any solid) if
+    /// `along` is true, the other ones otherwise.
     fn of_sense(
         &mut self,
         segments: &[Segment],
@@ -148,7 +148,7 @@ impl DeckConverter {
     }
 }
 
-/// Whether two cycles of the same nodes go round alike.
+/// Returns true if two cycles of the same nodes have the same direction.
 fn same_sense(order: &[NodeId], nodes: &[NodeId]) -> bool {
     let next = |cycle: &[NodeId], n: NodeId| {
         let at = cycle.iter().position(|&m| m == n)?;
@@ -157,8 +157,8 @@ fn same_sense(order: &[NodeId], nodes: &[NodeId]) -> bool {
     nodes.first().is_some_and(|&n| next(order, n) == next(nodes, n))
 }
 
-/// The segments in groups whose nodes hold no other face: all in one if that is so, else each for
-/// itself.
+/// Returns the segments in groups of nodes that contain no other face: one group if possible,
+/// otherwise one per segment.
 fn whole_groups(
     segments: &[Segment],
     faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,

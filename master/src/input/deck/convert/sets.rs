@@ -1,4 +1,4 @@
-//! Sets of nodes and of parts.
+//! Converts sets of nodes and of parts.
 
 use super::DeckConverter;
 use crate::input::deck::record::Record;
@@ -95,7 +95,7 @@ impl DeckConverter {
         }
     }
 
-    /// A node set by ids.
+    /// Adds a node set given by ids.
     fn add_node_set(&mut self, record: &Record, ids: Vec<(i64, Place)>) {
         let nodes = ids.into_iter().filter_map(|(n, place)| {
             let found = id(n);
@@ -123,7 +123,7 @@ impl DeckConverter {
         self.named(record);
     }
 
-    /// The set by its title too.
+    /// Adds the set under its title too.
     fn named(&mut self, record: &Record) {
         let title = record.word("heading").to_string();
         if let (false, Some((nodes, place))) =
@@ -184,7 +184,7 @@ impl DeckConverter {
         nodes.into_iter().collect()
     }
 
-    /// Nodes in a box, its faces included.
+    /// Returns the nodes in a box, including its faces.
     pub(super) fn in_box(&mut self, id: i64, place: Place) -> Vec<NodeId> {
         let Some(sides) = self.boxes.get(&id) else {
             let known: Vec<String> = self.boxes.keys().map(i64::to_string).collect();
@@ -196,12 +196,12 @@ impl DeckConverter {
     }
 }
 
-/// All ids of a list with their places.
+/// Returns all ids of a list with their places.
 pub fn ids(record: &Record, name: &str) -> Vec<(i64, Place)> {
     record.lines(name).flat_map(|line| line.integers(name).collect::<Vec<_>>()).collect()
 }
 
-/// The id of a node, if a number can be one.
+/// Returns the id of a node, if the number is valid.
 pub fn id(n: i64) -> Option<NodeId> {
     u64::try_from(n).ok().filter(|&n| n > 0).map(NodeId)
 }

@@ -50,7 +50,7 @@ impl DeckConverter {
         }
     }
 
-    /// Axes from an origin, a point on the x axis and one in the x-y plane.
+    /// Adds axes given by an origin, a point on the x axis and one in the x-y plane.
     fn system(&mut self, record: &Record, o: [f64; 3], l: [f64; 3], p: [f64; 3]) {
         let from = |a: [f64; 3]| [0, 1, 2].map(|c| a[c] - o[c]);
         let axes = unit(from(l)).and_then(|x| {
@@ -74,7 +74,8 @@ impl DeckConverter {
         }
     }
 
-    /// A vector given in system `field` of a record, in the axes of space; as it is without one.
+    /// Returns a vector in global axes that is given in the system of `field`; unchanged without
+    /// a system.
     pub(super) fn turned(
         &mut self,
         v: [f64; 3],
@@ -94,7 +95,7 @@ impl DeckConverter {
         }
     }
 
-    /// Whether the axes of a system are those of space.
+    /// Returns true if the axes of a system are the global ones.
     pub(super) fn is_plain(&self, id: i64) -> bool {
         let plain = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         id == 0 || self.axes.get(&id) == Some(&plain)
@@ -105,7 +106,7 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The unit vector; `None` if it has no direction.
+/// Returns the unit vector; `None` if it has no direction.
 pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let scaled = v.map(|c| c / largest);

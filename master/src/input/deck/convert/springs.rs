@@ -1,4 +1,4 @@
-//! `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
+//! Converts `*ELEMENT_DISCRETE`, and the sections and laws of its parts.
 
 use super::DeckConverter;
 use super::sections::Section;
@@ -15,7 +15,7 @@ const LAWS: [&str; 4] = [
     "MAT_DAMPER_NONLINEAR_VISCOUS",
 ];
 
-/// Fields of sections for which there is nothing, and what they ask for.
+/// Unsupported fields of sections, and their requests.
 const UNSERVED: [(&str, &str); 6] = [
     ("dro", "springs and dampers of rotations"),
     ("kd", "stiffnesses that grow with the rate"),
@@ -26,7 +26,7 @@ const UNSERVED: [(&str, &str); 6] = [
 ];
 
 impl DeckConverter {
-    /// Elements and laws.
+    /// Converts elements and laws.
     pub(super) fn springs(&mut self) {
         for record in LAWS.iter().flat_map(|law| self.take_records(law)).collect::<Vec<_>>() {
             let (mid, place) = (record.integer("mid"), record.place("mid"));
@@ -106,7 +106,7 @@ impl DeckConverter {
         }
     }
 
-    /// Directions that stay.
+    /// Returns the constant directions.
     fn orientations(&mut self) -> BTreeMap<i64, [f64; 3]> {
         let mut found = BTreeMap::new();
         for record in self.take_records("DEFINE_SD_ORIENTATION") {
@@ -133,7 +133,7 @@ impl DeckConverter {
         found
     }
 
-    /// A part of springs.
+    /// Converts a part of springs.
     pub(super) fn spring_part(&mut self, record: &Record, section: &Section, name: &str) {
         let (pid, mid) = (record.integer("pid"), record.integer("mid"));
         for (field, why) in UNSERVED {

@@ -1,11 +1,11 @@
-//! `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
+//! Converts `*CONTACT_TIED_...` and `*CONTACT_SPOTWELD`: nodes tied to surfaces.
 
 use super::DeckConverter;
 use super::tree::Table;
 use crate::input::deck::record::Record;
 use crumple_proto::ids::NodeId;
 
-/// Keywords, and whether they tie rotations too.
+/// Keywords; true if they tie rotations too.
 const KEYWORDS: [(&str, bool); 4] = [
     ("CONTACT_TIED_NODES_TO_SURFACE", false),
     ("CONTACT_TIED_SURFACE_TO_SURFACE", false),
@@ -46,7 +46,8 @@ impl DeckConverter {
             Surface::Parts(parts) => table.put("parts", record.place("surfb"), parts),
             Surface::Faces(set) => table.put("faces", record.place("surfb"), set),
         }
-        // Minus the distance itself, or thicknesses that take the place of the parts' own.
+        // A negative value is the distance itself; positive values replace the thicknesses of the
+        // parts.
         let off = ["sast", "sbst"].map(|side| record.real(side));
         let place = record.place("sast");
         match off[0].min(off[1]) {
@@ -82,7 +83,7 @@ impl DeckConverter {
         self.add("tie", table);
     }
 
-    /// Name of a set with the nodes of the first side.
+    /// Returns the name of a set with the nodes of the first side.
     fn tied_nodes(&mut self, record: &Record, number: usize) -> Option<String> {
         let (id, place) = (record.integer("surfa"), record.place("surfa"));
         match record.integer("surfatyp") {
@@ -104,7 +105,7 @@ impl DeckConverter {
         }
     }
 
-    /// What the second side is.
+    /// Returns the surface of the second side.
     fn surface(&mut self, record: &Record, number: usize) -> Option<Surface> {
         let (id, place) = (record.integer("surfb"), record.place("surfb"));
         match record.integer("surfbtyp") {
@@ -141,7 +142,7 @@ impl DeckConverter {
     }
 }
 
-/// A surface that nodes are tied to.
+/// A surface to which nodes are tied.
 enum Surface {
     /// All faces of parts.
     Parts(Vec<i64>),

@@ -1,4 +1,4 @@
-//! The job's tree of values in the making.
+//! The job's tree of values under construction.
 
 use crate::input::job::tree::{Entry, Kind, Node, Place};
 use std::collections::BTreeMap;
@@ -11,41 +11,41 @@ pub struct Table {
 }
 
 impl Table {
-    /// An empty table; `place` is that of the keyword.
+    /// Creates an empty table; `place` is that of the keyword.
     pub fn new(place: Place) -> Self {
         Self { entries: BTreeMap::new(), place }
     }
 
-    /// Puts a value in.
+    /// Sets a value.
     pub fn put(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
         let node = Node { kind: located(value.into(), place), place };
         self.entries.insert(key.into(), Entry { key: place, node });
     }
 
-    /// The same, to be chained.
+    /// Sets a value and returns the table.
     pub fn with(mut self, key: &str, place: Place, value: impl Into<Kind>) -> Self {
         self.put(key, place, value);
         self
     }
 
-    /// The same keys and values once more.
+    /// Returns a copy of the keys and values.
     pub fn copy(&self) -> Self {
         Self { entries: self.entries.clone(), place: self.place }
     }
 
-    /// Where the keyword is.
+    /// Returns the place of the keyword.
     pub fn place(&self) -> Place {
         self.place
     }
 
-    /// The whole numbers of a list; `None` without it.
+    /// Returns the integers of a list; `None` without the list.
     pub fn integers(&self, key: &str) -> Option<Vec<i64>> {
         let Kind::Array(items) = &self.entries.get(key)?.node.kind else { return None };
         let number = |node: &Node| if let Kind::Integer(i) = node.kind { Some(i) } else { None };
         Some(items.iter().filter_map(number).collect())
     }
 
-    /// Whether a key is there.
+    /// Returns true if the table has a key.
     pub fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)
     }
@@ -55,7 +55,7 @@ impl Table {
     }
 }
 
-/// Gives items without a place that of their list.
+/// Assigns the place of a list to its items without a place.
 fn located(kind: Kind, place: Place) -> Kind {
     match kind {
         Kind::Array(items) => {
@@ -138,7 +138,7 @@ impl Tree {
         }
     }
 
-    /// Sets a key at the top.
+    /// Sets a key of the top level.
     pub fn set(&mut self, key: &str, place: Place, value: impl Into<Kind>) {
         let node = Node { kind: located(value.into(), place), place };
         self.root.insert(key.into(), Entry { key: place, node });
@@ -154,7 +154,7 @@ impl Tree {
         }
     }
 
-    /// The tree.
+    /// Returns the tree.
     pub fn into_node(self) -> Node {
         Node { kind: Kind::Table(self.root), place: Place::Whole }
     }

@@ -1,4 +1,4 @@
-//! Which units a deck is written in, by what its materials would be in them.
+//! Finds the units of a deck from the plausibility of its materials.
 
 use super::DeckConverter;
 use super::materials::Material;
@@ -6,7 +6,7 @@ use crate::input::job::tree::Place;
 use crate::input::job::units_fit;
 use std::collections::HashMap;
 
-/// Consistent sets, the most usual first.
+/// Consistent sets of units, the most usual first.
 const SETS: [&str; 8] = [
     "mm, ms, kg",
     "mm, s, tonne",
@@ -19,7 +19,7 @@ const SETS: [&str; 8] = [
 ];
 
 impl DeckConverter {
-    /// Puts the materials that parts use into the job, and the units in which they are real.
+    /// Adds the materials in use to the job, and the units in which they are plausible.
     pub(super) fn units(&mut self, materials: &mut HashMap<i64, Material>) {
         let mut used = Vec::new();
         let mut first = None;

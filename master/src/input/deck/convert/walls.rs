@@ -1,4 +1,4 @@
-//! `*RIGIDWALL_...`.
+//! Converts `*RIGIDWALL_...`.
 
 use super::DeckConverter;
 use super::tree::Table;
@@ -81,7 +81,7 @@ impl DeckConverter {
         self.add("wall", table);
     }
 
-    /// Where a curve leads a wall.
+    /// Converts the prescribed motion of a wall.
     fn led(&mut self, record: &Record, name: &str, table: &mut Table) {
         let way = ["vx", "vy", "vz"].map(|c| record.real(c));
         let length = way.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -107,7 +107,8 @@ impl DeckConverter {
                 );
             }
         };
-        // Cosines are of few digits in fixed columns: they make a direction, not a factor.
+        // Direction cosines have few digits in fixed columns, so they are used as a direction,
+        // not as a factor.
         table.put(form, record.place("vx"), way.map(|c| c / length));
         table.put("curve", record.place("lcid"), curve);
         if (length - 1.0).abs() > 1e-3 {
@@ -115,7 +116,7 @@ impl DeckConverter {
         }
     }
 
-    /// Which nodes the wall stops: all, if the deck does not choose.
+    /// Converts the nodes that the wall stops: all nodes, if the deck selects none.
     fn stopped(
         &mut self,
         record: &Record,
@@ -164,7 +165,7 @@ impl DeckConverter {
     }
 }
 
-/// From the tail of a vector to its head.
+/// Returns the vector from tail to head.
 fn difference(record: &Record, head: [&str; 3], tail: [f64; 3]) -> [f64; 3] {
     let head = head.map(|c| record.real(c));
     [0, 1, 2].map(|c| head[c] - tail[c])

@@ -1,5 +1,5 @@
-//! `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`: nodes that move as one, or a
-//! beam that breaks; `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
+//! Converts `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`, rigid or as beams
+//! that fail, and `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
 
 use super::DeckConverter;
 use super::parts::Part;
@@ -10,19 +10,18 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Limits and exponents by their bits, and the material: welds that have them in common are one
-/// part.
+/// Bits of limits and exponents, and the material. Welds with the same ones form one part.
 type Kind = ([u64; 4], String);
 
-/// Welds of one kind: ids and lengths later.
+/// Welds of one kind; they get ids and lengths later.
 struct Breaking {
     limits: [f64; 4],
     links: Vec<([NodeId; 2], Place)>,
 }
 
-/// No failure strain or time of a deck is above this.
+/// Value above which failure strains and times of a deck mean no failure.
 const NEVER: f64 = 1e19;
-/// Exponents that a deck leaves blank.
+/// Exponent for blanks.
 const SQUARE: f64 = 2.0;
 
 impl DeckConverter {
@@ -51,7 +50,7 @@ impl DeckConverter {
         self.breaking_welds(breaking);
     }
 
-    /// Nodes that have the displacements of the first one of their set.
+    /// Converts sets of nodes that have the displacements of their first node.
     pub(super) fn node_sets_as_one(&mut self) {
         for record in self.take_records("CONSTRAINED_NODE_SET") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
@@ -83,7 +82,7 @@ impl DeckConverter {
         }
     }
 
-    /// Failure at a time or by a strain is not there.
+    /// Notes that failure at a time or by a strain is not supported.
     fn never_fails(&mut self, record: &Record, time: &str, strain: &str) {
         if record.real(time) > 0.0 && record.real(time) < self.end_time {
             self.unsupported_value(record, time, "welds that fail at a given time");
@@ -131,7 +130,7 @@ impl DeckConverter {
         of.links.push(([n1, n2], place));
     }
 
-    /// Bodies of the nodes of welds; those with nodes in common are one.
+    /// Adds bodies of the nodes of welds. Those with common nodes are one body.
     fn rigid_welds(&mut self, welds: Vec<(BTreeSet<NodeId>, Place)>) {
         let mut whole: Vec<(BTreeSet<NodeId>, Place)> = Vec::new();
         for (mut nodes, place) in welds {
@@ -165,7 +164,7 @@ impl DeckConverter {
         }
     }
 
-    /// A part of beams for each kind.
+    /// Adds a part of beams for each kind.
     fn breaking_welds(&mut self, kinds: BTreeMap<Kind, Breaking>) {
         let mut next = self.rows.elements().map(|e| e.id.0).max().unwrap_or(0);
         for ((_, material), Breaking { limits, links }) in kinds {

@@ -1,4 +1,4 @@
-//! Rigid bodies and prescribed motion as cards.
+//! Writes rigid bodies and prescribed motion as cards.
 
 use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
 use crumple_proto::job::{Job, Motion, Rigid};
@@ -6,15 +6,15 @@ use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
-/// Bodies as a deck calls them.
+/// Bodies with their names in the deck.
 #[derive(Default)]
 pub struct Bodies {
     /// Material id by rigid part.
     pub materials: BTreeMap<u32, u64>,
-    /// Part that motions name, by the name of the body in the job; none if bodies are not written
-    /// as cards.
+    /// Part for motions, by the name of the body in the job; empty if bodies are not written as
+    /// cards.
     parts: BTreeMap<String, u64>,
-    /// Names of the deck by those of the job.
+    /// Names in the deck by names in the job.
     names: BTreeMap<String, String>,
 }
 
@@ -76,7 +76,7 @@ fn rigid_material(deck: &mut Deck, material: &Material, body: &Rigid, mid: u64) 
     deck.card(&[]);
 }
 
-/// Writes what joins bodies, and motions; what has no card behind `$crumple:`.
+/// Writes joints of bodies, and motions. Content without a card is written after `$crumple:`.
 pub fn write(
     deck: &mut Deck,
     job: &Job,

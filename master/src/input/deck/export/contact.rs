@@ -1,12 +1,12 @@
-//! Contact and its interfaces, each as a card with sets of its parts. What cards do not say, such
-//! as laws, stands behind `$crumple:` under the name of the interface.
+//! Writes contact and its interfaces, each as a card with sets of its parts. Keys without a field
+//! on the card, such as laws, are written after `$crumple:` with the name of the interface.
 
 use super::{Blank, Deck, Field, Id, Number, differing, line, named};
 use crumple_proto::job::{Contact, Interface, Job};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-/// Keys of `[contact]` and of interfaces that cards carry.
+/// Keys of `[contact]` and of interfaces that cards hold.
 const CARRIED: [&str; 12] = [
     "name",
     "parts",
@@ -22,8 +22,8 @@ const CARRIED: [&str; 12] = [
     "thickness_scale",
 ];
 
-/// The contact of a job. Interfaces become cards if those of one surface come before those of two,
-/// which a reader of cards takes for granted, and something touches in all of them.
+/// Writes the contact of a job. Interfaces become cards if those of one surface come before those
+/// of two, as the reader of cards assumes, and if all of them have a law and parts on each side.
 pub fn write(deck: &mut Deck, job: &Job) {
     let Some(contact) = &job.contact else { return };
     let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
@@ -59,7 +59,7 @@ pub fn write(deck: &mut Deck, job: &Job) {
     }
 }
 
-/// What each is called, all differently.
+/// Returns unique names of the interfaces.
 fn names(all: &[Contact]) -> Vec<String> {
     let numbered = |number: usize| format!("contact {number}");
     let name =
@@ -72,7 +72,7 @@ fn names(all: &[Contact]) -> Vec<String> {
     if told_apart { names } else { (1..=all.len()).map(numbered).collect() }
 }
 
-/// What no card says of an interface; `None` if nothing.
+/// Returns the keys of an interface that no card holds; `None` if there are none.
 fn rest(interface: &Interface, name: &str) -> Option<Value> {
     let Ok(Value::Table(said)) = Value::try_from(interface) else { return None };
     let Ok(Value::Table(silent)) = Value::try_from(Interface::default()) else { return None };
@@ -87,7 +87,7 @@ fn rest(interface: &Interface, name: &str) -> Option<Value> {
     Some(Value::Table(said))
 }
 
-/// One card, with its heading and the sets that it names, of a job that ends at `end` [time].
+/// Writes one card with its heading and its sets. The job ends at `end` [time].
 fn card(
     deck: &mut Deck,
     c: &Contact,
@@ -101,7 +101,7 @@ fn card(
     } else {
         "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
     };
-    // Sets go before: the card is the last thing that its numbers are in.
+    // Sets come first, because the numbers of a card must directly follow its keyword.
     let resolved =
         c.sides(ids).map(|side| side.into_iter().map(|place| ids[place]).collect::<Vec<u32>>());
     let [ahead, behind] = resolved;

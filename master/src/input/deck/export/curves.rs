@@ -1,15 +1,15 @@
-//! Factors over time as curves. Where a job names none, its factor is 1, for which a deck needs a
-//! curve too.
+//! Writes factors over time as curves. Without a curve in the job the factor is 1, for which a
+//! deck needs a curve too.
 
 use super::{Deck, named, points};
 use crumple_proto::job::Job;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
-/// Name of the factor 1 where it needs one.
+/// Name of the curve for the factor 1.
 const CONSTANT: &str = "constant factor of 1";
 
-/// Curves of a job that a deck has so far.
+/// Curves of a job that have been written to the deck.
 pub struct TimeCurves<'j> {
     job: &'j Job,
     ids: BTreeMap<Option<String>, u64>,
@@ -17,18 +17,19 @@ pub struct TimeCurves<'j> {
 }
 
 impl<'j> TimeCurves<'j> {
-    /// None so far.
+    /// Starts without curves.
     pub fn new(job: &'j Job) -> Self {
         Self { job, ids: BTreeMap::new(), beside: Vec::new() }
     }
 
     fn points(&self, name: Option<&str>) -> Vec<[f64; 2]> {
         let found = name.and_then(|name| self.job.curve.iter().find(|c| c.name == name));
-        // Beyond the run, so that what it says is all that is ever asked.
+        // Beyond the end of the run, so that all its times are covered.
         found.map_or(vec![[0.0, 1.0], [2.0 * self.job.end_time, 1.0]], |c| c.points.clone())
     }
 
-    /// Id of a curve, which is written at its first use: not between a keyword and its cards.
+    /// Returns the id of a curve, which is written at its first use. Must not be called between a
+    /// keyword and its cards.
     pub fn id(&mut self, deck: &mut Deck, name: Option<&str>) -> u64 {
         let key = name.map(String::from);
         if let Some(&id) = self.ids.get(&key) {
@@ -39,14 +40,14 @@ impl<'j> TimeCurves<'j> {
         id
     }
 
-    /// Id of the curve times a number, which is written.
+    /// Writes the curve times a number, and returns its id.
     pub fn scaled(&self, deck: &mut Deck, name: Option<&str>, scale: f64) -> u64 {
         let points_of: Vec<[f64; 2]> =
             self.points(name).iter().map(|p| [p[0], scale * p[1]]).collect();
         points(deck, &points_of)
     }
 
-    /// Puts the curve behind `$crumple:` too; its name there.
+    /// Writes the curve after `$crumple:` too, and returns its name there.
     pub fn beside(&mut self, deck: &mut Deck, name: Option<&str>) -> String {
         let known = name.unwrap_or(CONSTANT).to_string();
         if !self.beside.contains(&known) {

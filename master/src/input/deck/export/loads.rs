@@ -1,11 +1,11 @@
-//! Gravity and forces on nodes as cards.
+//! Writes gravity and forces on nodes as cards.
 
 use super::{Deck, Field, Id, Number, TimeCurves, list};
 use crate::input::job::Model;
 use crumple_proto::job::Load;
 
-/// Gravity, along one axis after the other: decks accelerate the frame of reference, so that bodies
-/// fall the other way.
+/// Writes gravity per axis. Decks accelerate the frame of reference, so bodies accelerate in the
+/// opposite direction.
 pub fn gravity(deck: &mut Deck, model: &Model, curves: &mut TimeCurves<'_>) {
     for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate() {
         for gravity in model.job.gravity.iter().filter(|g| g.acceleration[axis] != 0.0) {
@@ -16,8 +16,9 @@ pub fn gravity(deck: &mut Deck, model: &Model, curves: &mut TimeCurves<'_>) {
     }
 }
 
-/// Forces and moments on node sets. A deck loads each node, a job a set: where that many of the one
-/// are not the other to the last bit, all of them stand behind `$crumple:`.
+/// Writes forces and moments on node sets. A deck loads each node, a job a set. If the sum over
+/// the nodes is not the force of the set to the last bit, all loads are written after
+/// `$crumple:`.
 pub fn on_nodes(
     deck: &mut Deck,
     model: &Model,

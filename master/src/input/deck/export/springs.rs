@@ -1,12 +1,12 @@
-//! Springs and dampers as cards.
+//! Writes springs and dampers as cards.
 
 use super::{Blank, Deck, Id, Number, line, points};
 use crumple_proto::job::{Part, Spring};
 use crumple_proto::mesh::{MeshElement, Shape};
 use toml::{Table, Value};
 
-/// A part of springs with a section and a material `mid` of its own. A card has one law: what else
-/// the part has stands behind `$crumple:`.
+/// Writes a part of springs with a section and an individual material `mid`. A card has one law;
+/// other keys of the part are written after `$crumple:`.
 pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
     let id = u64::from(part.id);
     let mut rest = Spring { direction: spring.direction, ..Spring::default() };
@@ -44,7 +44,7 @@ pub fn part(deck: &mut Deck, part: &Part, spring: &Spring, mid: u64) {
     }
 }
 
-/// Their elements.
+/// Writes the elements.
 pub fn elements<'m>(deck: &mut Deck, elements: impl Iterator<Item = &'m MeshElement>) {
     let mut springs = elements.filter(|e| e.shape == Shape::Line2).peekable();
     if springs.peek().is_some() {

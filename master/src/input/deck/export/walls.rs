@@ -1,12 +1,12 @@
-//! Rigid walls as cards. What digits of a card do not give back to the last bit stands behind
-//! `$crumple:` under the wall's name.
+//! Writes rigid walls as cards. Values that the digits of a card do not reproduce to the last bit
+//! are written after `$crumple:` with the wall's name.
 
 use super::{Blank, Deck, Field, Id, Number, TimeCurves, line, list, named};
 use crumple_proto::job::{Job, Wall};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
-/// What keyword a wall is written as, in the order in which decks have them.
+/// Keyword of a wall, in the order of decks.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Plane,
@@ -26,8 +26,8 @@ fn kind(wall: &Wall) -> Option<Kind> {
     }
 }
 
-/// All walls; none as cards where one has no card, or where cards would bring them into another
-/// order.
+/// Writes all walls. None is written as a card if one of them has no card, or if cards would
+/// change their order.
 pub fn write(deck: &mut Deck, job: &Job, set: impl Fn(&str) -> Field, curves: &mut TimeCurves<'_>) {
     let kinds: Option<Vec<Kind>> = job.wall.iter().map(kind).collect();
     let names: Vec<String> =
@@ -102,7 +102,7 @@ fn one(
     }
 }
 
-/// Card of a motion: a curve of lengths along a direction of length 1.
+/// Writes the card of a motion: a curve of lengths along a direction of length 1.
 fn led(
     deck: &mut Deck,
     wall: &Wall,
@@ -120,14 +120,14 @@ fn led(
     let curve = match length == 1.0 {
         true => curves.id(deck, of),
         false => {
-            // A curve times the speed is another one in its last digits.
+            // A curve times the speed differs in its last digits.
             let name = curves.beside(deck, of);
             exact.insert(key.into(), Value::from(v.to_vec()));
             exact.insert("curve".into(), name.into());
             curves.scaled(deck, of, length)
         }
     };
-    // The reader makes the direction a unit vector once more.
+    // The reader normalizes the direction again.
     let again = way.iter().map(|c| c * c).sum::<f64>().sqrt();
     if way.map(|c| c / again) != v {
         exact.insert(key.into(), Value::from(v.to_vec()));

@@ -1,4 +1,4 @@
-//! Rigid bodies and what ties nodes together.
+//! Rigid bodies and constraints between nodes.
 
 use super::{id, not_yet};
 use crate::input::deck::table::{

@@ -78,7 +78,7 @@ const SHAPE_PLACE: (&str, Times) = ("xt:r yt:r zt:r xh:r yh:r zh:r fric:r", Once
 const MOTION: (&str, Times) = ("lcid:i! opt:i vx:r vy:r vz:r", Count(motion));
 const DISPLAY: (&str, Times) = ("pid:i ro:r e:r pr:r", Count(display));
 
-/// A rigid wall of a shape, which a curve may lead.
+/// Creates a rigid wall of a given shape, with or without a prescribed motion.
 const fn geometric(
     name: &'static str,
     cards: &'static [(&'static str, Times)],

@@ -1,4 +1,4 @@
-//! What decks ask to be recorded over time.
+//! Quantities recorded over time.
 
 use super::id;
 use crate::input::deck::table::{Effect::Harmless, Keyword, Times, Times::*};

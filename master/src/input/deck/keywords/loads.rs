@@ -1,4 +1,4 @@
-//! What holds, moves and loads the model.
+//! Constraints, motions and loads of the model.
 
 use super::id;
 use crate::input::deck::record::Record;
@@ -104,7 +104,8 @@ pub const KEYWORDS: &[Keyword] = &[
 const GRAVITY: &[(&str, crate::input::deck::table::Times)] =
     &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
 
-/// A second line of prescribed motion, where its degree of freedom has an offset or it is relative.
+/// Returns 1 if prescribed motion has a second line: for a degree of freedom with an offset, or
+/// for relative motion.
 fn offsets(record: &Record) -> usize {
     usize::from(
         matches!(record.integer("dof").unsigned_abs(), 9..=11) || record.integer("vad") == 4,

@@ -8,7 +8,7 @@ use crate::input::deck::table::{
 
 const SPRING_TITLE: (&str, Times) = ("heading:l", Count(title));
 
-/// A law of springs or dampers.
+/// Creates a law of springs or dampers.
 const fn spring(
     name: &'static str,
     aliases: &'static [&'static str],

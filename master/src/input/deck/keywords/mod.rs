@@ -1,5 +1,5 @@
-//! THE TABLE of keywords. A keyword is an entry of one of the lists beside this file; what builds
-//! the model from it is in `build`.
+//! The table of keywords. A keyword is an entry of one of the lists in this folder. The folder
+//! `convert` builds the model from it.
 
 mod constraints;
 mod contact;
@@ -29,11 +29,10 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Histories", histories::KEYWORDS),
 ];
 
-/// Keywords that ask for output, by the start of their names: what there is to tell of them is told
-/// once for each.
+/// Start of the names of keywords that request output. Each of them is reported once.
 pub const OUTPUT: &[&str] = &["DATABASE_", "INTERFACE_SPRINGBACK", "CONTROL_OUTPUT"];
 
-/// A row of the table, its cards read.
+/// A row of the table with its cards parsed.
 pub struct Row {
     /// The entry.
     pub keyword: &'static Keyword,
@@ -57,7 +56,8 @@ static TABLE: LazyLock<HashMap<&'static str, Row>> = LazyLock::new(|| {
         .collect()
 });
 
-/// The row of a keyword by its name with options, and these options; `None` if the table has none.
+/// Returns the row of a keyword for a name with options, and these options; `None` if the table
+/// has none.
 pub fn find(name: &str) -> Option<(&'static Row, Vec<&'static str>)> {
     let ends = name.match_indices('_').map(|(at, _)| at).chain([name.len()]);
     // The longest name first: SET_NODE_LIST before SET_NODE.
@@ -77,9 +77,9 @@ pub fn find(name: &str) -> Option<(&'static Row, Vec<&'static str>)> {
     })
 }
 
-/// The keyword of the table that a name differs from by a slip only.
+/// Returns the keyword of the table that is similar enough to a name to explain a typing error.
 pub fn near(name: &str) -> Option<&'static str> {
-    /// Of the letters; one of ten may be wrong.
+    /// Smallest similarity; one letter of ten may be wrong.
     const ALIKE: f64 = 0.88;
     let base =
         ["_TITLE", "_ID"].iter().find_map(|option| name.strip_suffix(option)).unwrap_or(name);
@@ -89,22 +89,22 @@ pub fn near(name: &str) -> Option<&'static str> {
     (best >= ALIKE).then_some(known)
 }
 
-/// Whether a keyword that is not in the table asks for output only.
+/// Returns true if a keyword that is not in the table requests output only.
 pub fn is_output(name: &str) -> bool {
     OUTPUT.iter().any(|start| name.starts_with(start))
 }
 
-/// One heading line under the option `TITLE`.
+/// Returns 1, for a heading line, with the option `TITLE`.
 fn title(record: &Record) -> usize {
     usize::from(record.has("TITLE"))
 }
 
-/// One line with an id and a heading under the options `ID` and `TITLE`.
+/// Returns 1, for a line with an id and a heading, with the options `ID` and `TITLE`.
 fn id(record: &Record) -> usize {
     usize::from(record.has("ID") || record.has("TITLE"))
 }
 
-/// A keyword that the engine cannot serve yet.
+/// Creates a keyword that the engine does not support yet.
 const fn not_yet(
     name: &'static str,
     cards: &'static [(&'static str, Times)],

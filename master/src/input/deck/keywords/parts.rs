@@ -91,7 +91,7 @@ fn contact(record: &Record) -> usize {
     usize::from(record.has("CONTACT"))
 }
 
-/// Lines with material angles: eight a line, one angle for each point.
+/// Returns the number of lines with material angles: eight per line, one angle for each point.
 fn angles(record: &Record) -> usize {
     match record.integer("icomp") {
         1 => usize::try_from(record.integer("nip")).unwrap_or(0).min(100).div_ceil(8),

@@ -1,4 +1,5 @@
-//! Sets, curves, boxes, coordinate systems, and what holds no model by itself.
+//! Sets, curves, boxes, coordinate systems, and keywords that do not change a model by
+//! themselves.
 
 use super::title;
 use crate::input::deck::table::{Keyword, Times::*};

@@ -3,45 +3,45 @@
 //! Strips have two Gauss points in each half, so that area, second moments and the plastic moment
 //! of a rectangle are exact. Rings have 16 points, at the middles of equal angles: area and second
 //! moments are exact, the plastic moment is `(pi/16)/sin(pi/16)`, 0.6 %, too large. General
-//! sections have four points at the radii of gyration: area and second moments are exact, and
-//! nothing is known of how they yield.
+//! sections have four points at the radii of gyration: area and second moments are exact, but the
+//! plastic moment of the true section is unknown.
 
 use crumple_proto::job::{Beam, BeamSection};
 use std::f64::consts::{PI, TAU};
 
-/// Points around a ring.
+/// Number of points around a ring.
 const AROUND: usize = 16;
 
-/// A fibre.
+/// A fibre of a cross section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fibre {
-    /// Place along the second and third axis [length].
+    /// Coordinates along the second and third axis [length].
     pub y: f64,
     /// See `y`.
     pub z: f64,
     /// Area [length^2].
     pub area: f64,
-    /// Shear strain around the axis per twist [length]; 0 where fibres do not bear the torque.
+    /// Shear strain around the axis per twist [length]; 0 if fibres do not carry the torque.
     pub arm: f64,
 }
 
 /// A cross section.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// Its fibres.
+    /// Fibres of the section.
     pub fibres: Vec<Fibre>,
-    /// Torsion constant of an elastic torque beside that of the fibres [length^4].
+    /// Torsion constant for an elastic torque in addition to that of the fibres [length^4].
     pub torsion: f64,
 }
 
-/// Middles and lengths of two Gauss points in each half of a strip from `from` to `to`.
+/// Returns middles and lengths of two Gauss points in each half of a strip from `from` to `to`.
 fn strip(from: f64, to: f64) -> [(f64, f64); 4] {
     let (quarter, middle) = (0.25 * (to - from), 0.5 * (from + to));
     let off = 1.0 / f64::sqrt(3.0);
     [-1.0 - off, -1.0 + off, 1.0 - off, 1.0 + off].map(|at| (middle + at * quarter, quarter))
 }
 
-/// Torsion constant of a rectangle, within 4e-3 (Roark & Young 1975, table 20).
+/// Returns the torsion constant of a rectangle, within 4e-3 (Roark & Young 1975, table 20).
 fn rectangle_torsion(a: f64, b: f64) -> f64 {
     let (long, short) = (a.max(b), a.min(b));
     let ratio = short / long;
@@ -49,7 +49,7 @@ fn rectangle_torsion(a: f64, b: f64) -> f64 {
 }
 
 impl Section {
-    /// From the job, whose numbers are sound.
+    /// Builds the section from the job, whose values have been checked.
     pub fn new(job: &Beam) -> Self {
         let (h, w) = (0.5 * job.height, 0.5 * job.width);
         match job.section {
@@ -62,7 +62,7 @@ impl Section {
                 let mut fibres = rectangle([-h, -inner], [-w, w]);
                 fibres.extend(rectangle([-inner, inner], [-0.5 * job.web, 0.5 * job.web]));
                 fibres.extend(rectangle([inner, h], [-w, w]));
-                // Thin walls.
+                // Torsion constant of thin walls.
                 let torsion =
                     (2.0 * job.width * job.flange.powi(3) + 2.0 * inner * job.web.powi(3)) / 3.0;
                 Self { fibres, torsion }
@@ -77,7 +77,8 @@ impl Section {
         }
     }
 
-    /// Area, second moments for bending about the second and the third axis, and torsion constant.
+    /// Returns the area [length^2], the second moments for bending about the second and the third
+    /// axis, and the torsion constant [length^4].
     pub fn moments(&self) -> [f64; 4] {
         let sum = |of: fn(&Fibre) -> f64| self.fibres.iter().map(|f| f.area * of(f)).sum::<f64>();
         [
@@ -96,7 +97,7 @@ fn rectangle(y: [f64; 2], z: [f64; 2]) -> Vec<Fibre> {
     rows.iter().flat_map(|row| columns.iter().map(|column| cell(row, column))).collect()
 }
 
-/// Four fibres with these moments, for bending about the second and the third axis.
+/// Returns four fibres with these moments, for bending about the second and the third axis.
 fn gyration(area: f64, [about_y, about_z]: [f64; 2]) -> Vec<Fibre> {
     let (y, z) = ((about_z / area).sqrt(), (about_y / area).sqrt());
     [[y, z], [-y, z], [-y, -z], [y, -z]]
@@ -104,7 +105,8 @@ fn gyration(area: f64, [about_y, about_z]: [f64; 2]) -> Vec<Fibre> {
         .to_vec()
 }
 
-/// Two rings at the Gauss points of the area's r dr, each with the area of the points' weights.
+/// Returns two rings at the Gauss points of the area integral over r dr, each with the area of its
+/// weight.
 fn tube(inside: f64, outside: f64) -> Vec<Fibre> {
     let (middle, half) = (0.5 * (inside + outside), 0.5 * (outside - inside));
     let off = half / f64::sqrt(3.0);
@@ -148,7 +150,7 @@ mod tests {
         }
     }
 
-    /// Plastic moment over the yield stress for bending about the third axis.
+    /// Returns the plastic moment over the yield stress for bending about the third axis.
     fn plastic(s: &Section) -> f64 {
         s.fibres.iter().map(|f| f.area * f.y.abs()).sum()
     }

@@ -1,4 +1,4 @@
-//! One beam that is led.
+//! Tests of one beam with prescribed motion of its ends.
 
 use super::*;
 use crate::fem::columns::HistoryColumns;
@@ -30,8 +30,8 @@ fn beam(section: BeamJob) -> Box<dyn Element> {
         .unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Forces and moments of a beam whose ends go through `places` with rotational velocities `w` in
-/// steps of 1.
+/// Returns forces and moments of a beam whose ends move through `places` with rotational velocities
+/// `w` in steps of 1.
 fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     let beam = beam(section);
     let mut fresh = vec![0.0; beam.columns()];
@@ -66,8 +66,8 @@ fn led(section: BeamJob, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
     [force[1], moment[0], moment[1]].map(|r| V3::new(r[0], r[1], r[2]))
 }
 
-/// Turned by several full turns about a slanted axis in large steps, and moved, a beam has no force
-/// beyond round-off: 100 products of quaternions.
+/// A beam that is rotated by several full turns about a slanted axis in large steps, and moved, has
+/// no force beyond round-off: 100 products of quaternions.
 #[test]
 fn no_rotation_strains_it() {
     let axis = V3::new(1.0, -2.0, 0.5).normalize() * 0.4;
@@ -81,8 +81,8 @@ fn no_rotation_strains_it() {
     assert!(largest < 1e-12, "E A is 0.16: {largest}");
 }
 
-/// Ends that turn by 2e-3 against the line and each other, and part by 1e-3: the stiffness of the
-/// books, after a large turn too.
+/// Ends that rotate by 2e-3 relative to the line and to each other, and separate by 1e-3: the
+/// textbook stiffness, also after a large rotation.
 #[test]
 fn it_has_the_stiffness_of_a_beam() {
     let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
@@ -124,9 +124,9 @@ fn it_has_the_stiffness_of_a_beam() {
     }
 }
 
-/// Ends that turn alike shear a short beam too: `12 E I/(L (1 + phi))` a rotation (Przemieniecki
-/// 1968, eq. 5.116); against each other they do not. Once fibres yield the moments are those of the
-/// fibres, and shear what these leave.
+/// Equal rotations of both ends also shear a short beam: `12 E I/(L (1 + phi))` per rotation
+/// (Przemieniecki 1968, eq. 5.116); opposite rotations do not. Once fibres yield the moments are
+/// those of the fibres, and the shear strain follows from them.
 #[test]
 fn short_beams_shear() {
     let (e, g, length) = (2.0, 1.0 / 1.3, 2.0);
@@ -166,7 +166,7 @@ fn short_beams_shear() {
 }
 
 /// A general section with the area and moments of a rectangle gives its forces, to round-off of
-/// sums over fibres; without moments it bears along its line alone.
+/// sums over fibres; without moments it has a force along its line alone.
 #[test]
 fn a_general_section_is_its_moments() {
     let [area, about_y, about_z, torsion] = Section::new(&rectangle()).moments();
@@ -190,7 +190,7 @@ fn a_general_section_is_its_moments() {
     );
 }
 
-/// Each limit alone, at a half and at the whole of it; tension only; together their shares add up.
+/// Each limit alone, at a half and at the whole of it; tension only; combined loads add up.
 #[test]
 fn welds_break_at_their_limits() {
     let weld = Weld { normal: 2.0, shear: 3.0, bending: 5.0, torsion: 7.0, exponents: [1.0, 4.0] };

@@ -2,35 +2,34 @@
 //!
 //! `q_a = U_a - K X_a` (a = 4..7) are the hourglass modes of the displacement increment without its
 //! linear field: `gamma_aI = Gamma_aI - X_a . B_I` on the corners (Flanagan & Belytschko 1981, eq.
-//! 43), nought in every linear field of any hexahedron. Corner forces are `sum over a of P_a
-//! gamma_aI`, whose power is `P_a . dq_a/dt`.
+//! 43), zero in every linear field of any hexahedron. Corner forces are
+//! `sum over a of P_a gamma_aI`, whose power is `P_a . dq_a/dt`.
 //!
-//! - *Stiffness*: `dP = (kappa/16) M V (B_iI B_iI) dq`, P turning with the element, with `M =
-//!   min(lambda + 2 mu, 3.5 mu)`. The source has lambda + 2 mu, which has no bound as nu comes near
-//!   1/2, and the modes change no volume to first order: with it a thick cylinder of three elements
-//!   radially was 5 % stiff at nu = 0.49 and kappa = 0.05, 36 % at 0.499 (C12). Both are the same
-//!   at nu = 0.3. Up to there a mode alone on a cube of side L has the frequency `sqrt(6 kappa)
-//!   c_d/L`.
-//! - *Viscous*: `P = r/4 sqrt(k rho V) dq/dt` with k = dP/dq above at kappa = 1: the fraction r of
-//!   the critical damping of the mode.
-//! - *Assumed strain*, the one that is taken where a part names none, after Belytschko & Bindeman
-//!   1993 (ASQBI): the hourglass modes give strains that are linear in xi, in eta and in zeta. With
-//!   l_i, n_i length and direction of X_i, a one of the three and (b, c) the others, and q_c the
-//!   mode that has both xi_a and xi_b,
-//!   ```text
-//!   e_bb = q_c.n_b / l_b,   e_cc = q_b.n_c / l_c,   g_bc = q_c.n_c / l_b + q_b.n_b / l_c
-//!   dS_bb = E/(1-nu^2) (e_bb + nu e_cc),   dS_cc likewise,   dS_bc = G g_bc,   energy V/3 (S e)
-//!   ``` The shears ab and ac, which bending does not have, are left out, and the strain along a is
-//!   what leaves no stress there: bending of bricks is exact and nothing locks at nu = 0.5. Mode 7
-//!   gives `e_i = q_7.n_i / l_i`, `dT_i = E e_i`, energy V/9 (T e). S and T are kept on the edges
-//!   n_i, which turn with the element. Skew of the element is left out of S, as in the source.
+//! - *Stiffness*: `dP = (kappa/16) M V (B_iI B_iI) dq`, where P rotates with the element and
+//!   `M = min(lambda + 2 mu, 3.5 mu)`. The source has lambda + 2 mu, which is unbounded as nu
+//!   approaches 1/2, while the modes do not change the volume to first order. With it a thick
+//!   cylinder of three elements radially was 5 % too stiff at nu = 0.49 and kappa = 0.05, 36 % at
+//!   0.499 (C12). Both are equal at nu = 0.3. Up to there a single mode on a cube of side L has the
+//!   frequency `sqrt(6 kappa) c_d/L`.
+//! - *Viscous*: `P = r/4 sqrt(k rho V) dq/dt` with k = dP/dq above at kappa = 1: r is the fraction
+//!   of critical damping of the mode.
+//! - *Assumed strain*, the default, after Belytschko & Bindeman 1993 (ASQBI): the hourglass modes
+//!   give strains that are linear in xi, in eta and in zeta. With l_i, n_i the length and direction
+//!   of X_i, a one of the three and (b, c) the others, and q_c the mode that has both xi_a and
+//!   xi_b, the strains are `e_bb = q_c.n_b / l_b`, `e_cc = q_b.n_c / l_c`,
+//!   `g_bc = q_c.n_c / l_b + q_b.n_b / l_c`, the stresses `dS_bb = E/(1-nu^2) (e_bb + nu e_cc)`,
+//!   dS_cc likewise, `dS_bc = G g_bc`, and the energy is V/3 (S e). The shears ab and ac, which
+//!   bending does not have, are left out, and the strain along a is such that it gives no stress
+//!   along a: bending of bricks is exact and nothing locks at nu = 0.5. Mode 7 gives
+//!   `e_i = q_7.n_i / l_i`, `dT_i = E e_i`, energy V/9 (T e). S and T are stored along the edges
+//!   n_i, which rotate with the element. Skew of the element is left out of S, as in the source.
 //!
-//! Plastic flow takes P, S and T along: what the return to the yield surface leaves of the deviator
-//! of the mean stress, `f = |s|/|s of the elastic trial|`, it leaves of them, `P <- f (P + dP)`.
-//! That is the return of a small stress beside the mean one, but for its part along the flow, of
-//! which less is left. In steady flow P so tends to what a fluid of the viscosity `sig_y/(3 d
-//! eps_p/dt)` would bear; without it elastic resistance grows far beyond yield: the foot of a
-//! Taylor bar (B01, 8 cells on the radius, foot held to the wall) is 6 % too narrow with stiffness
+//! Plastic flow scales P, S and T by the factor by which the return to the yield surface scales the
+//! deviator of the mean stress, `f = |s|/|s of the elastic trial|`: `P <- f (P + dP)`. This is the
+//! return of a small stress in addition to the mean one, except for its part along the flow, which
+//! is reduced more. In steady flow P therefore tends to the force of a fluid of viscosity
+//! `sig_y/(3 d eps_p/dt)`. Without f the elastic resistance grows far beyond yield: the foot of a
+//! Taylor bar (B01, 8 cells on the radius, foot fixed to the wall) is 6 % too narrow with stiffness
 //! at kappa = 0.05, and 0.6 % with f and assumed strain.
 
 use super::modes::{Gradient, HOURGLASS_MODES, Modes};
@@ -38,26 +37,26 @@ use crate::fem::materials::Elastic;
 use crate::math::lanes::{Real, dot};
 use crumple_proto::job::HourglassForm;
 
-/// History columns, in any form: P of the four modes [force], or nine S and three T
+/// Number of history columns, in any form: P of the four modes [force], or nine S and three T
 /// [force/length^2].
 pub const COLUMNS: usize = 3 * HOURGLASS_MODES;
 
-/// Form and coefficient of a part.
+/// Form and coefficient of hourglass control of a part.
 pub struct Hourglass {
     pub form: HourglassForm,
     /// kappa or r.
     pub coefficient: f64,
 }
 
-/// A step of the element as its hourglass modes need it.
+/// Data of a step that the hourglass modes use.
 pub struct Step<'a, R> {
-    /// Coordinates, and the mean gradient, in the middle of the step.
+    /// Coordinates and mean gradient in the middle of the step.
     pub mid: &'a Modes<R>,
     pub mid_gradient: &'a Gradient<R>,
-    /// Coordinates, and the mean gradient, at its end.
+    /// Coordinates and mean gradient at the end of the step.
     pub end: &'a Modes<R>,
     pub end_gradient: &'a Gradient<R>,
-    /// q of the four modes.
+    /// Increments q of the four modes [length].
     pub q: [[R; 3]; HOURGLASS_MODES],
     /// Rotation of half the step.
     pub half_turn: &'a [[R; 3]; 3],
@@ -65,14 +64,15 @@ pub struct Step<'a, R> {
     pub gram_trace: R,
     /// Mass over volume at the end [mass/length^3].
     pub density: R,
-    /// f: what plastic flow leaves of stress.
+    /// Factor f by which plastic flow scales stress.
     pub left: R,
-    /// One over the step, nought for no step [1/time].
+    /// Inverse of the step, zero for a step of zero [1/time].
     pub per_time: f64,
 }
 
 impl Hourglass {
-    /// P of the four modes at the end of the step, and the energy that the step put into them.
+    /// Returns P of the four modes at the end of the step, and the energy that the step adds to
+    /// them.
     #[inline(always)]
     pub fn update<R: Real>(
         &self,
@@ -126,15 +126,15 @@ impl Hourglass {
     }
 }
 
-/// One over squares and products of the lengths of the first three modes.
+/// Inverse squares and products of the lengths of the first three modes.
 struct Lengths<R> {
     /// `1/(l_i l_i)`.
     square: [R; 3],
-    /// `1/(l_b l_c)` of the two others.
+    /// `1/(l_b l_c)` of the other two.
     others: [R; 3],
 }
 
-/// With one division, which costs as much as a dozen products.
+/// Computes the inverse lengths with one division, which costs as much as a dozen products.
 #[inline(always)]
 fn lengths<R: Real>(x: &Modes<R>) -> Lengths<R> {
     let [a, b, c] = std::array::from_fn(|i| dot(x[i], x[i]));
@@ -162,7 +162,7 @@ fn assumed_strain<R: Real>(
     let weight = third * step.end_gradient.volume();
     let (end_square, end_others) = (end.square.map(|s| weight * s), end.others.map(|s| weight * s));
 
-    // Stress and energy of the modes b and c, which are linear along a.
+    // Updates stress and energy of the modes b and c, which are linear along a.
     let linear = |a: usize, b: usize, c: usize, history: &mut [R]| {
         let e_bb = along[c][b] * per.square[b];
         let e_cc = along[b][c] * per.square[c];
@@ -193,7 +193,7 @@ fn assumed_strain<R: Real>(
     let (q2, more2) = bilinear(2, history);
 
     let [x0, x1, x2, ..] = *step.end;
-    // Of components along the first three modes.
+    // Force from its components along the first three modes.
     let force = |on: [R; 3]| {
         std::array::from_fn(|i| on[0].mul_add(x0[i], on[1].mul_add(x1[i], on[2] * x2[i])))
     };
@@ -207,7 +207,7 @@ fn assumed_strain<R: Real>(
     (forces, R::splat(0.5) * density * step.mid_gradient.volume())
 }
 
-/// `turn v`.
+/// Returns `turn v`.
 #[inline(always)]
 pub fn apply<R: Real>(turn: &[[R; 3]; 3], v: [R; 3]) -> [R; 3] {
     std::array::from_fn(|i| dot(turn[i], v))

@@ -14,7 +14,7 @@ use crate::math::lanes::{Lane, Lanes, Real, cross, dot};
 
 /// Modes of a vector at the corners.
 pub type Modes<R> = [[R; 3]; 7];
-/// Hourglass modes among them.
+/// Number of hourglass modes among them.
 pub const HOURGLASS_MODES: usize = 4;
 
 /// Volume and mean gradient at given coordinates.
@@ -28,7 +28,7 @@ pub struct Gradient<R> {
 }
 
 impl<R: Real> Gradient<R> {
-    /// At the coordinates with these modes.
+    /// Computes the gradient at the coordinates with these modes.
     #[inline(always)]
     pub fn new(x: &Modes<R>) -> Self {
         let third = R::splat(1.0 / 3.0);
@@ -43,26 +43,27 @@ impl<R: Real> Gradient<R> {
             cross_and(y4, x3, cross(x1, y6)),
             cross_and(x2, y4, cross(y5, x1)),
         ];
-        // The volume is of third degree in the modes, and the quadratic term of each derivative is
-        // in it once: X1 . b1 has [X1 X2 X3] and [X1 X6 X5]/3; the other two are in X4 . b4.
+        // The volume is of third degree in the modes, and the quadratic term of each derivative
+        // occurs in it once: X1 . b1 contains [X1 X2 X3] and [X1 X6 X5]/3; the other two are in X4
+        // . b4.
         let volume64 = dot(x1, b[0]) + dot(x4, b[3]);
         Self { b, volume64, centre: dot(x1, centre) }
     }
 
-    /// Lanes whose volume and whose Jacobian at the centre are above nought.
+    /// Returns the lanes whose volume and whose Jacobian at the centre are positive.
     #[inline(always)]
     pub fn whole(&self) -> R::Mask {
         R::both(self.volume64.gt(R::zero()), self.centre.gt(R::zero()))
     }
 
-    /// Volume [length^3].
+    /// Returns the volume [length^3].
     #[inline(always)]
     pub fn volume(&self) -> R {
         R::splat(1.0 / 64.0) * self.volume64
     }
 
-    /// Mean gradient of `scale` times the field that has the modes `u`: component i by coordinate
-    /// j.
+    /// Returns the mean gradient of `scale` times the field that has the modes `u`: component i by
+    /// coordinate j.
     #[inline(always)]
     pub fn gradient_of(&self, u: &Modes<R>, scale: f64) -> [[R; 3]; 3] {
         let inverse = R::splat(scale) / self.volume64;
@@ -78,11 +79,11 @@ impl<R: Real> Gradient<R> {
         })
     }
 
-    /// Sum over corners of `B_I B_I'`: xx, yy, zz, xy, yz, zx [1/length^2]. `inverse` is one over
-    /// `volume64`.
+    /// Returns the sum over corners of `B_I B_I'`: xx, yy, zz, xy, yz, zx [1/length^2]. `inverse`
+    /// is one over `volume64`.
     #[inline(always)]
     pub fn gram(&self, inverse: R) -> [R; 6] {
-        // Eight corners, each with all the modes.
+        // All eight corners contain all the modes.
         let scale = R::splat(8.0) * inverse * inverse;
         let at = |i: usize, j: usize| {
             let mut sum = self.b[0][i] * self.b[0][j];
@@ -95,14 +96,14 @@ impl<R: Real> Gradient<R> {
     }
 }
 
-/// `a x b + c`.
+/// Returns `a x b + c`.
 #[inline(always)]
 fn cross_and<R: Real>(a: [R; 3], b: [R; 3], c: [R; 3]) -> [R; 3] {
     let at = |i: usize, j: usize, k: usize| a[j].mul_add(b[k], a[k].neg_mul_add(b[j], c[i]));
     [at(0, 1, 2), at(1, 2, 0), at(2, 0, 1)]
 }
 
-/// Modes of corner values, from differences along edges, which are small.
+/// Returns the modes of corner values, from differences along edges, which are small.
 #[inline(always)]
 pub fn modes_of<T>(x: [T; 8]) -> [T; 7]
 where
@@ -124,16 +125,16 @@ where
     ]
 }
 
-/// Corner values that are sums of modes with their signs.
+/// Returns the corner values, which are sums of modes with their signs.
 #[inline(always)]
 pub fn corners_of<T>(f: [T; 7]) -> [T; 8]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Neg<Output = T>,
 {
-    // In xi: modes without it, and with it.
+    // Modes that are even in xi, and modes that are odd in xi.
     let (a0, a1) = ([f[1], f[2], f[3]], [f[0], f[5], f[4], f[6]]);
     let along = |sum: T, difference: T| (sum - difference, sum + difference);
-    // Per (eta, zeta): what is even in xi, and what is odd.
+    // Per (eta, zeta): the parts that are even in xi and odd in xi.
     let even = |eta: bool, zeta: bool| {
         let first = if eta { a0[0] } else { -a0[0] };
         let second = if zeta { first + a0[1] } else { first - a0[1] };
@@ -151,13 +152,13 @@ where
     [x0, x1, x2, x3, x4, x5, x6, x7]
 }
 
-/// Modes of two nodal columns at the corners of a group.
+/// Returns the modes of two nodal columns at the corners of a group.
 #[inline(always)]
 pub fn gather<L: Lanes<W>, const W: usize>(
     group: &GroupNodes<8, W>,
     [one, other]: [&[[f64; 4]]; 2],
 ) -> [Modes<L>; 2] {
-    // One length for both columns: one check for each node.
+    // One length for both columns, so that one bounds check per node is enough.
     let n = one.len();
     let columns = [&one[..n], &other[..n]];
     let at = |c: usize| corner::<L, W>(group, columns, c);
@@ -176,7 +177,7 @@ pub fn gather<L: Lanes<W>, const W: usize>(
     [of(0), of(1)]
 }
 
-/// Two nodal columns at a corner of a group; where numbers are short, what they have there beyond
+/// Returns two nodal columns at a corner of a group; in single precision, their values relative to
 /// the first corner.
 #[inline(always)]
 fn corner<L: Lanes<W>, const W: usize>(
@@ -200,7 +201,7 @@ fn corner<L: Lanes<W>, const W: usize>(
     rows.map(L::from_rows)
 }
 
-/// Forces of modes to rows of corner forces.
+/// Converts forces of modes to rows of corner forces.
 #[inline(always)]
 pub fn scatter<L: Lanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupCorners<8, W>) {
     if L::SHORT {
@@ -219,7 +220,7 @@ pub fn scatter<L: Lanes<W>, const W: usize>(modes: &Modes<L>, force: &mut GroupC
     }
 }
 
-/// Modes of the corners of one element.
+/// Returns the modes of the corners of one element.
 pub fn modes_of_corners(x: &[[f64; 3]; 8]) -> Modes<f64> {
     let by_component: [[f64; 7]; 3] = std::array::from_fn(|i| modes_of(x.map(|corner| corner[i])));
     std::array::from_fn(|k| std::array::from_fn(|i| by_component[i][k]))

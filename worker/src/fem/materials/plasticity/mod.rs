@@ -1,16 +1,16 @@
-//! Plastic flow with the von Mises condition and isotropic hardening: what the laws of this kind
-//! share. They return the elastic trial to the yield surface along the flow rule, whatever the size
-//! of the step: in plane stress by `plane_stress`, in three dimensions by `solid`. Stresses are in
-//! units of the initial yield stress, in which their powers neither overflow nor vanish, whatever
-//! the units of the job.
+//! Plastic flow with the von Mises condition and isotropic hardening, shared by several laws.
+//! They return the elastic trial to the yield surface along the flow rule, for any size of step:
+//! in plane stress by `plane_stress`, in three dimensions by `solid`. Stresses are in units of
+//! the initial yield stress. Their powers then neither overflow nor underflow, in any units of
+//! the job.
 //!
-//! The yield stress is `sig_y(eps_p)` times a factor of the rate and one of the temperature, both
-//! taken as constant over the step: the rate from the total strain increment, the temperature from
-//! before the step.
+//! The yield stress is `sig_y(eps_p)` times a factor of the rate and a factor of the temperature.
+//! Both are constant over the step: the rate is that of the total strain increment, the
+//! temperature that before the step.
 //!
-//! Columns after stress: the effective plastic strain; where the law heats or fails also the rise
-//! of temperature, damage (failure at 1) and `failed` (0 or 1). A failed point bears no stress from
-//! then on and does not flow.
+//! Columns after stress: the effective plastic strain; if the law heats or fails, also the
+//! temperature rise, damage (failure at 1) and `failed` (0 or 1). A failed point has no stress
+//! and no plastic flow from then on.
 
 mod plane_stress;
 mod solid;
@@ -18,27 +18,28 @@ mod solid;
 use super::Elastic;
 use crate::math::lanes::Real;
 
-/// How near the yield surface a returned stress has to be, as a fraction of the yield stress.
+/// Largest distance of a returned stress from the yield surface, as a fraction of the yield
+/// stress.
 const TOLERANCE: f64 = 1e-10;
-/// The same in steps between numbers, where these are short: what round-off of the condition
-/// leaves.
+/// The same tolerance for single precision, in units of its epsilon: the round-off of the
+/// condition.
 const ROUND_OFF: f64 = 16.0;
-/// A power law is a straight line up to this plastic strain, where its slope is without bound.
+/// A power law is a straight line up to this plastic strain, since its slope is infinite at zero.
 const POWER_START: f64 = 1e-5;
-/// Least factor of temperature: what melts keeps so much of its yield stress.
+/// Smallest factor of temperature: molten material keeps this fraction of its yield stress.
 const LEAST_THERMAL: f64 = 1e-3;
-/// Least strain to failure of Johnson and Cook's formula, which can fall below nought.
+/// Smallest strain to failure of the formula of Johnson and Cook, which can be negative.
 const LEAST_FAILURE_STRAIN: f64 = 1e-6;
-/// Largest mean stress over von Mises stress that Johnson and Cook's formula is for.
+/// Largest mean stress over von Mises stress for which the formula of Johnson and Cook is valid.
 const LARGEST_TRIAXIALITY: f64 = 1.5;
 
-/// Columns after effective plastic strain.
+/// Columns after the effective plastic strain: temperature rise, damage, `failed`.
 const TEMPERATURE_RISE: usize = 1;
 const DAMAGE: usize = 2;
 const FAILED: usize = 3;
 
-/// How near the yield surface a returned stress has to be with this scalar, as a fraction of the
-/// yield stress.
+/// Returns the tolerance of a returned stress with this scalar, as a fraction of the yield
+/// stress.
 fn tolerance<R: Real>() -> f64 {
     TOLERANCE.max(ROUND_OFF * R::EPSILON)
 }
@@ -46,7 +47,7 @@ fn tolerance<R: Real>() -> f64 {
 /// A plastic law.
 pub struct Plasticity {
     pub elastic: Elastic,
-    /// Yield stress at no plastic strain [force/length^2].
+    /// Yield stress at zero plastic strain [force/length^2].
     pub yield_stress: f64,
     pub curve: Curve,
     pub rate: Rate,
@@ -54,23 +55,24 @@ pub struct Plasticity {
     pub failure: Failure,
 }
 
-/// Yield stress over plastic strain, in yield stresses.
+/// Yield stress over plastic strain, in units of the initial yield stress.
 pub enum Curve {
-    /// Straight lines: the first slope; plastic strains where the slope changes, and by how much.
+    /// Straight lines: the first slope; then plastic strains at which the slope changes, and the
+    /// change.
     Lines { slope: f64, ramps: Vec<(f64, f64)> },
     /// `1 + b eps_p^n`, 0 < n <= 1.
     Power { b: f64, n: f64 },
 }
 
 impl Curve {
-    /// Straight lines from slopes in the job's units.
+    /// Creates straight lines from slopes in the units of the job.
     pub fn lines(yield_stress: f64, slope: f64, ramps: &[(f64, f64)]) -> Self {
         let ramps = ramps.iter().map(|&(start, change)| (start, change / yield_stress)).collect();
         Self::Lines { slope: slope / yield_stress, ramps }
     }
 }
 
-/// Factor of the strain rate on the yield stress; never below one.
+/// Factor of the strain rate on the yield stress, at least one.
 pub enum Rate {
     None,
     /// `1 + (rate/c)^inv_p`, c in 1/time.
@@ -78,7 +80,7 @@ pub enum Rate {
         c: f64,
         inv_p: f64,
     },
-    /// `1 + c ln(rate/reference)` above the reference [1/time].
+    /// `1 + c ln(rate/reference)` above the reference rate [1/time].
     Logarithmic {
         c: f64,
         reference: f64,
@@ -86,50 +88,51 @@ pub enum Rate {
 }
 
 impl Rate {
-    /// Whether there is any.
+    /// Returns true if the yield stress depends on the rate.
     fn counts(&self) -> bool {
         !matches!(self, Rate::None)
     }
 }
 
-/// Softening by temperature, `1 - T*^m` with T* the rise over that to melting, and heating by
-/// plastic work.
+/// Softening by temperature, `1 - T*^m` with T* the temperature rise over that to melting, and
+/// heating by plastic work.
 pub struct Thermal {
     pub m: f64,
-    /// Melting temperature above that of the start.
+    /// Melting temperature minus initial temperature [temperature].
     pub to_melting: f64,
-    /// Rise of temperature per plastic strain at the initial yield stress.
+    /// Temperature rise per plastic strain at the initial yield stress [temperature].
     pub heating: f64,
 }
 
-/// When a point fails.
+/// Failure criterion of a point.
 pub enum Failure {
     None,
-    /// At this plastic strain.
+    /// Fails at this plastic strain.
     Strain(f64),
-    /// Johnson & Cook 1985: `(D1 + D2 exp(D3 sig*)) (1 + D4 ln rate*) (1 + D5 T*)`, the sum of `d
-    /// eps_p` over it being the damage; rates over the reference [1/time].
+    /// Johnson & Cook 1985: strain to failure `(D1 + D2 exp(D3 sig*)) (1 + D4 ln rate*) (1 + D5
+    /// T*)`. Damage is the sum of `d eps_p` over it. Rates are relative to the reference rate
+    /// [1/time].
     JohnsonCook {
         d: [f64; 5],
         reference: f64,
     },
 }
 
-/// What a step did to a point; stresses in yield stresses.
+/// Result of a step at a point; stresses in units of the initial yield stress.
 struct Damage<R> {
     /// Plastic strain increment.
     y: R,
     /// Von Mises and mean stress after the step.
     sig_y: R,
     mean: R,
-    /// `e:e` of the strain increment's deviator.
+    /// `e:e` of the deviator of the strain increment.
     square: R,
     /// Step [time].
     dt: f64,
 }
 
 impl Plasticity {
-    /// Names of the columns after stress.
+    /// Returns the names of the columns after stress.
     fn names(&self) -> &'static [&'static str] {
         if self.thermal.is_none() && matches!(self.failure, Failure::None) {
             &["plastic_strain"]
@@ -138,8 +141,8 @@ impl Plasticity {
         }
     }
 
-    /// Yield stress and plastic modulus at a plastic strain. Ramps instead of a search: no lane
-    /// waits for another.
+    /// Returns the yield stress and the plastic modulus at a plastic strain. It sums ramps and
+    /// needs no search, so no lane waits for another.
     #[inline(always)]
     fn yield_curve<R: Real>(&self, eps_p: R) -> (R, R) {
         match &self.curve {
@@ -166,14 +169,15 @@ impl Plasticity {
         }
     }
 
-    /// Yield stress of a point at no rate [force/length^2]; `columns` are those after stress.
+    /// Returns the yield stress of a point at zero rate [force/length^2]. `columns` are those
+    /// after stress.
     #[inline(always)]
     pub fn static_yield_stress<R: Real>(&self, columns: &[R]) -> R {
         R::splat(self.yield_stress) * self.thermal_factor(columns) * self.yield_curve(columns[0]).0
     }
 
-    /// Factor of the rate in the lanes of `mask`, one elsewhere; `square` is `e:e` of the strain
-    /// increment's deviator.
+    /// Returns the factor of the rate in the lanes of `mask`, one in others. `square` is `e:e` of
+    /// the deviator of the strain increment.
     #[inline(always)]
     fn rate_factor<R: Real>(&self, square: R, dt: f64, mask: R::Mask) -> R {
         let one = R::splat(1.0);
@@ -189,7 +193,7 @@ impl Plasticity {
         R::select(mask, factor, one)
     }
 
-    /// Factor of the temperature; `columns` are those after stress.
+    /// Returns the factor of the temperature. `columns` are those after stress.
     #[inline(always)]
     fn thermal_factor<R: Real>(&self, columns: &[R]) -> R {
         let one = R::splat(1.0);
@@ -200,7 +204,7 @@ impl Plasticity {
         Real::max(one - power, R::splat(LEAST_THERMAL))
     }
 
-    /// T*, at most one.
+    /// Returns T*, at most one.
     #[inline(always)]
     fn homologous<R: Real>(&self, columns: &[R]) -> R {
         match &self.thermal {
@@ -211,7 +215,7 @@ impl Plasticity {
         }
     }
 
-    /// Heats and damages the lanes of `mask`.
+    /// Adds heat and damage in the lanes of `mask`.
     #[inline(always)]
     fn accumulate_damage<R: Real>(&self, step: &Damage<R>, mask: R::Mask, columns: &mut [R]) {
         let one = R::splat(1.0);
@@ -234,7 +238,7 @@ impl Plasticity {
         };
         let damage = R::select(mask, columns[DAMAGE] + step.y / limit, columns[DAMAGE]);
         columns[DAMAGE] = damage;
-        // Round-off of a sum must not put the end off by a step.
+        // Round-off of the sum must not delay failure by a step.
         columns[FAILED] = R::select(
             damage.ge(R::splat(1.0 - f64::max(1e-12, ROUND_OFF * R::EPSILON))),
             one,
@@ -242,13 +246,13 @@ impl Plasticity {
         );
     }
 
-    /// Lanes that have not failed; `columns` are those after stress.
+    /// Returns the lanes that have not failed. `columns` are those after stress.
     #[inline(always)]
     fn alive<R: Real>(columns: &[R]) -> R::Mask {
         columns[FAILED].lt(R::splat(0.5))
     }
 
-    /// Takes the stress of failed lanes away: the first `stress` columns.
+    /// Sets the stress of failed lanes, the first `stress` columns, to zero.
     #[inline(always)]
     fn zero_failed<R: Real>(state: &mut [R], stress: usize) {
         let alive = Self::alive(&state[stress..]);
@@ -256,14 +260,14 @@ impl Plasticity {
     }
 }
 
-/// Effective rate of a strain increment whose deviator has the square `e:e`, over a time: `sqrt(2/3
-/// e:e)/time`.
+/// Returns the effective rate of a strain increment over a time, `sqrt(2/3 e:e)/time`. `square`
+/// is `e:e` of its deviator.
 #[inline(always)]
 fn effective_rate<R: Real>(square: R, time: f64) -> R {
     (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(1.0 / time)
 }
 
-/// Logarithm, nought below one.
+/// Returns the logarithm, zero below one.
 #[inline(always)]
 fn logarithm<R: Real>(ratio: R) -> R {
     Real::max(ratio, R::splat(1.0)).ln()

@@ -1,18 +1,19 @@
 //! Plane stress: projected return of Simo & Hughes 1998, box 3.3. With `s = sig_x + sig_y`, `d =
 //! sig_y - sig_x`, `t = sig_xy` of the elastic trial and the multiplier `x` [length^2/force],
 //! ```text
-//! sig_vm^2(x) = p / A^2 + q / B^2,   p = s^2/4,   q = 3/4 d^2 + 3 t^2,   A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
+//! sig_vm^2(x) = p / A^2 + q / B^2,   p = s^2/4,   q = 3/4 d^2 + 3 t^2,
+//! A = 1 + E x / (3 (1-nu)),   B = 1 + 2 G x
 //! y = d eps_p = 2/3 x sig_vm,        sig_vm(x) = sig_y(eps_p + y)
 //! s <- s / A,   d <- d / B,   t <- t / B
 //! ```
-//! so the returned stress lies on the yield surface, whatever the size of the step. At the solution
-//! `x` is `3/2 y / sig_y`, which makes it an equation for y without roots and with two functions
-//! that are linear in y wherever hardening is:
+//! so the returned stress lies on the yield surface, for any size of step. At the solution `x` is
+//! `3/2 y / sig_y`. This gives an equation for y without roots, with two functions that are
+//! linear in y if hardening is linear:
 //! ```text
 //! v(y) = p / alpha^2 + q / beta^2 = 1,   alpha = sig_y + E y / (2 (1-nu)),   beta = sig_y + 3 G y
 //! ```
-//! Its solver takes Halley steps on `1/sqrt(v) = 1`, which is linear in pure shear and in equal
-//! biaxial stress and nearly so elsewhere, with `sqrt(v)` as the rational function that agrees to
+//! Its solver uses Halley steps on `1/sqrt(v) = 1`, which is linear in pure shear and in equal
+//! biaxial stress and nearly linear otherwise. `sqrt(v)` is the rational function that agrees to
 //! the fourth power of v - 1. Two or three steps reach 1e-10 of the yield stress.
 
 use super::{Damage, Plasticity, tolerance};
@@ -21,15 +22,14 @@ use crate::math::lanes::{Lane, Lane32, Real};
 
 /// Columns of stress per point: xx, yy, xy.
 const STRESS: usize = 3;
-/// Effective plastic strain comes next.
+/// Column of the effective plastic strain.
 const STRAIN: usize = STRESS;
-/// Halley steps before bisection takes over. Two or three do, unless a table turns up sharply.
+/// Halley steps before bisection. Two or three are enough, unless a table steepens abruptly.
 const HALLEY_STEPS: usize = 20;
-/// Halvings of the bracket; 60 leave nothing of it.
+/// Number of bisections; 60 reduce the bracket to round-off.
 const BISECTIONS: usize = 60;
 
-/// A trial stress being returned, and where it has got to. Stresses in units of the initial yield
-/// stress.
+/// The return of a trial stress, in units of the initial yield stress.
 #[derive(Clone, Copy)]
 struct Return<R> {
     /// p and q of the trial.
@@ -53,7 +53,8 @@ struct Denominators<R> {
 }
 
 impl Plasticity {
-    /// Slopes of alpha and beta in y beside hardening, in yield stresses.
+    /// Returns the slopes of alpha and beta in y without hardening, in units of the initial yield
+    /// stress.
     #[inline(always)]
     fn moduli(&self) -> [f64; 2] {
         let Elastic { youngs_modulus, poisson, .. } = self.elastic;
@@ -61,7 +62,7 @@ impl Plasticity {
             .map(|m| m / self.yield_stress)
     }
 
-    /// All points of a group, each with so many columns.
+    /// Updates all points of a group, with `COLUMNS` columns each.
     #[inline(always)]
     fn stress<R: Real, const COLUMNS: usize>(&self, points: Points<'_, R>, dt: f64) {
         let [c11, c12, g] = self.elastic.plane_stress().map(R::splat);
@@ -73,7 +74,7 @@ impl Plasticity {
         let (strain, thickness_strain) = (&points.strain[..n], &mut points.thickness_strain[..n]);
         let states = &mut points.state.as_chunks_mut::<COLUMNS>().0[..n];
 
-        // 1. Elastic trial, and which lanes yield.
+        // 1. Elastic trial, and the lanes that yield.
         let idle = Return { p: zero, q: zero, eps_p: zero, scale: R::splat(1.0), y: zero };
         let mut returns = [idle; MAX_POINTS];
         let mut yields = [zero.gt(zero); MAX_POINTS];
@@ -113,7 +114,7 @@ impl Plasticity {
             return;
         }
 
-        // 2. Plastic strain of each lane; all points together, as they do not wait for one another.
+        // 2. Plastic strain of each lane, at all points together, since they are independent.
         self.solve(returns, yields);
 
         // 3. Return.
@@ -156,7 +157,7 @@ impl Plasticity {
         }
     }
 
-    /// Halley from y = 0; a lane that has arrived is frozen.
+    /// Solves by Halley steps from y = 0. A converged lane does not change.
     #[inline(always)]
     fn solve<R: Real>(&self, returns: &mut [Return<R>], yields: &[R::Mask]) {
         for _ in 0..HALLEY_STEPS {
@@ -173,21 +174,21 @@ impl Plasticity {
         }
     }
 
-    /// Moves the lanes that are off the surface still; false if there were none.
+    /// Moves the lanes that are not converged. Returns false if there are none.
     #[inline(always)]
     fn halley_step<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) -> bool {
         let Denominators { mut alpha, mut beta, mut d_alpha, mut d_beta, .. } =
             self.denominators(back);
         let (mut p, mut q) = (back.p, back.q);
         if R::SHORT {
-            // In units of alpha: what follows has powers up to the 18th of the trial stress, too
-            // large from 60 times yield on.
+            // Use units of alpha: the powers up to the 18th of the trial stress below overflow
+            // from 60 times yield.
             let unit = R::splat(1.0) / alpha;
             (alpha, beta) = (R::splat(1.0), beta * unit);
             (d_alpha, d_beta) = (d_alpha * unit, d_beta * unit);
             (p, q) = (p * unit * unit, q * unit * unit);
         }
-        // v = n/d2 over the common denominator; sqrt(v) - 1 is half of v - 1 near the end.
+        // v = n/d2 over the common denominator; sqrt(v) - 1 is half of v - 1 near the solution.
         let (alpha2, beta2) = (alpha * alpha, beta * beta);
         let d2 = alpha2 * beta2;
         let n = p.mul_add(beta2, q * alpha2);
@@ -195,12 +196,12 @@ impl Plasticity {
         if !R::any(active) {
             return false;
         }
-        // -v'/2 = m/d^3 and v''/6 = z/d^4, but for the curvature of hardening.
+        // -v'/2 = m/d^3 and v''/6 = z/d^4, without the curvature of hardening.
         let (on_p, on_q) = (p * d_alpha * beta2, q * d_beta * alpha2);
         let m = on_p.mul_add(beta, on_q * alpha);
         let z = (on_p * d_alpha).mul_add(beta2, on_q * d_beta * alpha2);
-        // Newton's step is top/below, with 4 (v^2 - 1)/(v^2 + 10 v + 5) for sqrt(v) - 1; then
-        // Halley's, with its one division gathered.
+        // Newton's step is top/below, with 4 (v^2 - 1)/(v^2 + 10 v + 5) for sqrt(v) - 1. Halley's
+        // step follows, with a single division.
         let d4 = d2 * d2;
         let e = n.mul_add(n, -d4);
         let top = R::splat(4.0) * n * alpha * beta * e;
@@ -211,8 +212,8 @@ impl Plasticity {
         true
     }
 
-    /// Halves the bracket between y = 0, which is outside the surface, and a y that is inside for
-    /// sure. Lanes that arrived before stay where they are.
+    /// Bisects the bracket between y = 0, which is outside the surface, and a y that is certainly
+    /// inside. Converged lanes do not change.
     #[cold]
     fn bisect<R: Real>(&self, back: &mut Return<R>, yields: R::Mask) {
         let outside = |back: &Return<R>| {
@@ -237,7 +238,7 @@ impl Plasticity {
     }
 }
 
-/// `e:e` of the isochoric strain increment with these components in the plane.
+/// Returns `e:e` of the isochoric strain increment with these in-plane components.
 #[inline(always)]
 fn square<R: Real>(eps: [R; 3]) -> R {
     let e_xy = R::splat(0.5) * eps[2];

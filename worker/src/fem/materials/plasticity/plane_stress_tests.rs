@@ -1,5 +1,5 @@
-//! Strain paths with known ends. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in the usual
-//! drivers.
+//! Strain paths with known results. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as in common
+//! test drivers.
 
 use super::super::{Curve, Failure, Rate};
 use super::*;
@@ -30,7 +30,7 @@ fn linear(modulus: f64) -> Box<dyn PlaneStress> {
     steel(&[("hardening_modulus", Param::Number(modulus))])
 }
 
-/// State after one increment, and the strain increment through the thickness.
+/// Applies one increment and returns the strain increment through the thickness.
 fn advance(law: &dyn PlaneStress, state: &mut [f64; COLUMNS], eps: [f64; 3], dt: f64) -> f64 {
     let mut eps_z = [0.0];
     law.update_one(Points { state, strain: &[eps], thickness_strain: &mut eps_z }, dt);
@@ -41,7 +41,7 @@ fn von_mises([x, y, t, _]: [f64; COLUMNS]) -> f64 {
     (x * x + y * y - x * y + 3.0 * t * t).sqrt()
 }
 
-/// Pulls along x and finds, each step, the lateral strain that leaves no lateral stress.
+/// Applies strain along x. In each step it finds the lateral strain with zero lateral stress.
 fn pull(law: &dyn PlaneStress, state: &mut [f64; COLUMNS], eps: f64, dt: f64) {
     let (mut low, mut high) = (-eps.abs(), eps.abs());
     for _ in 0..80 {
@@ -93,8 +93,8 @@ fn simple_paths_yield_where_they_should() {
     let mut eps_z = 0.0;
     (0..1000).for_each(|_| eps_z += advance(&*law, &mut plane, [1e-4, 0.0, 0.0], 1.0));
     let exact = 2.0 * YIELD / 3.0_f64.sqrt();
-    // The lateral stress creeps to one half of the other as elastic strain becomes small against
-    // plastic strain.
+    // The lateral stress approaches one half of the axial stress as elastic strain becomes small
+    // against plastic strain.
     assert!(
         (plane[0] - exact).abs() < 1e-6 * exact,
         "elastic part forgotten after 10 %: {} for {exact}",
@@ -187,7 +187,7 @@ fn every_lane_is_what_it_would_be_alone() {
     let mut noise = crate::fem::elements::testing::Noise(7);
     for law in laws {
         const N: usize = 5;
-        // Lanes from elastic to strongly plastic, one of them without strain.
+        // Lanes from elastic to strongly plastic; one lane has no strain.
         let mut wide = [Lane::splat(0.0); N * COLUMNS];
         let mut alone = [[0.0; N * COLUMNS]; LANES];
         let mut shuffled = wide;
@@ -208,7 +208,7 @@ fn every_lane_is_what_it_would_be_alone() {
                 Points { state: &mut wide, strain: &strain, thickness_strain: &mut eps_z },
                 0.01,
             );
-            // The same elements the other way round, lane 1 twice.
+            // The same elements in reverse order, lane 1 twice.
             let strain = lanes(&|lane| [3, 2, 1, 1][lane]);
             let mut other_z = eps_z;
             law.update(
@@ -258,7 +258,7 @@ fn bisection_finds_what_halley_finds() {
     law.bisect(&mut halved, true);
     let off = (halley[0].y - halved.y).abs() / halved.y;
     assert!(off < 1e-9, "the solver stops at 1e-10 of yield: {off}");
-    // A lane that has arrived is not moved, not even by round-off.
+    // A converged lane does not move, not even by round-off.
     let there = halley[0].y;
     law.bisect(&mut halley[0], true);
     assert_eq!(halley[0].y.to_bits(), there.to_bits());

@@ -3,10 +3,10 @@
 //! ```text
 //! sig_vm = sqrt(3/2 s:s),   sig_vm - 3 G y = sig_y(eps_p + y),   s <- s (1 - 3 G y / sig_vm)
 //! ```
-//! Where the hardening is straight lines, the equation for y = d eps_p is solved without iteration:
-//! from the slope at eps_p, then corrected for each bend of the curve that the answer lies beyond.
-//! With a power law, by Newton from y = 0: hardening is concave, so that the steps never pass the
-//! answer.
+//! If hardening consists of straight lines, the equation for y = d eps_p is solved without
+//! iteration: from the slope at eps_p, then corrected for each bend of the curve below the
+//! solution. For a power law Newton steps from y = 0 solve it: hardening is concave, so the steps
+//! never overshoot.
 
 use super::{Curve, Damage, Plasticity, tolerance};
 use crate::fem::materials::{Elastic, Solid, SolidPoint};
@@ -14,9 +14,9 @@ use crate::math::lanes::{Lane, Lane32, Real, dot};
 
 /// Columns of stress: xx, yy, zz, xy, yz, zx.
 const STRESS: usize = 6;
-/// Effective plastic strain comes next.
+/// Column of the effective plastic strain.
 const STRAIN: usize = STRESS;
-/// Newton steps at most; three to six do.
+/// Largest number of Newton steps; three to six are enough.
 const NEWTON_STEPS: usize = 60;
 
 impl Plasticity {
@@ -86,7 +86,7 @@ impl Plasticity {
         factor
     }
 
-    /// Plastic strain increment that brings a trial beyond yield back.
+    /// Returns the plastic strain increment that returns a trial beyond yield.
     #[inline(always)]
     fn radial<R: Real>(&self, trial: &Trial<R>, sig_y: R, modulus: R, over: R::Mask) -> R {
         let &Trial { stress, three_g, scale, eps_p } = trial;
@@ -96,7 +96,7 @@ impl Plasticity {
             Curve::Lines { ramps, .. } => {
                 for &(start, change) in ramps {
                     let bend = R::splat(start) - eps_p;
-                    // A bend behind is in the slope already.
+                    // The slope includes bends before eps_p already.
                     let ahead = R::both(bend.ge(R::zero()), y.gt(bend));
                     let steeper = scale.mul_add(R::splat(change), slope);
                     y = R::select(ahead, bend + (y - bend) * (slope / steeper), y);
@@ -130,7 +130,7 @@ impl Plasticity {
 
 /// A trial stress to be returned, in units of the initial yield stress.
 struct Trial<R> {
-    /// Its von Mises stress.
+    /// Von Mises stress of the trial.
     stress: R,
     three_g: R,
     /// Factor of rate and temperature on the yield stress.

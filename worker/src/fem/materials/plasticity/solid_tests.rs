@@ -1,5 +1,5 @@
-//! Strain paths with known ends, verification A27. Steel in GPa: E = 210, nu = 0.3, yield 0.25, as
-//! in the usual drivers.
+//! Strain paths with known results, verification A27. Steel in GPa: E = 210, nu = 0.3, yield
+//! 0.25, as in common test drivers.
 
 use crate::fem::elements::testing::Noise;
 use crate::fem::materials::{Solid, SolidPoint, build_solid};
@@ -29,8 +29,8 @@ fn advance(law: &dyn Solid, state: &mut [f64], strain: [f64; 6], dt: f64) {
     law.update_one(SolidPoint { state, strain: &strain }, dt);
 }
 
-/// A step with `eps` along x and along the axes in `free` the strain that leaves no stress there;
-/// the others are held.
+/// Applies a step with `eps` along x. Along the axes in `free` it finds the strain with zero
+/// stress; the other strains are zero.
 fn pull(law: &dyn Solid, state: &mut [f64], eps: f64, free: &[usize], dt: f64) {
     let strain = |lateral: f64| {
         let mut strain = [eps, 0.0, 0.0, 0.0, 0.0, 0.0];
