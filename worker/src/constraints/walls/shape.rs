@@ -113,9 +113,7 @@ impl Surface {
         }
         let gap = self.gap_after(x, v, dt);
         let limited = !matches!(self.form, Form::Plane);
-        if gap >= 0.0
-            || limited && !self.is_constrained(x, self.distance(x), dt * before.norm())
-        {
+        if gap >= 0.0 || limited && !self.is_constrained(x, self.distance(x), dt * before.norm()) {
             return None;
         }
         Some((self.direction, gap))

@@ -148,8 +148,7 @@ impl DeckConverter {
                 Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
                 None if keywords::is_output(&block.name) => {
                     let message = format!("*{} is not read", block.name);
-                    let help =
-                        "what a run writes is told in README.md; [output] of a job sets how often";
+                    let help = "docs/guide/output.md lists what a run writes; [output] of a job sets how often";
                     self.trouble.warn_once(&block.name, block.place(), message, help);
                 }
                 None => {

@@ -208,9 +208,10 @@ impl Plasticity {
     #[inline(always)]
     fn homologous<R: Real>(&self, columns: &[R]) -> R {
         match &self.thermal {
-            Some(thermal) => {
-                Real::min(columns[TEMPERATURE_RISE] * R::splat(1.0 / thermal.to_melting), R::splat(1.0))
-            }
+            Some(thermal) => Real::min(
+                columns[TEMPERATURE_RISE] * R::splat(1.0 / thermal.to_melting),
+                R::splat(1.0),
+            ),
             None => R::zero(),
         }
     }
@@ -221,7 +222,8 @@ impl Plasticity {
         let one = R::splat(1.0);
         let homologous = self.homologous(columns);
         if let Some(thermal) = &self.thermal {
-            let rise = R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[TEMPERATURE_RISE]);
+            let rise =
+                R::splat(thermal.heating).mul_add(step.sig_y * step.y, columns[TEMPERATURE_RISE]);
             columns[TEMPERATURE_RISE] = R::select(mask, rise, columns[TEMPERATURE_RISE]);
         }
         let limit = match self.failure {
