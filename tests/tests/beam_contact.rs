@@ -164,9 +164,9 @@ fn crossed(law: &str, off: f64) -> ([f64; 2], f64) {
     ([mean(&above), mean(&below)], change)
 }
 
-/// Rigid beams collide at the distance `d` from their middles. The impulse is `m v (1 + e)/2/(1
-/// + m d^2/I)`, with the restitution e = 0 of the laws without compliance and e = 1 of a spring
-/// without damping.
+/// Rigid beams collide at the distance `d` from their middles. The impulse is
+/// `m v (1 + e)/2/(1 + m d^2/I)`, with the restitution e = 0 of the laws without compliance and
+/// e = 1 of a spring without damping.
 #[test]
 fn crossed_rigid_beams_take_over_the_closed_form() {
     for d in [0.0, 20.0] {

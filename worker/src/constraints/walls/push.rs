@@ -2,8 +2,8 @@
 //!
 //! A node of mass m that would end behind the wall takes the wall's velocity V in a plastic
 //! impact and closes its gap g. It receives the impulse `m (V - u)` with `u = v + g / dt`, the
-//! velocity of the wall at which both would just touch. The wall receives the opposite, `M (V0
-//! - V) = sum m (V - u)` over all nodes with u < V. The sum increases with V, so there is one
+//! velocity of the wall at which both would just touch. The wall receives the opposite, `M (V0 -
+//! V) = sum m (V - u)` over all nodes with u < V. The sum increases with V, so there is one
 //! solution: nodes are added in ascending u until the next one moves ahead of the wall.
 //!
 //! Every worker sends its owned nodes that may touch the wall to all others, and all solve for
